@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "softfinger/geometry/quadric_fit.h"
+#include "softfinger/geometry/relative_curvature.h"
+
+namespace softfinger {
+
+/// A point on a triangulated body, where it will be touched.
+struct MeshContactPoint {
+  const TriangleSurface* surface = nullptr;
+  Eigen::Vector3d point_m;
+  std::optional<Eigen::Vector3d> outward_normal;
+};
+
+/// One body of a contact: an exact quadric or a point on a mesh.
+using ContactBody = std::variant<Quadric, MeshContactPoint>;
+
+/// The local geometry on which region and contact agree.
+struct ContactPatch {
+  RelativeCurvature relative;
+  std::optional<QuadricFit> finger_fit, object_fit;  ///< set for mesh bodies
+  double predicted_area_m2 = 0;  ///< of the contact, for the final radii
+  double region_area_m2 = 0;     ///< pi times the region's radius squared
+  int iterations = 0;
+  bool agrees = true;            ///< region within 2 % of twice the predicted area
+  std::string remark;            ///< why not, in words, when it does not ("the mesh has only 5 vertices within ...")
+};
+
+/// Iterates region and prediction until the region is twice the predicted contact area
+/// (Ciocarlie et al. 2007, section 4.1), or as near to that as the mesh allows, and says so.
+///
+/// @param predicted_area_m2  area of the contact for given relative radii, from any pressure model
+/// @throws InputError from the fits.
+ContactPatch fit_contact_patch(const ContactBody& finger, const ContactBody& object, double angle_rad,
+                               const std::function<double(const RelativeRadii&)>& predicted_area_m2);
+
+}  // namespace softfinger

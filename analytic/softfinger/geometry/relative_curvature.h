@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "softfinger/geometry/quadric_fit.h"
+#include "softfinger/input/contact_problem.h"
+
+namespace softfinger {
+
+/// What kind of contact two quadrics make near their common point.
+enum class ContactKind {
+  elliptic,    ///< one ellipse: both relative curvatures positive
+  line,        ///< one relative curvature vanishes: a cylinder along a plane; no ellipse
+  conforming,  ///< both vanish: flat on flat; no ellipse
+  saddle       ///< a relative curvature is negative: the bodies interpenetrate beside the point
+};
+
+struct RelativeCurvature {
+  ContactKind kind = ContactKind::elliptic;
+  RelativeRadii radii;                  ///< meaningful for `elliptic` only
+  std::array<double, 2> radii_std_m{};  ///< one standard deviation of R', R''; 0 for exact quadrics
+  std::array<double, 2> curvatures_per_m{};  ///< 1/R', 1/R'' (ascending), for any kind
+};
+
+/// Relative curvature of two bodies in contact (Ciocarlie et al. 2007, eq. 8).
+///
+/// Both quadrics are depths below the common tangent plane, each into its own body, seen in the finger's contact frame (z along
+/// the finger's outward normal); the gap is their sum. `angle_rad` turns the object counter-clockwise
+/// about z: its x axis lies at that angle from the finger's.
+/// Covariances (of A, B, C; zero for exact quadrics) are propagated to first order.
+RelativeCurvature relative_curvature(const Quadric& finger, const Eigen::Matrix3d& finger_covariance_per_m2,
+                                     const Quadric& object, const Eigen::Matrix3d& object_covariance_per_m2,
+                                     double angle_rad);
+
+}  // namespace softfinger
