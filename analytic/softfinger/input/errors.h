@@ -1,27 +1,36 @@
 #pragma once
 
+#include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace softfinger {
 
 /// A value from outside that cannot be used. `what()` is the one line that the user reads:
-/// "<where>: <field> = <value> <unit>: allowed: <allowed>".
+/// "<where>: <field> = <value>: allowed: <allowed>".
 class InputError : public std::runtime_error {
  public:
   /// @param where    file, with line where known ("tip.toml:12"), or the flag's name
   /// @param field    the name that the user typed, unit suffix included
-  /// @param value    the offending value as text
-  /// @param allowed  what would have been accepted, as text
-  InputError(std::string where, std::string field, std::string value, std::string allowed)
+  /// @param value    the offending value as text; may be empty
+  /// @param allowed  what would have been accepted, as text; may be empty
+  InputError(const std::string& where, const std::string& field, const std::string& value,
+             const std::string& allowed)
       : std::runtime_error(where + ": " + field + (value.empty() ? "" : " = " + value) +
                            (allowed.empty() ? "" : ": allowed: " + allowed)),
-        where(std::move(where)),
-        field(std::move(field)),
-        value(std::move(value)),
-        allowed(std::move(allowed)) {}
+        where_(where),
+        field_(field),
+        value_(value),
+        allowed_(allowed) {}
 
-  const std::string where, field, value, allowed;
+  const std::string& where() const { return where_; }
+  const std::string& field() const { return field_; }
+  const std::string& value() const { return value_; }
+  const std::string& allowed() const { return allowed_; }
+
+ private:
+  std::string where_, field_, value_, allowed_;
 };
 
 /// An iteration that did not reach its tolerance. The hint names the usual cause.
@@ -29,12 +38,22 @@ class ConvergenceError : public std::runtime_error {
  public:
   ConvergenceError(const std::string& stage, int iteration, double residual, const std::string& hint)
       : std::runtime_error(stage + " did not converge: iteration " + std::to_string(iteration) +
-                           ", residual " + std::to_string(residual) + "; " + hint),
-        iteration(iteration),
-        residual(residual) {}
+                           ", residual " + short_text(residual) + "; hint: " + hint),
+        iteration_(iteration),
+        residual_(residual) {}
 
-  const int iteration;
-  const double residual;
+  int iteration() const { return iteration_; }
+  double residual() const { return residual_; }
+
+ private:
+  static std::string short_text(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+  }
+
+  int iteration_;
+  double residual_;
 };
 
 }  // namespace softfinger

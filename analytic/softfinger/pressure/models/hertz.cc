@@ -1,0 +1,105 @@
+#include <cmath>
+
+#include "softfinger/friction/max_torque.h"
+#include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/pressure/elliptic_pressure.h"
+#include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/validity.h"
+
+namespace softfinger::models {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// The ellipse that belongs to a ratio of radii: q = b²/a² with R'/R'' = B/(q D), which is
+/// ((a/b)² E - K) / (K - E) without its cancellations.
+///
+/// In logarithms the relation is close to a straight line (slope -3/4 at the circle, -1 for long
+/// ellipses) and monotone, so that Newton's method converges from anywhere; from this start it
+/// needs at most three steps. `radii_ratio` >= 1.
+EllipticIntegrals solve_ellipse(double radii_ratio) {
+  constexpr int kMaxIterations = 12;
+  constexpr double kTolerance = 1e-7;  // quadratic: the step taken then leaves rounding errors only
+  const double log_ratio = std::log(radii_ratio);
+  // q D = 1/ratio with D = ln(4) - 1 - ln(q)/2 for long ellipses suggests q = 1/(ratio (1 + f L)),
+  // L = ln(ratio), where f grows from 1/3 (slope at the circle) to 1/2 and a little; this f is
+  // within 2 % of the solution q.
+  const double u = log_ratio / 3.4;
+  const double f = 1.0 / 3 + 0.2 * u / std::sqrt(1 + u * u);
+  double q = 1 / (radii_ratio * (1 + f * log_ratio));
+  for (int iteration = 0;; ++iteration) {
+    const EllipticIntegrals integrals = elliptic_integrals(q);
+    const double ratio = integrals.B / (q * integrals.D);
+    const double residual = std::log(ratio / radii_ratio);
+    const double m = 1 - q;
+    // d ln(ratio) / d ln(q); its own cancellation near the circle is avoided by its limit there.
+    const double slope =
+        m < 1e-5 ? -0.75
+                 : -1 + (integrals.B / integrals.D - q * integrals.D / integrals.B) / (2 * m);
+    q *= std::exp(-residual / slope);
+    if (q > 1) q = 1;
+    if (std::abs(residual) <= kTolerance || iteration == kMaxIterations)
+      return elliptic_integrals(q);
+  }
+}
+
+class Hertz final : public PressureModel {
+ public:
+  const ModelCard& card() const noexcept override {
+    static const ModelCard card{
+        "hertz",
+        "Elliptic Hertz contact on a half-space",
+        "Linear elasticity; the layer is so thick that its rigid base is not felt; the gap is a "
+        "quadric and shallow inside the contact; no friction in the normal problem.",
+        "p = p0 sqrt(1 - x²/a² - y²/b²), p0 = 3P/(2 pi a b); "
+        "R'/R'' = ((a/b)² E(m) - K(m)) / (K(m) - E(m)), m = 1 - b²/a²; "
+        "a³ = 3 P R' (K - E)/(pi E* m), d = 3 P K/(2 pi a E*), E* = E/(1 - nu²); "
+        "arm of the torque: (3/8) a E(m) (exact), (3 pi/16) sqrt(ab) (paper)",
+        "K. L. Johnson, Contact Mechanics (1985), section 4.2; torque: Ciocarlie, Lackner, Allen "
+        "(2007), eq. 10",
+        "contact small against the layer: sqrt(ab)/h below 0.88 (nu = 0) to 0.65 (nu = 1/2); "
+        "a/R', b/R'' and d/h below 0.3",
+        "about 400 ns"};
+    return card;
+  }
+
+  Prediction predict(const ContactProblem& problem) const noexcept override {
+    const ValidityCheck violation = first_range_violation(problem);
+    if (*violation.check) return no_answer(violation);
+
+    const double R1 = problem.radii.major_m, R2 = problem.radii.minor_m;
+    const double modulus_Pa = problem.layer.plane_strain_modulus_Pa();
+    const double compliance_m2 = 3 * (problem.load.normal_force_N / modulus_Pa);  // 3 P / E*
+    const EllipticIntegrals integrals = solve_ellipse(R1 / R2);
+    if (!(integrals.q > 1e-290)) return no_answer(not_representable());
+
+    Prediction prediction;
+    prediction.has_answer = true;
+    prediction.a_m = std::cbrt(compliance_m2 * R1 * integrals.D / kPi);
+    prediction.b_m = prediction.a_m * std::sqrt(integrals.q);
+    prediction.indentation_m = compliance_m2 * integrals.K() / (2 * kPi * prediction.a_m);
+    prediction.peak_pressure_Pa =
+        1.5 * problem.load.normal_force_N / (kPi * prediction.a_m * prediction.b_m);
+    // torque_arm_exact_m(a, b, 1/2) with the E(m) that is at hand.
+    prediction.torque_arm_exact_m = 0.375 * prediction.a_m * integrals.E();
+    prediction.torque_arm_paper_m = torque_arm_paper_m(prediction.a_m, prediction.b_m, 0.5);
+    prediction.validity.add(thick_layer_check(prediction, problem.layer));
+    prediction.validity.add(small_slope_check(prediction, problem.radii));
+    prediction.validity.add(small_strain_check(prediction, problem.layer));
+    return finite_or_no_answer(prediction);
+  }
+
+  double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,
+                     double y_m) const noexcept override {
+    return prediction.peak_pressure_Pa * std::sqrt(ellipse_depth(prediction, x_m, y_m));
+  }
+};
+
+}  // namespace
+
+const PressureModel& hertz_model() {
+  static const Hertz model;
+  return model;
+}
+
+}  // namespace softfinger::models

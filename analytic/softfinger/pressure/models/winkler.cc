@@ -1,0 +1,74 @@
+#include <cmath>
+
+#include "softfinger/friction/max_torque.h"
+#include "softfinger/pressure/elliptic_pressure.h"
+#include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/validity.h"
+
+namespace softfinger::models {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+class Winkler final : public PressureModel {
+ public:
+  const ModelCard& card() const noexcept override {
+    static const ModelCard card{
+        "winkler",
+        "Elastic foundation of independent columns",
+        "Linear elasticity; the layer is thin against the contact and compressible, so that each "
+        "column is compressed on its own, without moving sideways (modulus K = M, confined; K = E "
+        "would be wrong for a bonded layer unless nu = 0).",
+        "p = (K d/h) (1 - x²/a² - y²/b²), d = sqrt(P h/(K pi sqrt(R' R''))), a = sqrt(2 d R'), "
+        "b = sqrt(2 d R''), K = M = E (1 - nu)/((1 + nu)(1 - 2 nu)); "
+        "arm of the torque: (16/(15 pi)) a E(m), m = 1 - b²/a² (exact), (8/15) sqrt(ab) (paper)",
+        "Ciocarlie, Lackner, Allen (2007), eq. 9, 11-13",
+        "contact large against the layer: sqrt(ab)/h above 2.7 (nu = 0.3), 10 (0.45), 52 (0.49), "
+        "never at nu = 1/2; a/R', b/R'' and d/h below 0.3",
+        "about 100 ns"};
+    return card;
+  }
+
+  Prediction predict(const ContactProblem& problem) const noexcept override {
+    const ValidityCheck violation = first_range_violation(problem);
+    if (*violation.check) return no_answer(violation);
+    if (problem.layer.poisson_ratio == 0.5)
+      return no_answer({"compressible", 0, 1e-16, false,
+                        "no answer: at nu = 1/2 (value: 1 - 2 nu) a confined column cannot be "
+                        "compressed, so that independent columns carry any load without contact"});
+
+    const double h = problem.layer.thickness_m;
+    const double R1 = problem.radii.major_m, R2 = problem.radii.minor_m;
+    const double modulus_Pa = problem.layer.oedometric_modulus_Pa();
+    const double mean_radius_m = std::sqrt(R1) * std::sqrt(R2);
+
+    Prediction prediction;
+    prediction.has_answer = true;
+    const double d =
+        std::sqrt(problem.load.normal_force_N / modulus_Pa / kPi * (h / mean_radius_m));
+    prediction.indentation_m = d;
+    prediction.a_m = std::sqrt(2 * d * R1);
+    prediction.b_m = std::sqrt(2 * d * R2);
+    prediction.peak_pressure_Pa = modulus_Pa * (d / h);
+    prediction.torque_arm_exact_m = torque_arm_exact_m(prediction.a_m, prediction.b_m, 1);
+    prediction.torque_arm_paper_m = torque_arm_paper_m(prediction.a_m, prediction.b_m, 1);
+    prediction.validity.add(thin_layer_check(prediction, problem.layer));
+    prediction.validity.add(small_slope_check(prediction, problem.radii));
+    prediction.validity.add(small_strain_check(prediction, problem.layer));
+    return finite_or_no_answer(prediction);
+  }
+
+  double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,
+                     double y_m) const noexcept override {
+    return prediction.peak_pressure_Pa * ellipse_depth(prediction, x_m, y_m);
+  }
+};
+
+}  // namespace
+
+const PressureModel& winkler_model() {
+  static const Winkler model;
+  return model;
+}
+
+}  // namespace softfinger::models

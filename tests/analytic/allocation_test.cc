@@ -1,0 +1,47 @@
+// A prediction belongs into a simulator's inner loop: it must not touch the heap.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "softfinger/friction/friction_ellipsoid.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace {
+std::size_t allocations = 0;
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void* operator new[](std::size_t size) { return operator new(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace softfinger {
+namespace {
+
+TEST(Allocation, NoModelAllocatesToPredict) {
+  for (const PressureModel* model : all_pressure_models()) {
+    double sum = 0;
+    const std::size_t before = allocations;
+    for (const double poisson_ratio : {0.0, 0.3, 0.49, 0.5})
+      for (const double ratio : {1.0, 3.0, 1e6})
+        for (const double load_N : {-1.0, 1e-6, 1.0, 1e6}) {
+          const ContactProblem problem{
+              {0.005 * ratio, 0.005}, {0.002, 3e5, poisson_ratio}, {load_N, 0.8}};
+          const Prediction prediction = model->predict(problem);
+          sum += model->pressure_Pa(problem, prediction, 0, 0);
+          sum += FrictionEllipsoid{1, prediction.torque_arm_exact_m}.utilisation(0.1, 0.1, 0);
+        }
+    EXPECT_EQ(allocations, before) << model->card().name;
+    EXPECT_GT(sum, 0);
+  }
+}
+
+}  // namespace
+}  // namespace softfinger

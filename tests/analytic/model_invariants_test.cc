@@ -1,0 +1,244 @@
+// What must hold for every pressure model of the registry, whatever its equations. A new model is
+// tested here the moment its file exists.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "quadrature.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger {
+namespace {
+
+/// `value` between `lowest` and `highest`, uniform in its logarithm, as a RapidCheck generator.
+rc::Gen<double> log_uniform(double lowest, double highest) {
+  constexpr int kSteps = 1 << 30;
+  return rc::gen::map(rc::gen::inRange(0, kSteps + 1), [=](int step) {
+    return lowest * std::pow(highest / lowest, double(step) / kSteps);
+  });
+}
+
+/// Problems of fingertip size: micrometres to decimetres, gels to rubber, all Poisson's ratios.
+rc::Gen<ContactProblem> fingertip_problem() {
+  return rc::gen::apply(
+      [](double R2, double ratio, double h, double E, double nu, double P) {
+        return ContactProblem{{R2 * ratio, R2}, {h, E, nu}, {P, 0.8}};
+      },
+      log_uniform(1e-3, 0.1), log_uniform(1, 1e4), log_uniform(1e-4, 0.05), log_uniform(1e4, 1e7),
+      rc::gen::map(rc::gen::inRange(0, 1001), [](int step) { return step * 0.0005; }),
+      log_uniform(1e-3, 1e2));
+}
+
+void assert_close(double value, double reference, double tolerance) {
+  RC_ASSERT(std::abs(value - reference) <= tolerance * std::abs(reference));
+}
+
+TEST(ModelRegistry, ListsTheModelsOfTheFolderByName) {
+  ASSERT_GE(all_pressure_models().size(), 2u);
+  std::string previous;
+  for (const PressureModel* model : all_pressure_models()) {
+    const ModelCard& card = model->card();
+    EXPECT_LT(previous, card.name);
+    previous = card.name;
+    EXPECT_EQ(find_pressure_model(card.name), model);
+    for (const std::string_view text : {card.name, card.title, card.assumptions, card.equations,
+                                        card.source, card.validity, card.cost})
+      EXPECT_FALSE(text.empty()) << card.name;
+  }
+  EXPECT_NE(find_pressure_model("hertz"), nullptr);
+  EXPECT_NE(find_pressure_model("winkler"), nullptr);
+  EXPECT_EQ(find_pressure_model("herz"), nullptr);
+}
+
+TEST(ModelInvariants, PressureBalancesTheLoadAndGivesTheTorqueArm) {
+  for (const PressureModel* model : all_pressure_models())
+    for (const double ratio : {1.0, 1.001, 3.0, 50.0})
+      for (const double nu : {0.0, 0.3, 0.49, 0.5}) {
+        const ContactProblem problem{{0.008 * ratio, 0.008}, {0.003, 2e5, nu}, {2, 0.8}};
+        const Prediction prediction = model->predict(problem);
+        if (!prediction.has_answer) continue;
+        const auto pressure = [&](long double x, long double y) {
+          return model->pressure_Pa(problem, prediction, double(x), double(y));
+        };
+        const double load_N = double(testing::integrate_ellipse(
+            prediction.a_m, prediction.b_m,
+            [&](long double x, long double y) -> long double { return pressure(x, y); }));
+        const double moment_Nm = double(testing::integrate_ellipse(
+            prediction.a_m, prediction.b_m, [&](long double x, long double y) {
+              return pressure(x, y) * std::sqrt(x * x + y * y);
+            }));
+        const double P = problem.load.normal_force_N;
+        // Near the edge the pressure is a small difference: its rounding is a root of epsilon
+        // there, over a strip of area epsilon.
+        EXPECT_NEAR(load_N / P, 1, 1e-12) << model->card().name << " " << ratio << " " << nu;
+        EXPECT_NEAR(moment_Nm / P / prediction.torque_arm_exact_m, 1, 1e-12)
+            << model->card().name << " " << ratio << " " << nu;
+        EXPECT_DOUBLE_EQ(pressure(0, 0), prediction.peak_pressure_Pa);
+        EXPECT_EQ(pressure(1.0001 * prediction.a_m, 0), 0);
+        EXPECT_EQ(pressure(0, -1.0001 * prediction.b_m), 0);
+      }
+}
+
+// Dimensional analysis: lengths times `length`, forces times `force`.
+RC_GTEST_PROP(ModelInvariants, NumbersChangeWithTheUnitsAsTheirDimensionsDemand, ()) {
+  const ContactProblem problem = *fingertip_problem();
+  const double length = *log_uniform(1e-3, 1e3), force = *log_uniform(1e-3, 1e3);
+  ContactProblem scaled = problem;
+  scaled.radii.major_m *= length;
+  scaled.radii.minor_m *= length;
+  scaled.layer.thickness_m *= length;
+  scaled.layer.youngs_modulus_Pa *= force / (length * length);
+  scaled.load.normal_force_N *= force;
+  RC_PRE(scaled.radii.major_m >= scaled.radii.minor_m);
+  const double tolerance = 1e-12;  // the rounding of the scaled input, a few epsilon, amplified
+  for (const PressureModel* model : all_pressure_models()) {
+    const Prediction one = model->predict(problem), other = model->predict(scaled);
+    RC_ASSERT(one.has_answer == other.has_answer);
+    assert_close(other.a_m, length * one.a_m, tolerance);
+    assert_close(other.b_m, length * one.b_m, tolerance);
+    assert_close(other.indentation_m, length * one.indentation_m, tolerance);
+    assert_close(other.peak_pressure_Pa, force / (length * length) * one.peak_pressure_Pa,
+                 tolerance);
+    assert_close(other.torque_arm_exact_m, length * one.torque_arm_exact_m, tolerance);
+    assert_close(other.torque_arm_paper_m, length * one.torque_arm_paper_m, tolerance);
+    auto check = other.validity.begin();
+    for (const ValidityCheck& reference : one.validity) {
+      RC_ASSERT(std::string(reference.check) == check->check);
+      assert_close(check->value, reference.value, tolerance);
+      assert_close(check->limit, reference.limit, tolerance);
+      ++check;
+    }
+  }
+}
+
+RC_GTEST_PROP(ModelInvariants, LargerLoadsMakeLargerContactsAndTorqueArms, ()) {
+  ContactProblem problem = *fingertip_problem();
+  const double factor = *log_uniform(1.0001, 100);
+  for (const PressureModel* model : all_pressure_models()) {
+    const Prediction one = model->predict(problem);
+    ContactProblem heavier = problem;
+    heavier.load.normal_force_N *= factor;
+    const Prediction other = model->predict(heavier);
+    if (!one.has_answer) continue;
+    RC_ASSERT(other.a_m > one.a_m);
+    RC_ASSERT(other.b_m > one.b_m);
+    RC_ASSERT(other.indentation_m > one.indentation_m);
+    RC_ASSERT(other.peak_pressure_Pa > one.peak_pressure_Pa);
+    RC_ASSERT(other.torque_arm_exact_m > one.torque_arm_exact_m);
+  }
+}
+
+RC_GTEST_PROP(ModelInvariants, LongAxisLiesAlongTheLargerRadius, ()) {
+  const ContactProblem problem = *fingertip_problem();
+  for (const PressureModel* model : all_pressure_models()) {
+    const Prediction prediction = model->predict(problem);
+    if (!prediction.has_answer) continue;
+    RC_ASSERT(prediction.a_m >= prediction.b_m);
+    // The paper's rule takes the circle of the same area, which has the least moment.
+    RC_ASSERT(prediction.torque_arm_exact_m >= prediction.torque_arm_paper_m * (1 - 1e-15));
+    RC_ASSERT(prediction.torque_arm_exact_m < prediction.a_m);
+  }
+}
+
+TEST(ModelInvariants, SwappedRadiiAreRefusedInsteadOfTurningTheEllipse) {
+  for (const PressureModel* model : all_pressure_models()) {
+    const Prediction prediction = model->predict({{0.01, 0.02}, {0.002, 3e5, 0.3}, {1, 0.8}});
+    EXPECT_FALSE(prediction.has_answer);
+    EXPECT_EQ(std::string(prediction.validity.begin()->check), "radii_ordered");
+  }
+}
+
+TEST(ModelInvariants, ApproachTheCircleContinuously) {
+  for (const PressureModel* model : all_pressure_models()) {
+    const ContactProblem circle{{0.01, 0.01}, {0.002, 3e5, 0.3}, {1, 0.8}};
+    const Prediction limit = model->predict(circle);
+    EXPECT_NEAR(limit.a_m / limit.b_m, 1, 4e-16);
+    EXPECT_NEAR(limit.torque_arm_exact_m / limit.torque_arm_paper_m, 1, 1e-15);
+    for (double excess = 1e-15; excess < 1e-2; excess *= 2) {
+      ContactProblem problem = circle;
+      problem.radii.major_m *= 1 + excess;
+      const Prediction near = model->predict(problem);
+      // All exponents of the ratio are below one; a few roundings remain.
+      const double tolerance = excess + 3e-15;
+      EXPECT_NEAR(near.a_m / limit.a_m, 1, tolerance) << model->card().name << excess;
+      EXPECT_NEAR(near.b_m / limit.b_m, 1, tolerance) << model->card().name << excess;
+      EXPECT_NEAR(near.indentation_m / limit.indentation_m, 1, tolerance);
+      EXPECT_NEAR(near.peak_pressure_Pa / limit.peak_pressure_Pa, 1, tolerance);
+      EXPECT_NEAR(near.torque_arm_exact_m / limit.torque_arm_exact_m, 1, tolerance);
+    }
+  }
+}
+
+::testing::AssertionResult is_finite_and_consistent(const Prediction& prediction) {
+  bool finite = true;
+  for (const double value :
+       {prediction.a_m, prediction.b_m, prediction.indentation_m, prediction.peak_pressure_Pa,
+        prediction.torque_arm_exact_m, prediction.torque_arm_paper_m, prediction.area_m2()})
+    finite = finite && std::isfinite(value) &&
+             (prediction.has_answer ? value >= std::numeric_limits<double>::min() : value == 0);
+  for (const ValidityCheck& check : prediction.validity)
+    finite = finite && std::isfinite(check.value) && std::isfinite(check.limit) && *check.check &&
+             *check.message;
+  const bool explained = prediction.has_answer || !prediction.validity.holds();
+  return finite && explained && prediction.a_m >= prediction.b_m
+             ? ::testing::AssertionSuccess()
+             : ::testing::AssertionFailure()
+                   << "a = " << prediction.a_m << " b = " << prediction.b_m
+                   << " d = " << prediction.indentation_m;
+}
+
+TEST(ModelExtremes, NoNumberIsEverNotFinite) {
+  std::mt19937_64 random(20070322);
+  const auto log_uniform_in = [&](double lowest, double highest) {
+    return std::exp(
+        std::uniform_real_distribution<double>(std::log(lowest), std::log(highest))(random));
+  };
+  const double special_ratios[] = {0, 1e-16, 0.3, 0.4999999, std::nextafter(0.5, 0), 0.5};
+  for (int i = 0; i < 200000; ++i) {
+    ContactProblem problem;
+    problem.radii.minor_m = log_uniform_in(1e-6, 1e3);
+    problem.radii.major_m = problem.radii.minor_m * (i % 7 ? log_uniform_in(1, 1e8) : 1);
+    problem.layer.thickness_m = log_uniform_in(1e-9, 1e6);
+    problem.layer.youngs_modulus_Pa = log_uniform_in(1e-3, 1e13);
+    problem.layer.poisson_ratio =
+        i % 3 ? std::uniform_real_distribution<double>(0, 0.5)(random) : special_ratios[i / 3 % 6];
+    problem.load = {log_uniform_in(1e-12, 1e9), log_uniform_in(1e-6, 1e3)};
+    for (const PressureModel* model : all_pressure_models()) {
+      const Prediction prediction = model->predict(problem);
+      ASSERT_TRUE(is_finite_and_consistent(prediction)) << model->card().name << " " << i;
+      const double x = prediction.a_m * 0.3, y = prediction.b_m * 0.4;
+      const double pressure_Pa = model->pressure_Pa(problem, prediction, x, y);
+      ASSERT_TRUE(std::isfinite(pressure_Pa) && pressure_Pa >= 0) << model->card().name << " " << i;
+    }
+  }
+}
+
+// Far outside any range that makes sense: each field takes every value that a broken caller passes.
+TEST(ModelExtremes, NonsenseIsRefusedInWords) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double values[] = {std::nan(""), -infinity, -1e308, -1,    -5e-324, 0,       5e-324,
+                           1e-308,       1e-154,    0.25,   1e154, 1e308,   infinity};
+  for (const PressureModel* model : all_pressure_models())
+    for (const double R1 : values)
+      for (const double R2 : values)
+        for (const double h : values)
+          for (const double E : values)
+            for (const double P : values) {
+              // Poisson's ratio walks through its own nonsense beside them.
+              for (const double nu : {0.3, 0.5, -0.1, 0.6, std::nan(""), infinity}) {
+                const ContactProblem problem{{R1, R2}, {h, E, nu}, {P, 0.8}};
+                ASSERT_TRUE(is_finite_and_consistent(model->predict(problem)))
+                    << model->card().name << " R' = " << R1 << " R'' = " << R2 << " h = " << h
+                    << " E = " << E << " nu = " << nu << " P = " << P;
+                if (nu != 0.3 && R1 != 0.25) break;
+              }
+            }
+}
+
+}  // namespace
+}  // namespace softfinger

@@ -1,0 +1,108 @@
+# Fails when a file includes something that its folder must not know. Run by ctest:
+#   cmake -D SOURCE_DIRECTORY=<checkout> -P include_directions.cmake
+# With -D SELF_TEST=ON -D SCRATCH_DIRECTORY=<dir> it checks itself on a small tree with broken arrows.
+#
+# The arrows go one way, towards what is depended on:
+#   input <- math <- friction <- pressure;  input, math <- geometry;  all of these <- dynamics
+#   input <- meshes <- fem
+#   everything <- comparisons
+# The finite elements judge the analytic models: they never see one.
+cmake_minimum_required(VERSION 3.22)
+
+# may_include(folder pattern...): patterns of the headers that the files of a folder may include. The
+# first folder that contains a file decides.
+set(folders "")
+macro(may_include folder)
+  list(APPEND folders ${folder})
+  string(REPLACE ";" "|" allowed_${folder} "${ARGN}")
+endmacro()
+
+# The standard library's headers have neither folder nor suffix; what ends in .h is named singly.
+set(std "^[a-z_0-9]+$")
+set(posix "^(sys/[a-z]+|unistd|fcntl|signal|time|dirent)[.]h$")
+set(eigen "^Eigen/")
+set(input "^softfinger/input/")
+
+may_include(analytic/softfinger/input ${std} ${eigen} ${input})
+may_include(analytic/softfinger/math ${std} ${eigen} ${input} "^softfinger/math/")
+may_include(analytic/softfinger/geometry ${std} ${eigen} ${input} "^softfinger/(math|geometry)/")
+may_include(analytic/softfinger/friction ${std} ${eigen} ${input} "^softfinger/(math|friction)/")
+may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
+            "^softfinger/(math|friction|pressure)/")
+may_include(analytic ${std} ${eigen} "^softfinger/")
+may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^assimp/")
+# Only the program writes JSON.
+may_include(fem/main.cc ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")
+may_include(fem ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^deal[.]II/"
+            "^(suitesparse/)?cholmod[.]h$")
+
+# One line per broken arrow under `root`, as a list in `out`; the number of files read in `out_files`.
+function(find_broken_arrows root out out_files)
+  set(broken "")
+  set(patterns "")
+  foreach(top analytic meshes fem)
+    list(APPEND patterns ${root}/${top}/*.h ${root}/${top}/*.cc)
+  endforeach()
+  file(GLOB_RECURSE files RELATIVE ${root} ${patterns})
+  foreach(file IN LISTS files)
+    set(folder "")
+    foreach(candidate IN LISTS folders)
+      string(FIND "${file}/" "${candidate}/" position)
+      if(position EQUAL 0)
+        set(folder ${candidate})
+        break()
+      endif()
+    endforeach()
+    file(STRINGS ${root}/${file} lines REGEX "^[ \t]*#[ \t]*include")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^[^<\"]*[<\"]([^>\"]*)[>\"].*$" "\\1" header "${line}")
+      if(NOT header MATCHES "${allowed_${folder}}")
+        list(APPEND broken "${file} includes ${header}, which ${folder} must not know")
+      endif()
+    endforeach()
+  endforeach()
+  list(LENGTH files count)
+  set(${out} "${broken}" PARENT_SCOPE)
+  set(${out_files} ${count} PARENT_SCOPE)
+endfunction()
+
+if(SELF_TEST)
+  # Each of these has one forbidden include and one allowed one.
+  file(REMOVE_RECURSE ${SCRATCH_DIRECTORY})
+  set(expected 0)
+  foreach(pair
+      "analytic/softfinger/input/a.h|softfinger/math/a.h"
+      "analytic/softfinger/math/b.cc|softfinger/friction/b.h"
+      "analytic/softfinger/geometry/c.cc|softfinger/pressure/c.h"
+      "analytic/softfinger/friction/d.cc|softfinger/pressure/d.h"
+      "analytic/softfinger/pressure/e.cc|softfinger/geometry/e.h"
+      "analytic/softfinger/pressure/models/f.cc|nlohmann/json.hpp"
+      "meshes/io/g.cc|softfinger/geometry/g.h"
+      "fem/h.cc|softfinger/pressure/pressure_model.h"
+      "fem/i.h|comparisons/case.h"
+      "fem/j.cc|nlohmann/json.hpp")
+    string(REPLACE "|" ";" pair "${pair}")
+    list(GET pair 0 file)
+    list(GET pair 1 header)
+    file(WRITE ${SCRATCH_DIRECTORY}/${file}
+         "#include <vector>\n#include \"softfinger/input/errors.h\"\n#include \"${header}\"\n")
+    math(EXPR expected "${expected} + 1")
+  endforeach()
+  file(WRITE ${SCRATCH_DIRECTORY}/fem/main.cc "#include <nlohmann/json.hpp>\n")
+  find_broken_arrows(${SCRATCH_DIRECTORY} broken files)
+  list(LENGTH broken found)
+  if(NOT found EQUAL expected)
+    message(FATAL_ERROR "found ${found} of ${expected} broken arrows: ${broken}")
+  endif()
+  return()
+endif()
+
+find_broken_arrows(${SOURCE_DIRECTORY} broken files)
+if(broken)
+  list(JOIN broken "\n  " text)
+  message(FATAL_ERROR "an include points against the arrows:\n  ${text}")
+endif()
+if(files EQUAL 0)
+  message(FATAL_ERROR "no source found under ${SOURCE_DIRECTORY}")
+endif()
+message(STATUS "${files} files, all includes follow the arrows")
