@@ -1,0 +1,155 @@
+#include "fem/cholesky.h"
+
+#include <suitesparse/cholmod.h>
+
+#include <algorithm>
+
+#include "softfinger/input/errors.h"
+
+// LAPACK: inverse of a symmetric positive definite matrix from its Cholesky factor.
+extern "C" void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+
+namespace softfinger::fem {
+
+struct CholeskyFactor::Implementation {
+  Implementation() { cholmod_start(&common); }
+  ~Implementation() {
+    cholmod_free_factor(&factor, &common);
+    cholmod_finish(&common);
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  mutable cholmod_common common{};
+  cholmod_factor* factor = nullptr;
+  int size = 0;
+  std::vector<int> last;
+};
+
+namespace {
+
+/// Nested dissection of the whole graph, then the chosen unknowns moved to the end: the rest keeps
+/// METIS's small fill, and the end is dense anyway.
+std::vector<int> ordering_with_last(cholmod_sparse& matrix, const std::vector<int>& last,
+                                    cholmod_common& common) {
+  std::vector<int> dissection(matrix.nrow), ordering;
+  if (!cholmod_metis(&matrix, nullptr, 0, /*postorder=*/1, dissection.data(), &common))
+    throw ConvergenceError("fill-reducing ordering", 0, 0,
+                           "METIS refused the matrix or memory ran out");
+  std::vector<char> is_last(matrix.nrow, 0);
+  for (const int unknown : last) is_last[static_cast<std::size_t>(unknown)] = 1;
+  ordering.reserve(matrix.nrow);
+  for (const int unknown : dissection)
+    if (!is_last[static_cast<std::size_t>(unknown)]) ordering.push_back(unknown);
+  for (const int unknown : dissection)
+    if (is_last[static_cast<std::size_t>(unknown)]) ordering.push_back(unknown);
+  return ordering;
+}
+
+}  // namespace
+
+CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& last)
+    : implementation_(std::make_unique<Implementation>()) {
+  auto& common = implementation_->common;
+  common.print = 0;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.final_ll = 1;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_GIVEN;
+  common.postorder = 1;
+  implementation_->size = matrix.size;
+  implementation_->last = last;
+
+  // CHOLMOD only reads the input, but its interface takes no pointer to const.
+  cholmod_sparse view{};
+  view.nrow = view.ncol = static_cast<std::size_t>(matrix.size);
+  view.nzmax = matrix.row.size();
+  view.p = const_cast<int*>(matrix.column_begin.data());
+  view.i = const_cast<int*>(matrix.row.data());
+  view.x = const_cast<double*>(matrix.value.data());
+  view.stype = -1;
+  view.itype = CHOLMOD_INT;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = view.packed = 1;
+
+  std::vector<int> ordering = ordering_with_last(view, last, common);
+  implementation_->factor = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
+  if (implementation_->factor) cholmod_factorize(&view, implementation_->factor, &common);
+  if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
+    throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,
+                           "memory ran out; use a lower level");
+  if (common.status != CHOLMOD_OK || !implementation_->factor)
+    throw ConvergenceError(
+        "Cholesky factorisation",
+        implementation_->factor ? static_cast<int>(implementation_->factor->minor) : 0, 0,
+        "the stiffness is not positive definite; is the mesh inverted or nu too near 1/2?");
+}
+
+CholeskyFactor::~CholeskyFactor() = default;
+
+Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
+  const cholmod_factor& factor = *implementation_->factor;
+  const auto* super = static_cast<const int*>(factor.super);
+  const auto* row_begin = static_cast<const int*>(factor.pi);
+  const auto* value_begin = static_cast<const int*>(factor.px);
+  const auto* rows = static_cast<const int*>(factor.s);
+  const auto* values = static_cast<const double*>(factor.x);
+  const auto* permutation = static_cast<const int*>(factor.Perm);
+
+  const int count = static_cast<int>(implementation_->last.size());
+  const int first = implementation_->size - count;
+  std::vector<int> place(static_cast<std::size_t>(implementation_->size), -1);
+  for (int i = 0; i < count; ++i) place[static_cast<std::size_t>(implementation_->last[i])] = i;
+
+  // A supernode that straddles `first` contributes its trailing columns and rows only.
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t node = 0; node < factor.nsuper; ++node) {
+    if (super[node + 1] <= first) continue;
+    const int row_count = row_begin[node + 1] - row_begin[node];
+    for (int column = std::max(super[node], first); column < super[node + 1]; ++column) {
+      const double* entries = values + value_begin[node] +
+                              static_cast<std::ptrdiff_t>(column - super[node]) * row_count;
+      for (int i = column - super[node]; i < row_count; ++i)
+        block(rows[row_begin[node] + i] - first, column - first) = entries[i];
+    }
+  }
+  int info = 0;
+  dpotri_("L", &count, block.data(), &count, &info);
+  if (info != 0)
+    throw ConvergenceError("condensation on the contact surface", info, 0,
+                           "the factor is singular");
+
+  Eigen::MatrixXd compliance(count, count);
+  for (int column = 0; column < count; ++column) {
+    const int j = place[static_cast<std::size_t>(permutation[first + column])];
+    if (j < 0)
+      throw ConvergenceError("condensation on the contact surface", column, 0,
+                             "the ordering did not keep the contact unknowns last");
+    for (int row = column; row < count; ++row) {
+      const int i = place[static_cast<std::size_t>(permutation[first + row])];
+      compliance(i, j) = compliance(j, i) = block(row, column);
+    }
+  }
+  return compliance;
+}
+
+Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {
+  cholmod_dense view{};
+  view.nrow = view.nzmax = view.d = static_cast<std::size_t>(right_hand_side.size());
+  view.ncol = 1;
+  view.x = const_cast<double*>(right_hand_side.data());
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  auto& common = implementation_->common;
+  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, implementation_->factor, &view, &common);
+  if (!solution) throw ConvergenceError("back-substitution", 0, 0, "memory ran out");
+  const Eigen::VectorXd result = Eigen::Map<const Eigen::VectorXd>(
+      static_cast<const double*>(solution->x), right_hand_side.size());
+  cholmod_free_dense(&solution, &common);
+  return result;
+}
+
+double CholeskyFactor::memory_MB() const { return implementation_->common.memory_usage / 1e6; }
+
+}  // namespace softfinger::fem

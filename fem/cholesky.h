@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+namespace softfinger::fem {
+
+/// A sparse symmetric positive definite matrix: lower triangle, compressed columns, rows ascending.
+struct SparseSymmetricMatrix {
+  int size = 0;
+  std::vector<int> column_begin;  ///< size + 1
+  std::vector<int> row;
+  std::vector<double> value;
+};
+
+/// Supernodal Cholesky factor whose last unknowns are chosen, so that its trailing block is the
+/// factor of the Schur complement on them: one factorisation gives the condensed stiffness of the
+/// contact surface, with no right-hand side solved for it.
+class CholeskyFactor {
+ public:
+  /// @param last  unknowns to eliminate last
+  /// @throws ConvergenceError when the matrix is not positive definite or memory runs out.
+  CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& last);
+  ~CholeskyFactor();
+  CholeskyFactor(const CholeskyFactor&) = delete;
+  CholeskyFactor& operator=(const CholeskyFactor&) = delete;
+
+  /// Inverse of the Schur complement on `last`, in the order of `last`: the displacements of these
+  /// unknowns per unit force on one of them. Dense, symmetric.
+  Eigen::MatrixXd compliance_of_last() const;
+
+  Eigen::VectorXd solve(const Eigen::VectorXd& right_hand_side) const;
+
+  double memory_MB() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger::fem

@@ -1,0 +1,358 @@
+#include "fem/layer_model.h"
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/grid/grid_tools.h>
+#include <deal.II/grid/tria.h>
+#include <deal.II/lac/affine_constraints.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/sparse_matrix.h>
+#include <deal.II/lac/vector.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "fem/cholesky.h"
+#include "fem/write_vtu.h"
+#include "meshes/generation/layer_block.h"
+
+namespace softfinger::fem {
+namespace {
+
+constexpr int dim = 3;
+using dealii::types::global_dof_index;
+
+bool at(double coordinate, double plane) { return std::abs(coordinate - plane) < 1e-9; }
+
+/// The coarse lattice that, halved `refinements` times, gives cells of the size the contact asks
+/// for.
+struct Lattice {
+  meshes::LayerBlock block;
+  int refinements = 0;
+};
+
+Lattice plan_lattice(const LayerDiscretisation& discretisation) {
+  const double fine_x = discretisation.a / discretisation.elements_along_a();
+  const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
+  Lattice lattice;
+  // The coarsest cells are at most as long as the layer is thick, the finest about as deep as wide.
+  lattice.refinements = std::max(0, static_cast<int>(std::floor(std::log2(1.0 / fine_x) + 0.1)));
+  const double coarsening = std::ldexp(1.0, lattice.refinements);
+  auto& block = lattice.block;
+  block.thickness = 1;
+  block.cells_z = std::max(1, static_cast<int>(std::floor(1.0 / (coarsening * fine_y) + 0.4)));
+  block.cell_x = coarsening * fine_x;
+  block.cell_y = coarsening * fine_y;
+  block.inner_x = discretisation.patch * discretisation.a;
+  block.inner_y = discretisation.patch * discretisation.b;
+  block.length_x =
+      std::max(discretisation.a + discretisation.extent, block.inner_x + 2 * block.cell_x);
+  block.length_y =
+      std::max(discretisation.b + discretisation.extent, block.inner_y + 2 * block.cell_y);
+  block.growth = 1.5;
+  return lattice;
+}
+
+void make_triangulation(const meshes::HexahedralMesh& mesh,
+                        dealii::Triangulation<dim>& triangulation) {
+  std::vector<dealii::Point<dim>> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const auto& vertex : mesh.vertices)
+    vertices.emplace_back(vertex.x(), vertex.y(), vertex.z());
+  std::vector<dealii::CellData<dim>> cells(mesh.cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    constexpr std::array<int, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
+    for (std::size_t v = 0; v < 8; ++v)
+      cells[i].vertices[v] =
+          static_cast<unsigned int>(mesh.cells[i][static_cast<std::size_t>(lexicographic[v])]);
+  }
+  dealii::SubCellData none;
+  dealii::GridTools::delete_unused_vertices(vertices, cells, none);
+  dealii::GridTools::invert_all_negative_measure_cells(vertices, cells);
+  dealii::GridTools::consistently_order_cells(cells);
+  triangulation.create_triangulation(vertices, cells, none);
+}
+
+/// Halves the cells near the patch, level by level, so that cell size grows with the distance.
+void refine_towards_patch(const LayerDiscretisation& discretisation, int refinements,
+                          dealii::Triangulation<dim>& triangulation) {
+  const double patch_x = discretisation.patch * discretisation.a;
+  const double patch_y = discretisation.patch * discretisation.b;
+  for (int step = 0; step < refinements; ++step) {
+    for (const auto& cell : triangulation.active_cell_iterators()) {
+      const auto box = cell->bounding_box();
+      const auto &low = box.get_boundary_points().first, &high = box.get_boundary_points().second;
+      // A cell is halved while it is nearer to the patch than its longest side: measured along its
+      // own sides, flat cells would leave the stress under the patch to coarse ones.
+      const auto size = high - low;
+      const double reach = std::max({size[0], size[1], size[2]});
+      const double x = std::max(0.0, low[0] - reach) / patch_x;
+      const double y = std::max(0.0, low[1] - reach) / patch_y;
+      const bool near = x * x + y * y < 1 && -high[2] <= reach * (1 + 1e-9);
+      if (near) cell->set_refine_flag();
+    }
+    triangulation.execute_coarsening_and_refinement();
+  }
+}
+
+/// Stiffness of one element with E = 1: 2 G eps:eps + lambda (P div u)², P the L2 projection on
+/// linear functions of position. Similar elements have it in proportion to their size: computed
+/// once.
+class ElementStiffness {
+ public:
+  ElementStiffness(const dealii::FiniteElement<dim>& element, double poisson_ratio)
+      : shear_(0.5 / (1 + poisson_ratio)),
+        lame_(poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))),
+        quadrature_(3),
+        values_(element, quadrature_,
+                dealii::update_gradients | dealii::update_JxW_values |
+                    dealii::update_quadrature_points) {}
+
+  dealii::FullMatrix<double> operator()(const dealii::DoFHandler<dim>::active_cell_iterator& cell) {
+    const double size = cell->diameter();
+    std::array<long, 3 * 7> shape;
+    for (unsigned int v = 1; v < 8; ++v)
+      for (unsigned int c = 0; c < dim; ++c)
+        shape[3 * (v - 1) + c] =
+            std::lround((cell->vertex(v)[c] - cell->vertex(0)[c]) / size * 1e10);
+    auto known = unit_size_.find(shape);
+    if (known == unit_size_.end()) {
+      auto stiffness = integrate(cell);
+      stiffness *= 1 / size;
+      known = unit_size_.emplace(shape, std::move(stiffness)).first;
+    }
+    auto result = known->second;
+    result *= size;
+    return result;
+  }
+
+ private:
+  dealii::FullMatrix<double> integrate(const dealii::DoFHandler<dim>::active_cell_iterator& cell) {
+    values_.reinit(cell);
+    const auto& element = values_.get_fe();
+    const unsigned int dofs = element.n_dofs_per_cell(), points = quadrature_.size();
+    const auto center = cell->center();
+    const double size = cell->diameter();
+    Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(6 * points, dofs);
+    Eigen::MatrixXd divergence = Eigen::MatrixXd::Zero(4, dofs);
+    Eigen::Matrix4d mass = Eigen::Matrix4d::Zero();
+    for (unsigned int q = 0; q < points; ++q) {
+      const double weight = values_.JxW(q), root = std::sqrt(2 * shear_ * weight);
+      const auto offset = (values_.quadrature_point(q) - center) / size;
+      const Eigen::Vector4d linear(1, offset[0], offset[1], offset[2]);
+      mass += weight * linear * linear.transpose();
+      for (unsigned int i = 0; i < dofs; ++i) {
+        const unsigned int c = element.system_to_component_index(i).first;
+        const auto& gradient = values_.shape_grad(i, q);
+        // Rows: xx, yy, zz, then sqrt(2) times the tensor shear strains xy, yz, zx.
+        strain(6 * q + c, i) = root * gradient[c];
+        const unsigned int next = (c + 1) % 3, previous = (c + 2) % 3;
+        strain(6 * q + 3 + c, i) += root * std::sqrt(0.5) * gradient[next];
+        strain(6 * q + 3 + previous, i) += root * std::sqrt(0.5) * gradient[previous];
+        divergence.col(i) += weight * gradient[c] * linear;
+      }
+    }
+    const Eigen::MatrixXd stiffness =
+        strain.transpose() * strain + lame_ * divergence.transpose() * mass.llt().solve(divergence);
+    dealii::FullMatrix<double> result(dofs, dofs);
+    for (unsigned int i = 0; i < dofs; ++i)
+      for (unsigned int j = 0; j < dofs; ++j)
+        result(i, j) = 0.5 * (stiffness(i, j) + stiffness(j, i));
+    return result;
+  }
+
+  const double shear_, lame_;
+  const dealii::QGauss<dim> quadrature_;
+  dealii::FEValues<dim> values_;
+  std::map<std::array<long, 3 * 7>, dealii::FullMatrix<double>> unit_size_;
+};
+
+}  // namespace
+
+int LayerDiscretisation::elements_along_a() const {
+  constexpr double longest_cell = 3;
+  return std::max(elements_per_semi_axis,
+                  static_cast<int>(std::ceil(elements_per_semi_axis * a / (b * longest_cell))));
+}
+
+struct LayerModel::Implementation {
+  LayerDiscretisation discretisation;
+  double poisson_ratio = 0;
+  dealii::Triangulation<dim> triangulation{dealii::Triangulation<dim>::maximum_smoothing};
+  dealii::FESystem<dim> element{dealii::FE_Q<dim>(2), dim};
+  dealii::DoFHandler<dim> dofs{triangulation};
+  dealii::AffineConstraints<double> constraints;
+  std::vector<int> free_index;             ///< per dof; -1 where constrained
+  std::vector<global_dof_index> node_dof;  ///< normal displacement of each surface node
+  std::vector<SurfaceNode> nodes;
+  std::vector<SurfaceFace> faces;
+  std::unique_ptr<CholeskyFactor> factor;
+  Eigen::MatrixXd compliance;
+  int unknowns = 0;
+
+  void constrain(const std::vector<dealii::Point<dim>>& support);
+  void collect_surface(const std::vector<dealii::Point<dim>>& support);
+  SparseSymmetricMatrix assemble();
+};
+
+void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>& support) {
+  dealii::DoFTools::make_hanging_node_constraints(dofs, constraints);
+  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
+  std::vector<char> fixed(dofs.n_dofs(), 0);
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    for (unsigned int i = 0; i < indices.size(); ++i) {
+      const auto& point = support[indices[i]];
+      const unsigned int component = element.system_to_component_index(i).first;
+      const bool base = at(point[2], -1);
+      const bool mirror = component < 2 && at(point[component], 0);
+      if (base || mirror) fixed[indices[i]] = 1;
+    }
+  }
+  for (global_dof_index i = 0; i < fixed.size(); ++i)
+    if (fixed[i] && !constraints.is_constrained(i)) constraints.add_line(i);
+  constraints.close();
+}
+
+void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point<dim>>& support) {
+  const double fine_x = discretisation.a / discretisation.elements_along_a();
+  const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
+  const double patch_x = discretisation.patch * discretisation.a;
+  const double patch_y = discretisation.patch * discretisation.b;
+  std::map<global_dof_index, int> node_of_dof;
+  std::vector<global_dof_index> indices(element.n_dofs_per_face());
+  for (const auto& cell : dofs.active_cell_iterators())
+    for (const unsigned int f : cell->face_indices()) {
+      const auto face = cell->face(f);
+      if (!face->at_boundary() || !at(face->center()[2], 0)) continue;
+      const auto box = face->bounding_box();
+      const auto &low = box.get_boundary_points().first, &high = box.get_boundary_points().second;
+      SurfaceFace surface{low[0], low[1], high[0] - low[0], high[1] - low[1], {}};
+      // Finest faces only: they form a regular grid.
+      if (surface.size_x > 1.01 * fine_x || surface.size_y > 1.01 * fine_y) continue;
+      surface.node.fill(-1);
+      face->get_dof_indices(indices);
+      bool touchable = false;
+      for (unsigned int i = 0; i < indices.size(); ++i) {
+        if (element.face_system_to_component_index(i, f).first != 2) continue;
+        const auto& point = support[indices[i]];
+        const double x = point[0] / patch_x, y = point[1] / patch_y;
+        if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
+        const auto [entry, is_new] =
+            node_of_dof.emplace(indices[i], static_cast<int>(nodes.size()));
+        if (is_new) {
+          nodes.push_back({point[0], point[1], 0});
+          node_dof.push_back(indices[i]);
+        }
+        const auto column = std::lround(2 * (point[0] - surface.x) / surface.size_x);
+        const auto row = std::lround(2 * (point[1] - surface.y) / surface.size_y);
+        surface.node[static_cast<std::size_t>(column + 3 * row)] = entry->second;
+        // Integrals of the biquadratic shape functions: Simpson's weights, all positive.
+        const double simpson[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
+        nodes[static_cast<std::size_t>(entry->second)].weight +=
+            simpson[column] * simpson[row] * surface.size_x * surface.size_y;
+        touchable = true;
+      }
+      if (touchable) faces.push_back(surface);
+    }
+}
+
+SparseSymmetricMatrix LayerModel::Implementation::assemble() {
+  dealii::SparsityPattern pattern;
+  {
+    dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
+    dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
+    pattern.copy_from(dynamic);
+  }
+  dealii::SparseMatrix<double> matrix(pattern);
+  ElementStiffness stiffness(element, poisson_ratio);
+  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    constraints.distribute_local_to_global(stiffness(cell), indices, matrix);
+  }
+
+  // Constrained unknowns are left out before the ordering sees them.
+  free_index.assign(dofs.n_dofs(), -1);
+  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i)
+    if (!constraints.is_constrained(i)) free_index[i] = unknowns++;
+  SparseSymmetricMatrix lower;
+  lower.size = unknowns;
+  lower.column_begin.reserve(static_cast<std::size_t>(unknowns) + 1);
+  lower.column_begin.push_back(0);
+  lower.row.reserve(pattern.n_nonzero_elements() / 2 + static_cast<std::size_t>(unknowns));
+  lower.value.reserve(lower.row.capacity());
+  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
+    if (free_index[i] < 0) continue;
+    // Row i of a symmetric matrix is its column i; deal.II puts the diagonal first, then ascends.
+    for (auto entry = matrix.begin(i); entry != matrix.end(i); ++entry) {
+      const int row = free_index[entry->column()];
+      if (row < free_index[i]) continue;
+      lower.row.push_back(row);
+      lower.value.push_back(entry->value());
+    }
+    lower.column_begin.push_back(static_cast<int>(lower.row.size()));
+  }
+  return lower;
+}
+
+LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio)
+    : implementation_(std::make_unique<Implementation>()) {
+  auto& self = *implementation_;
+  self.discretisation = discretisation;
+  self.poisson_ratio = poisson_ratio;
+  const Lattice lattice = plan_lattice(discretisation);
+  make_triangulation(meshes::mesh_layer_block(lattice.block), self.triangulation);
+  refine_towards_patch(discretisation, lattice.refinements, self.triangulation);
+  self.dofs.distribute_dofs(self.element);
+
+  std::vector<dealii::Point<dim>> support(self.dofs.n_dofs());
+  dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), self.dofs, support);
+  self.constrain(support);
+  self.collect_surface(support);
+
+  const SparseSymmetricMatrix stiffness = self.assemble();
+  std::vector<int> last;
+  for (const auto dof : self.node_dof) last.push_back(self.free_index[dof]);
+  self.factor = std::make_unique<CholeskyFactor>(stiffness, last);
+  self.compliance = self.factor->compliance_of_last();
+}
+
+LayerModel::~LayerModel() = default;
+
+const LayerDiscretisation& LayerModel::discretisation() const {
+  return implementation_->discretisation;
+}
+const std::vector<SurfaceNode>& LayerModel::nodes() const { return implementation_->nodes; }
+const std::vector<SurfaceFace>& LayerModel::faces() const { return implementation_->faces; }
+long LayerModel::unknowns() const { return implementation_->unknowns; }
+const Eigen::MatrixXd& LayerModel::compliance() const { return implementation_->compliance; }
+
+void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force,
+                           double thickness_m, double youngs_modulus_Pa) const {
+  auto& self = *implementation_;
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(self.unknowns);
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    load[self.free_index[self.node_dof[i]]] = -force[static_cast<Eigen::Index>(i)];
+  const Eigen::VectorXd solution = self.factor->solve(load);
+  dealii::Vector<double> displacement_m(self.dofs.n_dofs()), pressure_Pa(self.dofs.n_dofs());
+  for (global_dof_index i = 0; i < self.dofs.n_dofs(); ++i)
+    if (self.free_index[i] >= 0) displacement_m[i] = thickness_m * solution[self.free_index[i]];
+  self.constraints.distribute(displacement_m);
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    pressure_Pa[self.node_dof[i]] =
+        youngs_modulus_Pa * force[static_cast<Eigen::Index>(i)] / self.nodes[i].weight;
+  dealii::GridTools::scale(thickness_m, self.triangulation);
+  write_solution(path, self.dofs, displacement_m, pressure_Pa, youngs_modulus_Pa,
+                 self.poisson_ratio);
+  dealii::GridTools::scale(1 / thickness_m, self.triangulation);
+}
+
+}  // namespace softfinger::fem

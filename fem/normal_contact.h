@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace softfinger::fem {
+
+/// Nodal forces under a rigid indenter pressed on a compliant surface with a given load.
+struct NormalContact {
+  Eigen::VectorXd force;  ///< per candidate node, >= 0
+  double approach = 0;
+  int active = 0;
+  int iterations = 0;
+  double load_residual = 0;             ///< |sum force - load| / load
+  double complementarity_residual = 0;  ///< worst penetration relative to the approach
+};
+
+/// Solves w = C f, w >= approach - gap, f >= 0, f (w - approach + gap) = 0, sum f = load, by a
+/// primal-dual active set with the approach eliminated by the load: exact complementarity, no
+/// penalty. Any consistent units.
+///
+/// @param compliance  symmetric positive definite, n x n: displacement into the surface per unit
+/// force
+/// @param gap         n initial gaps, any origin
+/// @throws ConvergenceError when the set still changes after 200 steps.
+NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
+                                   double load);
+
+}  // namespace softfinger::fem

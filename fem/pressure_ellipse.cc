@@ -1,0 +1,186 @@
+#include "fem/pressure_ellipse.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// All products X^i Y^j with i + j <= degree.
+class Polynomial {
+ public:
+  explicit Polynomial(int degree) : degree_(degree), values_((degree + 1) * (degree + 2) / 2) {}
+  Eigen::Index size() const { return values_.size(); }
+  const Eigen::RowVectorXd& operator()(double X, double Y) {
+    Eigen::Index k = 0;
+    double x_power = 1;
+    for (int i = 0; i <= degree_; ++i, x_power *= X) {
+      double term = x_power;
+      for (int j = 0; i + j <= degree_; ++j, term *= Y) values_[k++] = term;
+    }
+    return values_;
+  }
+
+ private:
+  int degree_;
+  Eigen::RowVectorXd values_;
+};
+
+/// Finds the face under a point: the finest faces form a regular grid.
+class FaceGrid {
+ public:
+  explicit FaceGrid(const std::vector<SurfaceFace>& faces) : faces_(faces) {
+    for (const auto& face : faces) {
+      size_x_ = face.size_x;
+      size_y_ = face.size_y;
+      columns_ = std::max(columns_, column(face.x + 0.5 * face.size_x) + 1);
+      rows_ = std::max(rows_, row(face.y + 0.5 * face.size_y) + 1);
+    }
+    index_.assign(static_cast<std::size_t>(columns_ * rows_), -1);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      index_[cell(faces[i].x + 0.5 * size_x_, faces[i].y + 0.5 * size_y_)] = static_cast<int>(i);
+  }
+
+  /// Enough for about ten points per face along each direction, so that points crossing a face's
+  /// edge do not make the moments rough.
+  int points_per_quarter() const { return std::max(120, 10 * std::max(columns_, rows_)); }
+
+  const SurfaceFace* find(double x, double y) const {
+    if (column(x) >= columns_ || row(y) >= rows_) return nullptr;
+    const int i = index_[cell(x, y)];
+    return i < 0 ? nullptr : &faces_[static_cast<std::size_t>(i)];
+  }
+
+ private:
+  int column(double x) const { return static_cast<int>(x / size_x_); }
+  int row(double y) const { return static_cast<int>(y / size_y_); }
+  std::size_t cell(double x, double y) const {
+    return static_cast<std::size_t>(column(x) + columns_ * row(y));
+  }
+
+  const std::vector<SurfaceFace>& faces_;
+  double size_x_ = 1, size_y_ = 1;
+  int columns_ = 0, rows_ = 0;
+  std::vector<int> index_;
+};
+
+class Fit {
+ public:
+  Fit(const std::vector<SurfaceNode>& nodes, const std::vector<SurfaceFace>& faces,
+      const Eigen::VectorXd& force, int degree)
+      : grid_(faces), polynomial_(degree), root_weight_(static_cast<Eigen::Index>(nodes.size())) {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      root_weight_[static_cast<Eigen::Index>(i)] = std::sqrt(nodes[i].weight);
+    target_ = force.cwiseQuotient(root_weight_);
+  }
+
+  /// Residual with the best polynomial for these semi-axes.
+  Eigen::VectorXd residual(double a, double b, double diamond) {
+    const Eigen::MatrixXd model = root_weight_.cwiseInverse().asDiagonal() * moments(a, b, diamond);
+    const auto factor = model.householderQr();
+    coefficients_ = factor.solve(target_);
+    return target_ - model * coefficients_;
+  }
+
+  double peak() const { return coefficients_[0]; }
+  bool left_patch() const { return left_patch_; }
+
+ private:
+  /// Moments of root times polynomial with every shape function. With the edge at g(v) in scaled
+  /// polar coordinates and r = g sin t the root is cos t: dA = a b g² sin t cos t dt dv.
+  Eigen::MatrixXd moments(double a, double b, double diamond) {
+    const int steps = grid_.points_per_quarter();
+    const double step = M_PI / 2 / steps;
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(target_.size(), polynomial_.size());
+    for (int i = 0; i < steps; ++i) {
+      const double t = (i + 0.5) * step;
+      for (int j = 0; j < steps; ++j) {
+        const double v = (j + 0.5) * step, edge = 1 + diamond * std::cos(4 * v);
+        const double x = edge * std::sin(t) * std::cos(v), y = edge * std::sin(t) * std::sin(v);
+        const double weight =
+            a * b * edge * edge * std::sin(t) * std::cos(t) * step * step * std::cos(t);
+        const SurfaceFace* face = grid_.find(a * x, b * y);
+        if (!face) {
+          left_patch_ = true;
+          continue;
+        }
+        const double xi = (a * x - face->x) / face->size_x, eta = (b * y - face->y) / face->size_y;
+        const double along_x[] = {(1 - xi) * (1 - 2 * xi), 4 * xi * (1 - xi), xi * (2 * xi - 1)};
+        const double along_y[] = {(1 - eta) * (1 - 2 * eta), 4 * eta * (1 - eta),
+                                  eta * (2 * eta - 1)};
+        const Eigen::RowVectorXd values = weight * polynomial_(x * x, y * y);
+        for (int k = 0; k < 9; ++k)
+          if (face->node[static_cast<std::size_t>(k)] >= 0)
+            result.row(face->node[static_cast<std::size_t>(k)]) +=
+                along_x[k % 3] * along_y[k / 3] * values;
+      }
+    }
+    return result;
+  }
+
+  const FaceGrid grid_;
+  Polynomial polynomial_;
+  Eigen::VectorXd root_weight_, target_;
+  Eigen::VectorXd coefficients_;
+  bool left_patch_ = false;
+};
+
+}  // namespace
+
+PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
+                                     const std::vector<SurfaceFace>& faces,
+                                     const Eigen::VectorXd& force, double a, double b) {
+  // The thinner the layer, the flatter the pressure inside and the steeper at the edge (lengths are
+  // in units of the thickness).
+  const int degree = std::min(a, b) < 4 ? 2 : 3;
+  Fit fit(nodes, faces, force, degree);
+  Eigen::Vector3d unknown(std::log(a), std::log(b), 0);
+  const auto residual = [&](const Eigen::Vector3d& u) {
+    return fit.residual(std::exp(u[0]), std::exp(u[1]), u[2]);
+  };
+  Eigen::VectorXd current = residual(unknown);
+  // Levenberg-Marquardt in ln a, ln b and the diamond; the polynomial is eliminated. The step of
+  // the differences is wide against the quadrature's noise where points cross cell edges.
+  constexpr double difference = 2e-3, tolerance = 1e-5;
+  double damping = 1e-3;
+  constexpr int limit = 60;
+  for (int iteration = 0; iteration < limit; ++iteration) {
+    Eigen::MatrixXd jacobian(current.size(), 3);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d step = difference * Eigen::Vector3d::Unit(k);
+      jacobian.col(k) = (residual(unknown + step) - residual(unknown - step)) / (2 * difference);
+    }
+    Eigen::Matrix3d normal = jacobian.transpose() * jacobian;
+    normal.diagonal() *= 1 + damping;
+    Eigen::Vector3d step = -normal.ldlt().solve(jacobian.transpose() * current);
+    step = step.cwiseMax(-0.1).cwiseMin(0.1);
+    const Eigen::VectorXd next = residual(unknown + step);
+    const bool better = next.squaredNorm() <= current.squaredNorm();
+    if (better) {
+      unknown += step;
+      current = next;
+      damping = std::max(1e-9, damping / 10);
+    } else {
+      damping *= 10;
+    }
+    if (step.cwiseAbs().maxCoeff() < tolerance) {
+      PressureEllipse ellipse;
+      ellipse.a = std::exp(unknown[0]);
+      ellipse.b = std::exp(unknown[1]);
+      residual(unknown);
+      ellipse.diamond = unknown[2];
+      ellipse.peak = fit.peak();
+      const double ellipse_area = M_PI / 4 * ellipse.a * ellipse.b;
+      ellipse.residual =
+          std::sqrt(current.squaredNorm() / ellipse_area) / (force.sum() / ellipse_area);
+      return ellipse;
+    }
+  }
+  throw ConvergenceError(
+      "fit of the contact ellipse", limit, current.norm() / force.norm(),
+      "the pressure is not that of one elliptic contact, or the mesh is too coarse");
+}
+
+}  // namespace softfinger::fem

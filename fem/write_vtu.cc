@@ -1,0 +1,136 @@
+#include "fem/write_vtu.h"
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/numerics/data_out.h>
+#include <deal.II/numerics/data_postprocessor.h>
+
+#include <Eigen/Cholesky>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+constexpr int dim = 3;
+using Cell = dealii::DoFHandler<dim>::active_cell_iterator;
+
+/// Divergence of the displacement, projected on linear functions per element: the only volumetric
+/// strain that the element feels. The pointwise one oscillates as nu -> 1/2.
+struct ProjectedDivergence {
+  std::vector<Eigen::Vector4d> coefficients;  ///< per active cell, of 1, x, y, z from its centre
+
+  ProjectedDivergence(const dealii::DoFHandler<dim>& dofs,
+                      const dealii::Vector<double>& displacement)
+      : coefficients(dofs.get_triangulation().n_active_cells()) {
+    const dealii::QGauss<dim> quadrature(3);
+    dealii::FEValues<dim> values(
+        dofs.get_fe(), quadrature,
+        dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
+    const dealii::FEValuesExtractors::Vector vector(0);
+    std::vector<double> divergence(quadrature.size());
+    for (const auto& cell : dofs.active_cell_iterators()) {
+      values.reinit(cell);
+      values[vector].get_function_divergences(displacement, divergence);
+      Eigen::Matrix4d mass = Eigen::Matrix4d::Zero();
+      Eigen::Vector4d moment = Eigen::Vector4d::Zero();
+      for (unsigned int q = 0; q < quadrature.size(); ++q) {
+        const Eigen::Vector4d linear = basis(values.quadrature_point(q), *cell);
+        mass += values.JxW(q) * linear * linear.transpose();
+        moment += values.JxW(q) * divergence[q] * linear;
+      }
+      coefficients[cell->active_cell_index()] = mass.llt().solve(moment);
+    }
+  }
+
+  template <class CellAccessor>
+  static Eigen::Vector4d basis(const dealii::Point<dim>& point, const CellAccessor& cell) {
+    const auto offset = (point - cell.center()) / cell.diameter();
+    return {1, offset[0], offset[1], offset[2]};
+  }
+};
+
+class Stress : public dealii::DataPostprocessorTensor<dim> {
+ public:
+  Stress(const ProjectedDivergence& divergence, double youngs_modulus_Pa, double poisson_ratio)
+      : DataPostprocessorTensor("stress_Pa",
+                                dealii::update_gradients | dealii::update_quadrature_points),
+        divergence_(divergence),
+        shear_Pa_(youngs_modulus_Pa / 2 / (1 + poisson_ratio)),
+        lame_Pa_(youngs_modulus_Pa * poisson_ratio /
+                 ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))) {}
+
+  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
+                             std::vector<dealii::Vector<double>>& stress) const override {
+    const Cell cell = inputs.get_cell<dim>();
+    const auto& coefficients = divergence_.coefficients[cell->active_cell_index()];
+    for (unsigned int p = 0; p < stress.size(); ++p) {
+      const double volumetric =
+          coefficients.dot(ProjectedDivergence::basis(inputs.evaluation_points[p], *cell));
+      const auto& gradient = inputs.solution_gradients[p];
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          stress[p][i * dim + j] = shear_Pa_ * (gradient[i][j] + gradient[j][i]) +
+                                   (i == j ? lame_Pa_ * volumetric : 0.0);
+    }
+  }
+
+ private:
+  const ProjectedDivergence& divergence_;
+  const double shear_Pa_, lame_Pa_;
+};
+
+class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
+ public:
+  ContactPressure() : DataPostprocessorScalar("contact_pressure_Pa", dealii::update_values) {}
+  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
+                             std::vector<dealii::Vector<double>>& pressure) const override {
+    for (unsigned int p = 0; p < pressure.size(); ++p)
+      pressure[p][0] = inputs.solution_values[p][2];
+  }
+};
+
+}  // namespace
+
+void write_solution(const std::string& path, const dealii::DoFHandler<dim>& dofs,
+                    const dealii::Vector<double>& displacement_m,
+                    const dealii::Vector<double>& contact_pressure_Pa, double youngs_modulus_Pa,
+                    double poisson_ratio) {
+  const ProjectedDivergence divergence(dofs, displacement_m);
+  const Stress stress(divergence, youngs_modulus_Pa, poisson_ratio);
+  const ContactPressure contact_pressure;
+  dealii::DataOut<dim> output;
+  const std::vector<dealii::DataComponentInterpretation::DataComponentInterpretation> vector(
+      dim, dealii::DataComponentInterpretation::component_is_part_of_vector);
+  output.add_data_vector(dofs, displacement_m, std::vector<std::string>(dim, "displacement_m"),
+                         vector);
+  output.add_data_vector(dofs, displacement_m, stress);
+  output.add_data_vector(dofs, contact_pressure_Pa, contact_pressure);
+  output.build_patches(2);  // the quadratic element's own nodes
+
+  const std::string unfinished = path + ".partial";
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
+  errno = 0;
+  {
+    std::ofstream file(unfinished, std::ios::binary);
+    if (file) output.write_vtu(file);
+    file.close();
+    if (!file) {
+      const std::string reason = errno ? std::strerror(errno) : "write failed";
+      std::filesystem::remove(unfinished, ignored);
+      throw InputError(path, "VTU file", "", "a folder that can be written (" + reason + ")");
+    }
+  }
+  std::filesystem::rename(unfinished, path, ignored);
+  if (ignored)
+    throw InputError(path, "VTU file", "",
+                     "a folder that can be written (" + ignored.message() + ")");
+}
+
+}  // namespace softfinger::fem

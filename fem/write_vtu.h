@@ -1,0 +1,21 @@
+#pragma once
+
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/lac/vector.h>
+
+#include <string>
+
+namespace softfinger::fem {
+
+/// Writes displacement_m, stress_Pa (tensor), mean_pressure_Pa and contact_pressure_Pa to a VTU
+/// file, atomically. The handler's mesh is in metres.
+///
+/// @param displacement_m       per dof of the three-component handler
+/// @param contact_pressure_Pa  per dof, non-zero at normal displacements of the surface only
+/// @throws InputError when the file cannot be written
+void write_solution(const std::string& path, const dealii::DoFHandler<3>& dofs,
+                    const dealii::Vector<double>& displacement_m,
+                    const dealii::Vector<double>& contact_pressure_Pa, double youngs_modulus_Pa,
+                    double poisson_ratio);
+
+}  // namespace softfinger::fem

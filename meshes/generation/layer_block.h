@@ -1,0 +1,31 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace softfinger::meshes {
+
+/// Hexahedra with shared vertices. A cell lists its bottom face counter-clockwise seen from above,
+/// then its top face in the same order (gmsh's and VTK's ordering).
+struct HexahedralMesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 8>> cells;
+};
+
+/// A quarter of a layer, [0, length_x] x [0, length_y] x [-thickness, 0], in any unit of length:
+/// uniform cells over the inner rectangle, growing geometrically from there to the side walls.
+struct LayerBlock {
+  double inner_x = 1, inner_y = 1;    ///< extent of the uniform part, up to one cell more is made
+  double length_x = 6, length_y = 6;  ///< > inner
+  double thickness = 1;
+  double cell_x = 0.5, cell_y = 0.5;  ///< cell size in the uniform part
+  int cells_z = 2;                    ///< through the thickness
+  double growth = 1.4;                ///< ratio of neighbouring cells in the graded part, > 1
+};
+
+/// Meshes the block by gmsh's transfinite interpolation: all hexahedra.
+/// @throws InputError for lengths that are not positive or not nested.
+HexahedralMesh mesh_layer_block(const LayerBlock& block);
+
+}  // namespace softfinger::meshes
