@@ -24,19 +24,31 @@ using ContactBody = std::variant<Quadric, MeshContactPoint>;
 struct ContactPatch {
   RelativeCurvature relative;
   std::optional<QuadricFit> finger_fit, object_fit;  ///< set for mesh bodies
-  double predicted_area_m2 = 0;  ///< of the contact, for the final radii
-  double region_area_m2 = 0;     ///< pi times the region's radius squared
+  double predicted_area_m2 = 0;                      ///< of the contact, for the final radii
+  double region_area_m2 = 0;                         ///< pi times the region's radius squared
   int iterations = 0;
-  bool agrees = true;            ///< region within 2 % of twice the predicted area
-  std::string remark;            ///< why not, in words, when it does not ("the mesh has only 5 vertices within ...")
+  bool agrees = true;  ///< region within 2 % of twice the predicted area
+  std::string
+      remark;  ///< why not, in words, when it does not ("the mesh has only 5 vertices within ...")
 };
 
 /// Iterates region and prediction until the region is twice the predicted contact area
-/// (Ciocarlie et al. 2007, section 4.1), or as near to that as the mesh allows, and says so.
+/// (Ciocarlie et al. 2007, section 4.1), or as near to that as the mesh allows (at least 8 of its
+/// vertices in the region), and says so. Both bodies are fitted over regions of the same radius.
+/// Damped fixed point, bracketed, so that it ends also where region and contact jump past each
+/// other.
 ///
-/// @param predicted_area_m2  area of the contact for given relative radii, from any pressure model
-/// @throws InputError from the fits.
-ContactPatch fit_contact_patch(const ContactBody& finger, const ContactBody& object, double angle_rad,
-                               const std::function<double(const RelativeRadii&)>& predicted_area_m2);
+/// Without an ellipse in any region the patch of the first one is returned, with its kind.
+///
+/// @param angle_rad  turns the object's x axis counter-clockwise from the finger's, about the
+/// finger's
+///   outward normal. For a mesh that is QuadricFit::x_axis; the mirror image that comes from
+///   looking at the object from its other side is accounted for.
+/// @param predicted_area_m2  area of the contact for given relative radii, from any pressure model;
+///   positive and finite. What it throws is passed on.
+/// @throws InputError, ConvergenceError from the fits.
+ContactPatch fit_contact_patch(
+    const ContactBody& finger, const ContactBody& object, double angle_rad,
+    const std::function<double(const RelativeRadii&)>& predicted_area_m2);
 
 }  // namespace softfinger

@@ -25,12 +25,18 @@ struct RelativeCurvature {
 
 /// Relative curvature of two bodies in contact (Ciocarlie et al. 2007, eq. 8).
 ///
-/// Both quadrics are depths below the common tangent plane, each into its own body, seen in the finger's contact frame (z along
-/// the finger's outward normal); the gap is their sum. `angle_rad` turns the object counter-clockwise
-/// about z: its x axis lies at that angle from the finger's.
+/// Both quadrics are depths below the common tangent plane, each into its own body, seen in the
+/// finger's contact frame (z along the finger's outward normal); the gap is their sum. `angle_rad`
+/// turns the object counter-clockwise about z: its x axis lies at that angle from the finger's.
 /// Covariances (of A, B, C; zero for exact quadrics) are propagated to first order.
-RelativeCurvature relative_curvature(const Quadric& finger, const Eigen::Matrix3d& finger_covariance_per_m2,
-                                     const Quadric& object, const Eigen::Matrix3d& object_covariance_per_m2,
+///
+/// A relative curvature counts as zero below 1e-9 of the bodies' largest one, or, between fits,
+/// below three of its standard deviations and 1e-3 of the largest one. A negative one within one
+/// standard deviation of zero is `line`, not `saddle`.
+RelativeCurvature relative_curvature(const Quadric& finger,
+                                     const Eigen::Matrix3d& finger_covariance_per_m2,
+                                     const Quadric& object,
+                                     const Eigen::Matrix3d& object_covariance_per_m2,
                                      double angle_rad);
 
 }  // namespace softfinger

@@ -1,0 +1,124 @@
+#include "softfinger/geometry/contact_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sample_surfaces.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+using Eigen::Vector3d;
+using samples::kPi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A Winkler-like prediction: area = 2 pi d sqrt(R' R''), for a given indentation.
+std::function<double(const RelativeRadii&)> area_at(double indentation_m) {
+  return [=](const RelativeRadii& r) {
+    return 2 * kPi * indentation_m * std::sqrt(r.major_m * r.minor_m);
+  };
+}
+
+TEST(ContactPatch, OfASphereIsTwiceThePredictedArea) {
+  const auto ball = samples::sphere(10e-3, 5);
+  const double indentation = 0.2e-3;
+  const auto patch = fit_contact_patch(MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, Quadric{}, 0,
+                                       area_at(indentation));
+  EXPECT_TRUE(patch.agrees) << patch.remark;
+  EXPECT_TRUE(patch.remark.empty());
+  EXPECT_NEAR(patch.region_area_m2 / (2 * patch.predicted_area_m2), 1, 0.02);
+  // Chords of 0.5 mm and the quadric's own error over the region: r²/R² = 4 d/R.
+  const double tolerance = 0.05 * 0.05 + 4 * indentation / 10e-3;
+  EXPECT_NEAR(patch.relative.radii.major_m / 10e-3, 1, tolerance);
+  ASSERT_TRUE(patch.finger_fit.has_value());
+  EXPECT_FALSE(patch.object_fit.has_value());
+  EXPECT_NEAR(patch.finger_fit->area_m2 / patch.region_area_m2, 1, tolerance);
+}
+
+TEST(ContactPatch, OfExactQuadricsNeedsNoRegion) {
+  const auto patch = fit_contact_patch(quadric_from_radii(0.01, 0.02), Quadric{}, 0, area_at(1e-4));
+  EXPECT_TRUE(patch.agrees);
+  EXPECT_EQ(patch.relative.radii.major_m, 0.02);
+  EXPECT_EQ(patch.region_area_m2, 0);
+  EXPECT_GT(patch.predicted_area_m2, 0);
+}
+
+TEST(ContactPatch, SaysInNumbersWhenTheMeshIsTooCoarse) {
+  const auto coarse = samples::sphere(10e-3, 3);  // edges of 2 mm
+  const auto patch = fit_contact_patch(MeshContactPoint{&coarse, {0, 0, 10e-3}, {}}, Quadric{}, 0,
+                                       area_at(0.02e-3));
+  EXPECT_FALSE(patch.agrees);
+  EXPECT_NE(patch.remark.find("vertices within"), std::string::npos) << patch.remark;
+  EXPECT_NE(patch.remark.find("times twice the predicted area"), std::string::npos);
+  EXPECT_GE(patch.finger_fit->points, 8);
+  EXPECT_GT(patch.region_area_m2, 2 * patch.predicted_area_m2);
+}
+
+TEST(ContactPatch, SaysWhenTheSurfaceEnds) {
+  const auto chip = samples::quadric(3e-3, 20, 50e-3, 50e-3);
+  const auto patch =
+      fit_contact_patch(MeshContactPoint{&chip, Vector3d::Zero(), {}}, Quadric{}, 0, area_at(1e-3));
+  EXPECT_FALSE(patch.agrees);
+  EXPECT_NE(patch.remark.find("surface ends"), std::string::npos) << patch.remark;
+}
+
+TEST(ContactPatch, ReturnsTheKindWhereThereIsNoEllipse) {
+  const auto saddle = samples::quadric(5e-3, 20, 20e-3, -30e-3);
+  const auto patch = fit_contact_patch(MeshContactPoint{&saddle, Vector3d::Zero(), {}}, Quadric{},
+                                       0, area_at(1e-4));
+  EXPECT_EQ(patch.relative.kind, ContactKind::saddle);
+  EXPECT_FALSE(patch.agrees);
+  EXPECT_NE(patch.remark.find("no region"), std::string::npos) << patch.remark;
+
+  const auto plate = samples::graph(5e-3, 20, [](double, double) { return 0.0; });
+  const auto flat = fit_contact_patch(MeshContactPoint{&plate, Vector3d::Zero(), {}}, Quadric{}, 0,
+                                      area_at(1e-4));
+  EXPECT_EQ(flat.relative.kind, ContactKind::conforming);
+  const auto on_rod = fit_contact_patch(MeshContactPoint{&plate, Vector3d::Zero(), {}},
+                                        quadric_from_radii(kInfinity, 0.01), 0, area_at(1e-4));
+  EXPECT_EQ(on_rod.relative.kind, ContactKind::line);
+}
+
+TEST(ContactPatch, SeesAMeshObjectInTheFingersFrame) {
+  // The object's flattest direction lies at +0.3 from its own x axis, counter-clockwise about its
+  // own normal: clockwise as the finger sees it.
+  const auto object = samples::quadric(6e-3, 40, 40e-3, 10e-3, 0.3);
+  const MeshContactPoint touch{&object, Vector3d::Zero(), {}};
+  const auto patch = fit_contact_patch(quadric_from_radii(0.05, 0.05), touch, 0, area_at(1e-4));
+  const auto turned = fit_contact_patch(quadric_from_radii(0.05, 0.05), touch, 0.5, area_at(1e-4));
+  const double chords = 0.3 * 0.3 / 100;
+  EXPECT_NEAR(patch.relative.radii.axis_rad, -0.3, chords);
+  EXPECT_NEAR(turned.relative.radii.axis_rad, 0.5 - 0.3, chords);
+  // The two views of one contact agree: finger and object exchanged, seen from the other side.
+  const auto exchanged = fit_contact_patch(touch, quadric_from_radii(0.05, 0.05), 0, area_at(1e-4));
+  EXPECT_NEAR(exchanged.relative.radii.axis_rad, 0.3, chords);
+  EXPECT_NEAR(exchanged.relative.radii.major_m / patch.relative.radii.major_m, 1, 1e-9);
+}
+
+TEST(ContactPatch, FitsTwoMeshesOverOneRegion) {
+  const auto ball = samples::sphere(10e-3, 5);
+  const auto pad = samples::quadric(8e-3, 40, 40e-3, 20e-3);
+  const auto patch =
+      fit_contact_patch(MeshContactPoint{&pad, Vector3d::Zero(), Vector3d(0, 0, 1)},
+                        MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, 0, area_at(1e-4));
+  EXPECT_TRUE(patch.agrees) << patch.remark;
+  EXPECT_EQ(patch.finger_fit->region_radius_m, patch.object_fit->region_radius_m);
+  EXPECT_NEAR(1 / patch.relative.radii.major_m, 100 + 25.0, 0.05 * 125);
+  EXPECT_NEAR(1 / patch.relative.radii.minor_m, 100 + 50.0, 0.05 * 150);
+}
+
+TEST(ContactPatch, PassesOnWhatThePredictionThrows) {
+  const auto ball = samples::sphere(10e-3, 4);
+  const auto broken = [](const RelativeRadii&) -> double { throw std::logic_error("no model"); };
+  EXPECT_THROW(fit_contact_patch(MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, Quadric{}, 0, broken),
+               std::logic_error);
+  const auto none = [](const RelativeRadii&) { return 0.0; };
+  EXPECT_THROW(fit_contact_patch(MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, Quadric{}, 0, none),
+               InputError);
+}
+
+}  // namespace
+}  // namespace softfinger
