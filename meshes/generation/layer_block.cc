@@ -6,6 +6,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "meshes/generation/gmsh_session.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -45,18 +46,6 @@ Division divide(double inner, double length, double cell, double growth) {
   return division;
 }
 
-class GmshSession {
- public:
-  GmshSession() {
-    gmsh::initialize(0, nullptr, /*readConfigFiles=*/false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::model::add("layer");
-  }
-  ~GmshSession() { gmsh::finalize(); }
-  GmshSession(const GmshSession&) = delete;
-  GmshSession& operator=(const GmshSession&) = delete;
-};
-
 }  // namespace
 
 HexahedralMesh mesh_layer_block(const LayerBlock& block) {
@@ -67,7 +56,7 @@ HexahedralMesh mesh_layer_block(const LayerBlock& block) {
   const Division x = divide(block.inner_x, block.length_x, block.cell_x, block.growth);
   const Division y = divide(block.inner_y, block.length_y, block.cell_y, block.growth);
 
-  const GmshSession session;
+  const GmshSession session("layer");
   namespace geo = gmsh::model::geo;
   namespace mesh = gmsh::model::geo::mesh;
   const double xs[] = {0, x.inner, block.length_x}, ys[] = {0, y.inner, block.length_y};

@@ -6,18 +6,29 @@
 
 namespace softfinger::meshes {
 
+/// Surfaces smaller or larger than this, corner to corner, come from a wrong unit.
+constexpr double kSmallestSurface_m = 1e-5, kLargestSurface_m = 5;
+
 /// A surface as read from a file, with what had to be tolerated.
 struct SurfaceFile {
   TriangleSurface surface;       ///< metres, vertices welded
   int degenerate_triangles = 0;  ///< dropped: zero area
   int duplicate_triangles = 0;   ///< dropped: same three vertices
+  bool was_inside_out = false;   ///< closed, but all triangles clockwise from outside: turned round
 };
 
-/// Reads binary or ASCII STL, or OBJ (by Assimp), scales it to metres and welds equal vertices.
+/// Reads binary or ASCII STL, or OBJ (by Assimp; polygons are cut into triangles), scales it to
+/// metres and welds equal vertices. The format is recognised by the content, not by the file's
+/// name.
+///
+/// Coordinates pass through single precision, as STL stores them: seven digits, 2 nm on a finger.
+/// Vertices nearer than four units in that last place are one.
 ///
 /// @param metres_per_unit  1e-3 for millimetres
-/// @throws InputError (where = path) for a missing or unreadable file, a file that is no mesh or has no triangles,
-/// NaN or infinite coordinates, a truncated file, or a surface larger than 5 m across, which is a wrong unit.
+/// @throws InputError (where = path, with the line where known) for a missing or unreadable file, a
+/// file that is no mesh or has no triangles, numbers that are no finite numbers, indices out of
+/// range, a truncated file, or a surface larger than 5 m or smaller than 10 micrometres across,
+/// which is a wrong unit.
 SurfaceFile read_surface(const std::string& path, double metres_per_unit);
 
 /// Writes a binary STL in millimetres, atomically (to a temporary name, then renamed).
