@@ -1,0 +1,126 @@
+#include "chart_data.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "scoring.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+double rounded(double value, int digits) {
+  return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
+}
+
+Json number_or_null(const Json& object, const char* key) {
+  const auto value = number(object, key);
+  // More digits than the tables show: a label in a chart must not round differently.
+  return value ? Json(rounded(*value, 8)) : Json();
+}
+
+/// At most this many points per half axis: a curve 300 pixels wide shows no more.
+constexpr std::size_t kProfilePoints = 48;
+
+Json profile(const Json& source) {
+  const Json& positions = child(source, "position_m");
+  const Json& pressures = child(source, "pressure_Pa");
+  if (!positions.is_array() || !pressures.is_array()) return nullptr;
+  const std::size_t count = std::min(positions.size(), pressures.size());
+  if (count == 0) return nullptr;
+  const std::size_t kept = std::min(count, kProfilePoints);
+  Json x = Json::array(), p = Json::array();
+  for (std::size_t i = 0; i < kept; ++i) {
+    // First and last are kept, and more towards the edge, where the pressure falls steeply.
+    const double quarter = kept == 1 ? 0 : 1.5707963267948966 * i / (kept - 1);
+    const auto spread = static_cast<std::size_t>(std::lround((count - 1) * std::sin(quarter)));
+    const std::size_t source_index = kept == count ? i : spread;
+    const auto position = element(positions, source_index);
+    const auto pressure = element(pressures, source_index);
+    if (!position || !pressure) continue;
+    x.push_back(rounded(*position, 5));
+    p.push_back(rounded(*pressure, 5));
+  }
+  return {{"x", x}, {"p", p}};
+}
+
+Json copied(const Json& object, std::initializer_list<const char*> keys) {
+  Json out = Json::object();
+  for (const char* key : keys) out[key] = number_or_null(object, key);
+  return out;
+}
+
+Json drawn_fem(const Json& fem) {
+  if (fem.is_null()) return nullptr;
+  Json out = copied(fem, {"a_m", "b_m", "axis_rad", "max_torque_Nm", "wall_s"});
+  out["error"] = copied(child(fem, "error"), {"a", "b", "max_torque"});
+  out["trusted"] = flag(fem, "trusted");
+  out["profile_x"] = profile(child(fem, "profile_x"));
+  out["profile_y"] = profile(child(fem, "profile_y"));
+  return out;
+}
+
+Json drawn_model(const Json& report, const Json& load, const Json& model) {
+  Json out =
+      copied(model, {"a_m", "b_m", "axis_rad", "max_torque_Nm", "max_torque_paper_Nm", "cost_ns"});
+  out["model"] = text(model, "model");
+  out["has_answer"] = flag(model, "has_answer");
+  out["valid"] = flag(model, "valid");
+  out["relative_error"] =
+      copied(child(model, "relative_error"), {"max_torque", "max_torque_paper"});
+  const auto worst = score(load, model);
+  out["score"] = worst ? Json(rounded(worst->error, 8)) : Json();
+  out["usable"] = usable(report, load, model);
+  out["profile_x"] = profile(child(model, "profile_x"));
+  out["profile_y"] = profile(child(model, "profile_y"));
+  return out;
+}
+
+}  // namespace
+
+Json chart_data(const Json& report) {
+  Json styles = Json::object();
+  for (const std::string& name : model_names(report)) {
+    const Style drawn = style(report, name);
+    styles[name] = {{"label", label(name)}, {"colour", drawn.colour}, {"dash", drawn.dash}};
+  }
+  Json cases = Json::array();
+  for (const Json& report_case : child(report, "cases")) {
+    Json loads = Json::array();
+    for (const Json& load : child(report_case, "loads")) {
+      Json models = Json::array();
+      for (const Json& model : child(load, "models"))
+        models.push_back(drawn_model(report, load, model));
+      Json drawn = {{"load_N", number_or_null(load, "load_N")},
+                    {"axis_rad", number_or_null(child(load, "geometry"), "axis_rad")},
+                    {"s", number_or_null(child(load, "geometry"), "s")},
+                    {"fem", drawn_fem(child(load, "fem"))},
+                    {"models", std::move(models)}};
+      loads.push_back(std::move(drawn));
+    }
+    cases.push_back(
+        {{"id", text(report_case, "id")},
+         {"poisson_ratio", number_or_null(child(report_case, "layer"), "poisson_ratio")},
+         {"friction_coefficient", number_or_null(report_case, "friction_coefficient")},
+         {"loads", std::move(loads)}});
+  }
+  return {{"tolerance", tolerance(report)}, {"styles", styles}, {"cases", cases}};
+}
+
+std::string script_json(const Json& data) {
+  // A replaced byte is better than no page when a file name was not UTF-8.
+  const std::string plain = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  out.reserve(plain.size());
+  for (const char c : plain) {
+    // "<" occurs in strings only; escaped, neither </script> nor <!-- can end the element.
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+}  // namespace softfinger::comparisons

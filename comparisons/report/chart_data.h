@@ -1,0 +1,15 @@
+#pragma once
+
+#include "html.h"
+
+namespace softfinger::comparisons {
+
+/// What report.js draws: the report without its texts and tables, colours added, numbers rounded to
+/// what a picture shows, profiles thinned to what a curve needs. Keeps the page small: the tables
+/// carry the numbers, report.json the full precision.
+Json chart_data(const Json& report);
+
+/// JSON that is safe inside a script element, whatever its strings contain.
+std::string script_json(const Json& data);
+
+}  // namespace softfinger::comparisons

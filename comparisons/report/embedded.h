@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+
+/// Files that the build copies into the program (embed.cmake).
+namespace softfinger::comparisons::embedded {
+
+extern const std::string_view page_html;
+extern const std::string_view report_css;
+extern const std::string_view report_js;
+extern const std::string_view d3_js;
+extern const std::string_view plot_js;
+extern const std::string_view licences;  ///< of d3, Plot and all that is bundled in them
+
+}  // namespace softfinger::comparisons::embedded

@@ -1,0 +1,350 @@
+// Draws the charts and lets the reader choose a load. Everything else on the page is HTML already.
+"use strict";
+
+(() => {
+  const page = document.documentElement;
+  const report = JSON.parse(document.getElementById("data").textContent);
+  const FEM = {label: "FEM", colour: "var(--fem)", dash: "none"};
+  const styleOf = (name) => (name === "fem" ? FEM : report.styles[name]);
+  const present = (value) => value !== null && value !== undefined;
+
+  const number = d3.format(".4~r");
+  const percent = (ratio) =>
+    `${ratio > 0 ? "+" : ratio < 0 ? "−" : ""}${Math.abs(100 * ratio).toPrecision(Math.abs(ratio) < 0.1 ? 2 : 3)} %`;
+  const duration = (ns) => {
+    const [unit, name] = [[1, "ns"], [1e3, "µs"], [1e6, "ms"], [1e9, "s"]].filter(([u]) => ns >= 0.9995 * u).pop() ?? [1, "ns"];
+    return `${Number((ns / unit).toPrecision(2))} ${name}`;
+  };
+  // The largest value rounded up to the next tick, so that axes end on a labelled line.
+  const niceTop = (value) => d3.scaleLinear().domain([0, value > 0 ? value : 1]).nice(5).domain()[1];
+
+  const base = (width, height) => ({
+    width, height, marginLeft: 46, marginRight: 12, marginTop: 22, marginBottom: 38,
+    grid: true,
+    style: {fontSize: "12px", background: "transparent"},
+  });
+  const tip = (points, options = {}) =>
+    Plot.tip(points, Plot.pointer({x: "x", y: "y", title: "title", fontSize: 12, lineHeight: 1.25, ...options}));
+
+  // The reference first and broad, models on top and thin: a model that agrees hides neither.
+  const entries = (load) => [
+    ...(load.fem ? [{...load.fem, model: "fem", valid: true, style: FEM}] : []),
+    ...load.models.filter((m) => m.has_answer).map((m) => ({...m, style: styleOf(m.model)})),
+  ];
+  const lineOptions = (entry) => ({
+    stroke: entry.style.colour,
+    strokeWidth: entry.model === "fem" ? 4 : 2,
+    strokeDasharray: entry.style.dash,
+    x: "x", y: "y", curve: "linear",
+  });
+
+  function drawEllipse(width, load) {
+    const drawn = entries(load).filter((e) => e.a_m > 0 && e.b_m > 0);
+    if (!drawn.length) return null;
+    const frame = load.axis_rad ?? 0;
+    const outline = (e, scale = 0) => {
+      const turn = (e.axis_rad ?? frame) - frame;
+      const a = 1e3 * e.a_m * (1 + scale * (e.error?.a ?? 0));
+      const b = 1e3 * e.b_m * (1 + scale * (e.error?.b ?? 0));
+      return d3.range(0, 97).map((i) => {
+        const t = (2 * Math.PI * i) / 96;
+        const [x, y] = [a * Math.cos(t), b * Math.sin(t)];
+        return {
+          x: x * Math.cos(turn) - y * Math.sin(turn), y: x * Math.sin(turn) + y * Math.cos(turn),
+          title: `${e.style.label}\na ${number(1e3 * e.a_m)} mm\nb ${number(1e3 * e.b_m)} mm`,
+        };
+      });
+    };
+    const outlines = drawn.map((e) => outline(e));
+    const frameOptions = base(width, Math.min(340, Math.max(250, 0.62 * width)));
+    const inner = [
+      width - frameOptions.marginLeft - frameOptions.marginRight,
+      frameOptions.height - frameOptions.marginTop - frameOptions.marginBottom,
+    ];
+    const all = outlines.flat();
+    const reach = [d3.max(all, (p) => Math.abs(p.x)), d3.max(all, (p) => Math.abs(p.y))];
+    const pixelsPerMm = 0.93 * Math.min(inner[0] / (2 * reach[0]), inner[1] / (2 * reach[1]));
+    const half = inner.map((pixels) => pixels / (2 * pixelsPerMm));
+    const reference = drawn.find((e) => e.model === "fem");
+    return Plot.plot({
+      ...frameOptions,
+      x: {domain: [-half[0], half[0]], label: "x along the long axis, mm →", labelAnchor: "right", ticks: width < 480 ? 5 : 7},
+      y: {domain: [-half[1], half[1]], label: "↑ y, mm", ticks: 5},
+      marks: [
+        Plot.ruleX([0], {strokeOpacity: 0.25}), Plot.ruleY([0], {strokeOpacity: 0.25}),
+        ...(reference
+          ? [Plot.line([...outline(reference, 1), ...outline(reference, -1).reverse()],
+              {x: "x", y: "y", curve: "linear", stroke: "none", fill: "var(--band)", fillOpacity: 0.22})]
+          : []),
+        ...drawn.map((e, i) => Plot.line(outlines[i], lineOptions(e))),
+        tip(all),
+      ],
+    });
+  }
+
+  function drawPressure(width, load) {
+    const drawn = entries(load).filter((e) => e.profile_x || e.profile_y);
+    if (!drawn.length) return null;
+    const points = (e, axis) => {
+      const profile = e[`profile_${axis}`];
+      return (profile?.x ?? []).map((x, i) => ({
+        x: 1e3 * x, y: 1e-3 * profile.p[i],
+        title: `${e.style.label}\n${axis} ${number(1e3 * x)} mm\n${number(1e-3 * profile.p[i])} kPa`,
+      }));
+    };
+    const highest = (some) => d3.max(some.flatMap((e) => [...points(e, "x"), ...points(e, "y")]), (p) => p.y);
+    // A model that is off by a multiple may leave the picture, it must not flatten all the others.
+    const reference = highest(drawn.filter((e) => e.model === "fem"));
+    const top = 1.04 * Math.min(highest(drawn), reference > 0 ? 2.5 * reference : Infinity);
+    const panel = (axis, panelWidth) => {
+      const curves = drawn.map((e) => points(e, axis));
+      const loaded = curves.flat().filter((p) => p.y > 0);
+      const end = 1.06 * (d3.max(loaded, (p) => p.x) ?? 1);
+      return Plot.plot({
+        ...base(panelWidth, 290),
+        x: {domain: [0, end], label: `${axis === "x" ? "long axis x" : "short axis y"}, mm →`, labelAnchor: "right", ticks: panelWidth < 240 ? 3 : 5},
+        y: {domain: [0, top], label: axis === "x" ? "↑ pressure, kPa" : null, ticks: 5},
+        marks: [
+          Plot.ruleY([0], {strokeOpacity: 0.4}),
+          ...drawn.map((e, i) => e.model === "fem" ? null : Plot.line(curves[i], {...lineOptions(e), clip: true})),
+          ...drawn.map((e, i) => e.model === "fem" ? Plot.dot(curves[i], {x: "x", y: "y", r: 2.3, fill: e.style.colour, clip: true}) : null),
+          tip(curves.flat().filter((p) => p.x <= end && p.y <= top)),
+        ],
+      });
+    };
+    const pair = document.createElement("div");
+    pair.className = "pair";
+    pair.append(panel("x", width / 2), panel("y", width / 2));
+    return pair;
+  }
+
+  function drawTorque(width, load) {
+    const reference = load.fem && present(load.fem.max_torque_Nm) ? load.fem : null;
+    const rows = [
+      ...(load.fem ? [{...load.fem, model: "fem", style: FEM, has_answer: true}] : []),
+      ...load.models.map((m) => ({...m, style: styleOf(m.model)})),
+    ];
+    const values = rows.flatMap((r) => [r.max_torque_Nm, r.max_torque_paper_Nm]).filter(present).map((v) => 1e3 * v);
+    if (!values.length) return null;
+    const stated = reference?.error?.max_torque ?? 0;
+    const label = (r) => r.style.label;
+    const bars = rows.filter((r) => r.has_answer && present(r.max_torque_Nm)).map((r) => ({
+      ...r, row: label(r), x: 1e3 * r.max_torque_Nm, paper: present(r.max_torque_paper_Nm) ? 1e3 * r.max_torque_paper_Nm : null,
+      note: r.model === "fem" ? `${number(1e3 * r.max_torque_Nm)} ± ${(100 * stated).toPrecision(2)} %`
+        : present(r.relative_error?.max_torque) ? percent(r.relative_error.max_torque) : number(1e3 * r.max_torque_Nm),
+      title: [label(r), `exact rule ${number(1e3 * r.max_torque_Nm)} mN·m`,
+        ...(present(r.max_torque_paper_Nm) ? [`paper rule ${number(1e3 * r.max_torque_paper_Nm)} mN·m` +
+          (present(r.relative_error?.max_torque_paper) ? ` (${percent(r.relative_error.max_torque_paper)})` : "")] : []),
+      ].map((line) => r.model === "fem" ? line.replace("exact rule ", "") : line).join("\n"),
+    }));
+    const domain = rows.map(label);
+    const longest = d3.max(domain, (text) => text.length);
+    const reachOf = (b) => Math.max(b.x, b.paper ?? 0);
+    // Room for the note behind the longest bar, in units of the scale.
+    const inner = width - Math.min(150, 14 + 7 * longest) - 12;
+    const top = d3.max(bars, reachOf) * inner / Math.max(80, inner - 92);
+    const fem = reference && 1e3 * reference.max_torque_Nm;
+    return Plot.plot({
+      ...base(width, Math.max(290, 60 + 34 * rows.length)),
+      marginLeft: Math.min(150, 14 + 7 * longest),
+      x: {domain: [0, top], label: "maximal torque, mN·m →", labelAnchor: "right", ticks: 5},
+      y: {domain, label: null, grid: false, tickSize: 0, padding: Math.max(0.35, 1 - rows.length / 7)},
+      marks: [
+        ...(fem ? [
+          Plot.rect([0], {x1: fem * (1 - stated), x2: fem * (1 + stated), fill: "var(--band)", fillOpacity: 0.2}),
+          Plot.ruleX([fem], {stroke: "var(--fem)", strokeOpacity: 0.45, strokeDasharray: "2 3"}),
+        ] : []),
+        ...bars.map((b) => Plot.barX([b], {x: "x", y: "row", fill: b.style.colour, fillOpacity: b.model === "fem" ? 0.4 : 0.75})),
+        ...(fem ? [
+          Plot.link([0], {x1: fem * (1 - stated), x2: fem * (1 + stated), y1: "FEM", y2: "FEM", stroke: "var(--fem)", strokeWidth: 2}),
+          Plot.tickX([fem * (1 - stated), fem * (1 + stated)], {x: (x) => x, y: () => "FEM", stroke: "var(--fem)", strokeWidth: 2, insetTop: 4, insetBottom: 4}),
+        ] : []),
+        Plot.dot(bars.filter((b) => b.paper !== null), {x: "paper", y: "row", r: 5, fill: "var(--page)", stroke: (b) => b.style.colour, strokeWidth: 2}),
+        Plot.text(bars, {x: reachOf, y: "row", text: "note", dx: 10, textAnchor: "start"}),
+        Plot.text(rows.filter((r) => !r.has_answer), {x: 0, y: label, text: () => "no answer", dx: 6, textAnchor: "start", fillOpacity: 0.6}),
+        Plot.ruleX([0], {strokeOpacity: 0.5}),
+        Plot.tip(bars, Plot.pointerY({x: "x", y: "row", title: "title", fontSize: 12, lineHeight: 1.25, anchor: "bottom"})),
+      ],
+    });
+  }
+
+  function drawEllipsoid(width, load, friction) {
+    const drawn = entries(load).filter((e) => present(e.max_torque_Nm));
+    const sliding = friction * load.load_N;
+    if (!drawn.length || !(sliding > 0)) return null;
+    const curve = (e, scale = 0) => d3.range(0, 41).map((i) => {
+      const t = (Math.PI * i) / 80;
+      const torque = 1e3 * e.max_torque_Nm * (1 + scale * (e.error?.max_torque ?? 0));
+      const [x, y] = [sliding * Math.sin(t), torque * Math.cos(t)];
+      return {x, y, title: `${e.style.label}\nforce ${number(x)} N\ntorque ${number(y)} mN·m`};
+    });
+    const curves = drawn.map((e) => curve(e));
+    const reference = drawn.find((e) => e.model === "fem");
+    return Plot.plot({
+      ...base(width, 290),
+      x: {domain: [0, 1.04 * sliding], label: "tangential force, N →", labelAnchor: "right", ticks: width < 480 ? 5 : 8},
+      y: {domain: [0, niceTop(d3.max(curves.flat(), (p) => p.y))], label: "↑ torque, mN·m", ticks: 5},
+      marks: [
+        Plot.ruleY([0], {strokeOpacity: 0.4}), Plot.ruleX([0], {strokeOpacity: 0.4}),
+        ...(reference ? [Plot.line([...curve(reference, 1), ...curve(reference, -1).reverse()],
+          {x: "x", y: "y", curve: "linear", stroke: "none", fill: "var(--band)", fillOpacity: 0.22})] : []),
+        ...drawn.map((e, i) => Plot.line(curves[i], lineOptions(e))),
+        tip(curves.flat()),
+      ],
+    });
+  }
+
+  // Every prediction that can be compared, once for both charts of the overview.
+  const predictions = report.cases.flatMap((c) => c.loads.flatMap((load) =>
+    entries(load).map((e) => ({case: c, load, entry: e}))));
+  const FLOOR = 1e-5; // a log scale has no zero
+
+  function drawCost(width) {
+    const points = predictions.map(({case: c, load, entry: e}) => {
+      const isFem = e.model === "fem";
+      const error = isFem ? e.error?.max_torque : e.relative_error?.max_torque;
+      const cost = isFem ? (present(e.wall_s) ? 1e9 * e.wall_s : null) : e.cost_ns;
+      if (!present(error) || !(cost > 0)) return null;
+      return {
+        x: cost, y: Math.max(FLOOR, Math.abs(error)), model: e.model, style: e.style, valid: e.valid,
+        title: `${e.style.label}\n${c.id}, ${number(load.load_N)} N\ntorque ${isFem ? "± " + (100 * error).toPrecision(2) + " %" : percent(error)}\n${duration(cost)}`,
+      };
+    }).filter(present);
+    if (!points.length) return null;
+    const medians = d3.groups(points, (p) => p.model).map(([model, group]) => ({
+      model, style: group[0].style, x: d3.median(group, (p) => p.x), y: d3.median(group, (p) => p.y),
+    }));
+    const front = d3.sort(medians, (m) => m.x).filter((m, i, sorted) => sorted.slice(0, i).every((other) => other.y > m.y));
+    const domain = [0.4 * d3.min(points, (p) => p.x), 4 * d3.max(points, (p) => p.x)];
+    const range = [0.6 * d3.min(points, (p) => p.y), 1.6 * d3.max(points, (p) => p.y)];
+    const decades = ([low, high]) => d3.range(-9, 15).map((k) => 10 ** k).filter((v) => v >= low && v <= high);
+    return Plot.plot({
+      ...base(width, 330),
+      marginLeft: 54,
+      x: {type: "log", domain, label: "time of one answer →", labelAnchor: "right", tickFormat: duration,
+        ticks: decades(domain).filter((v) => width > 480 || Math.round(Math.log10(v)) % 3 === 0)},
+      y: {type: "log", domain: range, ticks: decades(range), label: "↑ error of the maximal torque",
+        tickFormat: (v) => `${Number((100 * v).toPrecision(1))} %`},
+      marks: [
+        Plot.ruleY([report.tolerance], {strokeOpacity: 0.5, strokeDasharray: "3 3"}),
+        Plot.text([0], {x: [domain[1]], y: [report.tolerance], text: [`tolerance ${Number((100 * report.tolerance).toPrecision(3))} %`], textAnchor: "end", dy: -8, dx: -2, fillOpacity: 0.7}),
+        Plot.line(front, {x: "x", y: "y", strokeOpacity: 0.5, strokeWidth: 1.5}),
+        Plot.dot(points, {x: "x", y: "y", r: 3, stroke: (p) => p.style.colour, fill: (p) => (p.valid ? p.style.colour : "none"), strokeOpacity: 0.55, fillOpacity: 0.4}),
+        Plot.dot(medians, {x: "x", y: "y", r: 6.5, fill: (m) => m.style.colour, stroke: "var(--page)", strokeWidth: 1.5}),
+        Plot.text(medians, {x: "x", y: "y", text: (m) => m.style.label, dy: -14, fontWeight: 600, fill: (m) => m.style.colour, stroke: "var(--page)", strokeWidth: 4,
+          textAnchor: "middle"}),
+        tip(points),
+      ],
+    });
+  }
+
+  function drawMap(width) {
+    const points = report.cases.flatMap((c) => c.loads.map((load) => {
+      const ranked = d3.sort(load.models.filter((m) => present(m.score)), (m) => !m.usable, (m) => m.score);
+      if (!ranked.length || !(load.s > 0) || !present(c.poisson_ratio)) return null;
+      const best = ranked[0];
+      return {
+        x: load.s, y: String(c.poisson_ratio), colour: styleOf(best.model).colour, label: styleOf(best.model).label,
+        usable: best.usable,
+        title: [`${c.id}, ${number(load.load_N)} N`, `s ${number(load.s)}, ν ${c.poisson_ratio}`,
+          ...ranked.map((m) => `${styleOf(m.model).label}: off by ${percent(m.score).replace("+", "")}${m.valid ? "" : ", outside its validity"}`)].join("\n"),
+      };
+    })).filter(present);
+    if (!points.length) return null;
+    const labels = d3.groups(points, (p) => p.label).map(([label, group]) => ({label, colour: group[0].colour}));
+    const rows = d3.sort(new Set(points.map((p) => p.y)), Number).reverse();
+    const plot = Plot.plot({
+      ...base(width, Math.max(220, Math.min(330, 110 + 52 * rows.length))),
+      marginLeft: 58,
+      x: {type: "log", nice: true, label: "contact size s = √(ab)/h →", labelAnchor: "right", tickFormat: "~g", ticks: 6},
+      y: {type: "point", domain: rows, label: "↑ Poisson ratio ν", labelAnchor: "top", padding: 0.7, tickSize: 0},
+      marks: [
+        Plot.dot(points, {x: "x", y: "y", r: 6, stroke: "colour", strokeWidth: 2, fill: (p) => (p.usable ? p.colour : "var(--page)"), fillOpacity: (p) => (p.usable ? 0.8 : 1)}),
+        tip(points),
+      ],
+    });
+    const legend = document.createElement("ul");
+    legend.className = "legend";
+    for (const {label, colour} of labels) {
+      const item = document.createElement("li");
+      const swatch = document.createElement("span");
+      swatch.style.cssText = `display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.5em;background:${colour}`;
+      item.append(swatch, label);
+      legend.append(item);
+    }
+    const box = document.createElement("div");
+    box.append(plot, legend);
+    return box;
+  }
+
+  const drawers = {cost: drawCost, map: drawMap, ellipse: drawEllipse, pressure: drawPressure, torque: drawTorque, ellipsoid: drawEllipsoid};
+
+  const figures = [...document.querySelectorAll("figure[data-chart]")].map((element) => {
+    const section = element.closest("[data-case]");
+    return {element, plot: element.querySelector(".plot"), section, data: section && report.cases[[...document.querySelectorAll("[data-case]")].indexOf(section)], width: 0};
+  });
+  const selected = new Map();
+
+  const widthOf = (figure) => Math.floor(figure.plot.clientWidth);
+
+  function draw(figure, width) {
+    const kind = figure.element.dataset.chart;
+    if (width <= 0) return;
+    figure.width = width;
+    let content = null;
+    try {
+      const load = figure.data?.loads[selected.get(figure.data) ?? 0];
+      content = figure.data ? load && drawers[kind](width, load, figure.data.friction_coefficient) : drawers[kind](width);
+    } catch (error) {
+      // One chart that fails must not take the others with it; the page's test sees the count.
+      page.dataset.scriptErrors = String(Number(page.dataset.scriptErrors) + 1);
+      console.error(kind, figure.data?.id, error);
+      figure.plot.textContent = "This chart could not be drawn; its numbers are in the tables.";
+      return;
+    }
+    if (!content) {
+      content = document.createElement("p");
+      content.className = "empty";
+      content.textContent = "Nothing to draw: no model and no reference has an answer here.";
+    }
+    figure.plot.replaceChildren(content);
+    figure.element.dataset.drawn = "true";
+  }
+
+  function choose(section, data, index) {
+    selected.set(data, index);
+    for (const button of section.querySelectorAll(".loads button"))
+      button.setAttribute("aria-pressed", String(Number(button.dataset.load) === index));
+    for (const load of section.querySelectorAll(".load")) load.hidden = Number(load.dataset.load) !== index;
+    for (const figure of figures) if (figure.section === section && figure.width) draw(figure, figure.width);
+  }
+
+  document.querySelectorAll("[data-case]").forEach((section, i) => {
+    const data = report.cases[i];
+    section.querySelector(".loads")?.removeAttribute("hidden");
+    section.addEventListener("click", (event) => {
+      const button = event.target.closest(".loads button");
+      if (button) choose(section, data, Number(button.dataset.load));
+    });
+    // The middle load says most about a case; the others are one click away.
+    if (data.loads.length) choose(section, data, Math.floor((data.loads.length - 1) / 2));
+  });
+
+  page.dataset.chartsDrawn = "0"; // also shows the places of the charts, see report.css
+  // Widths are read before anything is drawn: in turns, each reading would lay out the page anew.
+  const widths = figures.map(widthOf);
+  figures.forEach((figure, i) => draw(figure, widths[i]));
+  page.dataset.chartsExpected = String(figures.length);
+  page.dataset.chartsDrawn = String(figures.filter((f) => f.element.dataset.drawn).length);
+  page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
+
+  let pending = 0;
+  new ResizeObserver(() => {
+    cancelAnimationFrame(pending);
+    pending = requestAnimationFrame(() => {
+      const current = figures.map(widthOf);
+      figures.forEach((figure, i) => current[i] !== figure.width && draw(figure, current[i]));
+      page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
+    });
+  }).observe(document.body);
+})();

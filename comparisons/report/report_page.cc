@@ -1,0 +1,277 @@
+#include "report_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "case_section.h"
+#include "chart_data.h"
+#include "embedded.h"
+#include "html.h"
+#include "scoring.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+std::string plural(int count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string range(std::optional<double> low, std::optional<double> high) {
+  if (!low || !high) return "–";
+  const std::string from = significant(*low, 2), to = significant(*high, 2);
+  return from == to ? from : from + " to " + to;
+}
+
+/// Poisson ratios differ where two digits no longer show it: 0.49, 0.4999.
+std::string input_range(std::optional<double> low, std::optional<double> high) {
+  if (!low || !high) return "–";
+  return *low == *high ? plain(low) : plain(low) + " to " + plain(high);
+}
+
+std::string trust_sentence(const ReferenceSummary& reference, double tolerance) {
+  if (reference.solved == 0)
+    return "The finite elements solved none: there is nothing to judge by.";
+  const double stated = std::max(reference.worst_torque_error, reference.worst_axis_error);
+  const std::string numbers = fmt::format(
+      "stated error of the torque {} in the median and {} at worst, of the semi-axes {} at worst",
+      percent(reference.median_torque_error), percent(reference.worst_torque_error),
+      percent(reference.worst_axis_error));
+  if (reference.trusted == reference.solved)
+    return fmt::format("<b>The finite elements can be trusted</b> at {}: {}{}.",
+                       reference.solved == reference.loads
+                           ? "all of them"
+                           : fmt::format("the {} they solved", reference.solved),
+                       numbers, stated < tolerance / 3 ? ", well below the tolerance" : "");
+  return fmt::format("<b>The finite elements can be trusted at {} of the {}</b> they solved: {}.",
+                     reference.trusted, reference.solved, numbers);
+}
+
+std::string summary(const Json& report) {
+  const ReferenceSummary reference = reference_summary(report);
+  const double limit = tolerance(report);
+  std::string models;
+  for (const Usability& use : usability(report)) {
+    if (use.compared == 0) continue;
+    models += fmt::format("{}<b>{}</b> at {}", models.empty() ? "" : ", ", escape(label(use.model)),
+                          use.usable);
+  }
+  std::string out = fmt::format("<p class=\"lead\">{} at {}. {}", plural(reference.cases, "case"),
+                                plural(reference.loads, "load"), trust_sentence(reference, limit));
+  if (reference.solved > 0) {
+    out += fmt::format(
+        " Of {}, these models are usable (area and torque within ±{} inside their own validity): "
+        "{}.",
+        plural(reference.solved, "load") + " with a reference", plain(limit, 100) + " %",
+        models.empty() ? "none" : models);
+    out += reference.without_usable_model == 0
+               ? " Everywhere at least one model is usable."
+               : fmt::format(" At <b>{}</b> no model is usable.", reference.without_usable_model);
+  }
+  return out + "</p>\n";
+}
+
+std::string overview_table(const Json& report) {
+  std::string rows;
+  for (const Json& report_case : child(report, "cases")) {
+    const auto best = best_model(report, report_case);
+    std::string model = "–", error = "–";
+    if (best) {
+      model = model_key(report, best->model) +
+              (best->valid ? "" : "<small>outside its validity</small>");
+      error =
+          fmt::format("<span class=\"{}\">{}</span><small>{} at {}</small>",
+                      best->score.error > tolerance(report) ? "beyond"
+                      : best->valid                         ? "within"
+                                                            : "",
+                      percent(best->score.error), best->score.quantity, newton(best->score.load_N));
+    }
+    rows += fmt::format(
+        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
+        "<td class=\"words\">{}<span>{}</span></td><td class=\"words\" data-label=\"best "
+        "model\">{}</td>"
+        "<td data-label=\"its worst error\">{}</td></tr>\n",
+        escape(case_anchor(report_case)), escape(text(report_case, "id")),
+        escape(text(report_case, "question")), verdict_badge(report_case),
+        escape(text(report_case, "verdict")), model, error);
+  }
+  return "<table class=\"overview\"><thead><tr><th scope=\"col\">case and question</th>"
+         "<th scope=\"col\">verdict</th><th scope=\"col\">best model</th>"
+         "<th scope=\"col\">its worst error</th></tr></thead>\n<tbody>" +
+         rows + "</tbody></table>\n";
+}
+
+std::string usability_table(const Json& report) {
+  std::string rows;
+  for (const Usability& use : usability(report)) {
+    if (use.compared == 0) continue;
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+        "<td>{}</td><td{}>{}</td><td>{}</td></tr>\n",
+        model_key(report, use.model), use.usable, use.compared,
+        range(use.smallest_s, use.largest_s), input_range(use.smallest_nu, use.largest_nu),
+        percent(use.median), percent(use.worst), use.valid,
+        use.broken_claims ? " class=\"beyond\"" : "", use.broken_claims, use.accidents);
+  }
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
+         "<th scope=\"col\">usable at</th><th scope=\"col\">there, s = √(ab)/h</th>"
+         "<th scope=\"col\">there, ν</th><th scope=\"col\">median error</th>"
+         "<th scope=\"col\">worst error</th><th scope=\"col\">claims to hold at</th>"
+         "<th scope=\"col\">and fails at</th>"
+         "<th scope=\"col\">agrees by accident at</th></tr></thead>\n<tbody>" +
+         rows + "</tbody></table></div>\n";
+}
+
+std::string overview_charts() {
+  return R"(<div class="charts">
+<figure data-chart="cost"><figcaption><b>Speed against accuracy.</b> Small marks: one prediction each (hollow outside its validity); large marks: medians; the line joins those that nothing beats in both. FEM with its own stated error.</figcaption><div class="plot"></div></figure>
+<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model; hollow: none is usable, coloured by the nearest.</figcaption><div class="plot"></div></figure>
+</div>
+)";
+}
+
+/// A simulator's constant is right at one load only: this says what to take and what it costs.
+std::string simulator_table(const Json& report) {
+  std::string rows;
+  for (const Json& report_case : child(report, "cases")) {
+    const auto friction = number(report_case, "friction_coefficient");
+    std::vector<double> arms;
+    std::vector<std::string> at_loads;
+    for (const Json& load : child(report_case, "loads")) {
+      const auto force = number(load, "load_N");
+      const auto torque = number(child(load, "fem"), "max_torque_Nm");
+      if (!force || !torque || *force <= 0 || *torque <= 0) continue;
+      arms.push_back(*torque / *force);
+      at_loads.push_back(fmt::format("{:.4g} at {}", arms.back(), newton(*force)));
+    }
+    if (arms.empty() || !friction) continue;
+    const auto [low, high] = std::minmax_element(arms.begin(), arms.end());
+    rows += fmt::format(
+        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{:g}</td><td class=\"words\">{}</td>"
+        "<td><b>{:.4g}</b></td><td>{}</td></tr>\n",
+        escape(case_anchor(report_case)), escape(text(report_case, "id")), *friction,
+        fmt::join(at_loads, "<br>"), std::sqrt(*low * *high),
+        arms.size() > 1 ? "±\u00a0" + percent(std::sqrt(*high / *low) - 1) : "one load only");
+  }
+  if (rows.empty()) return "";
+  return "<h2 id=\"simulator\">What to type into a simulator</h2>\n"
+         "<p>MuJoCo’s elliptic cone with <code>condim=\"4\"</code> is the friction ellipsoid of "
+         "this page: <code>friction[0]</code> is μ, <code>friction[1]</code> the largest torque "
+         "divided by the load, e<sub>n</sub>·μ, in metres. Write <code>friction=\"μ friction[1] "
+         "0.0001\"</code> on the geom and <code>&lt;option cone=\"elliptic\"/&gt;</code>; of two "
+         "geoms in contact the larger value counts. The value grows with the load, a simulator "
+         "keeps it constant: the last columns give the best constant over the loads compared and "
+         "what it costs.</p>\n"
+         "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">case</th>"
+         "<th scope=\"col\">friction[0]</th><th scope=\"col\">friction[1] by FEM <span "
+         "class=\"unit\">m"
+         "</span></th><th scope=\"col\">one constant <span class=\"unit\">m</span></th>"
+         "<th scope=\"col\">its error</th></tr></thead>\n<tbody>" +
+         rows + "</tbody></table></div>\n";
+}
+
+std::string how_to_read(const Json& report) {
+  return fmt::format(
+      R"(<h2 id="reading">How to read this page</h2>
+<ul>
+<li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
+<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model promises too much. A model is called usable where area and maximal torque are both within ±{} and it claims itself to hold there.</li>
+<li>± behind an FEM value is the error that it states itself, from its last two meshes. A difference smaller than that means nothing.</li>
+<li>“Outside its validity” is the model’s own statement, made without looking at the FEM. A small error there is an accident, not a licence.</li>
+<li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
+</ul>
+)",
+      plain(tolerance(report), 100) + " %");
+}
+
+std::string model_cards(const Json& report) {
+  const Json& cards = child(report, "models");
+  if (!cards.is_array() || cards.empty()) return "";
+  std::string out = "<h2 id=\"models\">The models</h2>\n<div class=\"cards\">\n";
+  for (const Json& card : cards) {
+    out += fmt::format("<article><h3>{}</h3><p>{}</p><dl>", model_key(report, text(card, "name")),
+                       escape(text(card, "title")));
+    for (const char* key : {"assumptions", "equations", "validity", "cost", "source"})
+      if (const std::string value = text(card, key); !value.empty())
+        out += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
+    out += "</dl></article>\n";
+  }
+  return out + "</div>\n";
+}
+
+std::string provenance(const Json& report) {
+  const Json& source = child(report, "provenance");
+  std::string rows;
+  const auto row = [&](const char* name, const std::string& value) {
+    if (!value.empty()) rows += fmt::format("<dt>{}</dt><dd>{}</dd>", name, value);
+  };
+  row("version", escape(text(source, "version")));
+  row("date", escape(text(source, "date")));
+  row("compiler", escape(text(source, "compiler")));
+  row("build", escape(text(source, "build_type")));
+  row("machine", escape(text(source, "machine")));
+  row("cores", escape(text(source, "cores")));
+  if (const auto wall = number(source, "wall_s")) row("time", duration(*wall));
+  if (const auto memory = number(source, "peak_memory_MB"))
+    row("peak memory", significant(*memory, 3) + " MB (largest FEM process)");
+  std::string out = "<h2 id=\"provenance\">Where this comes from</h2>\n<dl class=\"provenance\">" +
+                    rows + "</dl>\n";
+  if (const std::string command = text(source, "command"); !command.empty())
+    out += "<p>To repeat it:</p>\n<pre>" + escape(command) + "</pre>\n";
+  out +=
+      "<p>All numbers in full precision are in <code>report.json</code> and "
+      "<code>results.csv</code> beside this page, in SI units.</p>\n";
+  return out + "<details><summary>Licences of the chart libraries in this file</summary>\n<pre>" +
+         escape(embedded::licences) + "</pre></details>\n";
+}
+
+std::string body(const Json& report) {
+  const std::string simulator = simulator_table(report), cards = model_cards(report);
+  std::string out =
+      "<header><h1>Soft-finger contact: which model holds?</h1>\n"
+      "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared with "
+      "finite elements</p>\n" +
+      summary(report) + "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
+      (simulator.empty() ? "" : "<a href=\"#simulator\">For a simulator</a> ") +
+      "<a href=\"#reading\">How to read</a> " +
+      (cards.empty() ? "" : "<a href=\"#models\">Models</a> ") +
+      "<a href=\"#provenance\">Provenance</a></nav></header>\n";
+  out += "<h2 id=\"overview\">Overview</h2>\n" + overview_table(report) + overview_charts() +
+         usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
+  for (const Json& report_case : child(report, "cases")) out += case_section(report, report_case);
+  return out + simulator + how_to_read(report) + cards + provenance(report);
+}
+
+}  // namespace
+
+std::string render_report(const nlohmann::json& report) {
+  if (!child(report, "cases").is_array())
+    throw std::invalid_argument("report: no array \"cases\"; see comparisons/report/README.md");
+  const std::string data = script_json(chart_data(report));
+  const std::string content = body(report);
+  std::string page;
+  page.reserve(content.size() + data.size() + embedded::d3_js.size() + embedded::plot_js.size() +
+               100000);
+  // One pass over the template: text that is inserted is never searched for placeholders.
+  std::string_view rest = embedded::page_html;
+  for (std::size_t open; (open = rest.find("{{")) != std::string_view::npos;) {
+    const std::size_t close = rest.find("}}", open);
+    if (close == std::string_view::npos) break;
+    const std::string_view key = rest.substr(open + 2, close - open - 2);
+    page += rest.substr(0, open);
+    page += key == "css"    ? embedded::report_css
+            : key == "body" ? std::string_view(content)
+            : key == "data" ? std::string_view(data)
+            : key == "d3"   ? embedded::d3_js
+            : key == "plot" ? embedded::plot_js
+                            : embedded::report_js;
+    rest = rest.substr(close + 2);
+  }
+  page += rest;
+  return page;
+}
+
+}  // namespace softfinger::comparisons

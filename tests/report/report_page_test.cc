@@ -1,0 +1,316 @@
+#include "comparisons/report/report_page.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <regex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "comparisons/report/html.h"
+#include "comparisons/report/scoring.h"
+#include "sample_report.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+using Json = nlohmann::json;
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// The page as a browser without JavaScript has it.
+std::string without_scripts(std::string page) {
+  for (const std::string element : {"script", "style"})
+    for (std::size_t from; (from = page.find("<" + element)) != std::string::npos;) {
+      const std::size_t to = page.find("</" + element + ">", from);
+      if (to == std::string::npos) throw std::runtime_error("unclosed " + element);
+      page.erase(from, to + element.size() + 3 - from);
+    }
+  return page;
+}
+
+/// What is readable of it, tags as spaces.
+std::string visible_text(const std::string& html) {
+  std::string text;
+  bool inside_tag = false;
+  for (const char c : html) {
+    if (c == '<') {
+      inside_tag = true;
+      text += ' ';
+    } else if (c == '>' && inside_tag) {
+      inside_tag = false;
+    } else if (!inside_tag) {
+      text += c;
+    }
+  }
+  replace_all(text, "\u00a0", " ");
+  replace_all(text, "−", "-");
+  replace_all(text, "&#39;", "'");
+  replace_all(text, "&quot;", "\"");
+  replace_all(text, "&lt;", "<");
+  replace_all(text, "&gt;", ">");
+  replace_all(text, "&amp;", "&");
+  return text;
+}
+
+std::vector<double> numbers_in(const std::string& text) {
+  static const std::regex kNumber(R"([-+]?\d+(\.\d+)?)");
+  std::vector<double> numbers;
+  for (std::sregex_iterator it(text.begin(), text.end(), kNumber), end; it != end; ++it)
+    numbers.push_back(std::stod(it->str()));
+  return numbers;
+}
+
+/// `relative` is half a unit of the last digit shown, in the worst case of a leading 1.
+bool contains(const std::vector<double>& numbers, double value, double relative) {
+  for (const double number : numbers)
+    if (std::abs(number - value) <= relative * std::abs(value) * (1 + 1e-9)) return true;
+  return false;
+}
+
+std::string section_of(const std::string& page, const std::string& id) {
+  const std::size_t from = page.find("data-case=\"" + id + "\"");
+  if (from == std::string::npos) return "";
+  return page.substr(from, page.find("</section>", from) - from);
+}
+
+TEST(ReportPage, ShowsEveryNumberOfEveryLoadAsText) {
+  const Json report = tests::sample_report();
+  const std::string page = without_scripts(render_report(report));
+  // Four digits are shown of values, two at least of relative errors.
+  constexpr double kValue = 0.5e-3, kError = 0.05;
+  for (const Json& report_case : report["cases"]) {
+    const std::string id = report_case["id"];
+    const std::string text = visible_text(section_of(page, id));
+    const std::vector<double> numbers = numbers_in(text);
+    const auto expect = [&](const Json& block, const char* key, double factor, double relative) {
+      const auto value = number(block, key);
+      if (!value || *value == 0) return;
+      EXPECT_TRUE(contains(numbers, *value * factor, relative))
+          << id << ": " << key << " = " << *value * factor;
+    };
+    const auto expect_answer = [&](const Json& answer) {
+      for (const auto& [key, factor] :
+           std::vector<std::pair<const char*, double>>{{"a_m", 1e3},
+                                                       {"b_m", 1e3},
+                                                       {"axis_rad", 180 / 3.14159265358979},
+                                                       {"indentation_m", 1e3},
+                                                       {"peak_pressure_Pa", 1e-3},
+                                                       {"area_m2", 1e6},
+                                                       {"max_torque_Nm", 1e3},
+                                                       {"max_torque_paper_Nm", 1e3},
+                                                       {"eccentricity_m", 1e3}})
+        expect(answer, key, factor, kValue);
+    };
+    for (const Json& load : report_case["loads"]) {
+      expect(load, "load_N", 1, kValue);
+      for (const Json& model : load["models"]) {
+        if (model["has_answer"]) expect_answer(model);
+        for (const Json& check : model["validity"]) {
+          expect(check, "value", 1, kValue);
+          expect(check, "limit", 1, kValue);
+          EXPECT_NE(text.find(check["message"].get<std::string>()), std::string::npos);
+        }
+        if (model["relative_error"].is_object())
+          for (const auto& error : model["relative_error"].items())
+            expect(model["relative_error"], error.key().c_str(), 100, kError);
+      }
+      const Json& fem = load["fem"];
+      if (fem.is_null()) continue;
+      expect_answer(fem);
+      for (const auto& error : fem["error"].items())
+        expect(fem["error"], error.key().c_str(), 100, kError);
+      for (const char* key : {"level", "unknowns", "active_nodes", "iterations"})
+        expect(fem, key, 1, kValue);
+      expect(fem, "peak_memory_MB", 1, 5e-3);
+      expect(fem, "pressure_exponent", 1, 5e-3);
+      for (const Json& level : fem["levels"]) {
+        expect(level, "unknowns", 1, kValue);
+        for (const char* key : {"a_m", "b_m", "indentation_m", "max_torque_Nm"})
+          expect(level, key, 1e3, kValue / 10);
+      }
+      const Json& patch = load["geometry"]["patch"];
+      if (patch.is_null()) continue;
+      expect(patch, "region_area_m2", 1e6, kValue);
+      expect(patch, "predicted_area_m2", 1e6, kValue);
+      for (const char* body : {"finger", "object"}) {
+        for (const char* key : {"A_per_m", "B_per_m", "C_per_m", "points"})
+          expect(patch[body], key, 1, kValue);
+        expect(patch[body], "residual_rms_m", 1e6, kValue);
+        EXPECT_TRUE(contains(numbers, 1e3 * *element(patch[body]["radii_m"], 0), kValue));
+        EXPECT_TRUE(contains(numbers, 1e3 * *element(patch[body]["radii_std_m"], 0), 0.05));
+      }
+    }
+  }
+}
+
+TEST(ReportPage, SaysQuestionVerdictAndCaseFileWithoutJavaScript) {
+  const Json report = tests::sample_report();
+  const std::string page = without_scripts(render_report(report));
+  for (const Json& report_case : report["cases"]) {
+    const std::string text = visible_text(section_of(page, report_case["id"]));
+    for (const char* key : {"question", "verdict", "case_toml", "file"})
+      EXPECT_NE(text.find(report_case[key].get<std::string>()), std::string::npos)
+          << report_case["id"] << ": " << key;
+  }
+  // Only the button row waits for the script; no table and no load is hidden from those without.
+  const std::regex hidden_table("<(div class=\"load\"|table|details)[^>]* hidden");
+  EXPECT_FALSE(std::regex_search(page, hidden_table));
+}
+
+TEST(ReportPage, SaysWhyAReferenceIsMissing) {
+  const std::string page = without_scripts(render_report(tests::sample_report()));
+  const std::string text = visible_text(section_of(page, "nearly_incompressible"));
+  EXPECT_NE(text.find("no reference: the active set did not settle"), std::string::npos);
+  EXPECT_NE(text.find("R′ flat (∞)"), std::string::npos);
+  EXPECT_NE(visible_text(section_of(page, "silicone_pad_2mm")).find("no answer"),
+            std::string::npos);
+}
+
+TEST(ReportPage, LetsNoTextBecomeMarkup) {
+  Json report = tests::sample_report();
+  const auto scripts = [](const std::string& page) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = page.find("<script", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  const std::size_t harmless = scripts(render_report({{"cases", Json::array()}}));
+  const std::string attack = "\"'></script></pre><script>alert(1)</script><!--{{js}}";
+  // Every string anywhere, those of the models and of the provenance too.
+  const Json flat = report.flatten();
+  Json hostile = report;
+  for (const auto& leaf : flat.items())
+    if (leaf.value().is_string()) hostile[Json::json_pointer(leaf.key())] = attack;
+  const std::string page = render_report(hostile);
+  EXPECT_EQ(scripts(page), harmless);
+  EXPECT_EQ(without_scripts(page).find("<!--"), std::string::npos);
+}
+
+TEST(ReportPage, SurvivesAnyKeyThatIsNullOrMissing) {
+  const Json report = tests::sample_report();
+  std::set<std::string> keys;
+  const auto collect = [&](const auto& self, const Json& value) -> void {
+    if (value.is_object())
+      for (const auto& item : value.items()) keys.insert(item.key());
+    for (const Json& inner : value)
+      if (inner.is_structured()) self(self, inner);
+  };
+  collect(collect, report);
+  const auto change = [](const auto& self, Json& value, const std::string& key,
+                         bool erase) -> void {
+    if (value.is_object() && value.contains(key)) {
+      if (erase)
+        value.erase(key);
+      else
+        value[key] = nullptr;
+    }
+    for (Json& inner : value)
+      if (inner.is_structured()) self(self, inner, key, erase);
+  };
+  ASSERT_GT(keys.size(), 60u);
+  for (const std::string& key : keys)
+    for (const bool erase : {false, true}) {
+      Json damaged = report;
+      change(change, damaged, key, erase);
+      if (key == "cases") {
+        EXPECT_THROW(render_report(damaged), std::invalid_argument);
+      } else {
+        EXPECT_NO_THROW(render_report(damaged)) << key;
+      }
+    }
+}
+
+TEST(ReportPage, RefersToNothingOutsideItself) {
+  for (const Json& report : {tests::sample_report(), Json{{"cases", Json::array()}}}) {
+    const std::string page = without_scripts(render_report(report));
+    EXPECT_FALSE(std::regex_search(page, std::regex("\\ssrc=|<link|<img|@import|url\\(")));
+    const std::regex link("href=\"([^\"]*)\"");
+    for (std::sregex_iterator it(page.begin(), page.end(), link), end; it != end; ++it) {
+      const std::string target = (*it)[1];
+      ASSERT_EQ(target.front(), '#') << target;
+      EXPECT_NE(page.find("id=\"" + target.substr(1) + "\""), std::string::npos) << target;
+    }
+  }
+}
+
+TEST(ReportPage, StaysBelowThreeMegabytesWithTwentyCasesThreeLoadsAndEightModels) {
+  EXPECT_LT(render_report(tests::large_report(20)).size(), 3'000'000u);
+}
+
+TEST(ReportPage, CarriesTheLicencesOfTheEmbeddedLibraries) {
+  const std::string page = without_scripts(render_report({{"cases", Json::array()}}));
+  EXPECT_NE(page.find("Mike Bostock"), std::string::npos);
+  EXPECT_NE(page.find("@observablehq/plot"), std::string::npos);
+}
+
+TEST(ReportPage, HasReadableChartData) {
+  const std::string page = render_report(tests::sample_report());
+  const std::string open = "id=\"data\">";
+  const std::size_t from = page.find(open) + open.size();
+  const Json data = Json::parse(page.substr(from, page.find("</script>", from) - from));
+  EXPECT_EQ(data["cases"].size(), 5u);
+  EXPECT_TRUE(data["cases"][4]["loads"][0]["fem"].is_null());
+}
+
+// 0.10 is the tolerance of the sample; errors are set by hand.
+Json one_case(std::vector<std::pair<double, bool>> torque_error_and_validity) {
+  Json loads = Json::array();
+  double load_N = 1;
+  for (const auto& [error, valid] : torque_error_and_validity)
+    loads.push_back({{"load_N", load_N++},
+                     {"geometry", {{"s", 0.1 * load_N}}},
+                     {"fem", {{"error", {{"max_torque", 0.001}}}, {"trusted", true}}},
+                     {"models",
+                      {{{"model", "hertz"},
+                        {"has_answer", true},
+                        {"valid", valid},
+                        {"relative_error", {{"area", 0.01}, {"max_torque", error}}}}}}});
+  return {{"tolerance", 0.10}, {"cases", {{{"id", "one"}, {"loads", loads}}}}};
+}
+
+TEST(Scoring, CountsAgreementOutsideTheModelsValidityAsAnAccident) {
+  const Json report = one_case({{0.02, true}, {-0.05, false}, {0.40, true}});
+  const auto all = usability(report);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].compared, 3);
+  EXPECT_EQ(all[0].usable, 1);
+  EXPECT_EQ(all[0].accidents, 1);
+  EXPECT_EQ(all[0].broken_claims, 1);
+  EXPECT_EQ(all[0].worst, 0.40);
+  EXPECT_EQ(reference_summary(report).without_usable_model, 2);
+}
+
+TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
+  const Json report = one_case({{0.02, true}, {-0.05, false}});
+  const auto best = best_model(report, report["cases"][0]);
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->model, "hertz");
+  EXPECT_EQ(best->score.error, 0.05);
+  EXPECT_EQ(best->score.quantity, "torque");
+  EXPECT_EQ(best->score.load_N, 2);
+  EXPECT_FALSE(best->valid);
+}
+
+TEST(Html, RoundsToSignificantDigitsWithoutPowersOfTenWherePossible) {
+  EXPECT_EQ(significant(0.0017064), "0.001706");
+  EXPECT_EQ(significant(9.99996), "10.00");
+  EXPECT_EQ(significant(48213.4), "48213");
+  EXPECT_EQ(significant(-3.5), "−3.500");
+  EXPECT_EQ(significant(1.234e-7), "1.234·10<sup>−7</sup>");
+  EXPECT_EQ(significant(0.0), "0");
+  EXPECT_EQ(significant(std::nan("")), "–");
+  EXPECT_EQ(percent(0.00002), "0.002\u00a0%");
+  EXPECT_EQ(signed_percent(-0.0421), "−4.21\u00a0%");
+  EXPECT_EQ(signed_percent(2.134), "+213\u00a0%");
+  EXPECT_EQ(duration(85e-9), "85\u00a0ns");
+  EXPECT_EQ(duration(1.2e-6), "1.2\u00a0µs");
+  EXPECT_EQ(duration(14), "14\u00a0s");
+}
+
+}  // namespace
+}  // namespace softfinger::comparisons

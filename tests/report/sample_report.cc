@@ -1,0 +1,323 @@
+#include "sample_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace softfinger::tests {
+namespace {
+
+using Json = nlohmann::json;
+constexpr double kPi = 3.14159265358979323846;
+
+struct Layer {
+  double thickness_m, youngs_modulus_Pa, poisson_ratio;
+};
+
+/// An answer p0 (1 - r²)^n over an ellipse.
+struct Answer {
+  double a_m, b_m, indentation_m, exponent;
+};
+
+double peak_pressure(const Answer& answer, double load_N) {
+  return (answer.exponent + 1) * load_N / (kPi * answer.a_m * answer.b_m);
+}
+
+/// Circle's factor times sqrt(ab), raised towards the exact ellipse's value.
+double torque(const Answer& answer, double load_N, double friction, bool exact) {
+  const double n = answer.exponent;
+  const double circle =
+      2 * (n + 1) / 2 * std::tgamma(1.5) * std::tgamma(n + 1) / std::tgamma(n + 2.5);
+  const double aspect = answer.a_m / answer.b_m;
+  const double rise = exact ? 1 + 0.075 * std::pow(std::log(aspect), 2) : 1;
+  return friction * load_N * std::sqrt(answer.a_m * answer.b_m) * circle * rise;
+}
+
+Json profile(double semi_axis_m, double peak_Pa, double exponent, int points, double reach) {
+  Json positions = Json::array(), pressures = Json::array();
+  for (int i = 0; i < points; ++i) {
+    const double r = reach * i / (points - 1);
+    positions.push_back(r * semi_axis_m);
+    pressures.push_back(r < 1 ? peak_Pa * std::pow(1 - r * r, exponent) : 0.0);
+  }
+  return {{"position_m", positions}, {"pressure_Pa", pressures}};
+}
+
+Json common(const Answer& answer, double load_N, double friction) {
+  const double max_torque = torque(answer, load_N, friction, true);
+  return {{"a_m", answer.a_m},
+          {"b_m", answer.b_m},
+          {"axis_rad", 0.35},
+          {"indentation_m", answer.indentation_m},
+          {"peak_pressure_Pa", peak_pressure(answer, load_N)},
+          {"area_m2", kPi * answer.a_m * answer.b_m},
+          {"max_torque_Nm", max_torque},
+          {"eccentricity_m", max_torque / (friction * load_N)}};
+}
+
+Json fem_entry(const Answer& truth, double load_N, double friction, double stated) {
+  Json fem = common(truth, load_N, friction);
+  fem["model"] = "fem";
+  fem["error"] = {{"a", 2.1 * stated},
+                  {"b", 2.4 * stated},
+                  {"area", 4.1 * stated},
+                  {"indentation", 0.6 * stated},
+                  {"peak_pressure", 1.7 * stated},
+                  {"max_torque", stated}};
+  fem["level"] = 2;
+  fem["unknowns"] = 48213;
+  fem["active_nodes"] = 412;
+  fem["iterations"] = 9;
+  fem["wall_s"] = 6.2 + load_N;
+  fem["peak_memory_MB"] = 713.0;
+  fem["pressure_exponent"] = truth.exponent;
+  fem["trusted"] = stated < 0.02;
+  fem["levels"] = Json::array();
+  for (int level = 0; level < 3; ++level) {
+    const double bias = 1 + stated * std::pow(4.0, 2 - level) * 0.3;
+    fem["levels"].push_back({{"level", level},
+                             {"unknowns", 1713 << (2 * level)},
+                             {"a_m", truth.a_m * bias},
+                             {"b_m", truth.b_m * bias},
+                             {"indentation_m", truth.indentation_m / bias},
+                             {"max_torque_Nm", fem["max_torque_Nm"].get<double>() * bias}});
+  }
+  const double peak = peak_pressure(truth, load_N);
+  fem["profile_x"] = profile(truth.a_m, peak, truth.exponent, 26, 1.2);
+  fem["profile_y"] = profile(truth.b_m, peak, truth.exponent, 22, 1.2);
+  fem["vtu"] = "fem/sample/solution.vtu";
+  return fem;
+}
+
+Json model_entry(const std::string& name, const Answer& answer, double load_N, double friction,
+                 const Json& fem, double s, double limit, bool holds_below) {
+  Json model = common(answer, load_N, friction);
+  const bool holds = holds_below ? s <= limit : s >= limit;
+  model["model"] = name;
+  model["torque_rule"] = "exact";
+  model["has_answer"] = true;
+  model["valid"] = holds;
+  model["validity"] =
+      Json::array({{{"check", "relative_size"},
+                    {"value", s},
+                    {"limit", limit},
+                    {"holds", holds},
+                    {"message", holds_below ? "the contact is too large for a half-space"
+                                            : "the contact is too small for a thin layer"}}});
+  model["max_torque_paper_Nm"] = torque(answer, load_N, friction, false);
+  model["cost_ns"] = 60.0 + 25 * static_cast<double>(name.size());
+  model["profile_x"] = profile(answer.a_m, peak_pressure(answer, load_N), answer.exponent, 101, 1);
+  model["profile_y"] = profile(answer.b_m, peak_pressure(answer, load_N), answer.exponent, 101, 1);
+  model["relative_error"] = nullptr;
+  if (!fem.is_null()) {
+    Json errors;
+    for (const auto& [key, member] :
+         std::vector<std::pair<std::string, std::string>>{{"a", "a_m"},
+                                                          {"b", "b_m"},
+                                                          {"area", "area_m2"},
+                                                          {"indentation", "indentation_m"},
+                                                          {"peak_pressure", "peak_pressure_Pa"},
+                                                          {"max_torque", "max_torque_Nm"}})
+      errors[key] = model[member].get<double>() / fem[member].get<double>() - 1;
+    errors["max_torque_paper"] =
+        model["max_torque_paper_Nm"].get<double>() / fem["max_torque_Nm"].get<double>() - 1;
+    model["relative_error"] = errors;
+  }
+  return model;
+}
+
+/// One load; the "truth" lies between the two limits, as in a bonded layer.
+Json load_entry(const Layer& layer, double major_m, double minor_m, double load_N, double friction,
+                double stated, int extra_models) {
+  const double mean_radius = std::sqrt(major_m * minor_m), aspect = major_m / minor_m;
+  const double plane_strain = layer.youngs_modulus_Pa / (1 - std::pow(layer.poisson_ratio, 2));
+  const double confined = layer.youngs_modulus_Pa * (1 - layer.poisson_ratio) /
+                          ((1 + layer.poisson_ratio) * (1 - 2 * layer.poisson_ratio));
+  const auto ellipse = [&](double size, double depth, double ratio, double exponent) {
+    return Answer{size * std::sqrt(ratio), size / std::sqrt(ratio), depth, exponent};
+  };
+  const double hertz_size = std::cbrt(0.75 * load_N * mean_radius / plane_strain);
+  const Answer hertz =
+      ellipse(hertz_size, hertz_size * hertz_size / mean_radius, std::pow(aspect, 0.64), 0.5);
+  const double depth = std::sqrt(load_N * layer.thickness_m / (kPi * mean_radius * confined));
+  const Answer winkler = ellipse(std::sqrt(2 * depth * mean_radius), depth, std::sqrt(aspect), 1);
+  const double x = hertz_size / layer.thickness_m;
+  const double weight = 1 / (1 + x * x * x);
+  const Answer truth = ellipse(std::pow(hertz_size, weight) *
+                                   std::pow(std::sqrt(winkler.a_m * winkler.b_m), 1 - weight) *
+                                   (1 - 0.3 * weight * (1 - weight)),
+                               weight * hertz.indentation_m + (1 - weight) * depth,
+                               std::pow(aspect, 0.5 + 0.14 * weight), 0.5 + 0.5 * (1 - weight));
+  const double s = std::sqrt(truth.a_m * truth.b_m) / layer.thickness_m;
+
+  Json load;
+  load["load_N"] = load_N;
+  load["geometry"] = {{"radii_m", {major_m, minor_m}},
+                      {"radii_std_m", nullptr},
+                      {"axis_rad", 0.35},
+                      {"s", s},
+                      {"patch", nullptr}};
+  load["fem"] = fem_entry(truth, load_N, friction, stated);
+  load["models"] =
+      Json::array({model_entry("hertz", hertz, load_N, friction, load["fem"], s, 0.7, true),
+                   model_entry("winkler", winkler, load_N, friction, load["fem"], s, 4, false)});
+  for (int i = 0; i < extra_models; ++i) {
+    const double off = 1 + 0.013 * (i + 1);
+    Answer near_truth = truth;
+    near_truth.a_m *= off;
+    near_truth.b_m /= off * off;
+    load["models"].push_back(model_entry("layer_variant_" + std::to_string(i + 1), near_truth,
+                                         load_N, friction, load["fem"], s, 20, true));
+  }
+  return load;
+}
+
+Json case_entry(const std::string& id, const std::string& question,
+                const std::string& verdict_class, const std::string& verdict, const Layer& layer,
+                double friction, Json loads) {
+  return {{"id", id},
+          {"question", question},
+          {"verdict", verdict},
+          {"verdict_class", verdict_class},
+          {"file", id + ".toml"},
+          {"case_toml", "id = \"" + id + "\"\n[layer]\nthickness_mm = " +
+                            std::to_string(1e3 * layer.thickness_m) + "\n"},
+          {"layer",
+           {{"thickness_m", layer.thickness_m},
+            {"youngs_modulus_Pa", layer.youngs_modulus_Pa},
+            {"poisson_ratio", layer.poisson_ratio}}},
+          {"friction_coefficient", friction},
+          {"loads", std::move(loads)}};
+}
+
+Json card(const std::string& name, const std::string& title) {
+  return {{"name", name},
+          {"title", title},
+          {"assumptions", "Small strain, no friction while the contact forms, a rigid object."},
+          {"equations", "p = p0 (1 - x²/a² - y²/b²)^n"},
+          {"source", "K. L. Johnson, Contact Mechanics, ch. 4"},
+          {"validity", "The contact is small against the layer: sqrt(ab)/h < 0.7."},
+          {"cost", "about 200 ns"}};
+}
+
+Json fit(double first_m, Json second_m, double residual_m) {
+  return {{"A_per_m", 0.5 / first_m},
+          {"B_per_m", second_m.is_null() ? 0.0 : 0.5 / second_m.get<double>()},
+          {"C_per_m", 1.27},
+          {"radii_m", {first_m, second_m}},
+          {"axis_rad", 0.35},
+          {"normal", {0.03, -0.01, 0.9995}},
+          {"residual_rms_m", residual_m},
+          {"points", 187},
+          {"area_m2", 81.4e-6},
+          {"radii_std_m", {0.03 * first_m, second_m.is_null() ? Json() : Json(0.4e-3)}}};
+}
+
+Json empty_report() {
+  Json report;
+  report["provenance"] = {{"version", "0.1.0 (sample)"},
+                          {"date", "2026-01-31T12:00:00Z"},
+                          {"compiler", "GNU 12.2.0"},
+                          {"build_type", "Release"},
+                          {"machine", "sample machine, 2 cores"},
+                          {"cores", 2},
+                          {"command", "softfinger compare --output sample"},
+                          {"wall_s", 187.4},
+                          {"peak_memory_MB", 1840.0}};
+  report["tolerance"] = 0.10;
+  report["models"] = Json::array({card("hertz", "Elastic half-space under an ellipse"),
+                                  card("winkler", "Bed of springs with the confined modulus")});
+  report["cases"] = Json::array();
+  return report;
+}
+
+}  // namespace
+
+Json sample_report() {
+  Json report = empty_report();
+  Json& cases = report["cases"];
+
+  const Layer thick{0.02, 300e3, 0.3};
+  cases.push_back(case_entry(
+      "hertz_circular", "Is Hertz right when the layer is thick?", "good",
+      "Hertz is within 3 % of the FEM in the ellipse and the torque; Winkler is not usable.", thick,
+      0.8, Json::array({load_entry(thick, 0.01, 0.01, 1, 0.8, 0.0016, 0)})));
+
+  const Layer pad{0.002, 300e3, 0.45};
+  Json loads = Json::array();
+  for (const double load_N : {0.5, 2.0, 10.0})
+    loads.push_back(load_entry(pad, 0.02, 0.005, load_N, 0.8, 0.0021 + 0.0002 * load_N, 0));
+  // A model that answers nothing, and one whose curves were not recorded.
+  Json& silent = loads[1]["models"][1];
+  silent["has_answer"] = false;
+  silent["valid"] = false;
+  silent["relative_error"] = nullptr;
+  silent["validity"] = Json::array({{{"check", "compressibility"},
+                                     {"value", nullptr},
+                                     {"limit", 0.5},
+                                     {"holds", false},
+                                     {"message", "an incompressible bed of springs is rigid"}}});
+  for (const char* key : {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2",
+                          "max_torque_Nm", "max_torque_paper_Nm", "eccentricity_m"})
+    silent[key] = nullptr;
+  loads[2]["models"][0].erase("profile_x");
+  loads[2]["models"][0]["profile_y"] = nullptr;
+  cases.push_back(case_entry(
+      "silicone_pad_2mm", "Can Hertz or Winkler be used for a 2 mm silicone pad?", "mixed",
+      "Hertz up to 0.5 N; above, neither: the torque is off by up to 31 %.", pad, 0.8, loads));
+
+  const Layer thin{0.001, 500e3, 0.3};
+  cases.push_back(case_entry(
+      "elongated_6", "Does the paper's torque rule hold for a contact six times longer than wide?",
+      "bad", "No: the paper's rule is 22 % too low; the exact rule is right.", thin, 0.5,
+      Json::array({load_entry(thin, 0.144, 0.004, 5, 0.5, 0.0041, 0),
+                   load_entry(thin, 0.144, 0.004, 20, 0.5, 0.0315, 0)})));
+
+  const Layer tip{0.003, 1.5e6, 0.49};
+  Json mesh = load_entry(tip, 0.0126, 0.0091, 5, 1.0, 0.0033, 0);
+  mesh["geometry"]["radii_std_m"] = {0.4e-3, 0.3e-3};
+  mesh["geometry"]["patch"] = {{"region_area_m2", 81.4e-6},
+                               {"predicted_area_m2", 40.9e-6},
+                               {"agrees", true},
+                               {"remark", "12 duplicate triangles were ignored."},
+                               {"patch_model", "winkler"},
+                               {"finger", fit(0.0131, 0.0094, 21e-6)},
+                               {"object", fit(0.33, nullptr, 1.5e-6)}};
+  cases.push_back(case_entry(
+      "fingertip_on_glass", "What does a meshed fingertip <finger & glass> give at 5 N?", "mixed",
+      "Hertz is within 18 % although it is outside its validity.", tip, 1.0, Json::array({mesh})));
+
+  const Layer soft{0.003, 1.5e6, 0.4999};
+  Json failed = load_entry(soft, 0.01, 0.01, 5, 0.8, 0.003, 0);
+  failed["fem"] = nullptr;
+  failed["fem_failure"] =
+      "the active set did not settle in 60 iterations </script><script>alert(1)";
+  failed["geometry"]["radii_m"] = {nullptr, 0.01};
+  failed["geometry"]["s"] = nullptr;
+  for (Json& model : failed["models"]) model["relative_error"] = nullptr;
+  cases.push_back(case_entry("nearly_incompressible", "Does anything hold at ν = 0.4999?", "failed",
+                             "No reference: the finite elements did not converge.", soft, 0.8,
+                             Json::array({failed})));
+  return report;
+}
+
+Json large_report(int cases) {
+  Json report = empty_report();
+  for (int i = 1; i <= 6; ++i)
+    report["models"].push_back(card("layer_variant_" + std::to_string(i), "A variant"));
+  for (int i = 0; i < cases; ++i) {
+    const Layer layer{0.001 * (1 + i % 4), 300e3,
+                      std::vector<double>{0.1, 0.3, 0.45, 0.49}[i / 5 % 4]};
+    Json loads = Json::array();
+    for (const double load_N : {0.5, 2.0, 8.0})
+      loads.push_back(load_entry(layer, 0.02 + 0.004 * i, 0.008, load_N, 0.8, 0.002, 6));
+    report["cases"].push_back(
+        case_entry("case_" + std::to_string(i), "Question number " + std::to_string(i) + "?",
+                   i % 3 ? "good" : "mixed",
+                   "A verdict in one sentence of common length, with 7 %.", layer, 0.8, loads));
+  }
+  return report;
+}
+
+}  // namespace softfinger::tests
