@@ -1,0 +1,320 @@
+#include "comparisons/case.h"
+
+#define TOML_HEADER_ONLY 1
+#define TOML_ENABLE_UNRELEASED_FEATURES 0
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "comparisons/files.h"
+#include "comparisons/nearest_name.h"
+#include "comparisons/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+std::string as_typed(const toml::node& node) {
+  if (node.is_string()) return "\"" + node.value<std::string>().value() + "\"";
+  std::ostringstream text;
+  node.visit([&](const auto& value) { text << value; });
+  std::string line = text.str();
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line.size() > 60 ? line.substr(0, 57) + "..." : line;
+}
+
+/// Reads values out of the tables and says precisely where one is wrong.
+class Reader {
+ public:
+  explicit Reader(std::string file) : file_(std::move(file)) {}
+
+  std::string where(const toml::node& node) const {
+    return fmt::format("{}:{}", file_, node.source().begin.line);
+  }
+
+  [[noreturn]] void refuse(const toml::node& node, const std::string& field,
+                           const std::string& allowed) const {
+    throw InputError(where(node), field, as_typed(node), allowed);
+  }
+
+  [[noreturn]] void say(const toml::node& node, const std::string& sentence) const {
+    throw InputError(where(node), sentence, "", "");
+  }
+
+  void check_keys(const toml::table& table, const std::string& name,
+                  const std::vector<std::string>& known) const {
+    for (const auto& [key, value] : table) {
+      const std::string typed(key.str());
+      if (std::find(known.begin(), known.end(), typed) != known.end()) continue;
+      throw InputError(fmt::format("{}:{}", file_, key.source().begin.line),
+                       fmt::format("unknown key \"{}\"{}, did you mean \"{}\"?", typed,
+                                   name.empty() ? "" : " in " + name, nearest_name(typed, known)),
+                       "", joined(known));
+    }
+  }
+
+  const toml::node& required(const toml::table& table, const std::string& name,
+                             std::string_view key) const {
+    if (const toml::node* node = table.get(key)) return *node;
+    say(table, fmt::format("{} has no {}", name, key));
+  }
+
+  const toml::table& required_table(const toml::table& parent, std::string_view key) const {
+    const toml::node* node = parent.get(key);
+    if (!node) throw InputError(file_, fmt::format("the table [{}] is missing", key), "", "");
+    if (!node->is_table()) refuse(*node, std::string(key), "a table");
+    return *node->as_table();
+  }
+
+  /// Any number, NaN excepted; infinity only where it means something.
+  double number(const toml::node& node, const std::string& field, const std::string& allowed,
+                bool infinity_allowed = false) const {
+    if (!node.is_number()) refuse(node, field, allowed);
+    const double value = node.value<double>().value();
+    if (std::isnan(value) || (std::isinf(value) && !infinity_allowed)) refuse(node, field, allowed);
+    return value;
+  }
+
+  /// A number > 0, in SI. Checked after scaling, where a denormal may have become 0 or a huge value
+  /// infinite.
+  double positive(const toml::node& node, const std::string& field, double si_per_unit) const {
+    const std::string allowed = "a finite number > 0";
+    const double value = number(node, field, allowed) * si_per_unit;
+    if (!(value > 0) || !std::isfinite(value)) refuse(node, field, allowed);
+    return value;
+  }
+
+  std::string text(const toml::node& node, const std::string& field) const {
+    if (!node.is_string()) refuse(node, field, "a text in quotes");
+    return node.value<std::string>().value();
+  }
+
+  std::string choice(const toml::node& node, const std::string& field,
+                     const std::vector<std::string>& choices) const {
+    if (node.is_string()) {
+      const std::string typed = node.value<std::string>().value();
+      if (std::find(choices.begin(), choices.end(), typed) != choices.end()) return typed;
+    }
+    refuse(node, field, "\"" + joined(choices, "\" or \"") + "\"");
+  }
+
+  std::vector<double> numbers(const toml::node& node, const std::string& field, std::size_t count,
+                              const std::string& allowed, bool infinity_allowed = false) const {
+    if (!node.is_array() || node.as_array()->size() != count) refuse(node, field, allowed);
+    std::vector<double> values;
+    for (const toml::node& entry : *node.as_array()) {
+      if (!entry.is_number()) refuse(node, field, allowed);
+      values.push_back(number(entry, field, allowed, infinity_allowed));
+    }
+    return values;
+  }
+
+ private:
+  std::string file_;
+};
+
+double checked_radius(const Reader& reader, const toml::node& node, const std::string& field,
+                      double radius_mm) {
+  const double radius_m = radius_mm * kMillimetre;
+  if (radius_m == 0)
+    reader.refuse(node, field, "radii other than 0 (inf = flat, negative = concave)");
+  return radius_m;
+}
+
+CaseBody read_body(const Reader& reader, const toml::node& node, const std::string& name,
+                   const fs::path& folder) {
+  if (!node.is_table())
+    reader.refuse(node, name,
+                  "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
+  const toml::table& table = *node.as_table();
+  reader.check_keys(table, name,
+                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal"});
+  const int forms = static_cast<int>(table.contains("radii_mm")) +
+                    static_cast<int>(table.contains("sphere_radius_mm")) +
+                    static_cast<int>(table.contains("mesh"));
+  if (forms != 1) reader.say(node, name + " needs exactly one of radii_mm, sphere_radius_mm, mesh");
+  if (!table.contains("mesh"))
+    for (const char* key : {"unit", "point_mm", "normal"})
+      if (const toml::node* entry = table.get(key))
+        reader.say(*entry,
+                   fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
+
+  if (const toml::node* entry = table.get("radii_mm")) {
+    const std::string field = name + ".radii_mm";
+    const auto radii = reader.numbers(
+        *entry, field, 2, "two radii in mm, along x and y (inf = flat, negative = concave)", true);
+    return QuadricBody{checked_radius(reader, *entry, field, radii[0]),
+                       checked_radius(reader, *entry, field, radii[1])};
+  }
+  if (const toml::node* entry = table.get("sphere_radius_mm")) {
+    if (name == "finger")
+      reader.say(*entry, "sphere_radius_mm is for the object; a finger has radii_mm");
+    return SphereBody{reader.positive(*entry, name + ".sphere_radius_mm", kMillimetre)};
+  }
+  MeshBody mesh;
+  const toml::node& file = *table.get("mesh");
+  const std::string typed = reader.text(file, name + ".mesh");
+  if (typed.empty()) reader.refuse(file, name + ".mesh", "the path of an STL or OBJ file");
+  mesh.path = find_mesh_file(typed, folder);
+  mesh.where = reader.where(file);
+  if (const toml::node* unit = table.get("unit"))
+    mesh.metres_per_unit = reader.choice(*unit, name + ".unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
+  const auto point = reader.numbers(reader.required(table, name, "point_mm"), name + ".point_mm", 3,
+                                    "three finite numbers in mm");
+  mesh.point_m = kMillimetre * Eigen::Vector3d(point[0], point[1], point[2]);
+  if (const toml::node* entry = table.get("normal")) {
+    const std::string allowed = "three finite numbers, not all 0: the direction out of the body";
+    const auto normal = reader.numbers(*entry, name + ".normal", 3, allowed);
+    mesh.normal = Eigen::Vector3d(normal[0], normal[1], normal[2]);
+    if (!(mesh.normal->norm() > 0)) reader.refuse(*entry, name + ".normal", allowed);
+    mesh.normal->normalize();
+  }
+  return mesh;
+}
+
+std::variant<RelativeRadii, BodyPair> read_geometry(const Reader& reader, const toml::table& table,
+                                                    const fs::path& folder) {
+  reader.check_keys(table, "[geometry]", {"relative_radii_mm", "finger", "object", "angle_deg"});
+  const bool relative = table.contains("relative_radii_mm");
+  const bool bodies = table.contains("finger") || table.contains("object");
+  if (relative == bodies)
+    reader.say(table, "[geometry] needs exactly one form: relative_radii_mm, or finger and object");
+  if (relative) {
+    const toml::node& node = *table.get("relative_radii_mm");
+    if (const toml::node* angle = table.get("angle_deg"))
+      reader.say(*angle, "angle_deg turns an object against a finger; relative_radii_mm has none");
+    const std::string field = "relative_radii_mm";
+    const auto radii = reader.numbers(node, field, 2, "two radii in mm, R' and R''", true);
+    for (double radius_mm : radii) {
+      if (std::isinf(radius_mm))
+        reader.say(node,
+                   "relative_radii_mm = " + as_typed(node) +
+                       ": no contact ellipse: a flat direction makes a line or plane contact");
+      if (radius_mm < 0)
+        reader.say(node, "relative_radii_mm = " + as_typed(node) +
+                             ": no contact ellipse: a negative relative radius makes a saddle gap");
+      if (!(radius_mm * kMillimetre > 0)) reader.refuse(node, field, "finite numbers > 0");
+    }
+    RelativeRadii result;
+    result.major_m = kMillimetre * std::max(radii[0], radii[1]);
+    result.minor_m = kMillimetre * std::min(radii[0], radii[1]);
+    // The first radius is the one along x: if it is the smaller one, the long axis lies along y.
+    result.axis_rad = radii[0] < radii[1] ? 90 * kDegree : 0;
+    return result;
+  }
+  BodyPair pair;
+  pair.finger = read_body(reader, reader.required(table, "[geometry]", "finger"), "finger", folder);
+  pair.object = read_body(reader, reader.required(table, "[geometry]", "object"), "object", folder);
+  if (const toml::node* angle = table.get("angle_deg"))
+    pair.angle_rad = kDegree * reader.number(*angle, "angle_deg", "a finite number of degrees");
+  return pair;
+}
+
+ElasticLayer read_layer(const Reader& reader, const toml::table& table) {
+  reader.check_keys(
+      table, "[layer]",
+      {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio", "material", "volumetric"});
+  for (const char* key : {"material", "volumetric"})
+    if (const toml::node* node = table.get(key))
+      reader.refuse(*node, key,
+                    "nothing here: it needs [fem] kinematics = \"finite\", which this version "
+                    "does not have");
+  ElasticLayer layer;
+  layer.thickness_m = reader.positive(reader.required(table, "[layer]", "thickness_mm"),
+                                      "thickness_mm", kMillimetre);
+  layer.youngs_modulus_Pa = reader.positive(reader.required(table, "[layer]", "youngs_modulus_kPa"),
+                                            "youngs_modulus_kPa", 1e3);
+  const toml::node& poisson = reader.required(table, "[layer]", "poisson_ratio");
+  const std::string allowed = "a number from 0 to 0.5";
+  layer.poisson_ratio = reader.number(poisson, "poisson_ratio", allowed);
+  if (layer.poisson_ratio < 0 || layer.poisson_ratio > 0.5)
+    reader.refuse(poisson, "poisson_ratio", allowed);
+  return layer;
+}
+
+void read_contact(const Reader& reader, const toml::table& table, Case& result) {
+  reader.check_keys(table, "[contact]", {"load_N", "friction_coefficient"});
+  const toml::node& load = reader.required(table, "[contact]", "load_N");
+  if (const toml::array* list = load.as_array()) {
+    if (list->empty()) reader.refuse(load, "load_N", "a number > 0 or a list of them");
+    for (const toml::node& entry : *list) {
+      const double load_N = reader.positive(entry, "load_N", 1);
+      if (std::count(result.loads_N.begin(), result.loads_N.end(), load_N))
+        reader.refuse(entry, "load_N", "each load once");
+      result.loads_N.push_back(load_N);
+    }
+  } else {
+    result.loads_N.push_back(reader.positive(load, "load_N", 1));
+  }
+  result.friction_coefficient = reader.positive(
+      reader.required(table, "[contact]", "friction_coefficient"), "friction_coefficient", 1);
+}
+
+void read_fem(const Reader& reader, const toml::node& node, Case& result) {
+  if (!node.is_table()) reader.refuse(node, "fem", "a table");
+  const toml::table& table = *node.as_table();
+  reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics"});
+  if (const toml::node* level = table.get("level")) {
+    const auto value = level->is_integer() ? level->value<std::int64_t>().value() : 0;
+    if (value < 1 || value > 3) reader.refuse(*level, "level", "1, 2 or 3");
+    result.fem_level = static_cast<int>(value);
+  }
+  if (const toml::node* geometry = table.get("geometry"))
+    if (reader.choice(*geometry, "geometry", {"flat", "curved"}) == "curved")
+      reader.refuse(*geometry, "geometry",
+                    "\"flat\"; a layer on the finger's own curved core is not in this version");
+  if (const toml::node* kinematics = table.get("kinematics"))
+    if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite")
+      reader.refuse(*kinematics, "kinematics", "\"linear\"; finite strain is not in this version");
+}
+
+}  // namespace
+
+Case parse_case(const std::string& text, const fs::path& file) {
+  toml::table root;
+  try {
+    root = toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    std::string reason(error.description());
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    throw InputError(fmt::format("{}:{}", file.string(), error.source().begin.line),
+                     "not a TOML file: " + reason, "", "");
+  }
+  const Reader reader(file.string());
+  reader.check_keys(root, "", {"id", "question", "geometry", "layer", "contact", "fem"});
+
+  Case result;
+  result.file = file;
+  result.text = text;
+  const toml::node* id = root.get("id");
+  if (!id)
+    throw InputError(file.string(), "id is missing", "", "id = \"a_name\" before the tables");
+  result.id = reader.text(*id, "id");
+  // The id becomes the name of a folder of results.
+  const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  if (result.id.empty() || result.id.size() > 64 || result.id[0] == '.' ||
+      result.id.find_first_not_of(letters) != std::string::npos)
+    reader.refuse(*id, "id",
+                  "1 to 64 letters, digits, \"_\", \"-\" and \".\", not starting with \".\"");
+  if (const toml::node* question = root.get("question"))
+    result.question = reader.text(*question, "question");
+
+  const toml::table& geometry = reader.required_table(root, "geometry");
+  result.geometry_where = reader.where(geometry);
+  result.layer = read_layer(reader, reader.required_table(root, "layer"));
+  read_contact(reader, reader.required_table(root, "contact"), result);
+  if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
+  result.geometry = read_geometry(reader, geometry, file.parent_path());
+  return result;
+}
+
+Case read_case(const fs::path& file) { return parse_case(read_text_file(file), file); }
+
+}  // namespace softfinger

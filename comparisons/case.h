@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "softfinger/input/contact_problem.h"
+
+/// A case file: what to compare, as written by a user. The only place that knows TOML.
+namespace softfinger {
+
+/// A paraboloid by its principal radii; infinite = flat, negative = concave.
+struct QuadricBody {
+  double radius_x_m = 0, radius_y_m = 0;
+};
+
+/// An exact sphere.
+struct SphereBody {
+  double radius_m = 0;
+};
+
+/// A point on a triangulated surface.
+struct MeshBody {
+  std::filesystem::path path;
+  std::string where;              ///< "file:line" that names it, for messages
+  double metres_per_unit = 1e-3;  ///< of the file's coordinates
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> normal;  ///< outward, need only be roughly right
+};
+
+using CaseBody = std::variant<QuadricBody, SphereBody, MeshBody>;
+
+/// Two bodies; the object is turned by `angle_rad` about the finger's normal.
+struct BodyPair {
+  CaseBody finger, object;
+  double angle_rad = 0;
+};
+
+/// A case with every value checked, in SI units.
+struct Case {
+  std::string id;
+  std::string question;  ///< may be empty
+  std::filesystem::path file;
+  std::string text;  ///< of the file, for reproduction
+  std::variant<RelativeRadii, BodyPair> geometry;
+  std::string geometry_where;  ///< "file:line" of [geometry], for messages
+  ElasticLayer layer;
+  std::vector<double> loads_N;  ///< all different
+  double friction_coefficient = 0;
+  int fem_level = 2;  ///< 1 to 3
+
+  ContactProblem problem(const RelativeRadii& radii, double load_N) const {
+    return {radii, layer, {load_N, friction_coefficient}};
+  }
+};
+
+/// Reads and checks a case file. Mesh files are looked up relative to the case's folder, then among
+/// the built-in meshes, but not opened.
+/// @throws InputError with where = "file:line" for anything that is missing, unknown, of the wrong
+/// type or out of range; the nearest known key is named for an unknown one.
+Case read_case(const std::filesystem::path& file);
+
+/// The same for a text that is already in memory; `file` is used in messages and to find meshes.
+Case parse_case(const std::string& text, const std::filesystem::path& file);
+
+}  // namespace softfinger

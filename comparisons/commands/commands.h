@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+/// One file per command: its flags, its help with samples that a test runs, and what it does.
+namespace softfinger::commands {
+
+/// Set by the command that was typed; returns the exit status.
+using Action = std::function<int()>;
+
+void add_predict(CLI::App& app, Action& action);
+void add_fit(CLI::App& app, Action& action);
+void add_fem(CLI::App& app, Action& action);
+void add_compare(CLI::App& app, Action& action, const std::string& command_line);
+void add_list(CLI::App& app, Action& action);
+void add_explain(CLI::App& app, Action& action);
+
+/// Messages to the user that are no result: standard error, one line.
+void remark(const std::string& line);
+
+}  // namespace softfinger::commands

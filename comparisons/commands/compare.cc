@@ -1,0 +1,60 @@
+#include "comparisons/compare.h"
+
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+
+void add_compare(CLI::App& app, Action& action, const std::string& command_line) {
+  struct Options {
+    std::vector<std::string> cases;
+    std::string output = "softfinger-report";
+    int jobs = default_job_count();
+    bool full = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "Models against finite elements: report.html, report.json, results.csv, VTU");
+  command->add_option(
+      "CASES", options->cases,
+      "case files (TOML) or names of built-in cases; default: the whole built-in suite");
+  command->add_option("--output", options->output,
+                      "folder for the report, created when missing; default: ./softfinger-report");
+  command->add_flag("--full", options->full,
+                    "one finite-element level finer: slower, more certain");
+  command
+      ->add_option(
+          "--jobs", options->jobs,
+          "finite-element processes side by side, 1 to 64, up to 1 GB each; default: the cores, "
+          "at most 8")
+      ->check(CLI::Range(1, 64));
+  command->footer(
+      "Finished results are kept: the same command continues after an interruption.\n"
+      "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
+      "Samples:\n"
+      "  softfinger compare hertz_circle --output hertz_report\n"
+      "  softfinger compare seed_thumb seed_ring_finger --output seed_report --jobs 2");
+  command->callback([options, command_line, &action] {
+    action = [options, command_line] {
+      CompareOptions compare_options;
+      for (const std::string& typed : options->cases)
+        compare_options.case_files.push_back(find_case_file(typed));
+      if (options->cases.empty()) compare_options.case_files = builtin_case_files();
+      if (compare_options.case_files.empty())
+        throw InputError((share_folder() / "cases").string(), "no built-in cases are there", "",
+                         "");
+      if (options->output.empty())
+        throw InputError("command line", "--output", "\"\"", "the name of a folder");
+      compare_options.output = options->output;
+      compare_options.full = options->full;
+      compare_options.jobs = options->jobs;
+      compare_options.command = command_line;
+      return compare(compare_options);
+    };
+  });
+}
+
+}  // namespace softfinger::commands

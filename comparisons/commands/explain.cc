@@ -1,0 +1,36 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/files.h"
+#include "comparisons/predict.h"
+
+namespace softfinger::commands {
+
+void add_explain(CLI::App& app, Action& action) {
+  auto name = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("explain", "A model's assumptions, equations, source and validity");
+  command->add_option("MODEL", *name, "name of a model, or \"all\"; see: list models")->required();
+  command->footer(
+      "Samples:\n"
+      "  softfinger explain hertz");
+  command->callback([name, &action] {
+    action = [name] {
+      std::string text;
+      for (const PressureModel* model : models_by_name(*name)) {
+        const ModelCard& card = model->card();
+        text += fmt::format(
+            "{}{}: {}\n\nAssumptions: {}\nEquations:   {}\nSource:      {}\nValidity:    {}\nCost: "
+            "       {}\n",
+            text.empty() ? "" : "\n", card.name, card.title, card.assumptions, card.equations,
+            card.source, card.validity, card.cost);
+      }
+      write_to_stdout(text);
+      return 0;
+    };
+  });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/files.h"
+#include "comparisons/local_geometry.h"
+#include "comparisons/predict.h"
+#include "comparisons/program_paths.h"
+#include "meshes/io/read_surface.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct Options {
+  std::string mesh, point, normal, unit = "mm";
+  double radius_mm = 0;
+  bool radius_given = false, json = false;
+};
+
+Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
+                             const std::string& allowed) {
+  Eigen::Vector3d vector;
+  const char* next = text.c_str();
+  for (int i = 0; i < 3; ++i) {
+    char* end = nullptr;
+    vector[i] = std::strtod(next, &end);
+    const char expected = i < 2 ? ',' : '\0';
+    if (end == next || *end != expected || !std::isfinite(vector[i]))
+      throw InputError("command line", flag, "\"" + text + "\"", allowed);
+    next = end + 1;
+  }
+  return vector;
+}
+
+/// Without a load there is no contact to match: a region of some forty vertices determines a
+/// quadric well and is as local as the mesh allows.
+QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                     const Eigen::Vector3d* normal) {
+  constexpr std::size_t kVertices = 40;
+  constexpr int kEnough = 15;
+  std::vector<double> distances_m;
+  for (const auto& vertex : surface.vertices_m) distances_m.push_back((vertex - point_m).norm());
+  const std::size_t nth = std::min(kVertices, distances_m.size()) - 1;
+  std::nth_element(distances_m.begin(), distances_m.begin() + static_cast<std::ptrdiff_t>(nth),
+                   distances_m.end());
+  double radius_m = distances_m[nth];
+  // Vertices of a thin body's other side were counted too: then the region needs to grow.
+  for (int attempt = 0;; ++attempt, radius_m *= 1.3) {
+    constexpr int kLastAttempt = 5;
+    try {
+      const QuadricFit fit = fit_quadric(surface, point_m, normal, radius_m);
+      if (fit.points >= kEnough || attempt == kLastAttempt) return fit;
+    } catch (const InputError&) {
+      if (attempt == kLastAttempt) throw;
+    }
+  }
+}
+
+std::string millimetres(double value_m) {
+  return std::isfinite(value_m) ? fmt::format("{:.5g} mm", value_m * 1e3) : "flat";
+}
+
+int run(const Options& options) {
+  const double metres_per_unit = options.unit == "m" ? 1 : 1e-3;
+  const Eigen::Vector3d point_m =
+      metres_per_unit *
+      parse_vector("--point", options.point, "X,Y,Z: three finite numbers in the mesh's unit");
+  std::optional<Eigen::Vector3d> normal;
+  if (!options.normal.empty()) {
+    const std::string allowed = "X,Y,Z: three finite numbers, not all 0";
+    normal = parse_vector("--normal", options.normal, allowed);
+    if (!(normal->norm() > 0))
+      throw InputError("command line", "--normal", "\"" + options.normal + "\"", allowed);
+    normal->normalize();
+  }
+  if (options.radius_given && !(options.radius_mm > 0 && std::isfinite(options.radius_mm)))
+    throw InputError("command line", "--radius-mm", fmt::format("{}", options.radius_mm),
+                     "a finite number > 0, in mm");
+
+  const auto path = find_mesh_file(options.mesh, "");
+  const auto file = meshes::read_surface(path.string(), metres_per_unit);
+  const std::string tolerated =
+      tolerated_triangles(file.degenerate_triangles, file.duplicate_triangles);
+  if (!tolerated.empty()) remark(path.string() + ": " + tolerated);
+  const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
+  const QuadricFit fit = [&] {
+    try {
+      return options.radius_given
+                 ? fit_quadric(file.surface, point_m, normal_pointer, options.radius_mm * 1e-3)
+                 : fit_local(file.surface, point_m, normal_pointer);
+    } catch (const InputError& error) {
+      // The fit knows no files.
+      throw InputError(path.string(), error.field(), error.value(), error.allowed());
+    }
+  }();
+  if (!options.radius_given)
+    remark(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
+                       fit.region_radius_m * 1e3, fit.points));
+  if (options.json) {
+    nlohmann::json object = to_json(fit);
+    object["mesh"] = options.mesh;
+    object["degenerate_triangles"] = file.degenerate_triangles;
+    object["duplicate_triangles"] = file.duplicate_triangles;
+    write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    return 0;
+  }
+  const auto& principal = fit.principal;
+  write_to_stdout(fmt::format(
+      "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
+      "principal radii: {} (± {}) along {:.4g}° from x, {} (± {}) across; negative = concave\n"
+      "normal: {:.5f}, {:.5f}, {:.5f}\n"
+      "x axis: {:.5f}, {:.5f}, {:.5f}\n"
+      "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
+      fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
+      millimetres(principal.radii_m[0]), millimetres(fit.radii_std_m[0]),
+      principal.axis_rad * 180 / 3.14159265358979323846, millimetres(principal.radii_m[1]),
+      millimetres(fit.radii_std_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
+      fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
+      fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
+  return 0;
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "fit",
+      "Local quadric of an STL or OBJ surface: A, B, C, principal radii, directions, residual");
+  command->add_option("MESH", options->mesh, "STL or OBJ file, or the name of a built-in mesh")
+      ->required();
+  command
+      ->add_option("--point", options->point,
+                   "X,Y,Z: where the body is touched, near the surface, in the mesh's unit")
+      ->required();
+  command->add_option(
+      "--normal", options->normal,
+      "X,Y,Z: outward direction, any length > 0, need only be roughly right (default: the "
+      "region's own)");
+  auto* radius =
+      command->add_option("--radius-mm", options->radius_mm,
+                          "radius of the fitted region in mm, > 0 (default: about 40 vertices)");
+  command
+      ->add_option("--unit", options->unit,
+                   "unit of the mesh and of --point: \"mm\" (default) or \"m\"")
+      ->check(CLI::IsMember({"mm", "m"}));
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "Samples:\n"
+      "  softfinger fit sphere.stl --point 0,0,20 --radius-mm 3\n"
+      "  softfinger fit sphere.stl --point 0,0,20 --normal 0,0,1 --unit mm --json");
+  command->callback([options, radius, &action] {
+    options->radius_given = radius->count() > 0;
+    action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,105 @@
+#include "comparisons/predict.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/files.h"
+#include "comparisons/program_paths.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct Options {
+  std::string case_file, models = "all", torque_rule = "exact";
+  int limit_surface = 0;
+  bool json = false;
+};
+
+// Measuring the cost of a call must not be felt in the program's answer.
+constexpr double kCostBudget_ns = 1.5e6;
+
+int run(const Options& options) {
+  const auto models = models_by_name(options.models);
+  const Case contact_case = read_case(find_case_file(options.case_file));
+  const GeometryResolver resolver(contact_case);
+  for (const std::string& line : resolver.remarks()) remark(line);
+  const TorqueRule rule = options.torque_rule == "paper" ? TorqueRule::paper : TorqueRule::exact;
+  const double budget_ns =
+      kCostBudget_ns / static_cast<double>(models.size() * contact_case.loads_N.size());
+
+  nlohmann::json results = nlohmann::json::array(), geometries = nlohmann::json::array();
+  std::string text = describe(contact_case) + "\n";
+  for (double load_N : contact_case.loads_N) {
+    const LocalGeometry geometry = resolver.resolve(load_N);
+    std::vector<ModelAnswer> answers;
+    for (const PressureModel* model : models) {
+      answers.push_back(ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
+      results.push_back(to_json(answers.back(), rule, options.limit_surface));
+    }
+    geometries.push_back({{"load_N", load_N},
+                          {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
+                          {"axis_rad", geometry.radii.axis_rad},
+                          {"patch", patch_to_json(geometry)}});
+    text += fmt::format("\n{:g} N: {}\n", load_N, describe(geometry)) + table(answers, rule);
+  }
+  if (options.json) {
+    const nlohmann::json object = {{"case", contact_case.id},
+                                   {"layer",
+                                    {{"thickness_m", contact_case.layer.thickness_m},
+                                     {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
+                                     {"poisson_ratio", contact_case.layer.poisson_ratio}}},
+                                   {"friction_coefficient", contact_case.friction_coefficient},
+                                   {"geometry", geometries},
+                                   {"results", results}};
+    write_to_stdout(object.dump(2) + "\n");
+  } else {
+    if (options.limit_surface > 0) {
+      text += "\nFriction ellipsoid, section along x:\n";
+      for (const auto& result : results) {
+        text += fmt::format("  {} at {:g} N: force N, torque mN·m\n",
+                            result["model"].get<std::string>(), result["load_N"].get<double>());
+        for (const auto& point : result["limit_surface"])
+          text += fmt::format("  {:>12.5g}{:>12.5g}\n", point["fx_N"].get<double>(),
+                              point["torque_Nm"].get<double>() * 1e3);
+      }
+    }
+    write_to_stdout(text);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_predict(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
+  command
+      ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
+      ->required();
+  command->add_option("--model", options->models,
+                      "model names, separated by commas, or \"all\" (default); see: list models");
+  command
+      ->add_option(
+          "--torque-rule", options->torque_rule,
+          "\"exact\" (default): friction integrated over the ellipse; \"paper\": arm of the "
+          "circle of radius sqrt(ab)")
+      ->check(CLI::IsMember({"exact", "paper"}));
+  command
+      ->add_option(
+          "--limit-surface", options->limit_surface,
+          "also N points of the friction ellipsoid's section (forces in N, torque in N m); 2 to "
+          "100000")
+      ->check(CLI::Range(2, 100000));
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "Samples:\n"
+      "  softfinger predict seed_thumb\n"
+      "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
+      "  softfinger predict silicone_pad_2mm --limit-surface 9 --json");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,429 @@
+#include "comparisons/compare.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "comparisons/case.h"
+#include "comparisons/fem_process.h"
+#include "comparisons/files.h"
+#include "comparisons/local_geometry.h"
+#include "comparisons/predict.h"
+#include "comparisons/process_pool.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/progress.h"
+#include "comparisons/report/report_page.h"
+#include "comparisons/verdict.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::json;
+
+constexpr double kTolerance = 0.10;
+constexpr double kCostBudget_ns = 1e5;  // per model and load: milliseconds for the whole suite
+
+std::string dump(const json& value) {
+  // A command line may hold bytes that are no UTF-8: a report must not fail on them.
+  return value.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+/// One load of one case on its way from geometry to result.
+struct LoadRun {
+  const Case* contact_case = nullptr;
+  double load_N = 0;
+  LocalGeometry geometry;
+  json problem;
+  fs::path folder;
+  json fem;  ///< null until it is there
+  std::string failure;
+  bool reused = false;
+
+  std::string title() const { return fmt::format("{} {} N", contact_case->id, load_N); }
+};
+
+/// The version and the program's own bytes: a rebuilt FEM must not reuse an older one's results.
+std::string program_identity(const fs::path& program) {
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+  for (const char byte : read_text_file(program))
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  return fmt::format("{} {:016x}", program_version(), hash);
+}
+
+/// A finished result of the same problem by the same program, or null.
+json finished_result(const LoadRun& run, const std::string& identity) {
+  std::ifstream file(run.folder / "result.json");
+  if (!file) return nullptr;
+  const json saved = json::parse(file, nullptr, false);
+  if (!saved.is_object() || saved.value("program", json()) != json(identity) ||
+      saved.value("problem", json()) != run.problem || !saved.contains("result"))
+    return nullptr;
+  ProcessOutcome outcome;
+  outcome.exit_status = 0;
+  outcome.output = saved["result"].dump();
+  const json result = interpret_fem(outcome).result;
+  if (result.is_object() && result.contains("vtu") && result["vtu"].is_string()) {
+    std::error_code error;
+    if (!fs::exists(run.folder / fs::path(result["vtu"].get<std::string>()).filename(), error))
+      return nullptr;
+  }
+  return result;
+}
+
+std::string summary(const json& fem) {
+  const auto number = [](const json& object, const char* key) {
+    return object.contains(key) && object[key].is_number() ? object[key].get<double>() : NAN;
+  };
+  const json& error = fem["error"];
+  return fmt::format("{:.0f} unknowns, a ±{:.2g} %, torque ±{:.2g} %, {:.1f} s",
+                     number(fem, "unknowns"), 100 * number(error, "a"),
+                     100 * number(error, "max_torque"), number(fem, "wall_s"));
+}
+
+/// Runs what is not finished yet. @returns 0 or the signal that interrupted.
+int run_fem(std::vector<LoadRun>& runs, const CompareOptions& options, Progress& progress) {
+  const std::string program = fem_program().string();
+  const std::string identity = program_identity(program);
+  std::vector<ProcessJob> jobs;
+  std::vector<LoadRun*> pending;
+  std::size_t done = 0;
+  for (LoadRun& run : runs) {
+    run.fem = finished_result(run, identity);
+    run.reused = !run.fem.is_null();
+    if (run.reused) {
+      progress.say(fmt::format("[{}/{}] {}: reused", ++done, runs.size(), run.title()));
+      continue;
+    }
+    make_writable_folder(run.folder);
+    // What is there answers another problem; while the new files are being written nothing must
+    // claim them.
+    std::error_code ignored;
+    fs::remove(run.folder / "result.json", ignored);
+    jobs.push_back(fem_job(program, run.problem, run.folder.string(), options.jobs > 1));
+    pending.push_back(&run);
+  }
+
+  const auto start = Clock::now();
+  const auto remaining = [&](std::size_t finished) {
+    if (finished == 0 || finished == pending.size()) return std::string();
+    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+    return fmt::format("; about {:.0f} s left",
+                       elapsed_s / finished * static_cast<double>(pending.size() - finished));
+  };
+  std::size_t finished = 0;
+  ProcessCallbacks callbacks;
+  callbacks.on_start = [&](std::size_t job) {
+    progress.show(fmt::format("[{}/{}] {}: started", done, runs.size(), pending[job]->title()));
+  };
+  callbacks.on_line = [&](std::size_t job, const std::string& line) {
+    progress.show(fmt::format("[{}/{}] {}: {}{}", done, runs.size(), pending[job]->title(), line,
+                              remaining(finished)));
+  };
+  callbacks.on_finish = [&](std::size_t job, const ProcessOutcome& outcome) {
+    LoadRun& run = *pending[job];
+    FemAnswer answer = interpret_fem(outcome);
+    ++done, ++finished;
+    if (answer.result.is_null()) {
+      run.failure = answer.failure;
+      progress.say(fmt::format("[{}/{}] {}: FEM failed: {}{}", done, runs.size(), run.title(),
+                               answer.failure, remaining(finished)));
+      return;
+    }
+    write_file_atomically(
+        run.folder / "result.json",
+        dump({{"program", identity}, {"problem", run.problem}, {"result", answer.result}}));
+    run.fem = std::move(answer.result);
+    progress.say(fmt::format("[{}/{}] {}: {}{}", done, runs.size(), run.title(), summary(run.fem),
+                             remaining(finished)));
+  };
+  const int signal = run_processes(jobs, options.jobs, callbacks);
+  if (signal != 0)
+    progress.say(
+        fmt::format("softfinger: interrupted: {} of {} FEM results are finished in {}; the same "
+                    "command continues from there",
+                    done, runs.size(), (options.output / "fem").string()));
+  return signal;
+}
+
+json model_profile(const ModelAnswer& answer, bool along_x) {
+  constexpr int kPoints = 61;
+  json position = json::array(), pressure = json::array();
+  const double end_m = along_x ? answer.prediction.a_m : answer.prediction.b_m;
+  for (int i = 0; i < kPoints; ++i) {
+    // Denser towards the edge, where a Hertz pressure falls steeply.
+    const double x_m = end_m * std::sin(1.57079632679489662 * i / (kPoints - 1));
+    position.push_back(x_m);
+    pressure.push_back(answer.model->pressure_Pa(answer.problem, answer.prediction,
+                                                 along_x ? x_m : 0, along_x ? 0 : x_m));
+  }
+  return {{"position_m", position}, {"pressure_Pa", pressure}};
+}
+
+json model_json(const ModelAnswer& answer, const json& fem) {
+  json result = to_json(answer, TorqueRule::exact, 0);
+  result.erase("load_N");
+  result.erase("error_estimate");
+  const bool has_answer = answer.prediction.has_answer;
+  const double paper_Nm = answer.friction_ellipsoid(TorqueRule::paper).max_torque_Nm();
+  result["has_answer"] = has_answer;
+  result["max_torque_paper_Nm"] = has_answer ? finite_or_null(paper_Nm) : json();
+  result["relative_error"] = nullptr;
+  result["profile_x"] = result["profile_y"] = nullptr;
+  if (!has_answer) return result;
+  result["profile_x"] = model_profile(answer, true);
+  result["profile_y"] = model_profile(answer, false);
+  if (fem.is_null()) return result;
+  json& errors = result["relative_error"] = json::object();
+  const auto compare_key = [&](const char* name, const char* model_key, const char* fem_key) {
+    const double true_value = fem.at(fem_key).get<double>();
+    errors[name] = result[model_key].is_number()
+                       ? finite_or_null((result[model_key].get<double>() - true_value) / true_value)
+                       : json();
+  };
+  compare_key("a", "a_m", "a_m");
+  compare_key("b", "b_m", "b_m");
+  compare_key("area", "area_m2", "area_m2");
+  compare_key("indentation", "indentation_m", "indentation_m");
+  compare_key("peak_pressure", "peak_pressure_Pa", "peak_pressure_Pa");
+  compare_key("max_torque", "max_torque_Nm", "max_torque_Nm");
+  compare_key("max_torque_paper", "max_torque_paper_Nm", "max_torque_Nm");
+  return result;
+}
+
+json load_json(const LoadRun& run, const fs::path& output, LoadErrors& errors) {
+  const Case& contact_case = *run.contact_case;
+  json geometry = {{"radii_m", {run.geometry.radii.major_m, run.geometry.radii.minor_m}},
+                   {"radii_std_m", nullptr},
+                   {"axis_rad", run.geometry.radii.axis_rad},
+                   {"s", nullptr},
+                   {"patch", patch_to_json(run.geometry)}};
+  if (run.geometry.patch) {
+    const auto& deviations = run.geometry.patch->relative.radii_std_m;
+    geometry["radii_std_m"] = {finite_or_null(deviations[0]), finite_or_null(deviations[1])};
+  }
+  json fem = run.fem;
+  errors.load_N = run.load_N;
+  errors.fem_finished = !fem.is_null();
+  errors.fem_failure = run.failure;
+  if (errors.fem_finished) {
+    geometry["s"] = std::sqrt(fem["a_m"].get<double>() * fem["b_m"].get<double>()) /
+                    contact_case.layer.thickness_m;
+    fem["trusted"] = errors.fem_trusted = fem_is_trusted(fem);
+    // The page lies in the output folder: links from it must not depend on where that folder is.
+    const fs::path folder = run.folder.lexically_relative(output);
+    if (fem.contains("vtu") && fem["vtu"].is_string())
+      fem["vtu"] = (folder / fs::path(fem["vtu"].get<std::string>()).filename()).generic_string();
+    else
+      fem["vtu"] = nullptr;
+  }
+  json models = json::array();
+  for (const PressureModel* model : all_pressure_models()) {
+    const ModelAnswer answer =
+        ask_model(*model, contact_case.problem(run.geometry.radii, run.load_N), kCostBudget_ns);
+    models.push_back(model_json(answer, run.fem));
+    ModelError error;
+    error.model = model->card().name;
+    error.has_answer = answer.prediction.has_answer;
+    error.valid = answer.prediction.valid();
+    const json& relative = models.back()["relative_error"];
+    if (relative.is_object() && relative["area"].is_number() &&
+        relative["max_torque"].is_number()) {
+      error.area = relative["area"];
+      error.max_torque = relative["max_torque"];
+    }
+    errors.models.push_back(error);
+  }
+  json result = {{"load_N", run.load_N}, {"geometry", geometry}, {"fem", fem}, {"models", models}};
+  if (!errors.fem_finished) result["fem_failure"] = run.failure;
+  return result;
+}
+
+std::string machine_name() {
+  utsname system = {};
+  uname(&system);
+  std::string processor = system.machine;
+  std::ifstream information("/proc/cpuinfo");
+  for (std::string line; std::getline(information, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos) {
+      processor = line.substr(line.find(": ") + 2);
+      break;
+    }
+  return fmt::format("{}, {} {}", processor, system.sysname, system.machine);
+}
+
+json provenance(const CompareOptions& options, double wall_s, const std::vector<LoadRun>& runs) {
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  json peak_memory_MB;
+  for (const LoadRun& run : runs)
+    if (run.fem.is_object() && run.fem.contains("peak_memory_MB") &&
+        run.fem["peak_memory_MB"].is_number() &&
+        (peak_memory_MB.is_null() || run.fem["peak_memory_MB"] > peak_memory_MB))
+      peak_memory_MB = run.fem["peak_memory_MB"];
+  return {{"version", program_version()},    {"date", date},
+          {"compiler", SOFTFINGER_COMPILER}, {"build_type", SOFTFINGER_BUILD_TYPE},
+          {"machine", machine_name()},       {"cores", default_job_count()},
+          {"command", options.command},      {"wall_s", wall_s},
+          {"peak_memory_MB", peak_memory_MB}};
+}
+
+json model_cards() {
+  json cards = json::array();
+  for (const PressureModel* model : all_pressure_models()) {
+    const ModelCard& card = model->card();
+    cards.push_back({{"name", card.name},
+                     {"title", card.title},
+                     {"assumptions", card.assumptions},
+                     {"equations", card.equations},
+                     {"source", card.source},
+                     {"validity", card.validity},
+                     {"cost", card.cost}});
+  }
+  return cards;
+}
+
+/// One row per case, load and model, FEM first; empty where a number does not exist. Models have
+/// relative errors against FEM, FEM has the errors that it states itself.
+std::string results_csv(const json& report) {
+  static const char* const kNumbers[] = {
+      "a_m",     "b_m",           "axis_rad",      "indentation_m", "peak_pressure_Pa",
+      "area_m2", "max_torque_Nm", "eccentricity_m"};
+  static const char* const kErrors[] = {"a",         "b", "area", "indentation", "peak_pressure",
+                                        "max_torque"};
+  std::string csv =
+      "case,load_N,thickness_m,youngs_modulus_Pa,poisson_ratio,friction_coefficient,"
+      "radius_major_m,radius_minor_m,model,valid";
+  for (const char* key : kNumbers) csv += std::string(",") + key;
+  csv += ",max_torque_paper_Nm";
+  for (const char* key : kErrors) csv += std::string(",relative_error_") + key;
+  for (const char* key : kErrors) csv += std::string(",stated_error_") + key;
+  csv += ",cost_ns,wall_s\n";
+  const auto cell = [](const json& object, const char* key) {
+    return object.is_object() && object.contains(key) && object[key].is_number()
+               ? "," + object[key].dump()
+               : std::string(",");
+  };
+  for (const json& entry : report["cases"])
+    for (const json& load : entry["loads"]) {
+      const auto row = [&](const json& values, const std::string& valid, const json& relative,
+                           const json& stated) {
+        csv += entry["id"].get<std::string>() + cell(load, "load_N") +
+               cell(entry["layer"], "thickness_m") + cell(entry["layer"], "youngs_modulus_Pa") +
+               cell(entry["layer"], "poisson_ratio") + cell(entry, "friction_coefficient");
+        for (const json& radius : load["geometry"]["radii_m"]) csv += "," + radius.dump();
+        csv += "," + values["model"].get<std::string>() + "," + valid;
+        for (const char* key : kNumbers) csv += cell(values, key);
+        csv += cell(values, "max_torque_paper_Nm");
+        for (const char* key : kErrors) csv += cell(relative, key);
+        for (const char* key : kErrors) csv += cell(stated, key);
+        csv += cell(values, "cost_ns") + cell(values, "wall_s") + "\n";
+      };
+      if (load["fem"].is_object()) {
+        json fem = load["fem"];
+        fem["model"] = "fem";
+        row(fem, fem["trusted"].get<bool>() ? "yes" : "no", nullptr, fem["error"]);
+      }
+      for (const json& model : load["models"])
+        row(model, model["valid"].get<bool>() ? "yes" : "no", model["relative_error"], nullptr);
+    }
+  return csv;
+}
+
+}  // namespace
+
+int default_job_count() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  const int count = sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
+  // Each process takes up to 1 GB: more of them would need more memory than a usual machine has.
+  return std::clamp(count, 1, 8);
+}
+
+int compare(const CompareOptions& options) {
+  const auto start = Clock::now();
+  std::vector<Case> cases;
+  std::map<std::string, std::string> file_of_id;
+  for (const fs::path& file : options.case_files) {
+    cases.push_back(read_case(file));
+    const auto [entry, is_new] = file_of_id.emplace(cases.back().id, file.string());
+    if (!is_new)
+      throw InputError(file.string(), "id", cases.back().id,
+                       "an id of its own; " + entry->second + " has the same");
+  }
+  Progress progress;
+  std::vector<LoadRun> runs;
+  for (const Case& contact_case : cases) {
+    const GeometryResolver geometry(contact_case);
+    for (const std::string& remark : geometry.remarks()) progress.say("softfinger: " + remark);
+    for (double load_N : contact_case.loads_N) {
+      LoadRun run;
+      run.contact_case = &contact_case;
+      run.load_N = load_N;
+      run.geometry = geometry.resolve(load_N);
+      run.problem = fem_problem(contact_case, run.geometry, load_N,
+                                std::min(3, contact_case.fem_level + (options.full ? 1 : 0)));
+      run.folder = options.output / "fem" / load_folder(contact_case.id, load_N);
+      runs.push_back(std::move(run));
+    }
+  }
+  fem_program();  // refuses before anything is written
+  make_writable_folder(options.output);
+  if (const int signal = run_fem(runs, options, progress)) return 128 + signal;
+
+  json report = {{"tolerance", kTolerance}, {"models", model_cards()}, {"cases", json::array()}};
+  std::string answer;
+  bool all_trusted = true;
+  std::size_t next = 0;
+  for (const Case& contact_case : cases) {
+    std::vector<LoadErrors> errors;
+    json loads = json::array();
+    for (std::size_t i = 0; i < contact_case.loads_N.size(); ++i) {
+      errors.emplace_back();
+      loads.push_back(load_json(runs[next++], options.output, errors.back()));
+      all_trusted = all_trusted && errors.back().fem_trusted;
+    }
+    const Verdict verdict = compose_verdict(errors, kTolerance);
+    report["cases"].push_back({{"id", contact_case.id},
+                               {"question", contact_case.question},
+                               {"verdict", verdict.sentence},
+                               {"verdict_class", verdict.verdict_class},
+                               {"file", contact_case.file.filename().string()},
+                               {"case_toml", contact_case.text},
+                               {"layer",
+                                {{"thickness_m", contact_case.layer.thickness_m},
+                                 {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
+                                 {"poisson_ratio", contact_case.layer.poisson_ratio}}},
+                               {"friction_coefficient", contact_case.friction_coefficient},
+                               {"loads", loads}});
+    answer += fmt::format("{}: {}\n", contact_case.id, verdict.sentence);
+  }
+  const double wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  report["provenance"] = provenance(options, wall_s, runs);
+
+  write_file_atomically(options.output / "results.csv", results_csv(report));
+  write_file_atomically(options.output / "report.json", dump(report));
+  write_file_atomically(options.output / "report.html", comparisons::render_report(report));
+  if (!all_trusted)
+    answer +=
+        "At least one FEM result failed or is less accurate than its stated limits (2 % in a and "
+        "b, "
+        "1 % in indentation and torque).\n";
+  answer += fmt::format("Report: {}\n", (options.output / "report.html").string());
+  write_to_stdout(answer);
+  return all_trusted ? 0 : 1;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+/// Files and standard output, with every failure noticed: a full disk must never leave half a
+/// result.
+namespace softfinger {
+
+/// The whole content of a file.
+/// @throws InputError naming the file and the system's reason.
+std::string read_text_file(const std::filesystem::path& path);
+
+/// Writes to a temporary name in the same folder, syncs, closes, renames: a reader sees the old
+/// content or the new one, also after a power cut.
+/// @throws InputError naming the file and the system's reason; the temporary file is removed.
+void write_file_atomically(const std::filesystem::path& path, const std::string& content);
+
+/// Creates a folder, with parents, and proves that files can be written in it.
+/// @throws InputError
+void make_writable_folder(const std::filesystem::path& folder);
+
+/// @throws InputError when standard output cannot take the text (a full disk behind a redirection).
+void write_to_stdout(const std::string& text);
+
+}  // namespace softfinger

@@ -1,0 +1,131 @@
+#include "comparisons/local_geometry.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "meshes/io/read_surface.h"
+#include "softfinger/input/errors.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger {
+namespace {
+
+std::string surface_key(const MeshBody& mesh) {
+  return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit);
+}
+
+const PressureModel& patch_model(const ContactProblem& problem) {
+  for (const PressureModel* model : all_pressure_models())
+    if (model->predict(problem).valid()) return *model;
+  if (const PressureModel* hertz = find_pressure_model("hertz")) return *hertz;
+  return *all_pressure_models().front();
+}
+
+bool is_flat(const CaseBody& body) {
+  const auto* quadric = std::get_if<QuadricBody>(&body);
+  return quadric && std::isinf(quadric->radius_x_m) && std::isinf(quadric->radius_y_m);
+}
+
+void require_ellipse(const RelativeCurvature& relative, const std::string& where) {
+  const auto& curvature = relative.curvatures_per_m;
+  const std::string numbers =
+      fmt::format(" (relative curvatures {:.4g} and {:.4g} per metre)", curvature[0], curvature[1]);
+  switch (relative.kind) {
+    case ContactKind::elliptic:
+      return;
+    case ContactKind::line:
+      throw InputError(where,
+                       "no contact ellipse: the bodies touch along a line, one relative curvature "
+                       "vanishes" +
+                           numbers,
+                       "", "");
+    case ContactKind::conforming:
+      throw InputError(where,
+                       "no contact ellipse: the bodies conform, flat on flat, both relative "
+                       "curvatures vanish" +
+                           numbers,
+                       "", "");
+    case ContactKind::saddle:
+      throw InputError(where,
+                       "no contact ellipse: the gap is a saddle, the bodies would interpenetrate "
+                       "beside the point" +
+                           numbers,
+                       "", "");
+  }
+}
+
+}  // namespace
+
+std::string tolerated_triangles(int degenerate, int duplicate) {
+  if (degenerate == 0 && duplicate == 0) return "";
+  return fmt::format("{} degenerate and {} duplicate triangles were left out", degenerate,
+                     duplicate);
+}
+
+GeometryResolver::GeometryResolver(const Case& contact_case) : case_(contact_case) {
+  const auto* pair = std::get_if<BodyPair>(&case_.geometry);
+  if (!pair) return;
+  for (const CaseBody* body : {&pair->finger, &pair->object}) {
+    const auto* mesh = std::get_if<MeshBody>(body);
+    if (!mesh || surfaces_.count(surface_key(*mesh))) continue;
+    std::error_code ignored;
+    if (!std::filesystem::exists(mesh->path, ignored))
+      throw InputError(mesh->where, "mesh", mesh->path.string(),
+                       "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
+                       "does not exist");
+    auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
+    const std::string tolerated =
+        tolerated_triangles(file.degenerate_triangles, file.duplicate_triangles);
+    if (!tolerated.empty()) remarks_.push_back(mesh->path.string() + ": " + tolerated);
+    surfaces_.emplace(surface_key(*mesh), std::move(file.surface));
+  }
+}
+
+ContactBody GeometryResolver::contact_body(const CaseBody& body) const {
+  if (const auto* quadric = std::get_if<QuadricBody>(&body))
+    return quadric_from_radii(quadric->radius_x_m, quadric->radius_y_m);
+  if (const auto* sphere = std::get_if<SphereBody>(&body))
+    return quadric_from_radii(sphere->radius_m, sphere->radius_m);
+  const auto& mesh = std::get<MeshBody>(body);
+  return MeshContactPoint{&surfaces_.at(surface_key(mesh)), mesh.point_m, mesh.normal};
+}
+
+LocalGeometry GeometryResolver::resolve(double load_N) const {
+  LocalGeometry result;
+  if (const auto* radii = std::get_if<RelativeRadii>(&case_.geometry)) {
+    result.radii = *radii;
+    return result;
+  }
+  const auto& pair = std::get<BodyPair>(case_.geometry);
+  const bool meshes = std::holds_alternative<MeshBody>(pair.finger) ||
+                      std::holds_alternative<MeshBody>(pair.object);
+  if (!meshes) {
+    const Eigen::Matrix3d exact = Eigen::Matrix3d::Zero();
+    const auto relative =
+        relative_curvature(std::get<Quadric>(contact_body(pair.finger)), exact,
+                           std::get<Quadric>(contact_body(pair.object)), exact, pair.angle_rad);
+    require_ellipse(relative, case_.geometry_where);
+    result.radii = relative.radii;
+    if (const auto* sphere = std::get_if<SphereBody>(&pair.object))
+      if (is_flat(pair.finger)) result.sphere_radius_m = sphere->radius_m;
+    return result;
+  }
+  try {
+    result.patch = fit_contact_patch(contact_body(pair.finger), contact_body(pair.object),
+                                     pair.angle_rad, [&](const RelativeRadii& radii) {
+                                       const ContactProblem problem = case_.problem(radii, load_N);
+                                       const PressureModel& model = patch_model(problem);
+                                       result.patch_model = model.card().name;
+                                       return model.predict(problem).area_m2();
+                                     });
+  } catch (const InputError& error) {
+    // The fit knows no files: say which case, and on which line, its surface came from.
+    throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
+  }
+  require_ellipse(result.patch->relative, case_.geometry_where);
+  result.radii = result.patch->relative.radii;
+  return result;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/case.h"
+#include "softfinger/geometry/contact_patch.h"
+#include "softfinger/input/triangle_surface.h"
+
+namespace softfinger {
+
+/// The geometry that models and FEM are given for one load of a case.
+struct LocalGeometry {
+  RelativeRadii radii;
+  std::optional<ContactPatch> patch;  ///< set when a body is a mesh
+  std::string patch_model;  ///< the pressure model that predicted the patch's contact area
+  /// Set for an exact sphere on a flat finger: the FEM then takes the sphere itself. Beside a
+  /// curved finger the sphere enters by its curvature only, as in the models.
+  double sphere_radius_m = std::numeric_limits<double>::infinity();
+};
+
+/// From a case's bodies to relative radii. Reads each mesh file once, however many loads there are.
+class GeometryResolver {
+ public:
+  /// @throws InputError when a mesh cannot be read. `contact_case` must outlive this object.
+  explicit GeometryResolver(const Case& contact_case);
+
+  /// For meshes the fitted region depends on the load: region and predicted contact are iterated to
+  /// agreement. The area is predicted by the first model of the registry that calls itself valid
+  /// for the current radii, or by Hertz when none does.
+  /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in
+  /// words.
+  LocalGeometry resolve(double load_N) const;
+
+  /// What had to be tolerated in the meshes, one line each.
+  const std::vector<std::string>& remarks() const { return remarks_; }
+
+ private:
+  ContactBody contact_body(const CaseBody& body) const;
+
+  const Case& case_;
+  std::map<std::string, TriangleSurface> surfaces_;  ///< by path and unit
+  std::vector<std::string> remarks_;
+};
+
+/// "3 degenerate and 1 duplicate triangles were left out", or empty.
+std::string tolerated_triangles(int degenerate, int duplicate);
+
+}  // namespace softfinger

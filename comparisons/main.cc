@@ -1,0 +1,85 @@
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace {
+
+enum ExitStatus { kDone = 0, kBadInput = 2, kNotConverged = 3 };
+
+int fail(const std::string& message, ExitStatus status) {
+  std::string line = message;
+  for (char& letter : line)
+    if (letter == '\n' || letter == '\r') letter = ' ';
+  softfinger::commands::remark("error: " + line);
+  return status;
+}
+
+/// A vector that starts with a minus sign looks like a flag: "--normal -.5,0,1" becomes
+/// "--normal=-.5,0,1".
+std::vector<std::string> join_vectors(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  for (std::size_t i = 0; i + 1 < arguments.size(); ++i)
+    if ((arguments[i] == "--point" || arguments[i] == "--normal") &&
+        arguments[i + 1].find(',') != std::string::npos) {
+      arguments[i] += "=" + arguments[i + 1];
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    }
+  return arguments;
+}
+
+}  // namespace
+
+void softfinger::commands::remark(const std::string& line) {
+  std::fputs(("softfinger: " + line + "\n").c_str(), stderr);
+}
+
+int main(int argc, char** argv) {
+  using namespace softfinger;
+  // A file-size limit then is an error of the write, which is reported, and no sudden death.
+  std::signal(SIGXFSZ, SIG_IGN);
+
+  std::vector<std::string> arguments = join_vectors(argc, argv);
+  std::string command_line = "softfinger";
+  for (const auto& argument : arguments) command_line += " " + argument;
+
+  CLI::App app("Soft-finger contact: analytic models, verified by finite elements.", "softfinger");
+  app.set_version_flag("--version", "softfinger " + program_version());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done, 1 a comparison fell short, 2 bad input, 3 the numerics did not "
+      "converge.\n"
+      "Results go to standard output, messages and progress to standard error.\n"
+      "Samples:\n"
+      "  softfinger list cases\n"
+      "  softfinger predict seed_thumb\n"
+      "  softfinger predict --help");
+  commands::Action action;
+  commands::add_predict(app, action);
+  commands::add_fit(app, action);
+  commands::add_fem(app, action);
+  commands::add_compare(app, action, command_line);
+  commands::add_list(app, action);
+  commands::add_explain(app, action);
+  try {
+    // The parser takes them from the back.
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::Success& request) {
+    return app.exit(request);  // --help, --version
+  } catch (const CLI::ParseError& error) {
+    return fail(std::string(error.what()) + " (see softfinger --help)", kBadInput);
+  }
+  try {
+    return action();
+  } catch (const InputError& error) {
+    return fail(error.what(), kBadInput);
+  } catch (const ConvergenceError& error) {
+    return fail(error.what(), kNotConverged);
+  } catch (const std::exception& error) {
+    return fail(std::string("unexpected: ") + error.what(), kNotConverged);
+  }
+}

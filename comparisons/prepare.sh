@@ -1,0 +1,35 @@
+# Sourced by comparisons/run.sh and tests/run.sh: the packages that the build needs, and installing them.
+#
+# SOFTFINGER_INSTALL=0 turns installing off: what is missing is then named, and the script stops.
+
+softfinger_packages() { # analytic|fem, run|test
+  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libassimp-dev
+  command -v npm >/dev/null || echo npm
+  if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libsuitesparse-dev libopenblas-dev; fi
+  if [ "$2" = test ]; then
+    echo libgtest-dev librapidcheck-dev libbenchmark-dev
+    command -v chromium >/dev/null || echo chromium
+  fi
+}
+
+softfinger_prepare() { # analytic|fem, run|test
+  local missing=() package root=()
+  for package in $(softfinger_packages "$1" "$2"); do
+    # A tool that is already there under another package's name is good enough.
+    case $package in
+      g++|cmake) command -v "$package" >/dev/null && continue ;;
+      ninja-build) command -v ninja >/dev/null && continue ;;
+    esac
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  if [ "${SOFTFINGER_INSTALL:-1}" = 0 ]; then
+    echo "missing packages (SOFTFINGER_INSTALL=0, so nothing was installed): ${missing[*]}" >&2
+    return 1
+  fi
+  [ "$(id -u)" -eq 0 ] || root=(sudo)
+  echo "installing: ${missing[*]}" >&2
+  export DEBIAN_FRONTEND=noninteractive
+  "${root[@]}" apt-get update -qq
+  "${root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}

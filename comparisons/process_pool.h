@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+/// Child processes in parallel, their output collected, stopped cleanly by Ctrl-C.
+namespace softfinger {
+
+struct ProcessJob {
+  std::vector<std::string> command;      ///< program and arguments
+  std::string input;                     ///< standard input, at most 60 kB
+  std::vector<std::string> environment;  ///< "NAME=value", on top of this process's own
+};
+
+struct ProcessOutcome {
+  int exit_status = -1;  ///< -1 when killed by `signal`
+  int signal = 0;
+  std::string output;     ///< standard output, whole
+  std::string last_line;  ///< of standard error
+  double wall_s = 0;
+
+  bool succeeded() const { return exit_status == 0; }
+};
+
+struct ProcessCallbacks {
+  /// A line on a child's standard error.
+  std::function<void(std::size_t job, const std::string& line)> on_line = [](auto, const auto&) {};
+  std::function<void(std::size_t job)> on_start = [](auto) {};
+  /// May throw: the other children are then stopped and the exception goes on.
+  std::function<void(std::size_t job, const ProcessOutcome&)> on_finish = [](auto, const auto&) {};
+};
+
+/// Runs the jobs, at most `parallel` at once, in order of their start. SIGINT and SIGTERM stop all
+/// children and end the call; so does the death of this process by any other way.
+/// @returns 0, or the signal that interrupted.
+/// @throws InputError when a program cannot be started.
+int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
+                  const ProcessCallbacks& callbacks);
+
+}  // namespace softfinger

@@ -1,0 +1,67 @@
+#include "comparisons/program_paths.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace fs = std::filesystem;
+
+std::string program_version() { return SOFTFINGER_VERSION; }
+
+fs::path program_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::current_path() : program.parent_path();
+}
+
+fs::path share_folder() { return program_folder().parent_path() / "share" / "softfinger"; }
+
+fs::path fem_program() {
+  const char* chosen = std::getenv("SOFTFINGER_FEM_PROGRAM");
+  const fs::path program =
+      chosen && *chosen ? fs::path(chosen) : program_folder() / "softfinger-fem";
+  std::error_code error;
+  if (!fs::is_regular_file(program, error) || access(program.c_str(), X_OK) != 0)
+    throw InputError(
+        program.string(),
+        "the finite-element program is not there; build it with -DSOFTFINGER_BUILD_FEM=ON "
+        "or name it in SOFTFINGER_FEM_PROGRAM",
+        "", "");
+  return program;
+}
+
+std::vector<fs::path> builtin_case_files() {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(share_folder() / "cases", error))
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+fs::path find_case_file(const std::string& typed) {
+  std::error_code error;
+  if (fs::exists(typed, error)) return typed;
+  // Only a bare name can mean a built-in case: a path that does not exist is a mistake to report.
+  if (typed.find('/') == std::string::npos && !typed.empty()) {
+    for (const std::string& name : {typed, typed + ".toml"}) {
+      const fs::path builtin = share_folder() / "cases" / name;
+      if (fs::is_regular_file(builtin, error)) return builtin;
+    }
+  }
+  return typed;
+}
+
+fs::path find_mesh_file(const std::string& typed, const fs::path& folder) {
+  std::error_code error;
+  const fs::path path = folder.empty() ? fs::path(typed) : folder / typed;
+  if (fs::exists(path, error)) return path;
+  const fs::path builtin = share_folder() / "meshes" / typed;
+  return !typed.empty() && fs::is_regular_file(builtin, error) ? builtin : path;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# The main job: installs what is missing, builds, runs the built-in suite, says where the report is.
+#
+# usage: comparisons/run.sh [--output DIR] [any other flag of `softfinger compare`]
+#        comparisons/run.sh --analytic-only      builds without deal.II and gmsh and lists the predictions
+#
+# A finished finite-element result is kept: an interrupted run goes on where it was cut off.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. comparisons/prepare.sh
+
+if [ "${1:-}" = --analytic-only ]; then
+  shift
+  softfinger_prepare analytic run
+  cmake --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null
+  cmake --build --preset analytic-only
+  for case in comparisons/cases/*.toml; do
+    # Mesh cases need surfaces that gmsh makes.
+    grep -q 'mesh *=' "$case" || build/analytic-only/bin/softfinger predict "$case" "$@"
+  done
+  exit
+fi
+
+softfinger_prepare fem run
+cmake --preset release >/dev/null
+cmake --build --preset release
+build/release/bin/softfinger compare "$@"

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace softfinger {
+
+/// A model against FEM at one load: signed relative errors.
+struct ModelError {
+  std::string model;
+  bool has_answer = false;
+  bool valid = false;  ///< by the model's own statement
+  double area = 0, max_torque = 0;
+};
+
+/// All models at one load.
+struct LoadErrors {
+  double load_N = 0;
+  bool fem_finished = false;
+  bool fem_trusted = false;
+  std::string fem_failure;
+  std::vector<ModelError> models;  ///< the same models in the same order for every load
+};
+
+struct Verdict {
+  std::string sentence;
+  std::string verdict_class;  ///< good, mixed, bad, failed
+};
+
+/// One sentence that answers which model can be used, with numbers.
+///
+/// A model is usable at a load when area and torque are within the tolerance of FEM and the model
+/// itself claims to hold there: where errors merely cross zero outside a model's assumptions the
+/// agreement is an accident. "good": one model is usable at all loads; "mixed": one is at some
+/// load, or agrees by accident; "bad": none; "failed": FEM finished at no load.
+Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance);
+
+/// "0.5 N", "1, 2 and 5 N", "0.5 to 10 N"
+std::string load_list(const std::vector<double>& loads_N);
+
+}  // namespace softfinger

@@ -1,0 +1,225 @@
+#include "comparisons/case.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <ostream>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+const char* const kGood = R"(id = "example"
+question = "Does it?"
+[geometry]
+relative_radii_mm = [20.0, 5.0]
+[layer]
+thickness_mm = 2.0
+youngs_modulus_kPa = 300.0
+poisson_ratio = 0.49
+[contact]
+load_N = [1.0, 2]
+friction_coefficient = 0.8
+[fem]
+level = 3
+geometry = "flat"
+kinematics = "linear"
+)";
+
+std::string replaced(const std::string& old_text, const std::string& new_text) {
+  std::string text = kGood;
+  const std::size_t position = text.find(old_text);
+  EXPECT_NE(position, std::string::npos) << old_text;
+  return text.replace(position, old_text.size(), new_text);
+}
+
+const std::string kGeometry = "relative_radii_mm = [20.0, 5.0]";
+
+}  // namespace
+
+TEST(Case, IsReadInSiUnits) {
+  const Case result = parse_case(kGood, "folder/example.toml");
+  EXPECT_EQ(result.id, "example");
+  EXPECT_EQ(result.question, "Does it?");
+  const auto& radii = std::get<RelativeRadii>(result.geometry);
+  EXPECT_DOUBLE_EQ(radii.major_m, 0.02);
+  EXPECT_DOUBLE_EQ(radii.minor_m, 0.005);
+  EXPECT_EQ(radii.axis_rad, 0);
+  EXPECT_DOUBLE_EQ(result.layer.thickness_m, 0.002);
+  EXPECT_DOUBLE_EQ(result.layer.youngs_modulus_Pa, 3e5);
+  EXPECT_EQ(result.layer.poisson_ratio, 0.49);
+  EXPECT_EQ(result.loads_N, (std::vector<double>{1, 2}));
+  EXPECT_EQ(result.friction_coefficient, 0.8);
+  EXPECT_EQ(result.fem_level, 3);
+}
+
+TEST(Case, PutsTheLongAxisAlongTheLargerRadius) {
+  const Case result = parse_case(replaced("[20.0, 5.0]", "[5, 20]"), "x.toml");
+  const auto& radii = std::get<RelativeRadii>(result.geometry);
+  EXPECT_DOUBLE_EQ(radii.major_m, 0.02);
+  EXPECT_DOUBLE_EQ(radii.axis_rad, std::acos(0.0));
+}
+
+TEST(Case, TakesTwoBodies) {
+  const Case result = parse_case(replaced(kGeometry,
+                                          "finger = { radii_mm = [9.0, 7] }\nobject = { radii_mm = "
+                                          "[-30.0, inf] }\nangle_deg = 90"),
+                                 "x.toml");
+  const auto& pair = std::get<BodyPair>(result.geometry);
+  EXPECT_DOUBLE_EQ(std::get<QuadricBody>(pair.finger).radius_x_m, 9e-3);
+  EXPECT_DOUBLE_EQ(std::get<QuadricBody>(pair.object).radius_x_m, -30e-3);
+  EXPECT_TRUE(std::isinf(std::get<QuadricBody>(pair.object).radius_y_m));
+  EXPECT_DOUBLE_EQ(pair.angle_rad, std::acos(0.0));
+}
+
+TEST(Case, TakesAnExactSphere) {
+  const Case result = parse_case(
+      replaced(kGeometry, "finger = { radii_mm = [inf, inf] }\nobject = { sphere_radius_mm = 10 }"),
+      "x.toml");
+  EXPECT_DOUBLE_EQ(std::get<SphereBody>(std::get<BodyPair>(result.geometry).object).radius_m, 0.01);
+}
+
+TEST(Case, TakesPoissonRatiosOfBothLimitsAndOneLoad) {
+  for (const char* nu : {"0", "0.0", "0.5"})
+    EXPECT_NO_THROW(parse_case(replaced("= 0.49", std::string("= ") + nu), "x.toml")) << nu;
+  EXPECT_EQ(parse_case(replaced("[1.0, 2]", "3"), "x.toml").loads_N, std::vector<double>{3});
+}
+
+struct BadCase {
+  const char *name, *old_text, *new_text;
+  int line;  ///< 0: the whole file
+  std::vector<std::string> words;
+};
+
+void PrintTo(const BadCase& bad, std::ostream* stream) { *stream << bad.name; }
+
+class BadCaseFile : public testing::TestWithParam<BadCase> {};
+
+TEST_P(BadCaseFile, IsRefusedWithFileLineFieldAndWhatIsAllowed) {
+  const BadCase& bad = GetParam();
+  try {
+    parse_case(replaced(bad.old_text, bad.new_text), "bad.toml");
+    FAIL() << bad.new_text;
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.where(), bad.line ? "bad.toml:" + std::to_string(bad.line) : "bad.toml");
+    const std::string what = error.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    for (const std::string& word : bad.words)
+      EXPECT_NE(what.find(word), std::string::npos) << what << "\n  should say: " << word;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, BadCaseFile,
+    testing::Values(
+        BadCase{
+            "UnknownKey", "thickness_mm", "thicknes_mm", 6, {"thicknes_mm", "\"thickness_mm\""}},
+        BadCase{"WrongUnitSuffix",
+                "youngs_modulus_kPa",
+                "youngs_modulus_MPa",
+                7,
+                {"youngs_modulus_kPa"}},
+        BadCase{"UnknownTable", "[contact]", "[contacts]", 9, {"contacts", "\"contact\""}},
+        BadCase{"UnknownBodyKey",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { radius_mm = [1, 1] }\nobject = { radii_mm = [1, 1] }",
+                4,
+                {"radius_mm", "radii_mm"}},
+        BadCase{"MissingId", "id = \"example\"", "", 0, {"id"}},
+        BadCase{"IdThatIsAPath", "\"example\"", "\"../example\"", 1, {"id", "letters"}},
+        BadCase{"MissingTable",
+                "[contact]\nload_N = [1.0, 2]\nfriction_coefficient = 0.8\n",
+                "",
+                0,
+                {"[contact]"}},
+        BadCase{"MissingKey", "thickness_mm = 2.0\n", "", 5, {"[layer]", "thickness_mm"}},
+        BadCase{"NumberAsText", "= 2.0", "= \"2.0\"", 6, {"thickness_mm", "\"2.0\"", "number"}},
+        BadCase{"NotANumber", "= 300.0", "= nan", 7, {"youngs_modulus_kPa", "nan"}},
+        BadCase{"Infinite", "= 300.0", "= inf", 7, {"youngs_modulus_kPa", "inf"}},
+        BadCase{"ZeroModulus", "= 300.0", "= 0", 7, {"youngs_modulus_kPa", "> 0"}},
+        BadCase{"NegativeThickness", "= 2.0", "= -2", 6, {"thickness_mm", "-2", "> 0"}},
+        BadCase{"ThicknessBelowTheSmallestNumber", "= 2.0", "= 4e-324", 6, {"thickness_mm"}},
+        BadCase{"HugeModulus", "= 300.0", "= 1e308", 7, {"youngs_modulus_kPa"}},
+        BadCase{"PoissonAboveHalf", "= 0.49", "= 0.51", 8, {"poisson_ratio", "0 to 0.5"}},
+        BadCase{"PoissonNegative", "= 0.49", "= -0.1", 8, {"poisson_ratio"}},
+        BadCase{"LoadZero", "[1.0, 2]", "[1.0, 0]", 10, {"load_N"}},
+        BadCase{"LoadTwice", "[1.0, 2]", "[2.0, 2]", 10, {"load_N", "once"}},
+        BadCase{"NoLoads", "[1.0, 2]", "[]", 10, {"load_N"}},
+        BadCase{"LoadAsText", "[1.0, 2]", "[1.0, \"five\"]", 10, {"load_N", "five"}},
+        BadCase{"NoFriction", "= 0.8", "= 0.0", 11, {"friction_coefficient", "> 0"}},
+        BadCase{"LevelOutOfRange", "level = 3", "level = 4", 13, {"level", "1, 2 or 3"}},
+        BadCase{"LevelNotWhole", "level = 3", "level = 2.5", 13, {"level"}},
+        BadCase{"CurvedLayer",
+                "\"flat\"",
+                "\"curved\"",
+                14,
+                {"geometry", "\"flat\"", "not in this version"}},
+        BadCase{
+            "FiniteStrain", "\"linear\"", "\"finite\"", 15, {"kinematics", "not in this version"}},
+        BadCase{"Material",
+                "thickness_mm = 2.0",
+                "thickness_mm = 2.0\nmaterial = \"neo_hookean\"",
+                7,
+                {"material", "needs [fem] kinematics = \"finite\""}},
+        BadCase{
+            "UnknownKinematics", "\"linear\"", "\"nonlinear\"", 15, {"kinematics", "\"linear\""}},
+        BadCase{"TwoForms",
+                "relative_radii_mm = [20.0, 5.0]",
+                "relative_radii_mm = [20.0, 5.0]\nfinger = { radii_mm = [1, 1] }",
+                3,
+                {"exactly one"}},
+        BadCase{"NoForm", "relative_radii_mm = [20.0, 5.0]\n", "", 3, {"exactly one"}},
+        BadCase{"LoneFinger",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { radii_mm = [1, 1] }",
+                3,
+                {"object"}},
+        BadCase{"AngleWithoutBodies",
+                "relative_radii_mm = [20.0, 5.0]",
+                "relative_radii_mm = [20.0, 5.0]\nangle_deg = 3",
+                5,
+                {"angle_deg"}},
+        BadCase{"LineContact", "[20.0, 5.0]", "[inf, 5.0]", 4, {"no contact ellipse", "line"}},
+        BadCase{
+            "SaddleContact", "[20.0, 5.0]", "[20.0, -5.0]", 4, {"no contact ellipse", "saddle"}},
+        BadCase{"RadiusZero", "[20.0, 5.0]", "[0, 5.0]", 4, {"relative_radii_mm"}},
+        BadCase{"ThreeRadii", "[20.0, 5.0]", "[20.0, 5.0, 1.0]", 4, {"two radii"}},
+        BadCase{"WrongMeshUnit",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\", unit = \"inch\", point_mm = [0, 0, 0] }\nobject "
+                "= { radii_mm = [1, 1] }",
+                4,
+                {"unit", "inch", "\"mm\" or \"m\""}},
+        BadCase{"MeshWithoutPoint",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\" }\nobject = { radii_mm = [1, 1] }",
+                4,
+                {"point_mm"}},
+        BadCase{"NormalWithoutDirection",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\", point_mm = [0, 0, 0], normal = [0, 0, 0] "
+                "}\nobject = { radii_mm = [1, 1] }",
+                4,
+                {"normal"}},
+        BadCase{
+            "PointWithoutMesh",
+            "relative_radii_mm = [20.0, 5.0]",
+            "finger = { radii_mm = [1, 1], point_mm = [0, 0, 0] }\nobject = { radii_mm = [1, 1] }",
+            4,
+            {"point_mm", "mesh"}},
+        BadCase{
+            "BodyWithTwoForms",
+            "relative_radii_mm = [20.0, 5.0]",
+            "finger = { radii_mm = [1, 1] }\nobject = { radii_mm = [1, 1], sphere_radius_mm = 2 }",
+            5,
+            {"exactly one"}},
+        BadCase{"SphereAsFinger",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { sphere_radius_mm = 2 }\nobject = { radii_mm = [1, 1] }",
+                4,
+                {"for the object"}},
+        BadCase{"NotToml", "[layer]", "[layer", 5, {"TOML"}}),
+    [](const auto& information) { return information.param.name; });
+
+}  // namespace softfinger

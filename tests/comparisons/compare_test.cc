@@ -1,0 +1,210 @@
+// `softfinger compare` with finite elements that are instant or misbehave: what survives what.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Compare : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  fs::path log = folder.path() / "log";
+  Start start{folder.path(), {"FAKE_FEM_LOG=" + log.string()}, -1, ""};
+  fs::path output = folder.path() / "report";
+  fs::path two_loads = folder.write("two.toml", case_text("two", "[1.0, 5.0]"));
+
+  ProgramRun compare(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"compare",       two_loads.string(), "--output",
+                                          output.string(), "--jobs",           "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_softfinger(start, arguments);
+  }
+
+  int solves() const { return static_cast<int>(lines(file_text(log)).size()); }
+
+  /// Whatever happened: every file with a final name is whole and nothing temporary is left.
+  void expect_nothing_half_written() const {
+    if (!fs::exists(output)) return;
+    for (const auto& entry : fs::recursive_directory_iterator(output)) {
+      const std::string name = entry.path().filename().string();
+      EXPECT_NE(name[0], '.') << "left behind: " << entry.path();
+      if (entry.path().extension() == ".json") {
+        EXPECT_TRUE(json::accept(file_text(entry.path()))) << entry.path();
+      }
+      if (name == "report.html") {
+        EXPECT_NE(file_text(entry.path()).find("</html>"), std::string::npos);
+      }
+    }
+  }
+};
+
+TEST_F(Compare, WritesReportNumbersAndResults) {
+  const ProgramRun result = compare();
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("two: "), std::string::npos) << "the verdict: " << result.out;
+  EXPECT_NE(result.out.find("report.html"), std::string::npos);
+  EXPECT_NE(file_text(output / "report.html").find("</html>"), std::string::npos);
+
+  const json report = json::parse(file_text(output / "report.json"));
+  const json& entry = report["cases"][0];
+  EXPECT_EQ(entry["id"], "two");
+  EXPECT_EQ(entry["file"], "two.toml");
+  EXPECT_EQ(entry["case_toml"], file_text(two_loads));
+  EXPECT_FALSE(entry["verdict"].get<std::string>().empty());
+  ASSERT_EQ(entry["loads"].size(), 2u);
+  const json& load = entry["loads"][1];
+  EXPECT_EQ(load["load_N"], 5.0);
+  EXPECT_EQ(load["fem"]["trusted"], true);
+  EXPECT_EQ(load["fem"]["vtu"], "fem/two_5N/solution.vtu");
+  EXPECT_TRUE(fs::exists(output / load["fem"]["vtu"].get<std::string>()));
+  for (const json& model : load["models"]) {
+    ASSERT_TRUE(model["relative_error"].is_object());
+    const double error = model["area_m2"].get<double>() / load["fem"]["area_m2"].get<double>() - 1;
+    EXPECT_NEAR(model["relative_error"]["area"].get<double>(), error, 1e-12);
+    EXPECT_EQ(model["profile_x"]["position_m"].size(), model["profile_x"]["pressure_Pa"].size());
+    EXPECT_NEAR(model["profile_x"]["pressure_Pa"].front().get<double>() /
+                    model["peak_pressure_Pa"].get<double>(),
+                1, 1e-12);
+  }
+  const auto rows = lines(file_text(output / "results.csv"));
+  EXPECT_EQ(rows.size(), 1 + 2 * (1 + load["models"].size()));
+  const auto columns = [](const std::string& row) {
+    return std::count(row.begin(), row.end(), ',');
+  };
+  for (const std::string& row : rows) EXPECT_EQ(columns(row), columns(rows[0])) << row;
+  expect_nothing_half_written();
+}
+
+TEST_F(Compare, ReusesWhatIsFinishedAndRecomputesWhatChanged) {
+  ASSERT_EQ(compare().status, 0);
+  EXPECT_EQ(solves(), 2);
+  const ProgramRun again = compare();
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(solves(), 2);
+  EXPECT_NE(again.err.find("two 5 N: reused"), std::string::npos) << again.err;
+  folder.write("two.toml", case_text("two", "[5.0, 7.0]"));
+  EXPECT_EQ(compare().status, 0);
+  EXPECT_EQ(solves(), 3) << "5 N is known";
+  EXPECT_EQ(compare({"--full"}).status, 0);
+  EXPECT_EQ(solves(), 5) << "another level is another problem";
+  fs::remove(output / "fem" / "two_5N" / "solution.vtu");
+  EXPECT_EQ(compare({"--full"}).status, 0);
+  EXPECT_EQ(solves(), 6) << "a result without its VTU is not finished";
+  folder.write("report/fem/two_5N/result.json", "{ half");
+  EXPECT_EQ(compare({"--full"}).status, 0);
+  EXPECT_EQ(solves(), 7) << "a damaged result is not believed";
+}
+
+class InterruptedCompare : public Compare, public testing::WithParamInterface<int> {};
+
+TEST_P(InterruptedCompare, KeepsFinishedResultsAndContinues) {
+  start.environment.push_back("FAKE_FEM_LINGER_N=5");
+  const pid_t process = start_softfinger(
+      start, {"compare", two_loads.string(), "--output", output.string(), "--jobs", "1"});
+  // Until the first result is there and the second solve has begun.
+  for (int i = 0;
+       i < 1000 && (solves() < 2 || !fs::exists(output / "fem" / "two_1N" / "result.json")); ++i)
+    usleep(10000);
+  ASSERT_EQ(solves(), 2);
+  kill(process, GetParam());
+  const ProgramRun result = wait_for(start, process);
+  if (GetParam() != SIGKILL) {
+    EXPECT_EQ(result.status, 128 + GetParam());
+    EXPECT_NE(result.err.find("1 of 2"), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(fs::exists(output / "report.html"));
+  expect_nothing_half_written();
+  std::string name, load;
+  pid_t child = 0;
+  std::istringstream(lines(file_text(log)).back()) >> name >> load >> child;
+  bool alive = true;
+  for (int i = 0; i < 300 && alive; ++i, usleep(10000)) alive = kill(child, 0) == 0;
+  // In a container without an init a dead orphan stays in the process table.
+  if (alive) {
+    const std::string status = file_text("/proc/" + std::to_string(child) + "/status");
+    EXPECT_NE(status.find("State:\tZ"), std::string::npos)
+        << "the solve goes on without its parent";
+  }
+
+  start.environment.pop_back();
+  const ProgramRun resumed = compare();
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_NE(resumed.err.find("two 1 N: reused"), std::string::npos) << resumed.err;
+  EXPECT_EQ(solves(), 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(By, InterruptedCompare, testing::Values(SIGINT, SIGTERM, SIGKILL));
+
+TEST_F(Compare, ReportsAFailedSolveAndFallsShort) {
+  start.environment.push_back("FAKE_FEM_EXIT=3");
+  const ProgramRun result = compare();
+  EXPECT_EQ(result.status, 1) << result.err;
+  const json entry = json::parse(file_text(output / "report.json"))["cases"][0];
+  EXPECT_EQ(entry["verdict_class"], "failed");
+  EXPECT_TRUE(entry["loads"][0]["fem"].is_null());
+  EXPECT_EQ(entry["loads"][0]["fem_failure"], "the fake fails as it was told");
+  start.environment.pop_back();
+  EXPECT_EQ(compare().status, 0) << "a failure is not kept";
+}
+
+TEST_F(Compare, FallsShortWhenTheReferenceIsNotTrusted) {
+  start.environment.push_back("FAKE_FEM_ERROR=0.03");
+  const ProgramRun result = compare();
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(
+      json::parse(file_text(output / "report.json"))["cases"][0]["loads"][0]["fem"]["trusted"],
+      false);
+}
+
+TEST_F(Compare, ChecksEveryCaseBeforeItWritesAnything) {
+  const auto bad = folder.write("bad.toml", case_text("bad", "-1"));
+  ProgramRun result = compare({bad.string()});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("load_N"), std::string::npos);
+  EXPECT_FALSE(fs::exists(output));
+  result = compare({folder.write("same.toml", case_text("two")).string()});
+  EXPECT_EQ(result.status, 2) << "two cases with one id would share a folder";
+  EXPECT_NE(result.err.find("two.toml"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(output));
+}
+
+TEST_F(Compare, RefusesAFolderThatCannotBeWritten) {
+  const auto file = folder.write("file", "precious");
+  for (const fs::path& bad : {file, file / "below", fs::path("/proc/softfinger-report")}) {
+    output = bad;
+    const ProgramRun result = compare();
+    EXPECT_EQ(result.status, 2) << bad;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+    EXPECT_NE(result.err.find(bad.string()), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(file_text(file), "precious");
+  EXPECT_EQ(solves(), 0);
+}
+
+TEST_F(Compare, LeavesNothingHalfWrittenOnAFullDisk) {
+  // Too small for a result, for the report, for the page: the three places where a disk may fill
+  // up.
+  for (long bytes : {600L, 12000L, 100000L}) {
+    start.largest_file_bytes = bytes;
+    const ProgramRun result = compare();
+    EXPECT_EQ(result.status, 2) << bytes << ": " << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(lines(result.err).back().find("cannot be written"), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(output / "report.html"));
+    expect_nothing_half_written();
+  }
+  start.largest_file_bytes = -1;
+  EXPECT_EQ(compare().status, 0);
+}
+
+}  // namespace softfinger::tests

@@ -1,0 +1,81 @@
+// Stands in for softfinger-fem in tests. Answers with half-space Hertz numbers at once; the
+// environment asks for other behaviour: FAKE_FEM_LOG=file appends a line "name load pid" per run;
+// FAKE_FEM_LINGER_N=load sleeps a minute at that load; FAKE_FEM_EXIT=status fails; FAKE_FEM_CRASH=1
+// dies by a signal; FAKE_FEM_ERROR=rel states that error.
+
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+int main() {
+  const nlohmann::json problem = nlohmann::json::parse(std::cin);
+  const double load_N = problem["load_N"];
+  const auto option = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value ? value : "");
+  };
+  if (!option("FAKE_FEM_LOG").empty())
+    std::ofstream(option("FAKE_FEM_LOG"), std::ios::app)
+        << problem["name"].get<std::string>() << " " << load_N << " " << getpid() << std::endl;
+  std::fprintf(stderr, "level 1: 1000 unknowns, residual 1e-9\n");
+  if (!option("FAKE_FEM_LINGER_N").empty() && std::stod(option("FAKE_FEM_LINGER_N")) == load_N)
+    sleep(60);
+  if (!option("FAKE_FEM_CRASH").empty()) std::raise(SIGKILL);
+  if (!option("FAKE_FEM_EXIT").empty()) {
+    std::fprintf(stderr, "softfinger-fem: error: the fake fails as it was told\n");
+    return std::stoi(option("FAKE_FEM_EXIT"));
+  }
+
+  const double nu = problem["layer"]["poisson_ratio"];
+  const double modulus_Pa = problem["layer"]["youngs_modulus_Pa"].get<double>() / (1 - nu * nu);
+  const double radius_m =
+      std::sqrt(problem["radii_m"][0].get<double>() * problem["radii_m"][1].get<double>());
+  const double a_m = std::cbrt(0.75 * load_N * radius_m / modulus_Pa);
+  const double pi = 3.14159265358979323846, mu = problem["friction_coefficient"];
+  const double error =
+      option("FAKE_FEM_ERROR").empty() ? 1e-3 : std::stod(option("FAKE_FEM_ERROR"));
+  nlohmann::json vtu;
+  if (problem["output_directory"].is_string()) {
+    vtu = problem["output_directory"].get<std::string>() + "/solution.vtu";
+    std::ofstream(vtu.get<std::string>()) << "<VTKFile/>\n";
+  }
+  const nlohmann::json profile = {{"position_m", {0.0, a_m}}, {"pressure_Pa", {1.0, 0.0}}};
+  const nlohmann::json level = {{"level", 1},
+                                {"unknowns", 1000},
+                                {"a_m", a_m},
+                                {"b_m", a_m},
+                                {"indentation_m", a_m * a_m / radius_m},
+                                {"max_torque_Nm", mu * load_N * a_m * 3 * pi / 16}};
+  nlohmann::json result = level;
+  result.update({{"model", "fem"},
+                 {"load_N", load_N},
+                 {"axis_rad", problem["axis_rad"]},
+                 {"peak_pressure_Pa", 1.5 * load_N / (pi * a_m * a_m)},
+                 {"area_m2", pi * a_m * a_m},
+                 {"eccentricity_m", a_m * 3 * pi / 16},
+                 {"error",
+                  {{"a", error},
+                   {"b", error},
+                   {"area", error},
+                   {"indentation", error},
+                   {"peak_pressure", error},
+                   {"max_torque", error}}},
+                 {"active_nodes", 100},
+                 {"iterations", 10},
+                 {"wall_s", 0.01},
+                 {"peak_memory_MB", 20},
+                 {"pressure_exponent", 0.5},
+                 {"levels", nlohmann::json::array({level})},
+                 {"profile_x", profile},
+                 {"profile_y", profile},
+                 {"vtu", vtu}});
+  std::cout << result.dump() << std::endl;
+  return 0;
+}

@@ -1,0 +1,47 @@
+#include "comparisons/files.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace fs = std::filesystem;
+
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "softfinger-files-XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  fs::path folder;
+};
+
+TEST_F(Files, ReplaceTheOldContentAndLeaveNothingElse) {
+  write_file_atomically(folder / "a.json", "old");
+  write_file_atomically(folder / "a.json", "new");
+  EXPECT_EQ(read_text_file(folder / "a.json"), "new");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+}
+
+TEST_F(Files, RefuseAFolderThatIsAFile) {
+  write_file_atomically(folder / "file", "x");
+  EXPECT_THROW(make_writable_folder(folder / "file" / "output"), InputError);
+  EXPECT_THROW(make_writable_folder(folder / "file"), InputError);
+  EXPECT_THROW(make_writable_folder("/proc/softfinger"), InputError);
+  EXPECT_THROW(write_file_atomically(folder / "file" / "a", "x"), InputError);
+}
+
+TEST_F(Files, NameTheFileThatCannotBeRead) {
+  for (const fs::path& path : {folder / "missing.toml", folder}) {
+    try {
+      read_text_file(path);
+      FAIL() << path;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.where(), path.string());
+    }
+  }
+}
+
+}  // namespace softfinger

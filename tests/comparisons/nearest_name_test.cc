@@ -1,0 +1,24 @@
+#include "comparisons/nearest_name.h"
+
+#include <gtest/gtest.h>
+
+namespace softfinger {
+
+TEST(NearestName, CountsSingleLetterChanges) {
+  EXPECT_EQ(edit_distance("", ""), 0);
+  EXPECT_EQ(edit_distance("load", "load"), 0);
+  EXPECT_EQ(edit_distance("", "load"), 4);
+  EXPECT_EQ(edit_distance("thicknes_mm", "thickness_mm"), 1);
+  EXPECT_EQ(edit_distance("thickness_m", "thickness_mm"), 1);
+  EXPECT_EQ(edit_distance("laod", "load"), 1) << "swapped neighbours are one slip";
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3);
+}
+
+TEST(NearestName, FindsTheKeyThatWasMeant) {
+  const std::vector<std::string> known = {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio"};
+  EXPECT_EQ(nearest_name("thickness", known), "thickness_mm");
+  EXPECT_EQ(nearest_name("young_modulus_kpa", known), "youngs_modulus_kPa");
+  EXPECT_EQ(nearest_name("poissons_ratio", known), "poisson_ratio");
+}
+
+}  // namespace softfinger

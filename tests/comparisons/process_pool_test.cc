@@ -1,0 +1,82 @@
+#include "comparisons/process_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <map>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+ProcessJob shell(const std::string& script, const std::string& input = "") {
+  return {{"/bin/sh", "-c", script}, input, {}};
+}
+
+std::map<std::size_t, ProcessOutcome> outcomes(const std::vector<ProcessJob>& jobs, int parallel) {
+  std::map<std::size_t, ProcessOutcome> result;
+  ProcessCallbacks callbacks;
+  callbacks.on_finish = [&](std::size_t job, const ProcessOutcome& outcome) {
+    result[job] = outcome;
+  };
+  EXPECT_EQ(run_processes(jobs, parallel, callbacks), 0);
+  return result;
+}
+
+}  // namespace
+
+TEST(ProcessPool, CollectsOutputStatusAndLastLine) {
+  const auto result = outcomes({shell("cat; echo one >&2; echo two >&2; exit 3", "problem"),
+                                shell("printf 'no newline' >&2"), shell("kill -SEGV $$")},
+                               2);
+  EXPECT_EQ(result.at(0).output, "problem");
+  EXPECT_EQ(result.at(0).last_line, "two");
+  EXPECT_EQ(result.at(0).exit_status, 3);
+  EXPECT_EQ(result.at(1).last_line, "no newline");
+  EXPECT_TRUE(result.at(1).succeeded());
+  EXPECT_EQ(result.at(2).signal, 11);
+  EXPECT_FALSE(result.at(2).succeeded());
+}
+
+TEST(ProcessPool, TakesOutputThatIsLargerThanAPipe) {
+  const auto result = outcomes({shell("head -c 3000000 /dev/zero | tr '\\0' x")}, 1);
+  EXPECT_EQ(result.at(0).output.size(), 3000000u);
+}
+
+TEST(ProcessPool, RunsNoMoreAtOnceThanAsked) {
+  std::size_t running = 0, most = 0;
+  ProcessCallbacks callbacks;
+  callbacks.on_start = [&](std::size_t) { most = std::max(most, ++running); };
+  callbacks.on_finish = [&](std::size_t, const ProcessOutcome&) { --running; };
+  run_processes(std::vector<ProcessJob>(7, shell("sleep 0.02")), 3, callbacks);
+  EXPECT_EQ(most, 3u);
+  EXPECT_EQ(running, 0u);
+}
+
+TEST(ProcessPool, GivesAJobItsOwnEnvironment) {
+  ProcessJob job = shell("echo $OMP_NUM_THREADS");
+  job.environment = {"OMP_NUM_THREADS=1"};
+  EXPECT_EQ(outcomes({job}, 1).at(0).output, "1\n");
+}
+
+TEST(ProcessPool, NamesAProgramThatCannotBeStarted) {
+  try {
+    run_processes({{{"/nonexistent/program"}, "", {}}}, 1, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.where(), "/nonexistent/program");
+  }
+}
+
+TEST(ProcessPool, StopsTheOthersWhenACallbackThrows) {
+  ProcessCallbacks callbacks;
+  callbacks.on_finish = [](std::size_t, const ProcessOutcome&) {
+    throw std::runtime_error("disk");
+  };
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THROW(run_processes({shell("sleep 30"), shell("true")}, 2, callbacks), std::runtime_error);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
+}
+
+}  // namespace softfinger

@@ -1,0 +1,292 @@
+// The program as its users see it: exit status, what goes to which stream, names of keys.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Program : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {}, -1, ""};
+
+  ProgramRun run(const std::vector<std::string>& arguments) {
+    return run_softfinger(start, arguments);
+  }
+
+  void expect_refusal(const std::vector<std::string>& arguments, const std::string& word) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+    EXPECT_EQ(result.err.rfind("softfinger: error: ", 0), 0u) << result.err;
+    EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
+  }
+
+  static bool has_builtin_meshes() {
+    return fs::exists(fs::path(SOFTFINGER_SHARE) / "meshes" / "sphere.stl");
+  }
+};
+
+TEST_F(Program, PredictsWithTheContractsKeys) {
+  const auto file = folder.write("case.toml", case_text("example", "[1.0, 5.0]"));
+  const ProgramRun result = run({"predict", file.string(), "--limit-surface", "7", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json object = json::parse(result.out);
+  EXPECT_EQ(object["case"], "example");
+  ASSERT_GE(object["results"].size(), 4u) << "at least two models at two loads";
+  for (const json& answer : object["results"]) {
+    for (const char* key :
+         {"load_N", "model", "a_m", "b_m", "axis_rad", "indentation_m", "peak_pressure_Pa",
+          "area_m2", "max_torque_Nm", "eccentricity_m", "torque_rule", "valid", "validity",
+          "error_estimate", "cost_ns", "limit_surface"})
+      EXPECT_TRUE(answer.contains(key)) << key;
+    EXPECT_EQ(answer["torque_rule"], "exact");
+    EXPECT_EQ(answer["limit_surface"].size(), 7u);
+    for (const json& check : answer["validity"])
+      for (const char* key : {"check", "value", "limit", "message"})
+        EXPECT_TRUE(check.contains(key)) << key;
+    const double arm =
+        answer["max_torque_Nm"].get<double>() / (0.8 * answer["load_N"].get<double>());
+    EXPECT_NEAR(answer["eccentricity_m"].get<double>() / arm, 1, 1e-12);
+  }
+}
+
+TEST_F(Program, GivesNullForNumbersThatDoNotExist) {
+  std::string text = case_text();
+  text.replace(text.find("0.45"), 4, "0.5");
+  const ProgramRun result =
+      run({"predict", folder.write("case.toml", text).string(), "--model", "winkler", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json answer = json::parse(result.out)["results"][0];
+  EXPECT_TRUE(answer["a_m"].is_null()) << "a confined incompressible column does not yield";
+  EXPECT_TRUE(answer["max_torque_Nm"].is_null());
+  EXPECT_EQ(answer["valid"], false);
+}
+
+TEST_F(Program, TorqueRulesDifferForAnEllipseOnly) {
+  const auto file = folder.write("case.toml", case_text());
+  const auto torque = [&](const std::string& rule) {
+    return json::parse(
+               run({"predict", file.string(), "--model", "hertz", "--torque-rule", rule, "--json"})
+                   .out)["results"][0]["max_torque_Nm"]
+        .get<double>();
+  };
+  EXPECT_GT(torque("exact"), torque("paper") * 1.01);
+}
+
+TEST_F(Program, ShowsATableWithoutJson) {
+  const ProgramRun result = run({"predict", "seed_thumb"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("winkler"), std::string::npos);
+  EXPECT_NE(result.out.find("41"), std::string::npos) << "the seed's 41 mm²: " << result.out;
+}
+
+TEST_F(Program, AnswersInstantly) {
+  // 30 ms is the promise on an idle machine; this bound only catches a library that loads for a
+  // second.
+  double best_ms = 1e9;
+  for (int i = 0; i < 5; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    run({"predict", "seed_thumb", "--json"});
+    best_ms = std::min(
+        best_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+                     .count());
+  }
+  std::printf("predict, all models, start to end: %.1f ms\n", best_ms);
+  EXPECT_LT(best_ms, 300);
+}
+
+TEST_F(Program, RefusesBadInputWithOneLineAndStatusTwo) {
+  const auto good = folder.write("good.toml", case_text());
+  std::string text = case_text();
+  expect_refusal({"predict", folder.write("a.toml", text + "frictoin = 1\n").string()},
+                 "friction_coefficient");
+  expect_refusal({"predict", "missing.toml"}, "missing.toml");
+  expect_refusal({"predict", folder.path().string()}, folder.path().string());
+  expect_refusal({"predict", good.string(), "--model", "herz"}, "hertz");
+  expect_refusal({"predict", good.string(), "--torque-rule", "both"}, "--torque-rule");
+  expect_refusal({"predict", good.string(), "--limit-surface", "1"}, "--limit-surface");
+  expect_refusal({"predict", good.string(), "--frobnicate"}, "--frobnicate");
+  expect_refusal({"fem", good.string(), "--level", "4"}, "--level");
+  expect_refusal({"compare", good.string(), "--jobs", "0"}, "--jobs");
+  expect_refusal({"explain", "herz"}, "hertz");
+  expect_refusal({"list", "fingers"}, "models");
+  expect_refusal({"dance"}, "--help");
+  expect_refusal({}, "--help");
+  const std::string radii = "relative_radii_mm = [20.0, 10.0]";
+  text.replace(
+      text.find(radii), radii.size(),
+      "finger = { mesh = \"no.stl\", point_mm = [0, 0, 0] }\nobject = { radii_mm = [inf, inf] }");
+  const auto mesh = folder.write("mesh.toml", text);
+  expect_refusal({"predict", mesh.string()}, "mesh.toml:4");
+  expect_refusal({"predict", mesh.string()}, "no.stl");
+  folder.write("no.stl", "no mesh at all");
+  expect_refusal({"predict", mesh.string()}, "no.stl");
+  folder.write("no.stl", "");
+  expect_refusal({"predict", mesh.string()}, "no.stl");
+  expect_refusal({"fit", "missing.stl", "--point", "0,0,0"}, "missing.stl");
+  expect_refusal({"fit", good.string(), "--point", "0,0,0"}, good.string());
+  expect_refusal({"fit", good.string(), "--point", "0,0"}, "--point");
+  expect_refusal({"fit", good.string(), "--point", "0,0,nan"}, "--point");
+  expect_refusal({"fit", good.string(), "--point", "0,0,0", "--normal", "0,0,0"}, "--normal");
+  expect_refusal({"fit", good.string(), "--point", "0,0,0", "--radius-mm", "-1"}, "--radius-mm");
+  expect_refusal({"fit", good.string(), "--point", "0,0,0", "--radius-mm", "nan"}, "--radius-mm");
+  expect_refusal({"fit", good.string(), "--point", "0,0,0", "--unit", "inch"}, "--unit");
+}
+
+TEST_F(Program, SaysInWordsWhenThereIsNoEllipse) {
+  const auto refuse = [&](const std::string& finger, const std::string& object,
+                          const std::string& word) {
+    std::string text = case_text();
+    const std::string radii = "relative_radii_mm = [20.0, 10.0]";
+    text.replace(text.find(radii), radii.size(),
+                 "finger = { radii_mm = " + finger + " }\nobject = { radii_mm = " + object + " }");
+    const auto file = folder.write("case.toml", text);
+    expect_refusal({"predict", file.string()}, "no contact ellipse");
+    expect_refusal({"predict", file.string()}, word);
+    expect_refusal({"predict", file.string()}, "case.toml:3");
+  };
+  refuse("[10, 10]", "[-5, inf]", "saddle");
+  refuse("[inf, 10]", "[inf, inf]", "line");
+  refuse("[inf, inf]", "[inf, inf]", "conform");
+  refuse("[10, 10]", "[-10, -10]", "conform");
+}
+
+TEST_F(Program, FitsAMeshWithTheContractsKeys) {
+  // A paraboloid z = -(x²/20 + y²/10)/2, in millimetres.
+  std::ostringstream mesh;
+  const int n = 20;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const double x = 0.4 * (i - n / 2), y = 0.4 * (j - n / 2);
+      mesh << "v " << x << " " << y << " " << -(x * x / 20 + y * y / 10) / 2 << "\n";
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int q = i * (n + 1) + j + 1;
+      mesh << "f " << q << " " << q + n + 1 << " " << q + n + 2 << "\nf " << q << " " << q + n + 2
+           << " " << q + 1 << "\n";
+    }
+  folder.write("mesh.obj", mesh.str());
+  const ProgramRun result = run(
+      {"fit", "mesh.obj", "--point", "0,0,0", "--normal", "-.1,0,1", "--radius-mm", "3", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json fit = json::parse(result.out);
+  for (const char* key : {"A_per_m", "B_per_m", "C_per_m", "radii_m", "axis_rad", "normal",
+                          "residual_rms_m", "points", "area_m2", "radii_std_m"})
+    EXPECT_TRUE(fit.contains(key)) << key;
+  // Facets bias the curvature by about (edge/radius)², beside the paraboloid's own fourth order.
+  EXPECT_NEAR(fit["radii_m"][0].get<double>(), 20e-3, 20e-3 * 0.02);
+  EXPECT_NEAR(fit["radii_m"][1].get<double>(), 10e-3, 10e-3 * 0.02);
+  const ProgramRun chosen = run({"fit", "mesh.obj", "--point", "0,0,0"});
+  EXPECT_EQ(chosen.status, 0) << chosen.err;
+  EXPECT_NE(chosen.err.find("--radius-mm"), std::string::npos)
+      << "the choice is said: " << chosen.err;
+}
+
+TEST_F(Program, RunsTheFiniteElementsAsAProcess) {
+  const auto file = folder.write("case.toml", case_text("example", "[1.0, 5.0]"));
+  const ProgramRun result = run({"fem", file.string(), "--output", "vtu", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json object = json::parse(result.out);
+  EXPECT_EQ(object["case"], "example");
+  ASSERT_EQ(object["results"].size(), 2u);
+  EXPECT_EQ(object["results"][1]["load_N"], 5.0);
+  EXPECT_EQ(object["results"][1]["model"], "fem");
+  EXPECT_TRUE(object["results"][1]["error"].contains("max_torque"));
+  EXPECT_TRUE(fs::exists(folder.path() / "vtu" / "example_5N" / "solution.vtu"));
+  EXPECT_NE(result.err.find("level 1"), std::string::npos) << "progress is passed on";
+  EXPECT_EQ(run({"fem", file.string()}).status, 0);
+}
+
+TEST_F(Program, PassesTheFiniteElementsFailureOn) {
+  const auto file = folder.write("case.toml", case_text());
+  for (int status : {2, 3}) {
+    start.environment = {"FAKE_FEM_EXIT=" + std::to_string(status)};
+    const ProgramRun result = run({"fem", file.string(), "--json"});
+    EXPECT_EQ(result.status, status);
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(result.err.find("softfinger: error: example 5 N: the fake fails"), std::string::npos)
+        << result.err;
+  }
+  start.environment = {"FAKE_FEM_CRASH=1"};
+  const ProgramRun crashed = run({"fem", file.string()});
+  EXPECT_EQ(crashed.status, 3);
+  EXPECT_NE(crashed.err.find("signal 9"), std::string::npos) << crashed.err;
+  start.environment = {"SOFTFINGER_FEM_PROGRAM=/nonexistent/softfinger-fem"};
+  expect_refusal({"fem", file.string()}, "/nonexistent/softfinger-fem");
+  expect_refusal({"compare", file.string()}, "/nonexistent/softfinger-fem");
+  EXPECT_FALSE(fs::exists(folder.path() / "softfinger-report"));
+}
+
+TEST_F(Program, NoticesThatStandardOutputIsFull) {
+  start.output_to = "/dev/full";
+  const ProgramRun result = run({"predict", "seed_thumb", "--json"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("standard output"), std::string::npos) << result.err;
+}
+
+TEST_F(Program, ListsAndExplains) {
+  const json models = json::parse(run({"list", "models", "--json"}).out)["models"];
+  ASSERT_FALSE(models.empty());
+  for (const json& model : models) {
+    const ProgramRun card = run({"explain", model["name"].get<std::string>()});
+    EXPECT_EQ(card.status, 0);
+    for (const char* part : {"Assumptions:", "Equations:", "Source:", "Validity:"})
+      EXPECT_NE(card.out.find(part), std::string::npos) << card.out;
+  }
+  EXPECT_EQ(run({"list", "scenes"}).status, 0);
+  EXPECT_EQ(run({"--version"}).out.rfind("softfinger ", 0), 0u);
+}
+
+TEST_F(Program, ReadsEveryBuiltinCase) {
+  if (!has_builtin_meshes())
+    GTEST_SKIP() << "the built-in meshes need gmsh, which this build leaves out";
+  const json cases = json::parse(run({"list", "cases", "--json"}).out)["cases"];
+  EXPECT_GE(cases.size(), 16u);
+  int pairs = 0;
+  for (const json& entry : cases) {
+    const ProgramRun result = run({"predict", entry["name"].get<std::string>(), "--json"});
+    ASSERT_EQ(result.status, 0) << entry["name"] << ": " << result.err;
+    const json object = json::parse(result.out);
+    EXPECT_EQ(object["case"], entry["name"]) << "a case is found by its id";
+    EXPECT_GT(entry["title"].get<std::string>().size(), 20u) << "a case asks a question";
+    pairs += static_cast<int>(object["geometry"].size());
+  }
+  EXPECT_LE(pairs, 26) << "the suite has to stay within five minutes";
+}
+
+TEST_F(Program, RunsTheSamplesOfItsHelp) {
+  int samples = 0;
+  for (const std::string command : {"", "predict", "fit", "fem", "compare", "list", "explain"}) {
+    const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
+    ASSERT_EQ(help.status, 0);
+    int here = 0;
+    for (const std::string& line : lines(help.out)) {
+      if (line.rfind("  softfinger ", 0) != 0) continue;
+      std::istringstream words(line.substr(13));
+      std::vector<std::string> arguments;
+      for (std::string word; words >> word;) arguments.push_back(word);
+      ++here;
+      if (!has_builtin_meshes() && line.find(".stl") != std::string::npos) continue;
+      const ProgramRun result = run(arguments);
+      EXPECT_EQ(result.status, 0) << line << "\n" << result.err;
+    }
+    EXPECT_GT(here, 0) << command << " --help ends without samples";
+    samples += here;
+  }
+  EXPECT_GE(samples, 12);
+}
+
+}  // namespace softfinger::tests

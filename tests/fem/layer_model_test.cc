@@ -1,0 +1,113 @@
+#include "fem/layer_model.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <filesystem>
+#include <fstream>
+
+#include "meshes/generation/layer_block.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+LayerDiscretisation coarse() {
+  LayerDiscretisation discretisation;
+  discretisation.a = 1;
+  discretisation.b = 0.5;
+  discretisation.elements_per_semi_axis = 4;
+  discretisation.patch = 1.3;
+  return discretisation;
+}
+
+TEST(LayerModel, HasASymmetricPositiveCompliance) {
+  const LayerModel model(coarse(), 0.45);
+  const Eigen::MatrixXd& compliance = model.compliance();
+  EXPECT_EQ(compliance, compliance.transpose());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(compliance).eigenvalues().minCoeff(), 0);
+}
+
+TEST(LayerModel, WeighsFacesWithPositiveNodes) {
+  const LayerModel model(coarse(), 0.3);
+  for (const auto& node : model.nodes()) EXPECT_GT(node.weight, 0);
+  double inside = 0;
+  for (const auto& face : model.faces())
+    for (int k = 0; k < 9; ++k) inside += face.node[static_cast<std::size_t>(k)] >= 0;
+  EXPECT_GT(inside, model.nodes().size());
+}
+
+TEST(LayerModel, YieldsAtLeastAsMuchUnderAPointAsBesideIt) {
+  const LayerModel model(coarse(), 0.3);
+  const Eigen::MatrixXd& compliance = model.compliance();
+  for (Eigen::Index i = 0; i < compliance.rows(); ++i)
+    for (Eigen::Index j = 0; j < compliance.cols(); ++j)
+      EXPECT_LE(compliance(i, j) * compliance(i, j),
+                compliance(i, i) * compliance(j, j) * (1 + 1e-12));
+}
+
+TEST(LayerModel, WritesAFileForParaView) {
+  const LayerModel model(coarse(), 0.3);
+  const auto folder = std::filesystem::temp_directory_path() / "softfinger_layer_model_test";
+  const auto path = folder / "solution.vtu";
+  std::filesystem::remove_all(folder);
+  model.write_vtu(path, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(model.nodes().size())),
+                  2e-3, 3e5);
+  std::ifstream file(path);
+  const std::string content(std::istreambuf_iterator<char>(file), {});
+  for (const char* field : {"displacement_m", "stress_Pa", "contact_pressure_Pa"})
+    EXPECT_NE(content.find(field), std::string::npos) << field;
+  EXPECT_NE(content.find("</VTKFile>"), std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(LayerModel, RefusesAFolderThatCannotBeWritten) {
+  const LayerModel model(coarse(), 0.3);
+  EXPECT_THROW(
+      model.write_vtu("/dev/null/solution.vtu",
+                      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.nodes().size())), 2e-3,
+                      3e5),
+      InputError);
+}
+
+TEST(LayerBlock, IsFilledByHexahedraOfPositiveVolume) {
+  meshes::LayerBlock block;
+  block.cells_z = 3;
+  const auto mesh = meshes::mesh_layer_block(block);
+  double volume = 0;
+  for (const auto& cell : mesh.cells) {
+    const auto corner = [&](int i) {
+      return mesh.vertices[static_cast<std::size_t>(cell[static_cast<std::size_t>(i)])];
+    };
+    // The block's cells are boxes: one corner's triple product is the volume.
+    const double box =
+        (corner(1) - corner(0)).cross(corner(3) - corner(0)).dot(corner(4) - corner(0));
+    EXPECT_GT(box, 0);
+    volume += box;
+  }
+  EXPECT_NEAR(volume, block.length_x * block.length_y * block.thickness, 1e-9 * volume);
+}
+
+TEST(LayerBlock, GrowsNoFasterThanAsked) {
+  meshes::LayerBlock block;
+  block.growth = 1.3;
+  const auto mesh = meshes::mesh_layer_block(block);
+  std::vector<double> x;
+  for (const auto& vertex : mesh.vertices)
+    if (std::abs(vertex.y()) < 1e-9 && std::abs(vertex.z()) < 1e-9) x.push_back(vertex.x());
+  std::sort(x.begin(), x.end());
+  for (std::size_t i = 2; i < x.size(); ++i)
+    EXPECT_LE((x[i] - x[i - 1]) / (x[i - 1] - x[i - 2]), block.growth * (1 + 1e-9));
+  EXPECT_DOUBLE_EQ(x.back(), block.length_x);
+}
+
+TEST(LayerBlock, RefusesLengthsThatAreNotNested) {
+  meshes::LayerBlock block;
+  block.inner_x = 7;
+  EXPECT_THROW(meshes::mesh_layer_block(block), InputError);
+  block.inner_x = -1;
+  EXPECT_THROW(meshes::mesh_layer_block(block), InputError);
+}
+
+}  // namespace
+}  // namespace softfinger::fem

@@ -1,0 +1,200 @@
+#include "fem/reference_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+const Progress quiet = [](const std::string&) {};
+
+/// Published or independently computed answers for a rigid paraboloid on a bonded layer, from the
+/// integral equation of the axisymmetric layer (relative 1e-8): s = a/h, P R/(E* a³), d R/a²,
+/// torque/(mu P a).
+struct CircularLayer {
+  double nu, s, load, approach, torque;
+};
+constexpr CircularLayer circular_layers[] = {
+    {0.3, 0.1, 1.334034453628609, 0.9421665312728182, 0.5890483916744661},
+    {0.3, 1, 1.6786246034995, 0.647622319927407, 0.5837357455760828},
+    {0.3, 5, 5.312512985441616, 0.5270904137743812, 0.5484496662813931},
+    {0.45, 0.5, 1.4250498728312297, 0.7197071451791668, 0.5884053456945273},
+    {0.45, 2, 3.0344837727895513, 0.5098806195754721, 0.5623185941390921},
+};
+
+struct Expected {
+  double a_m, indentation_m, max_torque_Nm;
+};
+
+Problem circular_problem(const CircularLayer& layer, Expected& expected) {
+  const double h = 2e-3, E = 3e5, mu = 0.7;
+  const double modulus = E / (1 - layer.nu * layer.nu), a = layer.s * h, R = 60 * a;
+  const double load = layer.load * modulus * a * a * a / R;
+  expected = {a, layer.approach * a * a / R, mu * load * a * layer.torque};
+  Problem problem;
+  problem.contact = {{R, R, 0}, {h, E, layer.nu}, {load, mu}};
+  return problem;
+}
+
+void expect_inside(double value, double truth, double stated, const char* what) {
+  // The reference's own precision is far below what is stated.
+  EXPECT_NEAR(value / truth, 1, stated) << what;
+}
+
+class CircularLayerTest : public testing::TestWithParam<CircularLayer> {};
+
+TEST_P(CircularLayerTest, AgreesWithTheIntegralEquationInsideItsStatedError) {
+  Expected expected{};
+  const Result result = solve(circular_problem(GetParam(), expected), quiet);
+  expect_inside(result.finest.a_m, expected.a_m, result.error.a, "a");
+  expect_inside(result.finest.b_m, expected.a_m, result.error.b, "b");
+  expect_inside(result.finest.indentation_m, expected.indentation_m, result.error.indentation, "d");
+  expect_inside(result.finest.max_torque_Nm, expected.max_torque_Nm, result.error.max_torque,
+                "torque");
+  // A stated error that excuses everything would be worth nothing.
+  EXPECT_LT(result.error.a, 1e-2);
+  EXPECT_LT(result.error.indentation, 2e-3);
+  EXPECT_LT(result.error.max_torque, 2e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Reference, CircularLayerTest, testing::ValuesIn(circular_layers),
+                         [](const auto& test) {
+                           return "Nu" + std::to_string(std::lround(100 * test.param.nu)) + "S" +
+                                  std::to_string(std::lround(100 * test.param.s));
+                         });
+
+TEST(ReferenceSolver, AgreesWithTheSpectralSolutionOfAnEllipticContact) {
+  // nu = 0.3, R'/R'' = 5, units h = E* = sqrt(R'R'') = mu = 1: load, approach, a, b, torque (1e-4).
+  const double nu = 0.3, load = 7.085952539084279, approach = 1.3470837151797446;
+  const double a = 2.317539048781546, b = 0.948360340848445, torque = 6.911504668711859;
+  const double h = 2e-3, E = 3e5, R = 0.1, mu = 0.7, modulus = E / (1 - nu * nu);
+  Problem problem;
+  problem.contact = {
+      {R * std::sqrt(5), R / std::sqrt(5), 0}, {h, E, nu}, {load * modulus * h * h * h / R, mu}};
+  const Result result = solve(problem, quiet);
+  const double reference = 1e-4;
+  expect_inside(result.finest.a_m, a * h, result.error.a + reference, "a");
+  expect_inside(result.finest.b_m, b * h, result.error.b + reference, "b");
+  expect_inside(result.finest.indentation_m, approach * h * h / R,
+                result.error.indentation + reference, "d");
+  expect_inside(result.finest.max_torque_Nm, torque * mu * modulus * std::pow(h, 4) / R,
+                result.error.max_torque + reference, "torque");
+}
+
+TEST(ReferenceSolver, ApproachesHertzOnAThickLayer) {
+  const double E = 1e6, nu = 0.3, R = 0.02, h = 0.1, P = 0.05, mu = 0.5;
+  Problem problem;
+  problem.contact = {{R, R, 0}, {h, E, nu}, {P, mu}};
+  const Result result = solve(problem, quiet);
+  const double a = std::cbrt(3 * P * R * (1 - nu * nu) / (4 * E));
+  // A layer's a differs from the half-space's in the third order of a/h, its d in the first: not
+  // compared.
+  const double layer = std::pow(a / h, 3);
+  EXPECT_LT(layer, 1e-4);
+  expect_inside(result.finest.a_m, a, result.error.a + layer, "a");
+  expect_inside(result.finest.peak_pressure_Pa, 1.5 * P / (M_PI * a * a),
+                result.error.peak_pressure + layer, "p0");
+  expect_inside(result.finest.max_torque_Nm, 3 * M_PI / 16 * mu * P * a,
+                result.error.max_torque + layer, "torque");
+  EXPECT_NEAR(result.pressure_exponent, 0.5,
+              1.5 * (2 * result.error.a + result.error.peak_pressure));
+}
+
+TEST(ReferenceSolver, DoesNotLockNearIncompressibility) {
+  // nu = 1/2, s = 1, same integral equation: nu = 0.49999 differs from it by less than 1e-4.
+  Expected expected{};
+  const CircularLayer limit{0.49999, 1, 1.8806668991706834, 0.5594154855629028, 0.5808313775752972};
+  const Result result = solve(circular_problem(limit, expected), quiet);
+  expect_inside(result.finest.indentation_m, expected.indentation_m,
+                result.error.indentation + 1e-4, "d");
+  expect_inside(result.finest.max_torque_Nm, expected.max_torque_Nm, result.error.max_torque + 1e-4,
+                "torque");
+  expect_inside(result.finest.a_m, expected.a_m, result.error.a + 1e-4, "a");
+}
+
+TEST(ReferenceSolver, IsIndifferentToUnits) {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{0.02, 0.01, 0}, {2e-3, 3e5, 0.4}, {1, 0.8}};
+  const Result plain = solve(problem, quiet);
+  for (const double length : {1e-3, 1e3})
+    for (const double stress : {1e-3, 1e3}) {
+      Problem scaled = problem;
+      scaled.contact.radii = {0.02 * length, 0.01 * length, 0};
+      scaled.contact.layer = {2e-3 * length, 3e5 * stress, 0.4};
+      scaled.contact.load.normal_force_N = stress * length * length;
+      const Result result = solve(scaled, quiet);
+      // Round-off of the scaling, amplified by the stiffness's condition (about 1e4).
+      const double tolerance = 1e-9;
+      EXPECT_NEAR(result.finest.a_m / (length * plain.finest.a_m), 1, tolerance);
+      EXPECT_NEAR(result.finest.indentation_m / (length * plain.finest.indentation_m), 1,
+                  tolerance);
+      EXPECT_NEAR(
+          result.finest.max_torque_Nm / (stress * std::pow(length, 3) * plain.finest.max_torque_Nm),
+          1, tolerance);
+    }
+}
+
+TEST(ReferenceSolver, BalancesTheLoadAndIsComplementary) {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{0.03, 0.005, 0}, {3e-3, 3e5, 0.49}, {3, 0.8}};
+  const Result result = solve(problem, quiet);
+  for (const auto& level : result.levels) {
+    EXPECT_LT(level.load_residual, 1e-12);
+    EXPECT_LT(level.complementarity_residual, 1e-10);
+  }
+  EXPECT_GT(result.finest.a_m, result.finest.b_m);
+}
+
+TEST(ReferenceSolver, TakesTheExactSphere) {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{0.01, 0.01, 0}, {3e-3, 3e5, 0.4}, {3, 0.8}};
+  const Result paraboloid = solve(problem, quiet);
+  problem.sphere_radius_m = 0.01;
+  const Result sphere = solve(problem, quiet);
+  // The sphere's gap exceeds the paraboloid's by r⁴/(8 R³): less contact, a relative change of
+  // order a²/R².
+  const double slope2 = std::pow(paraboloid.finest.a_m / 0.01, 2);
+  EXPECT_GT(sphere.finest.indentation_m, paraboloid.finest.indentation_m);
+  EXPECT_LT(sphere.finest.a_m, paraboloid.finest.a_m);
+  EXPECT_GT(sphere.finest.a_m, paraboloid.finest.a_m * (1 - slope2));
+}
+
+TEST(ReferenceSolver, ReportsProgress) {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{0.02, 0.02, 0}, {2e-3, 3e5, 0.4}, {1, 0.8}};
+  int lines = 0;
+  solve(problem, [&](const std::string& line) { lines += !line.empty(); });
+  EXPECT_GE(lines, 3);
+}
+
+TEST(ReferenceSolver, RefusesWhatItCannotAnswer) {
+  Problem good;
+  good.contact = {{0.02, 0.02, 0}, {2e-3, 3e5, 0.4}, {1, 0.8}};
+  const auto refuses = [&](auto change) {
+    Problem bad = good;
+    change(bad);
+    EXPECT_THROW(solve(bad, quiet), InputError);
+  };
+  refuses([](Problem& p) { p.contact.layer.poisson_ratio = 0.5; });
+  refuses([](Problem& p) { p.contact.layer.poisson_ratio = -0.1; });
+  refuses([](Problem& p) { p.contact.load.normal_force_N = 0; });
+  refuses([](Problem& p) { p.contact.load.normal_force_N = NAN; });
+  refuses([](Problem& p) { p.contact.load.friction_coefficient = -1; });
+  refuses([](Problem& p) { p.contact.radii.minor_m = 0.03; });
+  refuses([](Problem& p) { p.contact.radii.major_m = INFINITY; });
+  refuses([](Problem& p) { p.contact.radii.major_m = 100; });
+  refuses([](Problem& p) { p.level = 0; });
+  // So large a load that linear elasticity would press the indenter through the layer.
+  refuses([](Problem& p) { p.contact.load.normal_force_N = 1e9; });
+  refuses([](Problem& p) { p.contact.load.normal_force_N = 1e-15; });
+}
+
+}  // namespace
+}  // namespace softfinger::fem

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds and tests: everything in Release, then the fast tests again in Debug
+# with address and undefined-behaviour sanitizers (without finite elements).
+#
+# usage: tests/run.sh [--analytic-only]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. comparisons/prepare.sh
+
+preset=release kind=fem
+if [ "${1:-}" = --analytic-only ]; then preset=analytic-only kind=analytic; fi
+softfinger_prepare "$kind" test
+
+cmake --preset "$preset" -DSOFTFINGER_BUILD_TESTS=ON
+cmake --build --preset "$preset"
+ctest --preset "$preset" -j "$(nproc)"
+
+cmake --preset sanitized -DSOFTFINGER_BUILD_TESTS=ON
+cmake --build --preset sanitized
+ctest --preset sanitized -j "$(nproc)" -L fast
