@@ -23,9 +23,9 @@ struct ElasticLayer {
   /// Oedometric (confined) modulus M = E (1 - nu) / ((1 + nu)(1 - 2 nu)); infinite at nu = 1/2.
   double oedometric_modulus_Pa() const {
     const double compressibility = 1 - 2 * poisson_ratio;
-    return compressibility > 0 ? youngs_modulus_Pa * (1 - poisson_ratio) /
-                                     ((1 + poisson_ratio) * compressibility)
-                               : std::numeric_limits<double>::infinity();
+    return compressibility > 0
+               ? youngs_modulus_Pa * (1 - poisson_ratio) / ((1 + poisson_ratio) * compressibility)
+               : std::numeric_limits<double>::infinity();
   }
 };
 
@@ -42,10 +42,36 @@ struct ContactLoad {
   double friction_coefficient = 0;  ///< mu > 0
 };
 
+/// Which modulus an elastic foundation gives a column of the layer.
+enum class WinklerModulus {
+  oedometric,  ///< M, confined: right for a thin compressible layer bonded to its base
+  youngs  ///< E, free sides: as the seed method may have meant; right for a bonded layer at nu = 0
+          ///< only
+};
+
+/// Empirical contact of Xydias & Kao (1999): a = coefficient P^exponent for a round contact,
+/// pressure ~ (1 - (r/a)^k)^(1/k). A coefficient of zero: no such law is known for this finger.
+struct PowerLaw {
+  double radius_coefficient = 0;  ///< c in a_m = c (P_N)^gamma, >= 0
+  double radius_exponent =
+      1.0 / 3;                   ///< gamma, 0 < gamma < 1: 1/3 linear elastic, towards 0 stiffening
+  double pressure_exponent = 2;  ///< k >= 1: 2 Hertz-like, larger flatter
+};
+
+/// What single models let the user choose; the others ignore it.
+struct ModelOptions {
+  WinklerModulus winkler_modulus = WinklerModulus::oedometric;
+  PowerLaw power_law;
+};
+
 struct ContactProblem {
   RelativeRadii radii;
   ElasticLayer layer;
   ContactLoad load;
+  ElasticLayer object_layer;  ///< bonded to the object's rigid core; thickness 0: a rigid object
+  ModelOptions options;
+
+  bool has_object_layer() const { return object_layer.thickness_m > 0; }
 };
 
 }  // namespace softfinger

@@ -17,12 +17,13 @@ struct ModelCard {
   std::string_view source;       ///< publication and equation numbers
   std::string_view validity;     ///< where it holds, in words
   std::string_view cost;         ///< order of magnitude, e.g. "about 100 ns"
+  bool hot_path = true;          ///< fit for a simulator's inner loop: microseconds, no allocation
 };
 
 /// One assumption of a model, measured on the problem at hand: it holds while `value` stays
 /// below (`holds_below`) or above `limit`. Strings are literals: copying never allocates.
 struct ValidityCheck {
-  const char* check = "";    ///< snake_case name
+  const char* check = "";  ///< snake_case name
   double value = 0;
   double limit = 0;
   bool holds_below = true;
@@ -55,11 +56,13 @@ class Validity {
 /// why.
 struct Prediction {
   bool has_answer = false;
-  double a_m = 0, b_m = 0;       ///< semi-axes, a >= b, a along RelativeRadii::axis_rad
-  double indentation_m = 0;      ///< approach d of the two bodies, first touch = 0
+  double a_m = 0, b_m = 0;   ///< semi-axes, a >= b, a along RelativeRadii::axis_rad
+  double indentation_m = 0;  ///< approach d of the two bodies, first touch = 0
   double peak_pressure_Pa = 0;
-  double torque_arm_exact_m = 0; ///< (int p r dA) / P: max torque = mu P times this, equals e_n (6)
-  double torque_arm_paper_m = 0; ///< the seed's rule, arm of the circle of radius sqrt(ab), (9), (10)
+  double torque_arm_exact_m =
+      0;  ///< (int p r dA) / P: max torque = mu P times this, equals e_n (6)
+  double torque_arm_paper_m =
+      0;  ///< the seed's rule, arm of the circle of radius sqrt(ab), (9), (10)
   Validity validity;
 
   double area_m2() const { return 3.14159265358979323846 * a_m * b_m; }
@@ -73,14 +76,15 @@ class PressureModel {
   virtual ~PressureModel() = default;
   virtual const ModelCard& card() const noexcept = 0;
 
-  /// Never throws, never allocates, never returns NaN or infinity. The problem must satisfy the
-  /// ranges in contact_problem.h; assumptions that it violates come back as `Prediction::validity`.
+  /// Never throws, never returns NaN or infinity, never allocates when `card().hot_path`. The
+  /// problem must satisfy the ranges in contact_problem.h; assumptions that it violates come back
+  /// as `Prediction::validity`.
   virtual Prediction predict(const ContactProblem& problem) const noexcept = 0;
 
   /// Pressure in Pa at (x, y) in the contact frame (x along the long axis, origin at first touch);
   /// zero outside the contact. `prediction` is what `predict` returned for this problem.
-  virtual double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
-                             double y_m) const noexcept = 0;
+  virtual double pressure_Pa(const ContactProblem& problem, const Prediction& prediction,
+                             double x_m, double y_m) const noexcept = 0;
 };
 
 /// All models of the folder `models/`, ordered by name. The objects live as long as the program.
