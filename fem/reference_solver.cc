@@ -42,7 +42,9 @@ void check(const Problem& problem) {
     if (!(value > 0) || !std::isfinite(value))
       throw InputError(problem.name, field, text("%g", value), "> 0 and finite");
   };
-  const auto& [radii, layer, load] = problem.contact;
+  const RelativeRadii& radii = problem.contact.radii;
+  const ElasticLayer& layer = problem.contact.layer;
+  const ContactLoad& load = problem.contact.load;
   positive(radii.major_m, "R'");
   positive(radii.minor_m, "R''");
   positive(layer.thickness_m, "thickness_m");
@@ -57,6 +59,8 @@ void check(const Problem& problem) {
   if (!(layer.poisson_ratio >= 0 && layer.poisson_ratio <= 0.499999))
     throw InputError(problem.name, "poisson_ratio", text("%.9g", layer.poisson_ratio),
                      "0 <= nu <= 0.499999 for finite elements (the pressure is condensed)");
+  if (problem.contact.has_object_layer())
+    throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   if (problem.level < 1 || problem.level > 4)
     throw InputError(problem.name, "level", std::to_string(problem.level), "1 to 4");
 }
@@ -228,7 +232,9 @@ class Stopwatch {
 Result solve(const Problem& problem, const Progress& progress) {
   check(problem);
   const Stopwatch total;
-  const auto& [radii, layer, load] = problem.contact;
+  const RelativeRadii& radii = problem.contact.radii;
+  const ElasticLayer& layer = problem.contact.layer;
+  const ContactLoad& load = problem.contact.load;
   const double h = layer.thickness_m;
   const Dimensionless dimensionless{
       radii.major_m / h, radii.minor_m / h, problem.sphere_radius_m / h,
