@@ -68,8 +68,8 @@ struct ContactProblem {
   RelativeRadii radii;
   ElasticLayer layer;
   ContactLoad load;
-  ElasticLayer object_layer;  ///< bonded to the object's rigid core; thickness 0: a rigid object
-  ModelOptions options;
+  ElasticLayer object_layer{};  ///< bonded to the object's rigid core; thickness 0: a rigid object
+  ModelOptions options{};
 
   bool has_object_layer() const { return object_layer.thickness_m > 0; }
 };
