@@ -53,9 +53,9 @@ void check(const Problem& problem) {
   positive(load.friction_coefficient, "friction_coefficient");
   if (radii.major_m < radii.minor_m)
     throw InputError(problem.name, "R'", text("%g", radii.major_m), "R' >= R''");
-  if (radii.major_m / radii.minor_m > 300)
+  if (radii.major_m / radii.minor_m > 100 * (1 + 1e-9))
     throw InputError(problem.name, "R'/R''", text("%g", radii.major_m / radii.minor_m),
-                     "at most 300 for finite elements; longer contacts need a plane model");
+                     "at most 100 for finite elements; longer contacts need a plane model");
   if (!(layer.poisson_ratio >= 0 && layer.poisson_ratio <= 0.499999))
     throw InputError(problem.name, "poisson_ratio", text("%.9g", layer.poisson_ratio),
                      "0 <= nu <= 0.499999 for finite elements (the pressure is condensed)");
