@@ -6,22 +6,21 @@
 #
 # A finished finite-element result is kept: an interrupted run goes on where it was cut off.
 set -euo pipefail
-cd "$(dirname "$0")/.."
-. comparisons/prepare.sh
+root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/comparisons/prepare.sh"
 
 if [ "${1:-}" = --analytic-only ]; then
   shift
   softfinger_prepare analytic run
-  cmake --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null
-  cmake --build --preset analytic-only
-  for case in comparisons/cases/*.toml; do
+  (cd "$root" && cmake --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset analytic-only)
+  for case in "$root"/comparisons/cases/*.toml; do
     # Mesh cases need surfaces that gmsh makes.
-    grep -q 'mesh *=' "$case" || build/analytic-only/bin/softfinger predict "$case" "$@"
+    grep -q 'mesh *=' "$case" || "$root/build/analytic-only/bin/softfinger" predict "$case" "$@"
   done
   exit
 fi
 
 softfinger_prepare fem run
-cmake --preset release >/dev/null
-cmake --build --preset release
-build/release/bin/softfinger compare "$@"
+# The tests have needs of their own: tests/run.sh turns them on.
+(cd "$root" && cmake --preset release -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset release)
+"$root/build/release/bin/softfinger" compare "$@"

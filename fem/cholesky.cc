@@ -150,6 +150,4 @@ Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) co
   return result;
 }
 
-double CholeskyFactor::memory_MB() const { return implementation_->common.memory_usage / 1e6; }
-
 }  // namespace softfinger::fem

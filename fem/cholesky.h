@@ -32,8 +32,6 @@ class CholeskyFactor {
 
   Eigen::VectorXd solve(const Eigen::VectorXd& right_hand_side) const;
 
-  double memory_MB() const;
-
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;

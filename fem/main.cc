@@ -1,5 +1,6 @@
 // softfinger-fem: one contact in, one JSON object out. The format is in README.md beside this file.
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -130,7 +131,10 @@ int main(int argument_count, char** arguments) {
     std::cerr << "softfinger-fem: error: " << error.what() << std::endl;
     return not_converged;
   } catch (const std::exception& error) {
-    std::cerr << "softfinger-fem: error: " << error.what() << std::endl;
+    // A library's message may run over many lines; the contract is one.
+    std::string message = error.what();
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    std::cerr << "softfinger-fem: error: " << message << std::endl;
     return not_converged;
   }
 }

@@ -91,6 +91,7 @@ class Fit {
   /// Moments of root times polynomial with every shape function. With the edge at g(v) in scaled
   /// polar coordinates and r = g sin t the root is cos t: dA = a b g² sin t cos t dt dv.
   Eigen::MatrixXd moments(double a, double b, double diamond) {
+    left_patch_ = false;
     const int steps = grid_.points_per_quarter();
     const double step = M_PI / 2 / steps;
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(target_.size(), polynomial_.size());
@@ -170,6 +171,9 @@ PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
       ellipse.a = std::exp(unknown[0]);
       ellipse.b = std::exp(unknown[1]);
       residual(unknown);
+      if (fit.left_patch())
+        throw ConvergenceError("fit of the contact ellipse", iteration, ellipse.a,
+                               "the fitted ellipse reaches beyond the refined patch");
       ellipse.diamond = unknown[2];
       ellipse.peak = fit.peak();
       const double ellipse_area = M_PI / 4 * ellipse.a * ellipse.b;

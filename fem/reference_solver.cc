@@ -59,6 +59,12 @@ void check(const Problem& problem) {
   if (!(layer.poisson_ratio >= 0 && layer.poisson_ratio <= 0.499999))
     throw InputError(problem.name, "poisson_ratio", text("%.9g", layer.poisson_ratio),
                      "0 <= nu <= 0.499999 for finite elements (the pressure is condensed)");
+  if (std::isfinite(problem.sphere_radius_m) &&
+      !(std::abs(problem.sphere_radius_m / radii.major_m - 1) < 1e-9 &&
+        std::abs(problem.sphere_radius_m / radii.minor_m - 1) < 1e-9))
+    throw InputError(
+        problem.name, "sphere_radius_m", text("%g", problem.sphere_radius_m),
+        "the relative radii's own value, both of them (an exact sphere on a flat layer)");
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   if (problem.level < 1 || problem.level > 4)

@@ -19,7 +19,7 @@ struct Problem {
   std::string name = "case";
   ContactProblem contact;
   double sphere_radius_m = std::numeric_limits<double>::infinity();
-  int level = 2;                 ///< 1 to 3: elements per contact semi-axis double with each level
+  int level = 2;                 ///< 1 to 4: elements per contact semi-axis double with each level
   std::string output_directory;  ///< for VTU; empty: none
 };
 
