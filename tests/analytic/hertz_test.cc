@@ -120,6 +120,32 @@ TEST(Hertz, IsValidOnThickLayersOnly) {
   }
 }
 
+TEST(Hertz, AddsTheCompliancesOfTwoElasticBodies) {
+  // Code_Aster SSNV104: two like spheres R = 50, E = 20000, nu = 0.3, total approach 4: a = 10,
+  // p0 = 2798.3 (given to its digits). Relative radius 25.
+  ContactProblem problem{{25, 25}, {1e6, 20000, 0.3}, {1, 0.5}};
+  problem.object_layer = problem.layer;
+  const double modulus = 20000 / (1 - 0.09) / 2;
+  problem.load.normal_force_N = 4.0 / 3 * modulus * std::sqrt(25.0) * std::pow(4, 1.5);
+  const Prediction contact = hertz(problem);
+  EXPECT_NEAR(contact.a_m, 10, 1e-14 * 10);
+  EXPECT_NEAR(contact.indentation_m, 4, 1e-14 * 4);
+  EXPECT_NEAR(contact.peak_pressure_Pa, 2798.3, 0.1);
+}
+
+TEST(Hertz, ChecksTheObjectsLayerToo) {
+  ContactProblem problem = half_space(0.01, 0.01, 1e6, 1e-3);
+  problem.object_layer = {1000, 1e6, 0.3};
+  EXPECT_TRUE(hertz(problem).valid());
+  problem.object_layer.thickness_m = hertz(problem).a_m;
+  const Prediction contact = hertz(problem);
+  bool thin = false;
+  for (const ValidityCheck& check : contact.validity)
+    thin = thin || (std::string(check.check) == "thick_object_layer" && !check.holds());
+  EXPECT_TRUE(thin);
+  EXPECT_FALSE(contact.valid());
+}
+
 TEST(Hertz, FindsSteepAndDeepContacts) {
   ContactProblem problem = half_space(0.01, 0.01, 1e6, 50);
   bool steep = false;

@@ -78,5 +78,49 @@ TEST(Winkler, LimitOfThinLayersIsContinuousInPoissonRatio) {
   }
 }
 
+const ValidityCheck* find_check(const Prediction& prediction, const std::string& name) {
+  for (const ValidityCheck& check : prediction.validity)
+    if (check.check == name) return &check;
+  return nullptr;
+}
+
+TEST(Winkler, TakesYoungsModulusOnRequestAndSaysWhereItIsWrong) {
+  ContactProblem problem{{0.01, 0.01}, {1e-4, 1e6, 0.3}, {0.05, 0.5}};
+  const Prediction confined = winkler(problem);
+  EXPECT_EQ(find_check(confined, "confined_modulus"), nullptr);
+  problem.options.winkler_modulus = WinklerModulus::youngs;
+  const Prediction free = winkler(problem);
+  const double M_over_E = 0.7 / (1.3 * 0.4);
+  EXPECT_NEAR(free.area_m2() / confined.area_m2(), std::sqrt(M_over_E), 1e-14);
+  EXPECT_NEAR(find_check(free, "confined_modulus")->value, 1 / M_over_E, 1e-14);
+  EXPECT_FALSE(find_check(free, "confined_modulus")->holds());
+  EXPECT_NE(std::string(find_check(free, "confined_modulus")->message).find("nu = 0"),
+            std::string::npos);
+  problem.layer.poisson_ratio = 0;
+  EXPECT_TRUE(find_check(winkler(problem), "confined_modulus")->holds());
+  EXPECT_TRUE(winkler(problem).valid());
+  problem.layer.poisson_ratio = 0.5;  // free columns of rubber can be compressed
+  EXPECT_TRUE(winkler(problem).has_answer);
+  EXPECT_FALSE(winkler(problem).valid());
+}
+
+TEST(Winkler, PutsTheObjectsLayerInSeries) {
+  ContactProblem problem{{0.02, 0.01}, {0.001, 1e6, 0}, {1, 0.5}};
+  problem.object_layer = {0.002, 4e6, 0};  // h/K is half of the finger's
+  const Prediction both = winkler(problem);
+  const Prediction one = winkler({{0.02, 0.01}, {0.0015, 1e6, 0}, {1, 0.5}});
+  EXPECT_NEAR(both.a_m / one.a_m, 1, 1e-15);
+  EXPECT_NEAR(both.indentation_m / one.indentation_m, 1, 1e-15);
+  EXPECT_NEAR(both.peak_pressure_Pa / one.peak_pressure_Pa, 1, 1e-15);
+  EXPECT_EQ(find_check(both, "thin_object_layer")->value,
+            find_check(both, "thin_layer")->value / 2);
+  // Two thirds of the indentation in the finger's millimetre, one third in the object's two.
+  EXPECT_NEAR(find_check(both, "small_strain")->value, both.indentation_m * 2 / 3 / 0.001, 1e-14);
+  // An incompressible finger adds nothing to the object's compliance, and that is not valid.
+  problem.layer.poisson_ratio = 0.5;
+  EXPECT_TRUE(winkler(problem).has_answer);
+  EXPECT_FALSE(find_check(winkler(problem), "thin_layer")->holds());
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -3,7 +3,7 @@
 # With -D SELF_TEST=ON -D SCRATCH_DIRECTORY=<dir> it checks itself on a small tree with broken arrows.
 #
 # The arrows go one way, towards what is depended on:
-#   input <- math <- friction <- pressure;  input, math <- geometry;  all of these <- dynamics
+#   input <- math <- friction, layer <- fft <- pressure;  input, math <- geometry;  all of these <- dynamics
 #   input <- meshes <- fem
 #   everything <- comparisons
 # The finite elements judge the analytic models: they never see one.
@@ -27,8 +27,10 @@ may_include(analytic/softfinger/input ${std} ${eigen} ${input})
 may_include(analytic/softfinger/math ${std} ${eigen} ${input} "^softfinger/math/")
 may_include(analytic/softfinger/geometry ${std} ${eigen} ${input} "^softfinger/(math|geometry)/")
 may_include(analytic/softfinger/friction ${std} ${eigen} ${input} "^softfinger/(math|friction)/")
+may_include(analytic/softfinger/layer ${std} ${eigen} ${input} "^softfinger/(math|layer)/")
+may_include(analytic/softfinger/fft ${std} ${eigen} ${input} "^softfinger/(math|layer|fft)/")
 may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
-            "^softfinger/(math|friction|pressure)/")
+            "^softfinger/(math|friction|layer|fft|pressure)/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^assimp/")
 # Only the program writes JSON.

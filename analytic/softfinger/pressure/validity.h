@@ -18,16 +18,17 @@ inline double contact_to_thickness(const Prediction& prediction,
   return std::sqrt(prediction.a_m) * std::sqrt(prediction.b_m) / layer.thickness_m;
 }
 
-/// Whether the layer is a half-space to the contact, within 10 % in area and torque.
-inline ValidityCheck thick_layer_check(const Prediction& prediction,
-                                       const ElasticLayer& layer) noexcept {
+/// Whether the layer is a half-space to the contact, within 10 % in area and torque. `name` tells
+/// the object's layer from the finger's.
+inline ValidityCheck thick_layer_check(const Prediction& prediction, const ElasticLayer& layer,
+                                       const char* name = "thick_layer") noexcept {
   constexpr std::array<double, 5> kPoissonRatio{0, 0.3, 0.45, 0.49, 0.5};
   constexpr std::array<double, 5> kLimit{0.88, 0.78, 0.69, 0.66, 0.65};
   std::size_t i = 1;
   while (i + 1 < kPoissonRatio.size() && layer.poisson_ratio > kPoissonRatio[i]) ++i;
   const double t =
       (layer.poisson_ratio - kPoissonRatio[i - 1]) / (kPoissonRatio[i] - kPoissonRatio[i - 1]);
-  return {"thick_layer", contact_to_thickness(prediction, layer),
+  return {name, contact_to_thickness(prediction, layer),
           kLimit[i - 1] + t * (kLimit[i] - kLimit[i - 1]), true,
           "the layer is too thin for a half-space: the rigid core stiffens it, so that the contact "
           "area, the indentation and the torque are overestimated"};
@@ -38,12 +39,14 @@ inline ValidityCheck thick_layer_check(const Prediction& prediction,
 ///
 /// Near nu = 1/2 the layer would rather flow sideways than shrink, and the limit grows as
 /// 1/(1 - 2 nu): the samples at nu = 0, 0.3, 0.45 and 0.49 are joined by straight lines in that
-/// variable, and the last two, which have the same product to 4 %, continue to nu -> 1/2.
-inline ValidityCheck thin_layer_check(const Prediction& prediction,
-                                      const ElasticLayer& layer) noexcept {
+/// variable, and the last two, which have the same product to 4 %, continue to nu -> 1/2, where the
+/// limit is a finite number that no contact reaches.
+inline ValidityCheck thin_layer_check(const Prediction& prediction, const ElasticLayer& layer,
+                                      const char* name = "thin_layer") noexcept {
   constexpr std::array<double, 4> kInverseCompressibility{1, 2.5, 10, 50};
   constexpr std::array<double, 4> kLimit{3.8, 2.7, 10, 52};
-  const double c = 1 / (1 - 2 * layer.poisson_ratio);
+  constexpr double kLeast = std::numeric_limits<double>::epsilon() / 2;  // of 1 - 2 nu, but for 0
+  const double c = 1 / std::max(1 - 2 * layer.poisson_ratio, kLeast);
   double limit = kLimit.back() / kInverseCompressibility.back() * c;
   if (c < kInverseCompressibility.back()) {
     std::size_t i = 1;
@@ -52,7 +55,7 @@ inline ValidityCheck thin_layer_check(const Prediction& prediction,
                      (kInverseCompressibility[i] - kInverseCompressibility[i - 1]);
     limit = kLimit[i - 1] + t * (kLimit[i] - kLimit[i - 1]);
   }
-  return {"thin_layer", contact_to_thickness(prediction, layer), limit, false,
+  return {name, contact_to_thickness(prediction, layer), limit, false,
           "the layer is not thin enough for independent columns: material beside the contact takes "
           "part (and, near nu = 1/2, flows there), so that area and torque are off by more than 10 "
           "%"};
@@ -70,13 +73,31 @@ inline ValidityCheck small_slope_check(const Prediction& prediction,
       "underestimated"};
 }
 
-/// Whether linear elasticity may be used: d/h.
-inline ValidityCheck small_strain_check(const Prediction& prediction,
-                                        const ElasticLayer& layer) noexcept {
+/// Whether linear elasticity may be used: the compression of a layer over its thickness.
+inline ValidityCheck small_strain_check(double strain) noexcept {
   return {
-      "small_strain", prediction.indentation_m / layer.thickness_m, 0.3, true,
+      "small_strain", strain, 0.3, true,
       "the layer is compressed by more than 30 % of its thickness: linear elasticity can be off "
       "by more than 10 %, less so when nearly incompressible"};
+}
+
+/// The same where one layer takes the whole indentation: d/h.
+inline ValidityCheck small_strain_check(const Prediction& prediction,
+                                        const ElasticLayer& layer) noexcept {
+  return small_strain_check(prediction.indentation_m / layer.thickness_m);
+}
+
+/// The same for two layers in series, whose compliances (indentation per load, in one unit) share
+/// the indentation: the more strained of the two. Zero for a rigid object.
+inline ValidityCheck small_strain_check(const Prediction& prediction, const ContactProblem& problem,
+                                        double compliance, double object_compliance) noexcept {
+  double strain = prediction.indentation_m / problem.layer.thickness_m;
+  if (problem.has_object_layer()) {
+    const double share = compliance / (compliance + object_compliance);
+    strain = std::max(share * strain,
+                      (1 - share) * prediction.indentation_m / problem.object_layer.thickness_m);
+  }
+  return small_strain_check(strain);
 }
 
 /// A prediction without an answer, and why.
@@ -113,16 +134,37 @@ inline ValidityCheck first_range_violation(const ContactProblem& problem) noexce
     return {range.name, range.value < 0 ? std::max(range.value, -kLargest) : 0,
             std::numeric_limits<double>::min(), false, range.message};
   }
-  const double nu = problem.layer.poisson_ratio;
-  if (!(nu >= 0 && nu <= 0.5))
+  const auto poisson_ratio_in_range = [&](double nu) -> ValidityCheck {
+    if (nu >= 0 && nu <= 0.5) return {};
     return {"poisson_ratio_in_range",
             nu > 0.5 ? std::min(nu, kLargest) : (nu < 0 ? std::max(nu, -kLargest) : -1),
             nu > 0.5 ? 0.5 : 0.0, nu > 0.5,
             "no answer: Poisson's ratio must lie between 0 and 1/2"};
+  };
+  if (const auto violation = poisson_ratio_in_range(problem.layer.poisson_ratio); *violation.check)
+    return violation;
+  const ElasticLayer& object = problem.object_layer;
+  if (object.thickness_m != 0) {  // NaN is no rigid object either
+    const auto positive_and_finite = [&](double value) { return value > 0 && value <= kLargest; };
+    if (!positive_and_finite(object.thickness_m) || !positive_and_finite(object.youngs_modulus_Pa))
+      return {"object_layer_in_range", 0, 1, false,
+              "no answer: thickness and Young's modulus of the object's layer must be positive and "
+              "finite (thickness 0: a rigid object)"};
+    if (const auto violation = poisson_ratio_in_range(object.poisson_ratio); *violation.check)
+      return violation;
+  }
   if (problem.radii.major_m < problem.radii.minor_m)
     return {"radii_ordered", std::min(problem.radii.minor_m / problem.radii.major_m, kLargest), 1,
             true, "no answer: R' must not be smaller than R''; x lies along the longer axis"};
   return {};
+}
+
+/// Why a model whose theory knows one layer has no answer for two.
+inline ValidityCheck one_layer_only(const ContactProblem& problem) noexcept {
+  if (!problem.has_object_layer()) return {};
+  return {"rigid_object", 1, 0, true,
+          "no answer: this model is for a rigid object; hertz (both layers thick), winkler (both "
+          "thin) and thin_incompressible take a compliant object"};
 }
 
 inline ValidityCheck not_representable() noexcept {

@@ -49,11 +49,13 @@ class Hertz final : public PressureModel {
     static const ModelCard card{
         "hertz",
         "Elliptic Hertz contact on a half-space",
-        "Linear elasticity; the layer is so thick that its rigid base is not felt; the gap is a "
-        "quadric and shallow inside the contact; no friction in the normal problem.",
+        "Linear elasticity; the layer, and the object's where it has one, is so thick that its "
+        "rigid base is not felt; the gap is a quadric and shallow inside the contact; no friction "
+        "in the normal problem.",
         "p = p0 sqrt(1 - x²/a² - y²/b²), p0 = 3P/(2 pi a b); "
         "R'/R'' = ((a/b)² E(m) - K(m)) / (K(m) - E(m)), m = 1 - b²/a²; "
-        "a³ = 3 P R' (K - E)/(pi E* m), d = 3 P K/(2 pi a E*), E* = E/(1 - nu²); "
+        "a³ = 3 P R' (K - E)/(pi E* m), d = 3 P K/(2 pi a E*), E* = E/(1 - nu²), with a compliant "
+        "object 1/E* = (1 - nu1²)/E1 + (1 - nu2²)/E2; "
         "arm of the torque: (3/8) a E(m) (exact), (3 pi/16) sqrt(ab) (paper)",
         "K. L. Johnson, Contact Mechanics (1985), section 4.2; torque: Ciocarlie, Lackner, Allen "
         "(2007), eq. 10",
@@ -68,8 +70,12 @@ class Hertz final : public PressureModel {
     if (*violation.check) return no_answer(violation);
 
     const double R1 = problem.radii.major_m, R2 = problem.radii.minor_m;
-    const double modulus_Pa = problem.layer.plane_strain_modulus_Pa();
-    const double compliance_m2 = 3 * (problem.load.normal_force_N / modulus_Pa);  // 3 P / E*
+    const double P = problem.load.normal_force_N;
+    // 3 P / E* of either body; in a half-space the two displacements add.
+    const double finger_m2 = 3 * (P / problem.layer.plane_strain_modulus_Pa());
+    const double object_m2 =
+        problem.has_object_layer() ? 3 * (P / problem.object_layer.plane_strain_modulus_Pa()) : 0;
+    const double compliance_m2 = finger_m2 + object_m2;
     const EllipticIntegrals integrals = solve_ellipse(R1 / R2);
     if (!(integrals.q > 1e-290)) return no_answer(not_representable());
 
@@ -78,14 +84,16 @@ class Hertz final : public PressureModel {
     prediction.a_m = std::cbrt(compliance_m2 * R1 * integrals.D / kPi);
     prediction.b_m = prediction.a_m * std::sqrt(integrals.q);
     prediction.indentation_m = compliance_m2 * integrals.K() / (2 * kPi * prediction.a_m);
-    prediction.peak_pressure_Pa =
-        1.5 * problem.load.normal_force_N / (kPi * prediction.a_m * prediction.b_m);
+    prediction.peak_pressure_Pa = 1.5 * P / (kPi * prediction.a_m * prediction.b_m);
     // torque_arm_exact_m(a, b, 1/2) with the E(m) that is at hand.
     prediction.torque_arm_exact_m = 0.375 * prediction.a_m * integrals.E();
     prediction.torque_arm_paper_m = torque_arm_paper_m(prediction.a_m, prediction.b_m, 0.5);
     prediction.validity.add(thick_layer_check(prediction, problem.layer));
+    if (problem.has_object_layer())
+      prediction.validity.add(
+          thick_layer_check(prediction, problem.object_layer, "thick_object_layer"));
     prediction.validity.add(small_slope_check(prediction, problem.radii));
-    prediction.validity.add(small_strain_check(prediction, problem.layer));
+    prediction.validity.add(small_strain_check(prediction, problem, finger_m2, object_m2));
     return finite_or_no_answer(prediction);
   }
 

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "softfinger/input/contact_problem.h"
+
+namespace softfinger {
+
+/// Contact of a rigid quadric with a bonded elastic layer.
+struct BondedLayerContact {
+  double a_m = 0, b_m = 0;  ///< semi-axes of the contact ellipse
+  double indentation_m = 0;
+  double peak_pressure_Pa = 0;
+  double torque_arm_exact_m = 0;  ///< (int p r dA)/P
+  double torque_arm_paper_m = 0;  ///< that of the circle of radius sqrt(ab)
+};
+
+/// How the contact changes with the load: what a simulator needs for implicit steps.
+struct BondedLayerSensitivity {
+  double area_m2_per_N = 0;        ///< d(pi a b)/dP
+  double indentation_m_per_N = 0;  ///< dd/dP: the normal compliance
+  double torque_arm_m_per_N = 0;   ///< d(torque_arm_exact_m)/dP; max torque changes by
+                                   ///< mu (arm + P times this)
+};
+
+/// Any thickness, Poisson's ratio 0 to 1/2 and R'/R'': a smooth blend of the exact limits (Hertz,
+/// confined Winkler, thin incompressible layer) times tabulated corrections, a twice continuously
+/// differentiable spline through 3,552 numerical solutions (bonded_layer_table.cc). For
+/// sqrt(ab)/h <= 100 and R'/R'' <= 100 within 0.5 % in a, b and torque arm and 1 % in the
+/// indentation; beyond, the corrections fade (thickness) or stay (R'/R'').
+///
+/// The arguments must lie in the ranges of contact_problem.h; results that do not fit into a double
+/// come out as zero or infinity. Cost: below 1 microsecond, no allocation.
+BondedLayerContact bonded_layer_contact(const RelativeRadii& radii, const ElasticLayer& layer,
+                                        double normal_force_N) noexcept;
+
+/// The derivatives of exactly what the function above returns, by differentiating it. Cost: below
+/// 1.5 microseconds.
+BondedLayerSensitivity bonded_layer_sensitivity(const RelativeRadii& radii,
+                                                const ElasticLayer& layer,
+                                                double normal_force_N) noexcept;
+
+}  // namespace softfinger

@@ -1,0 +1,153 @@
+#include <cmath>
+#include <exception>
+#include <vector>
+
+#include "softfinger/layer/circular_contact.h"
+#include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/validity.h"
+
+namespace softfinger::models {
+namespace {
+
+/// R'/R'' up to which a contact counts as round: what it neglects is then below the other errors.
+constexpr double kRound = 1 + 1e-9;
+
+double combined_modulus_Pa(const ContactProblem& problem) noexcept {
+  const double finger_Pa = problem.layer.plane_strain_modulus_Pa();
+  if (!problem.has_object_layer()) return finger_Pa;
+  return 1 / (1 / finger_Pa + 1 / problem.object_layer.plane_strain_modulus_Pa());
+}
+
+double mean_radius_m(const ContactProblem& problem) noexcept {
+  return std::sqrt(problem.radii.major_m) * std::sqrt(problem.radii.minor_m);
+}
+
+std::vector<CompliantLayer> compliant_layers(const ContactProblem& problem) {
+  const double modulus_Pa = combined_modulus_Pa(problem);
+  std::vector<CompliantLayer> layers;
+  const auto add = [&](const ElasticLayer& layer) {
+    layers.push_back({LayerKernel(layer.poisson_ratio), layer.thickness_m,
+                      modulus_Pa / layer.plane_strain_modulus_Pa()});
+  };
+  add(problem.layer);
+  if (problem.has_object_layer()) add(problem.object_layer);
+  return layers;
+}
+
+ValidityCheck thin_object_check(double strain) noexcept {
+  ValidityCheck check = small_strain_check(strain);
+  check.message =
+      "the indentation is more than 30 % of the layers' thickness together: linear elasticity can "
+      "be off by more than 10 %, less so when nearly incompressible";
+  return check;
+}
+
+class LayerFredholm final : public PressureModel {
+ public:
+  const ModelCard& card() const noexcept override {
+    static const ModelCard card{
+        "layer_fredholm",
+        "Round contact on a layer, solved live",
+        "Linear elasticity; the layer is bonded to its rigid base and wide against the contact; "
+        "the "
+        "gap is r²/(2R) (R' = R''), shallow inside the contact; no friction in the normal problem. "
+        "A layer on the object adds its own compliance.",
+        "phi(t) - (2/pi) int_0^a phi(s) int_0^inf (1 - w(kh)) cos kt cos ks dk ds = (E*/pi)(d - "
+        "t²/R), phi(a) = 0; P = 2 pi int phi dt, torque = mu pi² int t phi dt, p(r) = -int_r^a "
+        "phi'(t)/sqrt(t² - r²) dt; two layers: w = sum of (E*/E*_i) w_i(k h_i)",
+        "N. N. Lebedev, Ya. S. Ufliand, Appl. Math. Mech. 22 (1958); kernel: K. L. Johnson, "
+        "Contact "
+        "Mechanics (1985), section 5.8",
+        "R' = R'', a/h <= 120: relative error below 1e-8 of linear elasticity to a/h = 20, 1e-4 at "
+        "120; a/R and d/h below "
+        "0.3",
+        "about 5 ms at a/h = 1, seconds at 100",
+        false};
+    return card;
+  }
+
+  Prediction predict(const ContactProblem& problem) const noexcept override {
+    const ValidityCheck violation = first_range_violation(problem);
+    if (*violation.check) return no_answer(violation);
+    const double ratio = problem.radii.major_m / problem.radii.minor_m;
+    if (!(ratio <= kRound))
+      return no_answer(
+          {"round", std::min(ratio, 1e300), kRound, true,
+           "no answer: this model solves round contacts (R' = R''); bonded_layer takes "
+           "elliptic ones"});
+    const double modulus_Pa = combined_modulus_Pa(problem);
+    const double radius_m = mean_radius_m(problem);
+    const double scaled_load_m2 = problem.load.normal_force_N / modulus_Pa;
+    // 3 P R/(4 E*) is the cube of Hertz's radius.
+    if (!(scaled_load_m2 * radius_m > 1e-290 && scaled_load_m2 * radius_m < 1e290))
+      return no_answer(not_representable());
+    try {
+      const CircularLayerContact contact =
+          circular_layer_contact_at_load(scaled_load_m2, radius_m, compliant_layers(problem));
+      if (!(contact.a_m > 0))
+        return no_answer({"solvable", 0, 1, false,
+                          "no answer: the contact is larger than 120 times the layer's thickness, "
+                          "which takes too many unknowns; the thin-layer models hold there"});
+      Prediction prediction;
+      prediction.has_answer = true;
+      prediction.a_m = prediction.b_m = contact.a_m;
+      prediction.indentation_m = contact.indentation_m;
+      prediction.peak_pressure_Pa = modulus_Pa * contact.pressure_over_modulus(0);
+      prediction.torque_arm_exact_m = prediction.torque_arm_paper_m = contact.torque_arm_m;
+      prediction.validity.add(small_slope_check(prediction, problem.radii));
+      prediction.validity.add(
+          problem.has_object_layer()
+              ? thin_object_check(contact.indentation_m /
+                                  (problem.layer.thickness_m + problem.object_layer.thickness_m))
+              : small_strain_check(prediction, problem.layer));
+      return finite_or_no_answer(prediction);
+    } catch (const std::exception&) {  // memory only: predict() must not throw
+      return no_answer(not_representable());
+    }
+  }
+
+  double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
+                     double y_m) const noexcept override {
+    if (!prediction.has_answer) return 0;
+    try {
+      return combined_modulus_Pa(problem) *
+             solution(problem, prediction).pressure_over_modulus(std::hypot(x_m, y_m));
+    } catch (const std::exception&) {
+      return 0;
+    }
+  }
+
+ private:
+  /// The pressure is asked for point by point: each thread keeps the contact that it solved last.
+  static const CircularLayerContact& solution(const ContactProblem& problem,
+                                              const Prediction& prediction) {
+    struct Last {
+      ContactProblem problem;
+      CircularLayerContact contact;
+    };
+    static thread_local Last last{};
+    const auto same = [](const ElasticLayer& one, const ElasticLayer& other) {
+      return one.thickness_m == other.thickness_m &&
+             one.youngs_modulus_Pa == other.youngs_modulus_Pa &&
+             one.poisson_ratio == other.poisson_ratio;
+    };
+    if (last.contact.a_m != prediction.a_m ||
+        mean_radius_m(last.problem) != mean_radius_m(problem) ||
+        !same(last.problem.layer, problem.layer) ||
+        !same(last.problem.object_layer, problem.object_layer)) {
+      last.contact =
+          circular_layer_contact(prediction.a_m, mean_radius_m(problem), compliant_layers(problem));
+      last.problem = problem;
+    }
+    return last.contact;
+  }
+};
+
+}  // namespace
+
+const PressureModel& layer_fredholm_model() {
+  static const LayerFredholm model;
+  return model;
+}
+
+}  // namespace softfinger::models
