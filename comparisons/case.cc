@@ -217,26 +217,101 @@ std::variant<RelativeRadii, BodyPair> read_geometry(const Reader& reader, const 
   return pair;
 }
 
-ElasticLayer read_layer(const Reader& reader, const toml::table& table) {
-  reader.check_keys(
-      table, "[layer]",
-      {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio", "material", "volumetric"});
-  for (const char* key : {"material", "volumetric"})
-    if (const toml::node* node = table.get(key))
-      reader.refuse(*node, key,
-                    "nothing here: it needs [fem] kinematics = \"finite\", which this version "
-                    "does not have");
+ElasticLayer read_elastic_layer(const Reader& reader, const toml::table& table,
+                                const std::string& name) {
   ElasticLayer layer;
-  layer.thickness_m = reader.positive(reader.required(table, "[layer]", "thickness_mm"),
-                                      "thickness_mm", kMillimetre);
-  layer.youngs_modulus_Pa = reader.positive(reader.required(table, "[layer]", "youngs_modulus_kPa"),
+  layer.thickness_m =
+      reader.positive(reader.required(table, name, "thickness_mm"), "thickness_mm", kMillimetre);
+  layer.youngs_modulus_Pa = reader.positive(reader.required(table, name, "youngs_modulus_kPa"),
                                             "youngs_modulus_kPa", 1e3);
-  const toml::node& poisson = reader.required(table, "[layer]", "poisson_ratio");
+  const toml::node& poisson = reader.required(table, name, "poisson_ratio");
   const std::string allowed = "a number from 0 to 0.5";
   layer.poisson_ratio = reader.number(poisson, "poisson_ratio", allowed);
   if (layer.poisson_ratio < 0 || layer.poisson_ratio > 0.5)
     reader.refuse(poisson, "poisson_ratio", allowed);
   return layer;
+}
+
+void read_winkler_modulus(const Reader& reader, const toml::table& table, Case& result) {
+  if (const toml::node* node = table.get("winkler_modulus"))
+    result.options.winkler_modulus =
+        reader.choice(*node, "winkler_modulus", {"oedometric", "youngs"}) == "youngs"
+            ? WinklerModulus::youngs
+            : WinklerModulus::oedometric;
+}
+
+/// [layer] on the finger, [object_layer] on the object; at least one of them.
+void read_layers(const Reader& reader, const toml::table& root, Case& result) {
+  const toml::node* on_object = root.get("object_layer");
+  result.layer_on_object = on_object && !root.contains("layer");
+  if (!result.layer_on_object) {
+    const toml::table& table = reader.required_table(root, "layer");
+    reader.check_keys(table, "[layer]",
+                      {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio", "winkler_modulus",
+                       "material", "volumetric"});
+    for (const char* key : {"material", "volumetric"})
+      if (const toml::node* node = table.get(key))
+        reader.refuse(*node, key,
+                      "nothing here: it needs [fem] kinematics = \"finite\", which this version "
+                      "does not have");
+    result.layer = read_elastic_layer(reader, table, "[layer]");
+    read_winkler_modulus(reader, table, result);
+  }
+  if (!on_object) return;
+  const toml::table& table = reader.required_table(root, "object_layer");
+  std::vector<std::string> keys = {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio"};
+  // One choice for the whole foundation: beside a [layer] it stands there.
+  if (result.layer_on_object) keys.push_back("winkler_modulus");
+  reader.check_keys(table, "[object_layer]", keys);
+  (result.layer_on_object ? result.layer : result.object_layer) =
+      read_elastic_layer(reader, table, "[object_layer]");
+  if (result.layer_on_object) read_winkler_modulus(reader, table, result);
+}
+
+void read_power_law(const Reader& reader, const toml::node& node, Case& result) {
+  if (!node.is_table()) reader.refuse(node, "power_law", "a table");
+  const toml::table& table = *node.as_table();
+  reader.check_keys(table, "[power_law]",
+                    {"radius_coefficient_mm", "radius_exponent", "pressure_exponent", "data"});
+  PowerLaw& law = result.options.power_law;
+  if (const toml::node* exponent = table.get("pressure_exponent")) {
+    const std::string allowed = "a finite number >= 1 (2: as Hertz, larger: flatter)";
+    law.pressure_exponent = reader.number(*exponent, "pressure_exponent", allowed);
+    if (law.pressure_exponent < 1) reader.refuse(*exponent, "pressure_exponent", allowed);
+  }
+  if (const toml::node* data = table.get("data")) {
+    for (const char* key : {"radius_coefficient_mm", "radius_exponent"})
+      if (const toml::node* entry = table.get(key))
+        reader.say(*entry, std::string(key) +
+                               " is fitted when [power_law] has data: give one of "
+                               "the two");
+    const std::string allowed = "a list of measured [load_N, radius_mm], all > 0";
+    const toml::array* rows = data->as_array();
+    if (!rows) reader.refuse(*data, "data", allowed);
+    std::vector<LoadAndRadius> points;
+    for (const toml::node& row : *rows) {
+      const auto pair = reader.numbers(row, "data", 2, allowed);
+      points.push_back({pair[0], pair[1] * kMillimetre});
+      if (!(points.back().load_N > 0 && points.back().radius_m > 0))
+        reader.refuse(row, "data", allowed);
+    }
+    try {
+      result.power_law_fit = fit_power_law(points, law.pressure_exponent);
+    } catch (const InputError& error) {
+      throw InputError(reader.where(*data), "data: " + error.field(), error.value(),
+                       error.allowed());
+    }
+    law = result.power_law_fit->law;
+    return;
+  }
+  law.radius_coefficient =
+      reader.positive(reader.required(table, "[power_law]", "radius_coefficient_mm"),
+                      "radius_coefficient_mm", kMillimetre);
+  const toml::node& exponent = reader.required(table, "[power_law]", "radius_exponent");
+  const std::string allowed = "a number between 0 and 1 (linear elastic: 1/3 and less)";
+  law.radius_exponent = reader.number(exponent, "radius_exponent", allowed);
+  if (!(law.radius_exponent > 0 && law.radius_exponent < 1))
+    reader.refuse(exponent, "radius_exponent", allowed);
 }
 
 void read_contact(const Reader& reader, const toml::table& table, Case& result) {
@@ -288,7 +363,9 @@ Case parse_case(const std::string& text, const fs::path& file) {
                      "not a TOML file: " + reason, "", "");
   }
   const Reader reader(file.string());
-  reader.check_keys(root, "", {"id", "question", "geometry", "layer", "contact", "fem"});
+  reader.check_keys(
+      root, "",
+      {"id", "question", "geometry", "layer", "object_layer", "power_law", "contact", "fem"});
 
   Case result;
   result.file = file;
@@ -308,7 +385,8 @@ Case parse_case(const std::string& text, const fs::path& file) {
 
   const toml::table& geometry = reader.required_table(root, "geometry");
   result.geometry_where = reader.where(geometry);
-  result.layer = read_layer(reader, reader.required_table(root, "layer"));
+  read_layers(reader, root, result);
+  if (const toml::node* law = root.get("power_law")) read_power_law(reader, *law, result);
   read_contact(reader, reader.required_table(root, "contact"), result);
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
   result.geometry = read_geometry(reader, geometry, file.parent_path());

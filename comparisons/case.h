@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/pressure/power_law_fit.h"
 
 /// A case file: what to compare, as written by a user. The only place that knows TOML.
 namespace softfinger {
@@ -47,13 +48,19 @@ struct Case {
   std::string text;  ///< of the file, for reproduction
   std::variant<RelativeRadii, BodyPair> geometry;
   std::string geometry_where;  ///< "file:line" of [geometry], for messages
-  ElasticLayer layer;
-  std::vector<double> loads_N;  ///< all different
+  ElasticLayer layer;          ///< the finger's, or the only one
+  ElasticLayer object_layer;   ///< thickness 0: one of the bodies is rigid
+  /// The file has an [object_layer] and no [layer]: a rigid finger. For a quadric gap it does not
+  /// matter which of the two carries the layer; `layer` then is the object's.
+  bool layer_on_object = false;
+  ModelOptions options;
+  std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
+  std::vector<double> loads_N;               ///< all different
   double friction_coefficient = 0;
   int fem_level = 2;  ///< 1 to 3
 
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
-    return {radii, layer, {load_N, friction_coefficient}};
+    return {radii, layer, {load_N, friction_coefficient}, object_layer, options};
   }
 };
 

@@ -157,6 +157,16 @@ int run_fem(std::vector<LoadRun>& runs, const CompareOptions& options, Progress&
   return signal;
 }
 
+/// Whether a profile of the model's pressure may be drawn without being felt: some models solve
+/// their problem anew for a point of it.
+bool has_cheap_pressure(const ModelAnswer& answer) {
+  constexpr double kAffordable_ms = 2;
+  if (answer.model->card().hot_path) return true;
+  const auto start = Clock::now();
+  answer.model->pressure_Pa(answer.problem, answer.prediction, 0, 0);
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kAffordable_ms;
+}
+
 json model_profile(const ModelAnswer& answer, bool along_x) {
   constexpr int kPoints = 61;
   json position = json::array(), pressure = json::array();
@@ -182,8 +192,10 @@ json model_json(const ModelAnswer& answer, const json& fem) {
   result["relative_error"] = nullptr;
   result["profile_x"] = result["profile_y"] = nullptr;
   if (!has_answer) return result;
-  result["profile_x"] = model_profile(answer, true);
-  result["profile_y"] = model_profile(answer, false);
+  if (has_cheap_pressure(answer)) {
+    result["profile_x"] = model_profile(answer, true);
+    result["profile_y"] = model_profile(answer, false);
+  }
   if (fem.is_null()) return result;
   json& errors = result["relative_error"] = json::object();
   const auto compare_key = [&](const char* name, const char* model_key, const char* fem_key) {
@@ -237,6 +249,10 @@ json load_json(const LoadRun& run, const fs::path& output, LoadErrors& errors) {
     error.model = model->card().name;
     error.has_answer = answer.prediction.has_answer;
     error.valid = answer.prediction.valid();
+    error.hot_path = model->card().hot_path;
+    // Nobody asked for a measured law: that there is none is no verdict on it.
+    error.applicable =
+        std::string_view(answer.prediction.validity.begin()->check) != "power_law_known";
     const json& relative = models.back()["relative_error"];
     if (relative.is_object() && relative["area"].is_number() &&
         relative["max_torque"].is_number()) {
@@ -381,6 +397,10 @@ int compare(const CompareOptions& options) {
   }
   fem_program();  // refuses before anything is written
   make_writable_folder(options.output);
+  // After all that may be refused in a single line.
+  for (const Case& contact_case : cases)
+    for (const std::string& remark : power_law_remarks(contact_case))
+      progress.say("softfinger: " + contact_case.id + ": " + remark);
   if (const int signal = run_fem(runs, options, progress)) return 128 + signal;
 
   json report = {{"tolerance", kTolerance}, {"models", model_cards()}, {"cases", json::array()}};

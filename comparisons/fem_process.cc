@@ -5,11 +5,16 @@
 #include <cstring>
 
 #include "comparisons/predict.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger {
 
 nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geometry, double load_N,
                            int level) {
+  if (contact_case.object_layer.thickness_m > 0)
+    throw InputError(contact_case.file.string(), "[object_layer]", "",
+                     "one layer, [layer] or [object_layer], for finite elements; the models take "
+                     "both (softfinger predict)");
   return {{"name", contact_case.id},
           {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
           {"axis_rad", geometry.radii.axis_rad},

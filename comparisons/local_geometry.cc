@@ -16,8 +16,9 @@ std::string surface_key(const MeshBody& mesh) {
 }
 
 const PressureModel& patch_model(const ContactProblem& problem) {
+  // Asked many times per load, so that models outside the hot path are out of the question.
   for (const PressureModel* model : all_pressure_models())
-    if (model->predict(problem).valid()) return *model;
+    if (model->card().hot_path && model->predict(problem).valid()) return *model;
   if (const PressureModel* hertz = find_pressure_model("hertz")) return *hertz;
   return *all_pressure_models().front();
 }
@@ -108,7 +109,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
     require_ellipse(relative, case_.geometry_where);
     result.radii = relative.radii;
     if (const auto* sphere = std::get_if<SphereBody>(&pair.object))
-      if (is_flat(pair.finger)) result.sphere_radius_m = sphere->radius_m;
+      if (is_flat(pair.finger) && !case_.layer_on_object) result.sphere_radius_m = sphere->radius_m;
     return result;
   }
   try {

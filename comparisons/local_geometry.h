@@ -29,8 +29,8 @@ class GeometryResolver {
   explicit GeometryResolver(const Case& contact_case);
 
   /// For meshes the fitted region depends on the load: region and predicted contact are iterated to
-  /// agreement. The area is predicted by the first model of the registry that calls itself valid
-  /// for the current radii, or by Hertz when none does.
+  /// agreement. The area is predicted by the first model of the registry's hot path that calls
+  /// itself valid for the current radii, or by Hertz when none does.
   /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in
   /// words.
   LocalGeometry resolve(double load_N) const;

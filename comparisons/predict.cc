@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "comparisons/nearest_name.h"
+#include "softfinger/friction/limit_surface.h"
+#include "softfinger/friction/max_torque.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -43,6 +45,43 @@ double measure_cost_ns(const PressureModel& model, const ContactProblem& problem
   return times[times.size() / 2];
 }
 
+/// As LimitSurface::sample, for the ellipsoid: a Fibonacci spiral over the sphere of the scaled
+/// space.
+std::vector<LimitWrench> sample_ellipsoid(const FrictionEllipsoid& ellipsoid, int count) {
+  const double golden_angle = 3.14159265358979323846 * (3 - std::sqrt(5.0));
+  std::vector<LimitWrench> points;
+  for (int i = 0; i < count; ++i) {
+    const double height = 1 - (2 * i + 1.0) / count;
+    const double force_N = ellipsoid.max_force_N * std::sqrt(1 - height * height);
+    points.push_back({force_N * std::cos(golden_angle * i), force_N * std::sin(golden_angle * i),
+                      ellipsoid.max_torque_Nm() * height});
+  }
+  return points;
+}
+
+void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
+                       nlohmann::json& result) {
+  const Prediction& prediction = answer.prediction;
+  nlohmann::json& points = result["limit_surface"] = nlohmann::json::array();
+  result["limit_surface_model"] = result["pressure_exponent"] = nullptr;
+  if (!prediction.has_answer) return;
+  std::vector<LimitWrench> wrenches;
+  const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid(rule);
+  if (rule == TorqueRule::paper) {
+    result["limit_surface_model"] = "ellipsoid";
+    wrenches = sample_ellipsoid(ellipsoid, count);
+  } else {
+    const double exponent = equivalent_exponent(prediction);
+    result["limit_surface_model"] = "exact";
+    result["pressure_exponent"] = exponent;
+    wrenches =
+        LimitSurface(prediction.a_m, prediction.b_m, exponent, ellipsoid.max_force_N).sample(count);
+  }
+  for (const LimitWrench& point : wrenches)
+    points.push_back(
+        {{"fx_N", point.force_x_N}, {"fy_N", point.force_y_N}, {"torque_Nm", point.torque_Nm}});
+}
+
 nlohmann::json vector_json(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
@@ -58,10 +97,15 @@ FrictionEllipsoid ModelAnswer::friction_ellipsoid(TorqueRule rule) const {
 }
 
 std::vector<const PressureModel*> models_by_name(const std::string& names) {
-  if (names == "all") return all_pressure_models();
-  std::vector<std::string> known;
-  for (const PressureModel* model : all_pressure_models()) known.emplace_back(model->card().name);
   std::vector<const PressureModel*> models;
+  std::vector<std::string> known;
+  for (const PressureModel* model : all_pressure_models()) {
+    known.emplace_back(model->card().name);
+    if (names == "everything" || (names == "all" && model->card().hot_path))
+      models.push_back(model);
+  }
+  if (!models.empty()) return models;
+  known.insert(known.end(), {"all", "everything"});
   for (std::size_t start = 0; start <= names.size();) {
     const std::size_t end = std::min(names.find(',', start), names.size());
     const std::string name = names.substr(start, end - start);
@@ -70,21 +114,73 @@ std::vector<const PressureModel*> models_by_name(const std::string& names) {
       throw InputError(
           "command line",
           "unknown model \"" + name + "\", did you mean \"" + nearest_name(name, known) + "\"?", "",
-          joined(known) + " or all");
+          joined(known));
     if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
     start = end + 1;
   }
   return models;
 }
 
+std::vector<std::string> slow_models() {
+  std::vector<std::string> names;
+  for (const PressureModel* model : all_pressure_models())
+    if (!model->card().hot_path) names.emplace_back(model->card().name);
+  return names;
+}
+
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns) {
+  using Clock = std::chrono::steady_clock;
   ModelAnswer answer;
   answer.model = &model;
   answer.problem = problem;
+  const auto start = Clock::now();
   answer.prediction = model.predict(problem);
-  answer.cost_ns = measure_cost_ns(model, problem, time_budget_ns);
+  answer.cost_ns = model.card().hot_path
+                       ? measure_cost_ns(model, problem, time_budget_ns)
+                       : std::chrono::duration<double, std::nano>(Clock::now() - start).count();
   return answer;
+}
+
+void propagate_radii_uncertainty(const std::array<double, 2>& radii_std_m, ModelAnswer& answer) {
+  if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
+  // Small enough for first order (the models grow like powers below one of the radii), large enough
+  // for rounding. R' up and R'' down keeps their order, whatever the ellipse.
+  constexpr double kStep = 1e-5;
+  double a2 = 0, b2 = 0, exact2 = 0, paper2 = 0;
+  for (int i = 0; i < 2; ++i) {
+    ContactProblem problem = answer.problem;
+    double& radius_m = i == 0 ? problem.radii.major_m : problem.radii.minor_m;
+    const double step_m = (i == 0 ? kStep : -kStep) * radius_m;
+    radius_m += step_m;
+    const Prediction moved = answer.model->predict(problem);
+    if (!moved.has_answer) return;
+    const auto add = [&](double value, double reference, double& sum) {
+      const double deviation = (value - reference) / step_m * radii_std_m[i];
+      sum += deviation * deviation;
+    };
+    add(moved.a_m, answer.prediction.a_m, a2);
+    add(moved.b_m, answer.prediction.b_m, b2);
+    add(moved.torque_arm_exact_m, answer.prediction.torque_arm_exact_m, exact2);
+    add(moved.torque_arm_paper_m, answer.prediction.torque_arm_paper_m, paper2);
+  }
+  answer.deviations = {std::sqrt(a2), std::sqrt(b2), std::sqrt(exact2), std::sqrt(paper2)};
+}
+
+double equivalent_exponent(const Prediction& prediction) {
+  if (!prediction.has_answer) return NAN;
+  // A circle of radius one has the arm (n+1) B(3/2, n+1), which falls with n; an ellipse has it
+  // times a (2/pi) E(m), whatever n.
+  const double ellipse_m = torque_arm_exact_m(prediction.a_m, prediction.b_m, 0) / (2.0 / 3);
+  const double arm = prediction.torque_arm_exact_m / ellipse_m;
+  for (const double named : {0.5, 1.0, 2.0})
+    if (std::abs(arm / torque_arm_exact_m(1, 1, named) - 1) < 1e-14) return named;
+  double low = -0.99, high = 1000;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (torque_arm_exact_m(1, 1, middle) > arm ? low : high) = middle;
+  }
+  return (low + high) / 2;
 }
 
 nlohmann::json finite_or_null(double value) {
@@ -123,14 +219,43 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
                            {"validity", to_json(prediction.validity)},
                            {"error_estimate", nullptr},
                            {"cost_ns", answer.cost_ns}};
-  if (limit_surface_points > 0) {
-    nlohmann::json& points = result["limit_surface"] = nlohmann::json::array();
-    if (prediction.has_answer)
-      for (const LimitWrench& point : sample_section(ellipsoid, 0, limit_surface_points))
-        points.push_back(
-            {{"fx_N", point.force_x_N}, {"fy_N", point.force_y_N}, {"torque_Nm", point.torque_Nm}});
+  if (answer.deviations) {
+    const auto& deviations = *answer.deviations;
+    const double arm_m =
+        rule == TorqueRule::exact ? deviations.arm_exact_m : deviations.arm_paper_m;
+    result["a_std_m"] = finite_or_null(deviations.a_m);
+    result["b_std_m"] = finite_or_null(deviations.b_m);
+    result["max_torque_std_Nm"] = finite_or_null(ellipsoid.max_force_N * arm_m);
   }
+  if (limit_surface_points > 0) add_limit_surface(answer, rule, limit_surface_points, result);
   return result;
+}
+
+nlohmann::json to_json(const std::optional<PowerLawFit>& fit) {
+  if (!fit) return nullptr;
+  return {{"radius_coefficient_m", fit->law.radius_coefficient},
+          {"radius_exponent", fit->law.radius_exponent},
+          {"pressure_exponent", fit->law.pressure_exponent},
+          {"residual_rms", fit->residual_rms},
+          {"radius_relative_std", fit->log_radius_std},
+          {"radius_exponent_std", fit->exponent_std},
+          {"load_range_N", {fit->least_load_N, fit->largest_load_N}}};
+}
+
+std::vector<std::string> power_law_remarks(const Case& contact_case) {
+  const auto& fit = contact_case.power_law_fit;
+  if (!fit) return {};
+  std::vector<std::string> remarks = {fmt::format(
+      "power law fitted to the data: a = {:.4g} mm (P/N)^{:.4g} (exponent ± {:.2g}), radii scatter "
+      "by {:.2g} %",
+      fit->law.radius_coefficient * 1e3, fit->law.radius_exponent, fit->exponent_std,
+      100 * fit->residual_rms)};
+  for (const double load_N : contact_case.loads_N)
+    if (load_N < fit->least_load_N || load_N > fit->largest_load_N)
+      remarks.push_back(
+          fmt::format("{:g} N lies outside the data, {:g} to {:g} N: there power_law extrapolates",
+                      load_N, fit->least_load_N, fit->largest_load_N));
+  return remarks;
 }
 
 nlohmann::json to_json(const QuadricFit& fit) {
@@ -171,10 +296,19 @@ nlohmann::json patch_to_json(const LocalGeometry& geometry) {
 }
 
 std::string describe(const Case& contact_case) {
-  const ElasticLayer& layer = contact_case.layer;
-  return fmt::format("{}: layer {:.6g} mm, E {:.6g} kPa, nu {:.6g}, friction {:.6g}",
-                     contact_case.id, layer.thickness_m * 1e3, layer.youngs_modulus_Pa * 1e-3,
-                     layer.poisson_ratio, contact_case.friction_coefficient);
+  const auto layer_text = [](const ElasticLayer& layer) {
+    return fmt::format("{:.6g} mm, E {:.6g} kPa, nu {:.6g}", layer.thickness_m * 1e3,
+                       layer.youngs_modulus_Pa * 1e-3, layer.poisson_ratio);
+  };
+  std::string text =
+      fmt::format("{}: {} {}", contact_case.id,
+                  contact_case.layer_on_object ? "rigid finger, object's layer" : "layer",
+                  layer_text(contact_case.layer));
+  if (contact_case.object_layer.thickness_m > 0)
+    text += "; object's layer " + layer_text(contact_case.object_layer) + "; ";
+  else
+    text += ", ";
+  return text + fmt::format("friction {:.6g}", contact_case.friction_coefficient);
 }
 
 std::string describe(const LocalGeometry& geometry) {
@@ -212,6 +346,13 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
         remarks += fmt::format("  {}: {} ({} = {:.3g}, holds {} {:.3g})\n", name, check.message,
                                check.check, check.value, check.holds_below ? "below" : "above",
                                check.limit);
+    if (answer.deviations && std::isfinite(answer.deviations->a_m + answer.deviations->b_m))
+      remarks += fmt::format(
+          "  {}: the fitted radii leave a ± {:.2g} mm, b ± {:.2g} mm, torque ± {:.2g} mN·m\n", name,
+          answer.deviations->a_m * 1e3, answer.deviations->b_m * 1e3,
+          answer.friction_ellipsoid(rule).max_force_N * 1e3 *
+              (rule == TorqueRule::exact ? answer.deviations->arm_exact_m
+                                         : answer.deviations->arm_paper_m));
   }
   return text + remarks;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -21,7 +22,13 @@ struct ModelAnswer {
   const PressureModel* model = nullptr;
   ContactProblem problem;
   Prediction prediction;
-  double cost_ns = 0;  ///< median of repeated calls
+  double cost_ns = 0;  ///< median of repeated calls; of one call for models outside the hot path
+  /// Standard deviations of a, b and the arm of the torque (exact, paper) that the uncertainty of
+  /// fitted radii leaves; set for mesh cases and models that are fast enough to be asked again.
+  struct Deviations {
+    double a_m = 0, b_m = 0, arm_exact_m = 0, arm_paper_m = 0;
+  };
+  std::optional<Deviations> deviations;
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m
@@ -30,15 +37,33 @@ struct ModelAnswer {
   FrictionEllipsoid friction_ellipsoid(TorqueRule rule) const;
 };
 
-/// "all", one name, or several joined by commas.
+/// "all" (those of the hot path), "everything", one name, or several joined by commas.
 /// @throws InputError naming the nearest model for an unknown name.
 std::vector<const PressureModel*> models_by_name(const std::string& names);
 
-/// @param time_budget_ns  spent on repeating the call to measure its cost
+/// Names of the models that "all" leaves out because they take longer than microseconds.
+std::vector<std::string> slow_models();
+
+/// @param time_budget_ns  spent on repeating the call to measure its cost; models outside the hot
+///   path are called once, whatever that takes
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns);
 
-/// The contract's keys for one answer. Numbers that do not exist are null.
+/// Fills `deviations` of a model of the hot path that has an answer: first order, by one-sided
+/// differences over R' and R'', taken as independent. Infinite deviations of the radii (a fit
+/// without residual freedom) give infinite ones. Two more predictions.
+void propagate_radii_uncertainty(const std::array<double, 2>& radii_std_m, ModelAnswer& answer);
+
+/// The exponent n of p ~ (1 - x²/a² - y²/b²)^n whose torque arm for this ellipse is the
+/// prediction's own, so that the limit surface for n meets the true one at pure torque and at pure
+/// force. The named models' exponents (1/2, 1, 2) come out exactly. Between -0.99 and 1000; NaN
+/// without an answer. About 10 microseconds.
+double equivalent_exponent(const Prediction& prediction);
+
+/// The contract's keys for one answer. Numbers that do not exist are null. With
+/// `limit_surface_points` > 0, that many points all over the limit surface, in the contact frame (x
+/// along the long axis): the exact surface for the equivalent exponent, or for the seed's torque
+/// rule the seed's ellipsoid.
 nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points);
 
 /// Validity as data: check, value, limit, holds, message.
@@ -49,6 +74,12 @@ nlohmann::json to_json(const QuadricFit& fit);
 
 /// The patch of report.json, or null when no body is a mesh.
 nlohmann::json patch_to_json(const LocalGeometry& geometry);
+
+/// The law that was fitted to a case's data and how well; null without data.
+nlohmann::json to_json(const std::optional<PowerLawFit>& fit);
+
+/// What to tell about that fit: its parameters and scatter, and loads outside the data's range.
+std::vector<std::string> power_law_remarks(const Case& contact_case);
 
 /// null for NaN and infinity.
 nlohmann::json finite_or_null(double value);

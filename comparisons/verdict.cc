@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <utility>
+#include <tuple>
 
 namespace softfinger {
 namespace {
@@ -13,6 +13,7 @@ namespace {
 /// One model over all loads at which FEM finished.
 struct Record {
   std::string name;
+  bool hot_path = true, applicable = true;
   std::vector<double> usable_N, accidental_N, wrong_N, silent_N;
   double area = 0, torque = 0;  ///< the worst of all answers, signed
   double usable_area = 0,
@@ -50,14 +51,13 @@ std::vector<Record> collect(const std::vector<LoadErrors>& loads, double toleran
   std::vector<Record> records;
   for (const LoadErrors& load : loads) {
     if (!load.fem_finished) continue;
-    if (records.empty()) {
-      records.resize(load.models.size());
-      for (std::size_t i = 0; i < records.size(); ++i)
-        records[i].name = display_name(load.models[i].model);
-    }
+    records.resize(load.models.size());
     for (std::size_t i = 0; i < load.models.size(); ++i) {
       const ModelError& error = load.models[i];
       Record& record = records[i];
+      record.name = display_name(error.model);
+      record.hot_path = error.hot_path;
+      record.applicable = error.applicable;
       if (!error.has_answer) {
         record.silent_N.push_back(load.load_N);
         continue;
@@ -72,6 +72,9 @@ std::vector<Record> collect(const std::vector<LoadErrors>& loads, double toleran
           .push_back(load.load_N);
     }
   }
+  records.erase(std::remove_if(records.begin(), records.end(),
+                               [](const Record& record) { return !record.applicable; }),
+                records.end());
   return records;
 }
 
@@ -81,17 +84,24 @@ std::string agreement(const Record& record) {
 }
 
 /// "Hertz: area -3 %, torque +12 %; Winkler: no answer"
-std::string shortcomings(const std::vector<const Record*>& records) {
+/// `others`: whether other models were named before.
+std::string shortcomings(const std::vector<const Record*>& records, bool others) {
   constexpr std::size_t kReadable = 3;
   std::string text;
   if (records.size() > kReadable) {
     double least = 1e300, most = 0;
+    std::size_t silent = 0;
+    const char* const which = others ? "the other" : "the";
     for (const Record* record : records) {
+      silent += record->is_silent();
+      if (record->is_silent()) continue;
       least = std::min(least, record->worst());
       most = std::max(most, record->worst());
     }
-    return fmt::format("the other {} models are off by {} to {}", records.size(), percent(least),
-                       percent(most));
+    if (silent == records.size()) return fmt::format("{} {} models have no answer", which, silent);
+    text = fmt::format("{} {} models are off by {} to {}", which, records.size() - silent,
+                       percent(least), percent(most));
+    return silent == 0 ? text : text + fmt::format("; {} without an answer", silent);
   }
   for (const Record* record : records) {
     if (!text.empty()) text += "; ";
@@ -141,11 +151,25 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
       never.push_back(&record);
   }
   const auto by_worst = [](const Record* one, const Record* other) {
-    return std::make_pair(one->is_silent(), one->worst()) <
-           std::make_pair(other->is_silent(), other->worst());
+    return std::make_tuple(one->is_silent(), !one->hot_path, one->worst()) <
+           std::make_tuple(other->is_silent(), !other->hot_path, other->worst());
   };
   for (auto* list : {&always, &sometimes, &accidents, &never})
     std::sort(list->begin(), list->end(), by_worst);
+  if (!always.empty()) {
+    // What else would do, or has nothing to say, or takes longer, only hides the answer.
+    if (always[0]->hot_path) {
+      const auto slow = std::partition_point(always.begin(), always.end(),
+                                             [](const Record* record) { return record->hot_path; });
+      always.erase(slow, always.end());
+      const auto is_slow = [](const Record* record) { return !record->hot_path; };
+      never.erase(std::remove_if(never.begin(), never.end(), is_slow), never.end());
+    }
+    if (always.size() > 2) always.resize(2);
+    never.erase(std::remove_if(never.begin(), never.end(),
+                               [](const Record* record) { return record->is_silent(); }),
+                never.end());
+  }
 
   Verdict verdict;
   std::vector<std::string> clauses;
@@ -181,7 +205,7 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
       clauses.push_back(
           fmt::format("{} agrees ({}) outside its stated validity, which may be an accident",
                       record->name, agreement(*record)));
-  if (!never.empty()) clauses.push_back(shortcomings(never));
+  if (!never.empty()) clauses.push_back(shortcomings(never, never.size() < records.size()));
 
   // "No model ...: Hertz is off by ...": the first clause introduces the reasons.
   const std::string first_separator = verdict.verdict_class == "bad" ? ": " : "; ";

@@ -11,6 +11,8 @@ struct ModelError {
   bool has_answer = false;
   bool valid = false;  ///< by the model's own statement
   double area = 0, max_torque = 0;
+  bool hot_path = true;    ///< microseconds; a slower model is named only when no such one will do
+  bool applicable = true;  ///< false: it was given nothing to answer with, and is not mentioned
 };
 
 /// All models at one load.
@@ -27,7 +29,9 @@ struct Verdict {
   std::string verdict_class;  ///< good, mixed, bad, failed
 };
 
-/// One sentence that answers which model can be used, with numbers.
+/// One sentence that answers which model can be used, with numbers. It leads with the most accurate
+/// of the usable models of the hot path, names at most one more of them, and a slower model only
+/// when none of those is usable at all loads.
 ///
 /// A model is usable at a load when area and torque are within the tolerance of FEM and the model
 /// itself claims to hold there: where errors merely cross zero outside a model's assumptions the

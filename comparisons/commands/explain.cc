@@ -19,7 +19,7 @@ void add_explain(CLI::App& app, Action& action) {
   command->callback([name, &action] {
     action = [name] {
       std::string text;
-      for (const PressureModel* model : models_by_name(*name)) {
+      for (const PressureModel* model : models_by_name(*name == "all" ? "everything" : *name)) {
         const ModelCard& card = model->card();
         text += fmt::format(
             "{}{}: {}\n\nAssumptions: {}\nEquations:   {}\nSource:      {}\nValidity:    {}\nCost: "

@@ -101,9 +101,19 @@ int run(const Options& options) {
   if (!options.radius_given)
     remark(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
                        fit.region_radius_m * 1e3, fit.points));
+  if (fit.surface_kind == SurfaceKind::sharp_edge)
+    remark(fmt::format("a sharp edge of {:.3g}° lies in the region: the radii say little there",
+                       fit.sharpest_kink_rad * 180 / 3.14159265358979323846));
+  if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
+  const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
   if (options.json) {
     nlohmann::json object = to_json(fit);
     object["mesh"] = options.mesh;
+    object["radii_region_change_m"] = {finite_or_null(region_change_m[0]),
+                                       finite_or_null(region_change_m[1])};
+    object["surface_kind"] = fit.surface_kind == SurfaceKind::sharp_edge ? "sharp_edge" : "smooth";
+    object["sharpest_kink_rad"] = fit.sharpest_kink_rad;
+    object["outliers"] = fit.outliers;
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
     write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
@@ -113,13 +123,15 @@ int run(const Options& options) {
   write_to_stdout(fmt::format(
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "principal radii: {} (± {}) along {:.4g}° from x, {} (± {}) across; negative = concave\n"
+      "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}\n"
       "normal: {:.5f}, {:.5f}, {:.5f}\n"
       "x axis: {:.5f}, {:.5f}, {:.5f}\n"
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
       fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
       millimetres(principal.radii_m[0]), millimetres(fit.radii_std_m[0]),
       principal.axis_rad * 180 / 3.14159265358979323846, millimetres(principal.radii_m[1]),
-      millimetres(fit.radii_std_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
+      millimetres(fit.radii_std_m[1]), millimetres(region_change_m[0]),
+      millimetres(region_change_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
       fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
       fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
   return 0;

@@ -6,6 +6,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/files.h"
+#include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
 
 namespace softfinger::commands {
@@ -36,6 +37,8 @@ int run(const Options& options) {
     std::vector<ModelAnswer> answers;
     for (const PressureModel* model : models) {
       answers.push_back(ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
+      if (geometry.patch)
+        propagate_radii_uncertainty(geometry.patch->relative.radii_std_m, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
     geometries.push_back({{"load_N", load_N},
@@ -44,25 +47,44 @@ int run(const Options& options) {
                           {"patch", patch_to_json(geometry)}});
     text += fmt::format("\n{:g} N: {}\n", load_N, describe(geometry)) + table(answers, rule);
   }
+  // Last, so that a refusal stays a single line.
+  for (const std::string& line : power_law_remarks(contact_case)) remark(line);
+  if (options.models == "all" && !slow_models().empty())
+    remark("left out, slower than the others: " + joined(slow_models()) +
+           "; ask with --model NAME or --model everything");
   if (options.json) {
-    const nlohmann::json object = {{"case", contact_case.id},
-                                   {"layer",
-                                    {{"thickness_m", contact_case.layer.thickness_m},
-                                     {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
-                                     {"poisson_ratio", contact_case.layer.poisson_ratio}}},
-                                   {"friction_coefficient", contact_case.friction_coefficient},
-                                   {"geometry", geometries},
-                                   {"results", results}};
+    const auto layer_json = [](const ElasticLayer& layer) {
+      return nlohmann::json({{"thickness_m", layer.thickness_m},
+                             {"youngs_modulus_Pa", layer.youngs_modulus_Pa},
+                             {"poisson_ratio", layer.poisson_ratio}});
+    };
+    const bool two_layers = contact_case.object_layer.thickness_m > 0;
+    const nlohmann::json object = {
+        {"case", contact_case.id},
+        {"layer", layer_json(contact_case.layer)},
+        {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
+        {"object_layer", two_layers ? layer_json(contact_case.object_layer) : nlohmann::json()},
+        {"power_law_fit", to_json(contact_case.power_law_fit)},
+        {"friction_coefficient", contact_case.friction_coefficient},
+        {"geometry", geometries},
+        {"results", results}};
     write_to_stdout(object.dump(2) + "\n");
   } else {
     if (options.limit_surface > 0) {
-      text += "\nFriction ellipsoid, section along x:\n";
       for (const auto& result : results) {
-        text += fmt::format("  {} at {:g} N: force N, torque mN·m\n",
-                            result["model"].get<std::string>(), result["load_N"].get<double>());
+        if (result["limit_surface"].empty()) continue;
+        text += fmt::format("\nLimit surface, {} at {:g} N: ", result["model"].get<std::string>(),
+                            result["load_N"].get<double>());
+        if (result["limit_surface_model"] == "exact")
+          text += fmt::format(
+              "exact for p ~ (1 - x²/a² - y²/b²)^n, n = {:.4g}, which has the model's torque\n",
+              result["pressure_exponent"].get<double>());
+        else
+          text += "the seed's friction ellipsoid\n";
+        text += fmt::format("  {:>12}{:>12}{:>14}\n", "fx N", "fy N", "torque mN·m");
         for (const auto& point : result["limit_surface"])
-          text += fmt::format("  {:>12.5g}{:>12.5g}\n", point["fx_N"].get<double>(),
-                              point["torque_Nm"].get<double>() * 1e3);
+          text += fmt::format("  {:>12.5g}{:>12.5g}{:>13.5g}\n", point["fx_N"].get<double>(),
+                              point["fy_N"].get<double>(), point["torque_Nm"].get<double>() * 1e3);
       }
     }
     write_to_stdout(text);
@@ -80,7 +102,8 @@ void add_predict(CLI::App& app, Action& action) {
       ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
       ->required();
   command->add_option("--model", options->models,
-                      "model names, separated by commas, or \"all\" (default); see: list models");
+                      "model names, separated by commas; \"all\" (default): those that take "
+                      "microseconds; \"everything\": also the slow ones; see: list models");
   command
       ->add_option(
           "--torque-rule", options->torque_rule,
@@ -88,13 +111,19 @@ void add_predict(CLI::App& app, Action& action) {
           "circle of radius sqrt(ab)")
       ->check(CLI::IsMember({"exact", "paper"}));
   command
-      ->add_option(
-          "--limit-surface", options->limit_surface,
-          "also N points of the friction ellipsoid's section (forces in N, torque in N m); 2 to "
-          "100000")
+      ->add_option("--limit-surface", options->limit_surface,
+                   "also N points all over the limit surface (forces in N along the contact's "
+                   "axes, torque in "
+                   "N m): exact, or with --torque-rule paper the seed's ellipsoid; 2 to 100000")
       ->check(CLI::Range(2, 100000));
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
+      "Case files may also say, beside geometry, layer, contact and fem:\n"
+      "  [layer] winkler_modulus = \"oedometric\" (default) or \"youngs\"\n"
+      "  [object_layer] thickness_mm, youngs_modulus_kPa, poisson_ratio: a compliant object;\n"
+      "    without [layer]: a rigid finger on it\n"
+      "  [power_law] radius_coefficient_mm, radius_exponent, pressure_exponent (default 2), or\n"
+      "    data = [[load_N, radius_mm], ...] to fit the first two: for the model power_law\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"

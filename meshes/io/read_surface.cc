@@ -232,7 +232,13 @@ const char* check_content(const std::string& path, std::string& bytes) {
       return "obj";
     }
   } else if (whole_binary && extension == ".stl" && announced_triangles(bytes) > 0) {
-    bytes.resize(announced_bytes(bytes));  // some programs append notes of their own
+    // Some programs append notes of their own; room for as many triangles again is no note.
+    if (bytes.size() - announced_bytes(bytes) >= kStlTriangle * (std::size_t{1} + announced_triangles(bytes)))
+      throw InputError(path, "file size", std::to_string(bytes.size()) + " bytes",
+                       std::to_string(announced_bytes(bytes)) + " bytes for the " +
+                           std::to_string(announced_triangles(bytes)) +
+                           " triangles that its binary STL header announces (a damaged header?)");
+    bytes.resize(announced_bytes(bytes));
     check_binary_stl(path, bytes);
     return "stl";
   } else if (extension == ".stl" && bytes.size() >= kStlHeader) {

@@ -86,6 +86,57 @@ TEST(Case, TakesPoissonRatiosOfBothLimitsAndOneLoad) {
   EXPECT_EQ(parse_case(replaced("[1.0, 2]", "3"), "x.toml").loads_N, std::vector<double>{3});
 }
 
+TEST(Case, TakesTheWinklerModulusByName) {
+  const auto modulus = [](const std::string& line) {
+    return parse_case(replaced("thickness_mm = 2.0", "thickness_mm = 2.0\n" + line), "x.toml")
+        .options.winkler_modulus;
+  };
+  EXPECT_EQ(modulus(""), WinklerModulus::oedometric);
+  EXPECT_EQ(modulus("winkler_modulus = \"oedometric\""), WinklerModulus::oedometric);
+  EXPECT_EQ(modulus("winkler_modulus = \"youngs\""), WinklerModulus::youngs);
+}
+
+TEST(Case, TakesACompliantObject) {
+  const std::string object =
+      "[object_layer]\nthickness_mm = 1.5\nyoungs_modulus_kPa = 50\npoisson_ratio = 0\n[contact]";
+  const Case both = parse_case(replaced("[contact]", object), "x.toml");
+  EXPECT_FALSE(both.layer_on_object);
+  EXPECT_DOUBLE_EQ(both.layer.thickness_m, 0.002);
+  EXPECT_DOUBLE_EQ(both.object_layer.thickness_m, 0.0015);
+  EXPECT_TRUE(both.problem({0.02, 0.01}, 1).has_object_layer());
+
+  // A rigid finger on a compliant object is the problem of one layer.
+  std::string text = replaced("[contact]", object);
+  const std::size_t begin = text.find("[layer]"), end = text.find("[object_layer]");
+  text.erase(begin, end - begin);
+  const Case swapped = parse_case(text, "x.toml");
+  EXPECT_TRUE(swapped.layer_on_object);
+  EXPECT_DOUBLE_EQ(swapped.layer.thickness_m, 0.0015);
+  EXPECT_FALSE(swapped.problem({0.02, 0.01}, 1).has_object_layer());
+}
+
+TEST(Case, TakesAPowerLawOrTheDataToFitOne) {
+  const Case given = parse_case(
+      replaced("[contact]",
+               "[power_law]\nradius_coefficient_mm = 3.1\nradius_exponent = 0.27\n[contact]"),
+      "x.toml");
+  EXPECT_DOUBLE_EQ(given.options.power_law.radius_coefficient, 0.0031);
+  EXPECT_EQ(given.options.power_law.radius_exponent, 0.27);
+  EXPECT_EQ(given.options.power_law.pressure_exponent, 2);
+  EXPECT_FALSE(given.power_law_fit);
+
+  const Case fitted =
+      parse_case(replaced("[contact]",
+                          "[power_law]\npressure_exponent = 3\ndata = [[1, 2.0], [8.0, 4]]\n"
+                          "[contact]"),
+                 "x.toml");
+  ASSERT_TRUE(fitted.power_law_fit);
+  EXPECT_NEAR(fitted.options.power_law.radius_exponent, 1.0 / 3, 1e-15);
+  EXPECT_NEAR(fitted.options.power_law.radius_coefficient, 0.002, 1e-17);
+  EXPECT_EQ(fitted.problem({0.02, 0.01}, 1).options.power_law.pressure_exponent, 3);
+  EXPECT_EQ(parse_case(kGood, "x.toml").options.power_law.radius_coefficient, 0) << "none given";
+}
+
 struct BadCase {
   const char *name, *old_text, *new_text;
   int line;  ///< 0: the whole file
@@ -219,6 +270,67 @@ INSTANTIATE_TEST_SUITE_P(
                 "finger = { sphere_radius_mm = 2 }\nobject = { radii_mm = [1, 1] }",
                 4,
                 {"for the object"}},
+        BadCase{"WinklerModulus",
+                "thickness_mm = 2.0",
+                "thickness_mm = 2.0\nwinkler_modulus = \"young\"",
+                7,
+                {"winkler_modulus", "\"oedometric\" or \"youngs\""}},
+        BadCase{"ObjectLayerKey",
+                "[contact]",
+                "[object_layer]\nthicknes_mm = 1\n[contact]",
+                10,
+                {"[object_layer]", "\"thickness_mm\""}},
+        BadCase{"ObjectLayerWithoutModulus",
+                "[contact]",
+                "[object_layer]\nthickness_mm = 1\n[contact]",
+                9,
+                {"[object_layer]", "youngs_modulus_kPa"}},
+        BadCase{"ObjectLayerPoisson",
+                "[contact]",
+                "[object_layer]\nthickness_mm = 1\nyoungs_modulus_kPa = 1\npoisson_ratio = "
+                "0.6\n[contact]",
+                12,
+                {"poisson_ratio", "0 to 0.5"}},
+        BadCase{"PowerLawKey",
+                "[contact]",
+                "[power_law]\nradius_coefficient = 1\n[contact]",
+                10,
+                {"[power_law]", "\"radius_coefficient_mm\""}},
+        BadCase{"PowerLawWithoutExponent",
+                "[contact]",
+                "[power_law]\nradius_coefficient_mm = 1\n[contact]",
+                9,
+                {"[power_law]", "radius_exponent"}},
+        BadCase{"PowerLawExponent",
+                "[contact]",
+                "[power_law]\nradius_coefficient_mm = 1\nradius_exponent = 1\n[contact]",
+                11,
+                {"radius_exponent", "between 0 and 1"}},
+        BadCase{"PowerLawPressureExponent",
+                "[contact]",
+                "[power_law]\npressure_exponent = 0.5\n[contact]",
+                10,
+                {"pressure_exponent", ">= 1"}},
+        BadCase{"PowerLawGivenAndFitted",
+                "[contact]",
+                "[power_law]\nradius_exponent = 0.3\ndata = [[1, 2], [2, 3]]\n[contact]",
+                10,
+                {"radius_exponent", "data"}},
+        BadCase{"PowerLawDataOfThreeColumns",
+                "[contact]",
+                "[power_law]\ndata = [[1, 2, 3], [2, 3, 4]]\n[contact]",
+                10,
+                {"data", "[load_N, radius_mm]"}},
+        BadCase{"PowerLawDataNegative",
+                "[contact]",
+                "[power_law]\ndata = [[1, 2], [-2, 3]]\n[contact]",
+                10,
+                {"data", "> 0"}},
+        BadCase{"PowerLawDataOfOneLoad",
+                "[contact]",
+                "[power_law]\ndata = [[1, 2], [1, 3]]\n[contact]",
+                10,
+                {"data", "two different loads"}},
         BadCase{"NotToml", "[layer]", "[layer", 5, {"TOML"}}),
     [](const auto& information) { return information.param.name; });
 

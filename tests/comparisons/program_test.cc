@@ -6,12 +6,38 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "tests/comparisons/run_program.h"
 
 namespace softfinger::tests {
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+namespace {
+
+/// A paraboloid z = -(x²/20 + y²/10)/2 of 21 x 21 points, in millimetres, with bumps of that
+/// height.
+std::string paraboloid_mesh(double bumps_mm) {
+  std::ostringstream mesh;
+  const int n = 20;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j) {
+      const double x = 0.4 * (i - n / 2), y = 0.4 * (j - n / 2);
+      mesh << "v " << x << " " << y << " "
+           << -(x * x / 20 + y * y / 10) / 2 + bumps_mm * std::sin(7.0 * i * i + 3.0 * j * j)
+           << "\n";
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const int q = i * (n + 1) + j + 1;
+      mesh << "f " << q << " " << q + n + 1 << " " << q + n + 2 << "\nf " << q << " " << q + n + 2
+           << " " << q + 1 << "\n";
+    }
+  return mesh.str();
+}
+
+}  // namespace
 
 class Program : public testing::Test {
  protected:
@@ -40,7 +66,9 @@ TEST_F(Program, PredictsWithTheContractsKeys) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 5.0]"));
   const ProgramRun result = run({"predict", file.string(), "--limit-surface", "7", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_EQ(result.err, "");
+  for (const std::string& line : lines(result.err))
+    EXPECT_NE(line.find("--model everything"), std::string::npos)
+        << "nothing to say but which models were left out: " << line;
   const json object = json::parse(result.out);
   EXPECT_EQ(object["case"], "example");
   ASSERT_GE(object["results"].size(), 4u) << "at least two models at two loads";
@@ -51,10 +79,11 @@ TEST_F(Program, PredictsWithTheContractsKeys) {
           "error_estimate", "cost_ns", "limit_surface"})
       EXPECT_TRUE(answer.contains(key)) << key;
     EXPECT_EQ(answer["torque_rule"], "exact");
-    EXPECT_EQ(answer["limit_surface"].size(), 7u);
+    EXPECT_EQ(answer["limit_surface"].size(), answer["a_m"].is_null() ? 0u : 7u);
     for (const json& check : answer["validity"])
       for (const char* key : {"check", "value", "limit", "message"})
         EXPECT_TRUE(check.contains(key)) << key;
+    if (answer["a_m"].is_null()) continue;  // the power law was given no parameters
     const double arm =
         answer["max_torque_Nm"].get<double>() / (0.8 * answer["load_N"].get<double>());
     EXPECT_NEAR(answer["eccentricity_m"].get<double>() / arm, 1, 1e-12);
@@ -82,6 +111,111 @@ TEST_F(Program, TorqueRulesDifferForAnEllipseOnly) {
         .get<double>();
   };
   EXPECT_GT(torque("exact"), torque("paper") * 1.01);
+}
+
+TEST_F(Program, SamplesTheExactLimitSurfaceInsideTheEllipsoid) {
+  const auto file = folder.write("case.toml", case_text());
+  const auto sample = [&](const std::string& rule) {
+    return json::parse(run({"predict", file.string(), "--model", "hertz", "--torque-rule", rule,
+                            "--limit-surface", "101", "--json"})
+                           .out)["results"][0];
+  };
+  const json exact = sample("exact"), paper = sample("paper");
+  EXPECT_EQ(exact["limit_surface_model"], "exact");
+  EXPECT_EQ(exact["pressure_exponent"], 0.5);
+  EXPECT_EQ(paper["limit_surface_model"], "ellipsoid");
+  const auto radius = [](const json& answer, const json& point) {
+    const double force = 0.8 * answer["load_N"].get<double>();
+    return std::hypot(std::hypot(point["fx_N"].get<double>(), point["fy_N"].get<double>()) / force,
+                      point["torque_Nm"].get<double>() / answer["max_torque_Nm"].get<double>());
+  };
+  ASSERT_EQ(exact["limit_surface"].size(), 101u);
+  double least = 1, fy = 0;
+  for (const json& point : exact["limit_surface"]) {
+    least = std::min(least, radius(exact, point));
+    EXPECT_LE(radius(exact, point), 1 + 1e-12);
+    fy = std::max(fy, point["fy_N"].get<double>());
+  }
+  // Up to 6 to 9 % inside, for R'/R'' = 2.
+  EXPECT_LT(least, 0.96);
+  EXPECT_GT(least, 0.90);
+  EXPECT_GT(fy, 0.5) << "all over the surface, not one section";
+  for (const json& point : paper["limit_surface"]) EXPECT_NEAR(radius(paper, point), 1, 1e-12);
+}
+
+TEST_F(Program, TakesTheCasesOptionsAndSaysWhatItFitted) {
+  std::string text = case_text("example", "[2.0, 50.0]");
+  text.insert(text.find("[contact]"),
+              "winkler_modulus = \"youngs\"\n[object_layer]\nthickness_mm = 1\n"
+              "youngs_modulus_kPa = 100\npoisson_ratio = 0.4\n[power_law]\n"
+              "data = [[1, 2.0], [8, 4.0], [27, 6.1]]\n");
+  const auto file = folder.write("case.toml", text);
+  const ProgramRun result = run({"predict", file.string(), "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("power law fitted"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("50 N lies outside the data"), std::string::npos) << result.err;
+  const json object = json::parse(result.out);
+  EXPECT_EQ(object["object_layer"]["thickness_m"], 0.001);
+  EXPECT_NEAR(object["power_law_fit"]["radius_exponent"].get<double>(), 1.0 / 3, 0.01);
+  for (const json& answer : object["results"]) {
+    if (answer["model"] == "power_law") {
+      EXPECT_TRUE(answer["a_m"].is_null()) << "the law is one of a rigid object";
+    }
+    if (answer["model"] == "winkler") {
+      EXPECT_NE(answer["validity"].dump().find("confined_modulus"), std::string::npos);
+    }
+    if (answer["model"] == "hertz") {
+      EXPECT_NE(answer["validity"].dump().find("thick_object_layer"), std::string::npos);
+    }
+  }
+  expect_refusal({"fem", file.string()}, "[object_layer]");
+  expect_refusal({"compare", file.string()}, "[object_layer]");
+
+  // Without [layer] the finger is rigid: the same numbers as with the layer on the finger.
+  const auto answer = [&](const std::string& name, const std::string& case_file) {
+    return json::parse(
+        run({"predict", folder.write(name, case_file).string(), "--model", "hertz", "--json"})
+            .out)["results"][0]["a_m"];
+  };
+  std::string swapped = case_text();
+  swapped.replace(swapped.find("[layer]"), 7, "[object_layer]");
+  EXPECT_EQ(answer("one.toml", case_text()), answer("other.toml", swapped));
+}
+
+TEST_F(Program, AsksSlowModelsOnRequestOnly) {
+  const auto file = folder.write("case.toml", case_text());
+  const auto count = [&](const std::string& models) {
+    return json::parse(run({"predict", file.string(), "--model", models, "--json"}).out)["results"]
+        .size();
+  };
+  const std::size_t there = json::parse(run({"list", "models", "--json"}).out)["models"].size();
+  EXPECT_EQ(count("everything"), there);
+  EXPECT_LE(count("all"), there);
+  EXPECT_EQ(count("winkler,hertz"), 2u);
+}
+
+TEST_F(Program, CarriesTheFitsUncertaintyToEllipseAndTorque) {
+  std::string text = case_text("example", "0.05");
+  const std::string radii = "relative_radii_mm = [20.0, 10.0]";
+  text.replace(text.find(radii), radii.size(),
+               "finger = { mesh = \"mesh.obj\", point_mm = [0, 0, 0] }\n"
+               "object = { radii_mm = [inf, inf] }");
+  const auto file = folder.write("mesh.toml", text);
+  const auto relative_std = [&](double bumps_mm) {
+    folder.write("mesh.obj", paraboloid_mesh(bumps_mm));
+    const ProgramRun result = run({"predict", file.string(), "--model", "hertz", "--json"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    const json answer = json::parse(result.out)["results"][0];
+    for (const auto& [deviation, value] :
+         {std::pair("a_std_m", "a_m"), {"b_std_m", "b_m"}, {"max_torque_std_Nm", "max_torque_Nm"}})
+      EXPECT_GE(answer.at(deviation).get<double>(), 0) << value;
+    return answer["a_std_m"].get<double>() / answer["a_m"].get<double>();
+  };
+  const double smooth = relative_std(0), bumpy = relative_std(0.005);
+  EXPECT_GT(bumpy, 2 * smooth) << smooth;
+  EXPECT_LT(bumpy, 0.2);
+  const ProgramRun table = run({"predict", file.string()});
+  EXPECT_NE(table.out.find("the fitted radii leave a ±"), std::string::npos) << table.out;
 }
 
 TEST_F(Program, ShowsATableWithoutJson) {
@@ -163,21 +297,7 @@ TEST_F(Program, SaysInWordsWhenThereIsNoEllipse) {
 }
 
 TEST_F(Program, FitsAMeshWithTheContractsKeys) {
-  // A paraboloid z = -(x²/20 + y²/10)/2, in millimetres.
-  std::ostringstream mesh;
-  const int n = 20;
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n; ++j) {
-      const double x = 0.4 * (i - n / 2), y = 0.4 * (j - n / 2);
-      mesh << "v " << x << " " << y << " " << -(x * x / 20 + y * y / 10) / 2 << "\n";
-    }
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      const int q = i * (n + 1) + j + 1;
-      mesh << "f " << q << " " << q + n + 1 << " " << q + n + 2 << "\nf " << q << " " << q + n + 2
-           << " " << q + 1 << "\n";
-    }
-  folder.write("mesh.obj", mesh.str());
+  folder.write("mesh.obj", paraboloid_mesh(0));
   const ProgramRun result = run(
       {"fit", "mesh.obj", "--point", "0,0,0", "--normal", "-.1,0,1", "--radius-mm", "3", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;

@@ -76,4 +76,30 @@ TEST(Verdict, StaysReadableWithManyModelsAndLoads) {
   EXPECT_TRUE(contains(sentence, "the other 5 models are off by 20 % to 100 %")) << sentence;
 }
 
+TEST(Verdict, LeadsWithTheMostAccurateCheapModel) {
+  const std::string sentence =
+      compose_verdict({load(1, {{"bonded_layer", true, true, 0.002, 0.001},
+                                {"hertz", true, true, 0.05, 0.04},
+                                {"layer_fft", true, true, 0.0001, 0.0001, false},
+                                {"power_law", false, false, 0, 0, true, false},
+                                {"thin_incompressible", true, false, 0.9, 0.8},
+                                {"winkler", false, false, 0, 0}})},
+                      kTolerance)
+          .sentence;
+  EXPECT_EQ(sentence,
+            "Use Bonded layer (area within 0.2 % and torque within 0.1 % of FEM) or Hertz (area "
+            "within 5.0 % and torque within 4.0 % of FEM) at 1 N; Thin incompressible is off by "
+            "+90 % in area and +80 % in torque.");
+}
+
+TEST(Verdict, NamesASlowModelWhenNoOtherWillDo) {
+  const std::string sentence =
+      compose_verdict({load(1, {{"hertz", true, false, 0.5, 0.4},
+                                {"layer_fft", true, true, 0.001, 0.001, false}})},
+                      kTolerance)
+          .sentence;
+  EXPECT_TRUE(contains(sentence, "Use Layer fft (area within 0.1 %")) << sentence;
+  EXPECT_TRUE(contains(sentence, "Hertz is off by +50 %")) << sentence;
+}
+
 }  // namespace softfinger

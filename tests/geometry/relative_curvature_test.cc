@@ -132,5 +132,52 @@ TEST(RelativeCurvature, WithinItsUncertaintyAFlatDirectionIsALineNotASaddle) {
   EXPECT_EQ(exact({-0.2, 50, 0}, {}).kind, ContactKind::saddle);
 }
 
+TEST(RelativeCurvature, TwoNoisyFlatsConformAndANoisyRodIsALine) {
+  const Matrix3d uncertain = 4.0 * Matrix3d::Identity();  // curvatures to 4 per metre
+  const auto kind = [&](const Quadric& finger) {
+    return relative_curvature(finger, uncertain, {}, Matrix3d::Zero(), 0).kind;
+  };
+  EXPECT_EQ(kind({1.0, -1.5, 0.5}), ContactKind::conforming);
+  EXPECT_EQ(kind({0.5, 100, 0}), ContactKind::line);
+  EXPECT_EQ(kind({-3, 100, 0}), ContactKind::line);
+  EXPECT_EQ(kind({-30, 100, 0}), ContactKind::saddle);
+  EXPECT_EQ(kind({4, 100, 0}), ContactKind::elliptic);  // its length is known badly
+  // Nothing is known of the noise: the values decide.
+  const Matrix3d unknown = Matrix3d::Constant(kInfinity);
+  EXPECT_EQ(relative_curvature({4, 100, 0}, unknown, {}, Matrix3d::Zero(), 0).kind,
+            ContactKind::elliptic);
+}
+
+TEST(RelativeCurvature, CarriesTheUncertaintyOfTheRadiiThroughToAQuantity) {
+  Matrix3d covariance;
+  covariance << 1.0, 0.3, -0.2, 0.3, 2.0, 0.1, -0.2, 0.1, 0.5;
+  covariance *= 1e-2;
+  const auto r = relative_curvature({40, 15, 5}, covariance, {}, Matrix3d::Zero(), 0);
+  const Eigen::Matrix2d& s = r.log_radii_covariance;
+  // A power law has constant derivatives in the logarithms.
+  const double p = 0.4, q = -0.15;
+  const auto power = [&](const RelativeRadii& radii) {
+    return 3 * std::pow(radii.major_m, p) * std::pow(radii.minor_m, q);
+  };
+  const double relative = std::sqrt(p * p * s(0, 0) + 2 * p * q * s(0, 1) + q * q * s(1, 1));
+  // The differences' third order, (1e-3)² / 3.
+  EXPECT_NEAR(propagated_std(r, power) / power(r.radii) / relative, 1, 1e-6);
+  // R' itself: as radii_std_m, which adds the second order, 2 std/R'.
+  const double major_std =
+      propagated_std(r, [](const RelativeRadii& radii) { return radii.major_m; });
+  EXPECT_NEAR(r.radii_std_m[0] / major_std, 1, 4 * major_std / r.radii.major_m);
+
+  EXPECT_EQ(propagated_std(exact({40, 15, 5}, {}), power), 0);
+  EXPECT_TRUE(std::isnan(propagated_std(exact({40, -15, 5}, {}), power)));
+  // At an umbilic point the radii may only part, never cross.
+  const auto round = relative_curvature({15, 15, 0}, covariance, {}, Matrix3d::Zero(), 0);
+  const double std = propagated_std(round, [](const RelativeRadii& radii) {
+    EXPECT_GE(radii.major_m, radii.minor_m);
+    return std::sqrt(radii.major_m * radii.minor_m);
+  });
+  EXPECT_GT(std, 0);
+  EXPECT_LT(std, round.radii_std_m[1]);  // the mean is known better than either
+}
+
 }  // namespace
 }  // namespace softfinger

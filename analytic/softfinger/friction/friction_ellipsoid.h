@@ -6,7 +6,8 @@ namespace softfinger {
 
 /// Force-torque limit f² + tau²/e_n² <= (mu P)² of a soft contact (Ciocarlie et al. 2007, eq. 1,
 /// 6). An approximation of the exact limit surface, which lies inside it by up to 6 % (circle) to
-/// 11 % (a/b = 10): it meets the exact one at pure force and at pure torque.
+/// 11 % (a/b = 10) and, for forces along the long axis of a long ellipse, outside it by up to 5 %:
+/// it meets the exact one at pure force and at pure torque. See ellipsoid_deviation.h.
 struct FrictionEllipsoid {
   double max_force_N = 0;     ///< mu P
   double eccentricity_m = 0;  ///< e_n = max torque / (mu P); 0 for a hard point contact

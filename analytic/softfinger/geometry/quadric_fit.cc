@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "softfinger/geometry/quadric_fit_internal.h"
 #include "softfinger/input/errors.h"
@@ -18,6 +20,9 @@ using Eigen::Vector3d;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kUnknowns = 6;  // A, B, C, two tilts, offset
+// Of the normal distribution: within it with sqrt(0.95), so that two values are, both, with 0.95.
+constexpr double kCoverageQuantile = 2.236;
+constexpr double kFinestDigit = 1e-9;  // no mesh file carries more of the region's radius
 
 std::string millimetres(double length_m) {
   std::ostringstream out;
@@ -48,12 +53,7 @@ double principal_axis(const Quadric& q) {
   return axis <= -kPi / 2 ? axis + kPi : axis;
 }
 
-/// Weighted linear least squares of the depths in one frame.
-struct LinearFit {
-  Eigen::MatrixXd columns;  ///< x², y², xy, x, y, 1 of the points, lengths over the region's radius
-  Eigen::VectorXd residuals;
-  Eigen::Matrix<double, kUnknowns, 1> coefficients;
-};
+using Coefficients = Eigen::Matrix<double, kUnknowns, 1>;
 
 /// x², y², xy, x, y, 1 per point, in a frame, lengths over `scale`.
 Eigen::MatrixXd quadric_columns(const Eigen::Matrix3d& frame, const Eigen::Matrix3Xd& points,
@@ -83,81 +83,301 @@ std::pair<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>, Eigen::RowVectorXd> scale
   return {qr, norms};
 }
 
-LinearFit solve(const Eigen::Matrix3Xd& points, const Eigen::VectorXd& weights,
-                const Eigen::Matrix3d& frame, double scale) {
-  LinearFit fit;
-  fit.columns = quadric_columns(frame, points, scale);
-  const Eigen::VectorXd depths = -(frame.col(2).transpose() * points / scale).transpose();
+/// The facets of a region and what a quadric looks like on them.
+///
+/// Facets are chords: between its vertices a convex surface stands proud of them. So a quadric is
+/// compared with them as its own facets would lie, interpolated between the same vertices; what is
+/// then left is noise, and no bias, however coarse the mesh. But a tessellation that has few
+/// vertices where the surface is flat says by that, and not by chords, where it is flat. The
+/// share of chords is how far the facets are taken as chords, 1, or as the surface itself, 0.
+class Facets {
+ public:
+  Facets(const internal::SurfaceRegion& region, const Eigen::Matrix3Xd& vertices, double scale)
+      : region_(region), vertices_(vertices), scale_(scale) {
+    const auto n = region.weights_m2.size();
+    points_.resize(3, n);
+    interpolate();
+  }
 
-  const Eigen::VectorXd root_weights = weights.cwiseSqrt();
-  const auto [qr, norms] = scaled_qr(root_weights.asDiagonal() * fit.columns);
-  fit.coefficients =
-      qr.solve(root_weights.asDiagonal() * depths).array() / norms.transpose().array();
-  fit.residuals = depths - fit.columns * fit.coefficients;
-  return fit;
+  const Eigen::Matrix3Xd& vertices() const { return vertices_; }
+  const Eigen::Matrix3Xd& points() const { return points_; }
+  const internal::SurfaceRegion& region() const { return region_; }
+  double scale() const { return scale_; }
+
+  /// Share of the region's area in facets longer than the region's radius.
+  double long_share() const {
+    double area = 0;
+    for (Eigen::Index i = 0; i < points_.cols(); ++i) {
+      double longest = 0;
+      for (int corner = 0; corner < 3; ++corner) {
+        const Vector3d edge = vertices_.col(region_.corners(corner, i)) -
+                              vertices_.col(region_.corners((corner + 1) % 3, i));
+        longest = std::max(longest, edge.norm() / scale_);
+      }
+      if (longest > 1) area += region_.weights_m2[i];
+    }
+    return area / region_.weights_m2.sum();
+  }
+
+  void take_as_chords(double share) { chord_share_ = share; }
+  void move(Eigen::Index vertex, const Vector3d& by) {
+    vertices_.col(vertex) += by;
+    interpolate();
+  }
+
+  /// x², y², xy, x, y, 1 of the vertices.
+  Eigen::MatrixXd vertex_terms(const Eigen::Matrix3d& frame) const {
+    return quadric_columns(frame, vertices_, scale_);
+  }
+  /// The same per sample, as its facet shows them.
+  Eigen::MatrixXd terms(const Eigen::Matrix3d& frame) const {
+    const Eigen::MatrixXd of_vertices = vertex_terms(frame);
+    Eigen::MatrixXd result = quadric_columns(frame, points_, scale_);
+    for (Eigen::Index i = 0; i < result.rows(); ++i) {
+      // The interpolation of x, y and 1 changes nothing.
+      for (int column = 0; column < 3; ++column) {
+        double chord = 0;
+        for (int corner = 0; corner < 3; ++corner)
+          chord += region_.barycentric(corner, i) * of_vertices(region_.corners(corner, i), column);
+        result(i, column) += chord_share_ * (chord - result(i, column));
+      }
+    }
+    return result;
+  }
+  Eigen::VectorXd depths(const Eigen::Matrix3d& frame) const {
+    return -(frame.col(2).transpose() * points_ / scale_).transpose();
+  }
+  Eigen::VectorXd vertex_depths(const Eigen::Matrix3d& frame) const {
+    return -(frame.col(2).transpose() * vertices_ / scale_).transpose();
+  }
+
+  Coefficients solve(const Eigen::Matrix3d& frame) const {
+    const Eigen::VectorXd root_weights = region_.weights_m2.cwiseSqrt();
+    const auto [qr, norms] = scaled_qr(root_weights.asDiagonal() * terms(frame));
+    return qr.solve(root_weights.asDiagonal() * depths(frame)).array() / norms.transpose().array();
+  }
+
+  /// The same from the normal equations: half the digits, a tenth of the time.
+  Coefficients solve_roughly(const Eigen::Matrix3d& frame) const {
+    const Eigen::MatrixXd columns = terms(frame);
+    const Eigen::MatrixXd weighted = region_.weights_m2.asDiagonal() * columns;
+    Eigen::Matrix<double, kUnknowns, kUnknowns> h = weighted.transpose() * columns;
+    const Coefficients norms = h.diagonal().cwiseSqrt();
+    h = norms.cwiseInverse().asDiagonal() * h * norms.cwiseInverse().asDiagonal();
+    const Coefficients right = weighted.transpose() * depths(frame);
+    return h.ldlt().solve(right.cwiseQuotient(norms)).cwiseQuotient(norms);
+  }
+
+ private:
+  void interpolate() {
+    for (Eigen::Index i = 0; i < points_.cols(); ++i) {
+      points_.col(i).setZero();
+      for (int corner = 0; corner < 3; ++corner)
+        points_.col(i) +=
+            region_.barycentric(corner, i) * vertices_.col(region_.corners(corner, i));
+    }
+  }
+
+  const internal::SurfaceRegion& region_;
+  Eigen::Matrix3Xd vertices_, points_;
+  double scale_;
+  double chord_share_ = 1;
+};
+
+/// The normal for which the fitted tilts vanish, and the coefficients in its frame.
+struct TangentFit {
+  Vector3d normal;
+  Eigen::Matrix3d frame;
+  Coefficients coefficients;
+};
+
+TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
+  TangentFit fit;
+  fit.normal = first_normal;
+  double tilt = kInfinity, previous = kInfinity;
+  const int max_iterations = 100;
+  bool polishing = false;  // most of the way by the normal equations, the end by QR
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    fit.frame = frame_along(fit.normal);
+    fit.coefficients = polishing ? facets.solve(fit.frame) : facets.solve_roughly(fit.frame);
+    const Eigen::Vector2d tilts = fit.coefficients.segment<2>(3);
+    tilt = tilts.norm();
+    // Below 1e-8 an iteration that has stopped shrinking has arrived at round-off.
+    const bool arrived = tilt < 1e-14 || (tilt < 1e-8 && tilt >= 0.5 * previous);
+    if (polishing && arrived) return fit;
+    // Half steps where full ones do not contract: the frame then follows a strongly curved region.
+    const double step = tilt > 0.5 * previous && tilt >= 1e-8 ? 0.5 : 1.0;
+    previous = arrived ? kInfinity : tilt;
+    polishing = polishing || arrived;
+    fit.normal = (fit.normal + step * (fit.frame.leftCols<2>() * tilts)).normalized();
+  }
+  throw ConvergenceError("quadric fit", max_iterations, tilt,
+                         "the region is too strongly curved for one quadric: choose a smaller "
+                         "radius");
 }
 
-/// The same coefficients from the normal equations: half the digits, a tenth of the time.
-Eigen::Matrix<double, kUnknowns, 1> solve_roughly(const Eigen::Matrix3Xd& points,
-                                                  const Eigen::VectorXd& weights,
-                                                  const Eigen::Matrix3d& frame, double scale) {
-  // Plain loops: this is where the time goes, also in a build without optimisation.
-  double gram[kUnknowns + 1][kUnknowns + 1] = {};
-  double axes[3][3];
-  for (int axis = 0; axis < 3; ++axis)
-    for (int i = 0; i < 3; ++i) axes[axis][i] = frame(i, axis) / scale;
-  const double* p = points.data();
-  const double* w = weights.data();
-  for (Eigen::Index n = 0; n < points.cols(); ++n, p += 3, ++w) {
-    double local[3];
-    for (int axis = 0; axis < 3; ++axis)
-      local[axis] = axes[axis][0] * p[0] + axes[axis][1] * p[1] + axes[axis][2] * p[2];
-    const double x = local[0], y = local[1];
-    const double row[kUnknowns + 1] = {x * x, y * y, x * y, x, y, 1, -local[2]};
-    for (int i = 0; i < kUnknowns; ++i)
-      for (int j = i; j <= kUnknowns; ++j) gram[i][j] += *w * row[i] * row[j];
+/// What the residuals of the vertices tell, lengths over the region's radius. The fit is linear in
+/// the vertices' depths z: coefficients = gain z.
+struct Residuals {
+  Eigen::VectorXd of_vertices;
+  /// Variance of each residual for vertices of independent errors of unit variance: below 1 where
+  /// the fit follows the vertex.
+  Eigen::VectorXd variances;
+  Eigen::VectorXd areas;  ///< of the region that belongs to each vertex
+  Eigen::MatrixXd gain;
+  int freedom = 0;
+  double degrees = 0;   ///< of freedom of the variance, fewer than `freedom` for unequal influence
+  double variance = 0;  ///< of the vertices' errors
+};
+
+Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
+  using Matrix6 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+  Residuals r;
+  const auto& region = facets.region();
+  const Eigen::MatrixXd terms = facets.terms(fit.frame);
+  const Matrix6 h = terms.transpose() * region.weights_m2.asDiagonal() * terms;
+  const Eigen::MatrixXd vertex_terms = facets.vertex_terms(fit.frame);
+  const Eigen::Index n = vertex_terms.rows();
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kUnknowns, n);
+  r.areas = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < terms.rows(); ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const double share = region.weights_m2[i] * region.barycentric(corner, i);
+      sums.col(region.corners(corner, i)) += share * terms.row(i).transpose();
+      r.areas[region.corners(corner, i)] += share;
+    }
   }
-  Eigen::Matrix<double, kUnknowns, kUnknowns> h;
-  Eigen::Matrix<double, kUnknowns, 1> right, norms;
-  for (int i = 0; i < kUnknowns; ++i) norms[i] = std::sqrt(gram[i][i]);
-  for (int i = 0; i < kUnknowns; ++i) {
-    right[i] = gram[i][kUnknowns] / norms[i];
-    for (int j = i; j < kUnknowns; ++j) h(j, i) = h(i, j) = gram[i][j] / (norms[i] * norms[j]);
+  r.gain = h.ldlt().solve(sums);
+  r.of_vertices = facets.vertex_depths(fit.frame) - vertex_terms * fit.coefficients;
+  // Facets that count as they lie put all vertices of a curved surface a sagitta above the fit.
+  r.of_vertices.array() -= r.areas.dot(r.of_vertices) / r.areas.sum();
+  const Matrix6 spread = r.gain * r.gain.transpose();
+  r.variances.resize(n);
+  double squares = 0, expected = 0, expected_squares = 0;
+  r.freedom = -kUnknowns - outliers;
+  for (Eigen::Index v = 0; v < n; ++v) {
+    const double leverage = vertex_terms.row(v).dot(r.gain.col(v));
+    r.variances[v] =
+        1 - 2 * leverage + vertex_terms.row(v) * spread * vertex_terms.row(v).transpose();
+    if (!(r.areas[v] > 0)) continue;
+    ++r.freedom;
+    // Weighted by influence: the vertices that decide the curvatures, near the rim, tell how large
+    // their errors are.
+    const double influence = r.gain.col(v).head<3>().squaredNorm();
+    squares += influence * r.of_vertices[v] * r.of_vertices[v];
+    expected += influence * r.variances[v];
+    expected_squares += std::pow(influence * r.variances[v], 2);
   }
-  return h.ldlt().solve(right).cwiseQuotient(norms);
+  r.degrees = std::min<double>(r.freedom, expected * expected / expected_squares);
+  r.variance = squares / expected + kFinestDigit * kFinestDigit;
+  return r;
 }
 
 /// Covariance of (A, B, C), lengths over the region's radius, for independent errors of the
-/// vertices with equal variance. The fit is linear in the vertices' depths z_v: H^-1 sum(b_v z_v),
-/// where b_v is the integral of the columns times the hat function of vertex v, so that its
-/// covariance is s² H^-1 sum(b_v b_v^T) H^-1. The variance s² is that of the vertices' own
-/// residuals, without their mean: the vertices of a curved surface all stand proud of its facets'
-/// fit by a sagitta.
-Eigen::Matrix3d covariance(const LinearFit& fit, const internal::SurfaceRegion& region,
-                           const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3d& frame,
-                           double scale) {
-  const int inside = region.vertices_within;
-  if (inside <= kUnknowns) return Eigen::Matrix3d::Constant(kInfinity);
-  using Matrix6 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-  const Matrix6 h = fit.columns.transpose() * region.weights_m2.asDiagonal() * fit.columns;
-  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(kUnknowns, vertices.cols());
-  Eigen::VectorXd areas = Eigen::VectorXd::Zero(vertices.cols());
-  for (Eigen::Index i = 0; i < fit.columns.rows(); ++i) {
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      const double share = region.weights_m2[i] * region.barycentric(c, i);
-      b.col(region.corners(c, i)) += share * fit.columns.row(i).transpose();
-      areas[region.corners(c, i)] += share;
+/// vertices, widened by Student's factor: two standard deviations hold what they promise also where
+/// few vertices tell how large the errors are.
+Eigen::Matrix3d covariance(const Residuals& r) {
+  if (r.freedom < 1) return Eigen::Matrix3d::Constant(kInfinity);
+  const double z = kCoverageQuantile, nu = r.degrees;
+  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+  // Student's quantile from the normal one (Abramowitz & Stegun, 26.7.5).
+  const double student = z + (z3 + z) / (4 * nu) + (5 * z5 + 16 * z3 + 3 * z) / (96 * nu * nu) +
+                         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * nu * nu * nu);
+  const Eigen::Matrix<double, 3, Eigen::Dynamic> gain = r.gain.topRows<3>();
+  return student * student / 4 * r.variance * gain * gain.transpose();
+}
+
+/// How far the facets are chords: the kinks of the surface at its edges over those that the facets
+/// of the fitted quadric have, by least squares. Large facets count most, as do their sagittas in
+/// the fit. 1 for a quadric; less where large facets are large because the surface is flat there.
+double kink_ratio(const Facets& facets, const TangentFit& fit) {
+  const auto& region = facets.region();
+  const Eigen::Matrix2Xd xy =
+      fit.frame.leftCols<2>().transpose() * facets.vertices() / facets.scale();
+  const Eigen::VectorXd model = facets.vertex_terms(fit.frame) * fit.coefficients;
+  const Eigen::VectorXd depths = facets.vertex_depths(fit.frame);
+  struct Facet {
+    Eigen::Vector3i corners;
+    double area;
+    Eigen::Matrix<double, 2, 3> gradient;  ///< of a function given by its values at the corners
+  };
+  std::vector<Facet> list;
+  std::map<std::pair<int, int>, std::size_t> first_at;
+  Eigen::VectorXd functional = Eigen::VectorXd::Zero(xy.cols());
+  double weight_sum = 0;
+  for (Eigen::Index i = 0; i < region.weights_m2.size(); ++i) {
+    // Samples of one facet follow each other.
+    if (i > 0 && region.corners.col(i) == region.corners.col(i - 1)) continue;
+    Facet facet;
+    facet.corners = region.corners.col(i);
+    Eigen::Matrix2d edges;
+    for (int k = 0; k < 2; ++k)
+      edges.col(k) = xy.col(facet.corners[k + 1]) - xy.col(facet.corners[0]);
+    facet.area = std::abs(edges.determinant()) / 2;
+    if (!(facet.area > 1e-12 * edges.squaredNorm())) continue;
+    facet.gradient.rightCols<2>() = edges.transpose().inverse();
+    facet.gradient.col(0) = -facet.gradient.rightCols<2>().rowwise().sum();
+    for (int k = 0; k < 3; ++k) {
+      const int v = facet.corners[k], w = facet.corners[(k + 1) % 3];
+      const auto [entry, added] = first_at.emplace(std::minmax(v, w), list.size());
+      if (added) continue;
+      const Facet& other = list[entry->second];
+      const Eigen::Vector2d edge = xy.col(w) - xy.col(v);
+      const double length = edge.norm();
+      const Eigen::Vector2d across(edge.y() / length, -edge.x() / length);
+      double kink = 0;
+      for (int c = 0; c < 3; ++c) {
+        kink += across.dot(facet.gradient.col(c)) * model[facet.corners[c]];
+        kink -= across.dot(other.gradient.col(c)) * model[other.corners[c]];
+      }
+      const double height = 2 * facet.area / length, other_height = 2 * other.area / length;
+      const double both = height + other_height;
+      // A flat sliver's kink is mostly noise.
+      const double weight = length * both * std::pow(height * other_height / both, 2) * kink;
+      for (int c = 0; c < 3; ++c) {
+        functional[facet.corners[c]] += weight * across.dot(facet.gradient.col(c));
+        functional[other.corners[c]] -= weight * across.dot(other.gradient.col(c));
+      }
+      weight_sum += weight * kink;
     }
+    list.push_back(facet);
   }
-  const Eigen::MatrixXd gain = h.ldlt().solve(b);
-  const Eigen::MatrixXd terms = quadric_columns(frame, vertices, scale).topRows(inside);
-  const Eigen::VectorXd depths = -(frame.col(2).transpose() * vertices / scale).transpose();
-  Eigen::VectorXd residuals = depths.head(inside) - terms * fit.coefficients;
-  const Eigen::VectorXd weights = areas.head(inside) / areas.head(inside).sum();
-  residuals.array() -= weights.dot(residuals);
-  const double variance =
-      weights.dot(residuals.cwiseAbs2()) * inside / static_cast<double>(inside - kUnknowns);
-  return variance * (gain * gain.transpose()).topLeftCorner<3, 3>();
+  return weight_sum > 0 ? functional.dot(depths) / weight_sum : 1;
+}
+
+/// How far the facets are to be taken as chords of the quadric, between 0 and 1.
+double chord_share(const Facets& facets, const TangentFit& fit) {
+  const auto ramp = [](double from_0, double to_1, double value) {
+    return std::clamp((value - from_0) / (to_1 - from_0), 0.0, 1.0);
+  };
+  // Corners outside the region do not tell what the surface does inside.
+  const double inside = ramp(0.7, 0.4, facets.long_share());
+  return inside > 0 ? inside * ramp(0.55, 0.85, kink_ratio(facets, fit)) : 0;
+}
+
+/// The vertex that stands out alone: farther from the fit than eight times what is usual, and twice
+/// as far as its neighbours. -1 when there is none.
+Eigen::Index spike(const Facets& facets, const Residuals& r) {
+  std::vector<double> sizes;
+  Eigen::VectorXd relative = Eigen::VectorXd::Zero(r.areas.size());
+  for (Eigen::Index v = 0; v < r.areas.size(); ++v) {
+    if (!(r.areas[v] > 0)) continue;
+    // A vertex that the fit has to follow has no residual to judge it by.
+    relative[v] = std::abs(r.of_vertices[v]) / std::sqrt(std::max(r.variances[v], 0.05));
+    sizes.push_back(relative[v]);
+  }
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double usual = std::max(1.4826 * *middle, 100 * kFinestDigit);  // of a normal distribution
+  Eigen::Index found;
+  if (relative.maxCoeff(&found) < 8 * usual) return -1;
+  const auto& corners = facets.region().corners;
+  for (Eigen::Index i = 0; i < corners.cols(); ++i) {
+    if ((corners.col(i).array() != found).all()) continue;
+    for (int k = 0; k < 3; ++k)
+      if (corners(k, i) != found && relative[corners(k, i)] > relative[found] / 2) return -1;
+  }
+  return found;
 }
 
 }  // namespace
@@ -175,13 +395,29 @@ std::array<double, 2> principal_curvatures_per_m(const Quadric& q) {
   return {-half_difference, half_difference};
 }
 
-std::array<double, 2> principal_curvature_std_per_m(double axis_rad,
-                                                    const Eigen::Matrix3d& covariance_per_m2) {
-  if (!covariance_per_m2.allFinite()) return {kInfinity, kInfinity};
-  const double c = std::cos(axis_rad), s = std::sin(axis_rad);
+Eigen::Matrix2d principal_curvature_covariance_per_m2(const Quadric& q,
+                                                      const Eigen::Matrix3d& covariance_per_m2) {
+  if (!covariance_per_m2.allFinite()) return Eigen::Vector2d::Constant(kInfinity).asDiagonal();
+  const double axis = principal_axis(q);
+  const double c = std::cos(axis), s = std::sin(axis);
   const Vector3d along(2 * c * c, 2 * s * s, 2 * c * s), across(2 * s * s, 2 * c * c, -2 * c * s);
-  return {std::sqrt(std::max(0.0, along.dot(covariance_per_m2 * along))),
-          std::sqrt(std::max(0.0, across.dot(covariance_per_m2 * across)))};
+  // The curvatures are A + B -+ |d| with d = (A - B, C); this is d's component across itself.
+  const Vector3d turning(-2 * c * s, 2 * c * s, c * c - s * s);
+  Eigen::Matrix<double, 2, 3> gradient;
+  gradient << along.transpose(), across.transpose();
+  Eigen::Matrix2d result = gradient * covariance_per_m2 * gradient.transpose();
+  const double size = std::hypot(q.A_per_m - q.B_per_m, q.C_per_m);
+  // 1.5: |d| itself has been pushed up, where it is no larger than its noise.
+  const double sideways = std::sqrt(std::max(0.0, turning.dot(covariance_per_m2 * turning)));
+  const double splitting = std::hypot(size, 1.5 * sideways) - size;
+  result += splitting * splitting * Eigen::Matrix2d{{1, -1}, {-1, 1}};
+  return result;
+}
+
+double radius_std_m(double curvature_per_m, double std_per_m) {
+  if (std::isinf(std_per_m)) return kInfinity;
+  const double relative = std_per_m / std::abs(curvature_per_m);
+  return relative / std::max(1 - 2 * relative, 0.1) / std::abs(curvature_per_m);
 }
 
 QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
@@ -202,10 +438,8 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
 
   // Depths are measured from the given point, whose foot on the fitted surface is the origin.
   const Vector3d to_point = neighbourhood.point_m() - neighbourhood.centre_m();
-  const Eigen::Matrix3Xd points = region.samples_m.colwise() - to_point;
   const Eigen::Matrix3Xd vertices = region.vertices_m.colwise() - to_point;
-  Vector3d normal = region.mean_normal;
-  Eigen::Matrix3d frame = frame_along(normal);
+  const Eigen::Matrix3d frame = frame_along(region.mean_normal);
   // The facets between too few vertices would pretend to know the curvature: flat.
   if (scaled_qr(quadric_columns(frame, vertices.leftCols(n), region_radius_m)).first.rank() <
       kUnknowns) {
@@ -213,68 +447,71 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
                      "vertices that determine a quadric: these lie on a line or a conic (choose a "
                      "larger radius or a finer mesh)");
   }
-  LinearFit fit;
-  double tilt = kInfinity, previous = kInfinity;
-  const int max_iterations = 100;
-  int iteration = 0;
-  bool polishing = false;  // most of the way by the normal equations, the end by QR
-  for (; iteration < max_iterations; ++iteration) {
-    frame = frame_along(normal);
-    Eigen::Vector2d tilts;
-    if (polishing) {
-      fit = solve(points, region.weights_m2, frame, region_radius_m);
-      tilts = fit.coefficients.segment<2>(3);
-    } else {
-      tilts = solve_roughly(points, region.weights_m2, frame, region_radius_m).segment<2>(3);
+  Facets facets(region, vertices, region_radius_m);
+  TangentFit fit = fit_tangent(facets, region.mean_normal);
+  Residuals scatter = residuals(facets, fit, 0);
+  int outliers = 0;
+  // A spike is moved onto the quadric, so that neither its facets' chords nor their depths count.
+  for (const int most = (scatter.freedom + kUnknowns) / 20; outliers < most; ++outliers) {
+    const Eigen::Index v = spike(facets, scatter);
+    if (v < 0) break;
+    // The fit without it; each step removes all but the leverage of what is left.
+    for (int step = 0; step < 8; ++step) {
+      facets.move(v, scatter.of_vertices[v] * region_radius_m * fit.normal);
+      fit = fit_tangent(facets, fit.normal);
+      scatter = residuals(facets, fit, outliers + 1);
     }
-    tilt = tilts.norm();
-    // Below 1e-8 an iteration that has stopped shrinking has arrived at round-off.
-    const bool arrived = tilt < 1e-14 || (tilt < 1e-8 && tilt >= 0.5 * previous);
-    if (polishing && arrived) break;
-    // Half steps where full ones do not contract: the frame then follows a strongly curved region.
-    const double step = tilt > 0.5 * previous && tilt >= 1e-8 ? 0.5 : 1.0;
-    previous = arrived ? kInfinity : tilt;
-    polishing = polishing || arrived;
-    normal = (normal + step * (frame.leftCols<2>() * tilts)).normalized();
   }
-  if (iteration == max_iterations) {
-    throw ConvergenceError("quadric fit", iteration, tilt,
-                           "the region is too strongly curved for one quadric: choose a smaller "
-                           "radius");
+  Eigen::Vector3d other_reading = Eigen::Vector3d::Zero();
+  const double chords = chord_share(facets, fit);
+  if (chords < 1) {
+    other_reading = fit.coefficients.head<3>();
+    facets.take_as_chords(chords);
+    fit = fit_tangent(facets, fit.normal);
+    scatter = residuals(facets, fit, outliers);
+    other_reading -= fit.coefficients.head<3>();
   }
 
   QuadricFit result;
   const double per_metre = 1 / region_radius_m;
   result.quadric = {fit.coefficients[0] * per_metre, fit.coefficients[1] * per_metre,
                     fit.coefficients[2] * per_metre};
+  // Where facets do not count as chords, two standard deviations reach what they would give.
   result.covariance_per_m2 =
-      covariance(fit, region, vertices, frame, region_radius_m) * per_metre * per_metre;
+      (covariance(scatter) + other_reading * other_reading.transpose() / 4) * per_metre * per_metre;
   const auto curvatures = internal::principal_curvatures_per_m(result.quadric);
   const double axis = principal_axis(result.quadric);
-  const auto curvature_std =
-      internal::principal_curvature_std_per_m(axis, result.covariance_per_m2);
+  const Eigen::Matrix2d curvature_covariance =
+      internal::principal_curvature_covariance_per_m2(result.quadric, result.covariance_per_m2);
   const double largest = std::max(std::abs(curvatures[0]), std::abs(curvatures[1]));
   result.principal.axis_rad = axis;
   for (int i = 0; i < 2; ++i) {
+    const double std = std::sqrt(curvature_covariance(i, i));
     // Flat: a sagitta of a millionth of the region, or a hundredth of the other direction's
     // curvature that is not significant. A sign that is noise would make a cylinder concave.
-    const double noise = std::min(3 * curvature_std[i], 1e-2 * largest);
-    result.principal.radii_m[i] =
-        radius_from_curvature(curvatures[i], std::max(2e-6 * per_metre, noise));
+    const double noise = std::min(3 * std, 1e-2 * largest);
+    const double radius = radius_from_curvature(curvatures[i], std::max(2e-6 * per_metre, noise));
+    result.principal.radii_m[i] = radius;
+    result.radii_std_m[i] =
+        std::isinf(radius) ? kInfinity : internal::radius_std_m(curvatures[i], std);
   }
-  for (int i = 0; i < 2; ++i) {
-    const double radius = result.principal.radii_m[i];
-    result.radii_std_m[i] = std::isinf(radius) ? kInfinity : curvature_std[i] * radius * radius;
-  }
-  result.normal = normal;
-  result.x_axis = frame.col(0);
-  result.origin_m = neighbourhood.point_m() - fit.coefficients[5] * region_radius_m * normal;
+  result.normal = fit.normal;
+  result.x_axis = fit.frame.col(0);
+  result.origin_m = neighbourhood.point_m() - fit.coefficients[5] * region_radius_m * fit.normal;
   result.area_m2 = region.weights_m2.sum();
+  const Eigen::VectorXd distances =
+      facets.depths(fit.frame) -
+      quadric_columns(fit.frame, facets.points(), region_radius_m) * fit.coefficients;
   result.residual_rms_m =
-      region_radius_m *
-      std::sqrt(region.weights_m2.dot(fit.residuals.cwiseAbs2()) / result.area_m2);
+      region_radius_m * std::sqrt(region.weights_m2.dot(distances.cwiseAbs2()) / result.area_m2);
   result.region_radius_m = region_radius_m;
   result.points = n;
+  result.outliers = outliers;
+  result.sharpest_kink_rad = region.sharp_kink_rad;
+  // A coarse or noisy mesh kinks everywhere; an edge stands out.
+  const double sharp = 35 * kPi / 180;
+  if (region.sharp_kink_rad > std::max(sharp, 6 * region.usual_kink_rad))
+    result.surface_kind = SurfaceKind::sharp_edge;
   return result;
 }
 
@@ -291,6 +528,27 @@ PrincipalCurvature principal_curvature(const Quadric& quadric) {
   return {{radius_from_curvature(curvatures[0], round_off),
            radius_from_curvature(curvatures[1], round_off)},
           principal_axis(quadric)};
+}
+
+std::array<double, 2> radii_region_change_m(const TriangleSurface& surface, const Vector3d& point_m,
+                                            const Vector3d* outward_normal, const QuadricFit& fit) {
+  const internal::SurfaceNeighbourhood neighbourhood(surface, point_m, outward_normal);
+  const auto curvatures = internal::principal_curvatures_per_m(fit.quadric);
+  std::array<double, 2> change{-1, -1};
+  for (double factor : {0.8, 1.25}) {
+    try {
+      const auto other = internal::principal_curvatures_per_m(
+          internal::fit_quadric(neighbourhood, factor * fit.region_radius_m).quadric);
+      for (int i : {0, 1}) change[i] = std::max(change[i], std::abs(other[i] - curvatures[i]));
+    } catch (const InputError&) {  // too few vertices: the other region has to do
+    } catch (const ConvergenceError&) {
+    }
+  }
+  for (int i : {0, 1}) {
+    const double radius = fit.principal.radii_m[i];
+    change[i] = change[i] < 0 || std::isinf(radius) ? kInfinity : change[i] * radius * radius;
+  }
+  return change;
 }
 
 QuadricFit fit_quadric(const TriangleSurface& surface, const Vector3d& point_m,

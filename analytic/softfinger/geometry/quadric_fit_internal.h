@@ -8,11 +8,17 @@ namespace softfinger::internal {
 /// `fit_quadric` for a neighbourhood that is kept over several radii.
 QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m);
 
-/// Standard deviations of the principal curvatures (ascending) of a quadric whose coefficients have
-/// the given covariance: first order, dk = 2 dA vx² + 2 dB vy² + 2 dC vx vy along each principal
-/// direction v. Infinite where the covariance is.
-std::array<double, 2> principal_curvature_std_per_m(double axis_rad,
-                                                    const Eigen::Matrix3d& covariance_per_m2);
+/// Covariance of the principal curvatures (ascending) of a quadric whose coefficients have the
+/// given covariance. First order: dk = 2 dA vx² + 2 dB vy² + 2 dC vx vy along each principal
+/// direction v. Added to it is the square of the amount by which noise pushes two eigenvalues
+/// apart, which is second order, about s²/|d| for a difference 2 |d| of the curvatures, but all
+/// there is at an umbilic point. Infinite diagonal where the covariance is.
+Eigen::Matrix2d principal_curvature_covariance_per_m2(const Quadric& quadric,
+                                                      const Eigen::Matrix3d& covariance_per_m2);
+
+/// Standard deviation of a radius of curvature such that two of them reach the far end of the two
+/// standard deviations of its curvature: 1/(k - 2 s) - 1/k = 2 (s/k²)/(1 - 2 s/k).
+double radius_std_m(double curvature_per_m, double std_per_m);
 
 /// Principal curvatures, ascending, in 1/m; the smaller one without cancellation.
 std::array<double, 2> principal_curvatures_per_m(const Quadric& quadric);

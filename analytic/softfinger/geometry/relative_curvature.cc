@@ -52,15 +52,22 @@ RelativeCurvature relative_curvature(const Quadric& finger,
   const double size = std::max(largest_curvature(finger), largest_curvature(object));
   const double round_off = 1e-9 * size;
   if (k[1] - k[0] > 1e-12 * size) result.radii.axis_rad = principal_curvature(sum).axis_rad;
-  const auto std = internal::principal_curvature_std_per_m(result.radii.axis_rad, covariance);
+  const Eigen::Matrix2d curvature_covariance =
+      internal::principal_curvature_covariance_per_m2(sum, covariance);
+  const std::array<double, 2> std{std::sqrt(curvature_covariance(0, 0)),
+                                  std::sqrt(curvature_covariance(1, 1))};
   const auto vanishes_below = [&](int i) {
     return std::max(round_off, std::min(3 * std[i], 1e-3 * size));
   };
-  if (std::abs(k[0]) <= vanishes_below(0) && std::abs(k[1]) <= vanishes_below(1)) {
+  const bool known = std::isfinite(std[0]) && std::isfinite(std[1]);
+  const auto within = [&](int i, double deviations) {
+    return std::abs(k[i]) <= std::max(vanishes_below(i), known ? deviations * std[i] : 0.0);
+  };
+  if (within(0, 2) && within(1, 2)) {
     result.kind = ContactKind::conforming;
-  } else if (k[0] > vanishes_below(0)) {
+  } else if (k[0] > 0 && !within(0, 0.5)) {
     result.kind = ContactKind::elliptic;
-  } else if (k[1] <= 0 || k[0] < -std::max(vanishes_below(0), std::min(std[0], size))) {
+  } else if (k[1] <= 0 || (k[0] < 0 && !within(0, 2))) {
     result.kind = ContactKind::saddle;
   } else {
     result.kind = ContactKind::line;
@@ -68,9 +75,40 @@ RelativeCurvature relative_curvature(const Quadric& finger,
   if (result.kind == ContactKind::elliptic) {
     result.radii.major_m = 1 / k[0];
     result.radii.minor_m = 1 / k[1];
-    result.radii_std_m = {std[0] / (k[0] * k[0]), std[1] / (k[1] * k[1])};
+    for (int i : {0, 1}) result.radii_std_m[i] = internal::radius_std_m(k[i], std[i]);
+    const Eigen::Vector2d radii(1 / k[0], 1 / k[1]);  // d ln R = -dk / k
+    if (known)
+      result.log_radii_covariance = radii.asDiagonal() * curvature_covariance * radii.asDiagonal();
+    else
+      result.log_radii_covariance =
+          Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()).asDiagonal();
   }
   return result;
+}
+
+double propagated_std(const RelativeCurvature& relative,
+                      const std::function<double(const RelativeRadii&)>& quantity) {
+  if (relative.kind != ContactKind::elliptic) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Matrix2d& covariance = relative.log_radii_covariance;
+  if (covariance.isZero(0)) return 0;
+  if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
+  // Three points on one side: second order, and R' stays the larger one also where both are equal.
+  // The third order is 1e-6 of the result, and a quantity's own errors count a thousandfold.
+  const double step = 1e-3, here = quantity(relative.radii);
+  Eigen::Vector2d gradient;
+  for (int i : {0, 1}) {
+    const auto at = [&](double steps) {
+      RelativeRadii radii = relative.radii;
+      if (i == 0)
+        radii.major_m *= std::exp(steps * step);
+      else
+        radii.minor_m *= std::exp(-steps * step);
+      return quantity(radii);
+    };
+    const double outwards = (4 * at(1) - at(2) - 3 * here) / (2 * step);
+    gradient[i] = i == 0 ? outwards : -outwards;
+  }
+  return std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
 }
 
 }  // namespace softfinger

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/input/contact_problem.h"
@@ -19,7 +20,9 @@ enum class ContactKind {
 struct RelativeCurvature {
   ContactKind kind = ContactKind::elliptic;
   RelativeRadii radii;                  ///< meaningful for `elliptic` only
-  std::array<double, 2> radii_std_m{};  ///< one standard deviation of R', R''; 0 for exact quadrics
+  std::array<double, 2> radii_std_m{};  ///< of R', R'', as in QuadricFit; 0 for exact quadrics
+  /// Covariance of (ln R', ln R''), first order; 0 for exact quadrics, for `elliptic` only.
+  Eigen::Matrix2d log_radii_covariance = Eigen::Matrix2d::Zero();
   std::array<double, 2> curvatures_per_m{};  ///< 1/R', 1/R'' (ascending), for any kind
 };
 
@@ -31,12 +34,23 @@ struct RelativeCurvature {
 /// Covariances (of A, B, C; zero for exact quadrics) are propagated to first order.
 ///
 /// A relative curvature counts as zero below 1e-9 of the bodies' largest one, or, between fits,
-/// below three of its standard deviations and 1e-3 of the largest one. A negative one within one
-/// standard deviation of zero is `line`, not `saddle`.
+/// below three of its standard deviations and 1e-3 of the largest one. Two that are both within two
+/// standard deviations of zero are `conforming`; a negative one within two of zero, or a positive
+/// one within half of one, is a `line`. (A longer ellipse is still an ellipse, whose length is
+/// known badly, and its `radii_std_m` says so.) Where the covariance is infinite, the values
+/// decide.
 RelativeCurvature relative_curvature(const Quadric& finger,
                                      const Eigen::Matrix3d& finger_covariance_per_m2,
                                      const Quadric& object,
                                      const Eigen::Matrix3d& object_covariance_per_m2,
                                      double angle_rad);
+
+/// Standard deviation, first order, of a quantity of the relative radii (an ellipse's semi-axis, a
+/// torque) in the quantity's own unit: sqrt(g^T S g) with its derivatives g with respect to (ln R',
+/// ln R''), by differences outwards from R' >= R'', five calls, and S = `log_radii_covariance`.
+/// 0 for exact quadrics, infinite where the covariance is, NaN unless `elliptic`. What `quantity`
+/// throws is passed on.
+double propagated_std(const RelativeCurvature& relative,
+                      const std::function<double(const RelativeRadii&)>& quantity);
 
 }  // namespace softfinger

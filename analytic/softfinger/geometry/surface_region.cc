@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "softfinger/input/errors.h"
 
@@ -277,6 +278,61 @@ class BallQuadrature {
 
 }  // namespace
 
+void SurfaceNeighbourhood::measure_kinks(const Component& found, double radius_m,
+                                         SurfaceRegion& region) const {
+  const double radius2 = radius_m * radius_m;
+  struct Kink {
+    double angle, length;
+    bool sliver;
+  };
+  std::vector<Kink> kinks;
+  double total = 0;
+  std::vector<char> inside(surface_.triangles.size(), 0);
+  for (int t : found.triangles) inside[t] = 1;
+  for (int t : found.triangles) {
+    const auto& triangle = surface_.triangles[t];
+    const double area = area_vectors_[t].norm();
+    for (int corner = 0; corner < 3; ++corner) {
+      const int v = triangle[corner], w = triangle[(corner + 1) % 3];
+      if (squared_distance_to_segment(relative(v), relative(w)) > radius2) continue;
+      const double length = (relative(v) - relative(w)).norm();
+      for (int n = first_[v]; n < first_[v + 1]; ++n) {
+        const int other = vertex_triangles_[n];
+        if (other == t || (inside[other] && other < t)) continue;  // each edge once
+        const auto& corners = surface_.triangles[other];
+        const auto at = std::find(corners.begin(), corners.end(), v) - corners.begin();
+        const bool opposite = corners[(at + 2) % 3] == w;
+        if (!opposite && corners[(at + 1) % 3] != w) continue;
+        const double other_area = area_vectors_[other].norm();
+        if (!(area > 0) || !(other_area > 0)) continue;
+        // Neighbours run through their edge in opposite directions, or one of them is turned.
+        const double cosine =
+            (opposite ? 1 : -1) * area_vectors_[t].dot(area_vectors_[other]) / (area * other_area);
+        // Over so small a height noise, or the points' placing, turns a triangle anywhere.
+        const double height = std::min(area, other_area) / length;
+        kinks.push_back({std::acos(std::clamp(cosine, -1.0, 1.0)), length,
+                         height < 0.2 * std::min(length, radius_m)});
+        total += length;
+      }
+    }
+  }
+  std::sort(kinks.begin(), kinks.end(),
+            [](const Kink& a, const Kink& b) { return a.angle < b.angle; });
+  double sum = 0;
+  for (const Kink& kink : kinks) {
+    sum += kink.length;
+    region.usual_kink_rad = kink.angle;
+    if (sum >= total / 2) break;
+  }
+  // An edge runs through the region or along its end: the kink that half a radius of edges exceeds.
+  sum = 0;
+  for (auto kink = kinks.rbegin(); kink != kinks.rend() && sum < radius_m / 2; ++kink) {
+    if (kink->sliver) continue;
+    sum += kink->length;
+    if (sum >= radius_m / 2) region.sharp_kink_rad = kink->angle;
+  }
+}
+
 SurfaceRegion SurfaceNeighbourhood::region(double radius_m) const {
   const Component found = component(radius_m);
   SurfaceRegion region;
@@ -284,6 +340,7 @@ SurfaceRegion SurfaceNeighbourhood::region(double radius_m) const {
   region.vertices_within = static_cast<int>(found.vertices.size());
   std::vector<int> column(surface_.vertices_m.size(), -1), vertices = found.vertices;
   for (std::size_t i = 0; i < vertices.size(); ++i) column[vertices[i]] = static_cast<int>(i);
+  measure_kinks(found, radius_m, region);
   BallQuadrature quadrature(radius_m);
   for (int t : found.triangles) {
     std::array<Vector3d, 3> corners;

@@ -20,6 +20,11 @@ struct SurfaceRegion {
   Eigen::Matrix3Xd vertices_m;  ///< of all facets that the region touches, relative to the centre
   int vertices_within = 0;      ///< the first of them, which lie within the radius
   Eigen::Vector3d mean_normal;  ///< unit, area-weighted, outward
+
+  /// Angles between the normals of neighbouring facets, over edges that reach into the ball, those
+  /// included at which the region ends because the surface turns away: the largest that edges of
+  /// half the region's radius reach (no slivers), and the median by the edges' length.
+  double sharp_kink_rad = 0, usual_kink_rad = 0;
 };
 
 /// A surface as seen from one point: built once (linear in the number of triangles), then regions
@@ -59,6 +64,7 @@ class SurfaceNeighbourhood {
   };
   Component grow(double radius_m, const Eigen::Vector3d& reference_normal) const;
   Component component(double radius_m) const;
+  void measure_kinks(const Component& found, double radius_m, SurfaceRegion& region) const;
   Eigen::Vector3d relative(int vertex) const { return surface_.vertices_m[vertex] - centre_; }
 
   const TriangleSurface& surface_;

@@ -1,0 +1,86 @@
+#include "softfinger/friction/ellipsoid_deviation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger {
+namespace {
+
+constexpr double kHalfPi = 1.57079632679489661923;
+
+/// The point of the surface for a slip of direction `heading` and share `turning` of rotation, both
+/// angles from 0 to pi/2, and the ellipsoid's deviation there.
+struct Slip {
+  Twist twist;
+  LimitWrench wrench;
+  double deviation = 0;
+};
+
+Slip slip_at(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid, double heading,
+             double turning) noexcept {
+  const double sliding = std::cos(turning);
+  Slip slip;
+  slip.twist = {sliding * std::cos(heading), sliding * std::sin(heading),
+                std::sin(turning) / surface.eccentricity_m()};
+  slip.wrench = surface.wrench_for_twist(slip.twist);
+  slip.deviation =
+      ellipsoid.utilisation(slip.wrench.force_x_N, slip.wrench.force_y_N, slip.wrench.torque_Nm) -
+      1;
+  return slip;
+}
+
+/// Largest sign * deviation: a grid, then a pattern search from its best point.
+Slip extreme(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
+             double sign) noexcept {
+  constexpr int kHeadings = 12, kTurnings = 48;
+  constexpr double kSmallestStep = 1e-7;  // of an angle: squared, far below what is promised
+  double heading = 0, turning = 0;
+  Slip best = slip_at(surface, ellipsoid, 0, 0);
+  const auto improve = [&](double h, double t) {
+    h = std::clamp(h, 0.0, kHalfPi);
+    t = std::clamp(t, 0.0, kHalfPi);
+    const Slip slip = slip_at(surface, ellipsoid, h, t);
+    if (!(sign * slip.deviation > sign * best.deviation)) return false;
+    best = slip;
+    heading = h;
+    turning = t;
+    return true;
+  };
+  for (int i = 0; i <= kHeadings; ++i)
+    for (int j = 0; j <= kTurnings; ++j) improve(kHalfPi * i / kHeadings, kHalfPi * j / kTurnings);
+  double step = kHalfPi / kTurnings;
+  for (int i = 0; i < 400 && step > kSmallestStep; ++i) {
+    bool improved = false;
+    for (const auto& [h, t] : {std::pair<int, int>{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+      improved = improve(heading + h * step, turning + t * step) || improved;
+    if (!improved) step /= 2;
+  }
+  return best;
+}
+
+}  // namespace
+
+double ellipsoid_deviation(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
+                           const LimitWrench& direction) noexcept {
+  const double exact = surface.utilisation(direction);
+  if (!(exact > 0)) return 0;
+  return ellipsoid.utilisation(direction.force_x_N, direction.force_y_N, direction.torque_Nm) /
+             exact -
+         1;
+}
+
+EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
+                                             const FrictionEllipsoid& ellipsoid) noexcept {
+  EllipsoidDeviation worst;
+  if (!(surface.max_torque_Nm() > 0)) return worst;
+  const Slip low = extreme(surface, ellipsoid, -1), high = extreme(surface, ellipsoid, 1);
+  worst.lowest = std::min(low.deviation, 0.0);
+  worst.lowest_twist = low.twist;
+  worst.lowest_wrench = low.wrench;
+  worst.highest = std::max(high.deviation, 0.0);
+  worst.highest_twist = high.twist;
+  worst.highest_wrench = high.wrench;
+  return worst;
+}
+
+}  // namespace softfinger
