@@ -364,7 +364,8 @@ int default_job_count() {
   cpu_set_t cores;
   CPU_ZERO(&cores);
   const int count = sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
-  // Each process takes up to 1 GB: more of them would need more memory than a usual machine has.
+  // Each process takes up to 2 GB for a long contact: more of them would need more memory than a
+  // usual machine has.
   return std::clamp(count, 1, 8);
 }
 
@@ -441,7 +442,7 @@ int compare(const CompareOptions& options) {
         "At least one FEM result failed or is less accurate than its stated limits (2 % in a and "
         "b, "
         "1 % in indentation and torque).\n";
-  answer += fmt::format("Report: {}\n", (options.output / "report.html").string());
+  answer += fmt::format("Report: {}\n", fs::absolute(options.output / "report.html").string());
   write_to_stdout(answer);
   return all_trusted ? 0 : 1;
 }

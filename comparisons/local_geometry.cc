@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "meshes/io/read_surface.h"
+#include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -19,7 +20,10 @@ const PressureModel& patch_model(const ContactProblem& problem) {
   // Asked many times per load, so that models outside the hot path are out of the question.
   for (const PressureModel* model : all_pressure_models())
     if (model->card().hot_path && model->predict(problem).valid()) return *model;
-  if (const PressureModel* hertz = find_pressure_model("hertz")) return *hertz;
+  // Outside every validity the size of a contact is still known best by the model of widest reach.
+  for (const char* name : {"bonded_layer", "hertz"})
+    if (const PressureModel* model = find_pressure_model(name))
+      if (model->predict(problem).has_answer) return *model;
   return *all_pressure_models().front();
 }
 
@@ -58,10 +62,26 @@ void require_ellipse(const RelativeCurvature& relative, const std::string& where
 
 }  // namespace
 
-std::string tolerated_triangles(int degenerate, int duplicate) {
-  if (degenerate == 0 && duplicate == 0) return "";
-  return fmt::format("{} degenerate and {} duplicate triangles were left out", degenerate,
-                     duplicate);
+std::string tolerated(const meshes::SurfaceFile& file) {
+  std::string text;
+  if (file.degenerate_triangles > 0 || file.duplicate_triangles > 0)
+    text = fmt::format("{} degenerate and {} duplicate triangles were left out",
+                       file.degenerate_triangles, file.duplicate_triangles);
+  if (file.was_inside_out)
+    text += std::string(text.empty() ? "" : "; ") + "all triangles faced inwards and were turned";
+  return text;
+}
+
+void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                              const std::string& where, const std::string& field) {
+  constexpr double kFarthest = 0.05;
+  const internal::SurfaceNeighbourhood neighbourhood(surface, point_m, nullptr);
+  if (neighbourhood.distance_m() > kFarthest * neighbourhood.extent_m())
+    throw InputError(where, field,
+                     fmt::format("{:.4g}, {:.4g}, {:.4g} mm", 1e3 * point_m.x(), 1e3 * point_m.y(),
+                                 1e3 * point_m.z()),
+                     fmt::format("a point on the surface; the nearest triangle is {:.4g} mm away",
+                                 1e3 * neighbourhood.distance_m()));
 }
 
 GeometryResolver::GeometryResolver(const Case& contact_case) : case_(contact_case) {
@@ -76,9 +96,8 @@ GeometryResolver::GeometryResolver(const Case& contact_case) : case_(contact_cas
                        "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
                        "does not exist");
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
-    const std::string tolerated =
-        tolerated_triangles(file.degenerate_triangles, file.duplicate_triangles);
-    if (!tolerated.empty()) remarks_.push_back(mesh->path.string() + ": " + tolerated);
+    const std::string note = tolerated(file);
+    if (!note.empty()) remarks_.push_back(mesh->path.string() + ": " + note);
     surfaces_.emplace(surface_key(*mesh), std::move(file.surface));
   }
 }
@@ -89,6 +108,7 @@ ContactBody GeometryResolver::contact_body(const CaseBody& body) const {
   if (const auto* sphere = std::get_if<SphereBody>(&body))
     return quadric_from_radii(sphere->radius_m, sphere->radius_m);
   const auto& mesh = std::get<MeshBody>(body);
+  require_point_on_surface(surfaces_.at(surface_key(mesh)), mesh.point_m, mesh.where, "point_mm");
   return MeshContactPoint{&surfaces_.at(surface_key(mesh)), mesh.point_m, mesh.normal};
 }
 
@@ -122,7 +142,11 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
                                      });
   } catch (const InputError& error) {
     // The fit knows no files: say which case, and on which line, its surface came from.
+    if (error.field() == "point_mm") throw;
     throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
+  } catch (const ConvergenceError& error) {
+    throw InputError(case_.geometry_where, "surface near the contact point", "",
+                     std::string("one that a quadric can follow (") + error.what() + ")");
   }
   require_ellipse(result.patch->relative, case_.geometry_where);
   result.radii = result.patch->relative.radii;

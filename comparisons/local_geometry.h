@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "comparisons/case.h"
+#include "meshes/io/read_surface.h"
 #include "softfinger/geometry/contact_patch.h"
 #include "softfinger/input/triangle_surface.h"
 
@@ -46,7 +47,14 @@ class GeometryResolver {
   std::vector<std::string> remarks_;
 };
 
-/// "3 degenerate and 1 duplicate triangles were left out", or empty.
-std::string tolerated_triangles(int degenerate, int duplicate);
+/// "3 degenerate and 1 duplicate triangles were left out", "all triangles were turned round", or
+/// empty.
+std::string tolerated(const meshes::SurfaceFile& file);
+
+/// A contact point that floats beside the surface, or lies deep inside the body, is a mistake in
+/// the point or the unit: a region wide enough to reach the surface from there would say nothing.
+/// @throws InputError when the surface is farther than 5 % of its own extent.
+void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                              const std::string& where, const std::string& field);
 
 }  // namespace softfinger

@@ -28,7 +28,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
   command
       ->add_option(
           "--jobs", options->jobs,
-          "finite-element processes side by side, 1 to 64, up to 1 GB each; default: the cores, "
+          "finite-element processes side by side, 1 to 64, up to 2 GB each; default: the cores, "
           "at most 8")
       ->check(CLI::Range(1, 64));
   command->footer(

@@ -65,6 +65,10 @@ std::string millimetres(double value_m) {
   return std::isfinite(value_m) ? fmt::format("{:.5g} mm", value_m * 1e3) : "flat";
 }
 
+std::string plus_minus(double std_m) {
+  return std::isfinite(std_m) ? "± " + millimetres(std_m) : "uncertainty unknown";
+}
+
 int run(const Options& options) {
   const double metres_per_unit = options.unit == "m" ? 1 : 1e-3;
   const Eigen::Vector3d point_m =
@@ -84,9 +88,9 @@ int run(const Options& options) {
 
   const auto path = find_mesh_file(options.mesh, "");
   const auto file = meshes::read_surface(path.string(), metres_per_unit);
-  const std::string tolerated =
-      tolerated_triangles(file.degenerate_triangles, file.duplicate_triangles);
-  if (!tolerated.empty()) remark(path.string() + ": " + tolerated);
+  const std::string note = tolerated(file);
+  if (!note.empty()) remark(path.string() + ": " + note);
+  require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
   const QuadricFit fit = [&] {
     try {
@@ -96,6 +100,9 @@ int run(const Options& options) {
     } catch (const InputError& error) {
       // The fit knows no files.
       throw InputError(path.string(), error.field(), error.value(), error.allowed());
+    } catch (const ConvergenceError& error) {
+      throw InputError(path.string(), "surface near the point", "",
+                       std::string("one that a quadric can follow (") + error.what() + ")");
     }
   }();
   if (!options.radius_given)
@@ -122,15 +129,15 @@ int run(const Options& options) {
   const auto& principal = fit.principal;
   write_to_stdout(fmt::format(
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
-      "principal radii: {} (± {}) along {:.4g}° from x, {} (± {}) across; negative = concave\n"
+      "principal radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
       "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}\n"
       "normal: {:.5f}, {:.5f}, {:.5f}\n"
       "x axis: {:.5f}, {:.5f}, {:.5f}\n"
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
       fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
-      millimetres(principal.radii_m[0]), millimetres(fit.radii_std_m[0]),
+      millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
       principal.axis_rad * 180 / 3.14159265358979323846, millimetres(principal.radii_m[1]),
-      millimetres(fit.radii_std_m[1]), millimetres(region_change_m[0]),
+      plus_minus(fit.radii_std_m[1]), millimetres(region_change_m[0]),
       millimetres(region_change_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
       fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
       fit.area_m2 * 1e6, fit.region_radius_m * 1e3));

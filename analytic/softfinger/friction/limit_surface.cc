@@ -25,8 +25,8 @@ double hypergeometric(double a, double b, double c, double z) noexcept {
   return sum;
 }
 
-/// `vector` divided by a power of two near its largest component, so that squares neither overflow nor underflow; zero
-/// for zero, and for anything not finite.
+/// `vector` divided by a power of two near its largest component, so that squares neither overflow
+/// nor underflow; zero for zero, and for anything not finite.
 Eigen::Vector3d normalised(const Eigen::Vector3d& vector) noexcept {
   const double largest = vector.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !vector.allFinite()) return Eigen::Vector3d::Zero();

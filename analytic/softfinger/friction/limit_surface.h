@@ -47,9 +47,10 @@ struct Twist {
 /// Relative error of a wrench, as a vector in the scaled space (f, tau/e_n): below 1e-12 for a/b up
 /// to 1e4 (see the tests), 1e-8 for any.
 /// Nothing allocates but `sample` and `sample_section`, nothing throws but they, every loop is
-/// bounded. Cost, measured by friction_bench over all slips: constructing 0.5 microseconds; a wrench
-/// 0.4 (circle), 2 (a/b = 2 to 10), 4 (a/b = 1e4), half as much again for n other than 0, 1/2, 1, 2;
-/// utilisation 10 to 45, projection twice that. SixPatchSurface: 60 ns and 1 microsecond, within 1 %.
+/// bounded. Cost, measured by friction_bench over all slips: constructing 0.5 microseconds; a
+/// wrench 0.4 (circle), 2 (a/b = 2 to 10), 4 (a/b = 1e4), half as much again for n other than 0,
+/// 1/2, 1, 2; utilisation 10 to 45, projection twice that. SixPatchSurface: 60 ns and 1
+/// microsecond, within 1.3 % to a/b = 10.
 class LimitSurface {
  public:
   /// @param a_m, b_m     semi-axes, a along x
