@@ -23,7 +23,7 @@ using samples::NoiseScale;
 #ifdef NDEBUG
 constexpr int kTrials = 1000;
 #else
-constexpr int kTrials = 12;  // what a sanitized build does in seconds
+constexpr int kTrials = 30;  // what a sanitized build does in seconds
 #endif
 
 struct Reading {
@@ -70,6 +70,7 @@ TEST(QuadricFitCoverage, TwoStandardDeviationsHoldBothRadiiOfNoisyQuadrics) {
   const Eigen::Vector3d up(0, 0, 1);
   std::printf("1 %% noise%33s both   R'     R''   median |error|/std  median std/R\n", "");
   for (const auto& [name, trials, options] : readings()) {
+    if (trials < 30) continue;  // too few to tell anything
     std::mt19937 random(7);
     int both = 0;
     std::array<int, 2> inside{};
