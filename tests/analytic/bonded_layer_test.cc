@@ -48,7 +48,7 @@ void print(const char* what, const Errors& worst) {
   std::printf("\n");
 }
 
-/// Twice what was measured when the table was made (over 3,000 points): the table's error must not
+/// Twice what was measured when the table was made (about 1,000 points): the table's error must not
 /// grow. A tenth of the promise: 0.5 % in axes and torque, 1 % in the indentation.
 constexpr Errors kStated = {3e-4, 3e-4, 5e-4, 1e-3, 1.5e-3};
 
