@@ -174,6 +174,12 @@ class ElementStiffness {
   std::map<std::array<long, 3 * 7>, dealii::FullMatrix<double>> unit_size_;
 };
 
+/// The unknowns of one problem: what neither the bond, nor hanging nodes, nor a symmetry fixes.
+struct Unknowns {
+  std::vector<int> of_dof;  ///< -1 where fixed
+  int count = 0;
+};
+
 }  // namespace
 
 int LayerDiscretisation::elements_along_a() const {
@@ -188,36 +194,43 @@ struct LayerModel::Implementation {
   dealii::Triangulation<dim> triangulation{dealii::Triangulation<dim>::maximum_smoothing};
   dealii::FESystem<dim> element{dealii::FE_Q<dim>(2), dim};
   dealii::DoFHandler<dim> dofs{triangulation};
-  dealii::AffineConstraints<double> constraints;
-  std::vector<int> free_index;             ///< per dof; -1 where constrained
-  std::vector<global_dof_index> node_dof;  ///< normal displacement of each surface node
+  dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
+  std::vector<char> on_plane;                     ///< per dof: bit 0 on x = 0, bit 1 on y = 0
+  std::vector<char> component;                    ///< per dof: 0 to 2
+  dealii::SparsityPattern pattern;
+  dealii::SparseMatrix<double> stiffness;                  ///< without the symmetries
+  std::vector<std::array<global_dof_index, 3>> node_dofs;  ///< of each surface node
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
+  Unknowns even;  ///< of the problem whose factor is kept
   std::unique_ptr<CholeskyFactor> factor;
   Eigen::MatrixXd compliance;
-  int unknowns = 0;
 
   void constrain(const std::vector<dealii::Point<dim>>& support);
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
-  SparseSymmetricMatrix assemble();
+  void assemble();
+  Unknowns free_unknowns(Parity parity) const;
+  SparseSymmetricMatrix lower_triangle(const Unknowns& free) const;
 };
 
 void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>& support) {
   dealii::DoFTools::make_hanging_node_constraints(dofs, constraints);
+  on_plane.assign(dofs.n_dofs(), 0);
+  component.assign(dofs.n_dofs(), 0);
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
-  std::vector<char> fixed(dofs.n_dofs(), 0);
+  std::vector<char> bonded(dofs.n_dofs(), 0);
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     for (unsigned int i = 0; i < indices.size(); ++i) {
-      const auto& point = support[indices[i]];
-      const unsigned int component = element.system_to_component_index(i).first;
-      const bool base = at(point[2], -1);
-      const bool mirror = component < 2 && at(point[component], 0);
-      if (base || mirror) fixed[indices[i]] = 1;
+      const auto dof = indices[i];
+      component[dof] = static_cast<char>(element.system_to_component_index(i).first);
+      on_plane[dof] =
+          static_cast<char>((at(support[dof][0], 0) ? 1 : 0) + (at(support[dof][1], 0) ? 2 : 0));
+      bonded[dof] = at(support[dof][2], -1);
     }
   }
-  for (global_dof_index i = 0; i < fixed.size(); ++i)
-    if (fixed[i] && !constraints.is_constrained(i)) constraints.add_line(i);
+  for (global_dof_index i = 0; i < bonded.size(); ++i)
+    if (bonded[i] && !constraints.is_constrained(i)) constraints.add_line(i);
   constraints.close();
 }
 
@@ -226,7 +239,7 @@ void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point
   const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
   const double patch_x = discretisation.patch * discretisation.a;
   const double patch_y = discretisation.patch * discretisation.b;
-  std::map<global_dof_index, int> node_of_dof;
+  std::map<global_dof_index, int> node_of_dof;  // by the dof of the normal displacement
   std::vector<global_dof_index> indices(element.n_dofs_per_face());
   for (const auto& cell : dofs.active_cell_iterators())
     for (const unsigned int f : cell->face_indices()) {
@@ -249,7 +262,7 @@ void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point
             node_of_dof.emplace(indices[i], static_cast<int>(nodes.size()));
         if (is_new) {
           nodes.push_back({point[0], point[1], 0});
-          node_dof.push_back(indices[i]);
+          node_dofs.emplace_back();
         }
         const auto column = std::lround(2 * (point[0] - surface.x) / surface.size_x);
         const auto row = std::lround(2 * (point[1] - surface.y) / surface.size_y);
@@ -260,41 +273,57 @@ void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point
             simpson[column] * simpson[row] * surface.size_x * surface.size_y;
         touchable = true;
       }
+      for (const auto dof : indices) {
+        const auto column = std::lround(2 * (support[dof][0] - surface.x) / surface.size_x);
+        const auto row = std::lround(2 * (support[dof][1] - surface.y) / surface.size_y);
+        const int node = surface.node[static_cast<std::size_t>(column + 3 * row)];
+        if (node >= 0)
+          node_dofs[static_cast<std::size_t>(node)][static_cast<std::size_t>(component[dof])] = dof;
+      }
       if (touchable) faces.push_back(surface);
     }
 }
 
-SparseSymmetricMatrix LayerModel::Implementation::assemble() {
-  dealii::SparsityPattern pattern;
+void LayerModel::Implementation::assemble() {
   {
     dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
     dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
     pattern.copy_from(dynamic);
   }
-  dealii::SparseMatrix<double> matrix(pattern);
-  ElementStiffness stiffness(element, poisson_ratio);
+  stiffness.reinit(pattern);
+  ElementStiffness of_cell(element, poisson_ratio);
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
-    constraints.distribute_local_to_global(stiffness(cell), indices, matrix);
+    constraints.distribute_local_to_global(of_cell(cell), indices, stiffness);
   }
+}
 
-  // Constrained unknowns are left out before the ordering sees them.
-  free_index.assign(dofs.n_dofs(), -1);
-  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i)
-    if (!constraints.is_constrained(i)) free_index[i] = unknowns++;
+Unknowns LayerModel::Implementation::free_unknowns(Parity parity) const {
+  Unknowns result;
+  result.of_dof.assign(dofs.n_dofs(), -1);
+  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
+    const bool fixed_x = (on_plane[i] & 1) && (component[i] == 0) != parity.odd_x;
+    const bool fixed_y = (on_plane[i] & 2) && (component[i] == 1) != parity.odd_y;
+    if (!fixed_x && !fixed_y && !constraints.is_constrained(i)) result.of_dof[i] = result.count++;
+  }
+  return result;
+}
+
+/// Fixed unknowns are left out before the ordering sees them.
+SparseSymmetricMatrix LayerModel::Implementation::lower_triangle(const Unknowns& free) const {
   SparseSymmetricMatrix lower;
-  lower.size = unknowns;
-  lower.column_begin.reserve(static_cast<std::size_t>(unknowns) + 1);
+  lower.size = free.count;
+  lower.column_begin.reserve(static_cast<std::size_t>(free.count) + 1);
   lower.column_begin.push_back(0);
-  lower.row.reserve(pattern.n_nonzero_elements() / 2 + static_cast<std::size_t>(unknowns));
+  lower.row.reserve(pattern.n_nonzero_elements() / 2 + static_cast<std::size_t>(free.count));
   lower.value.reserve(lower.row.capacity());
   for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
-    if (free_index[i] < 0) continue;
+    if (free.of_dof[i] < 0) continue;
     // Row i of a symmetric matrix is its column i; deal.II puts the diagonal first, then ascends.
-    for (auto entry = matrix.begin(i); entry != matrix.end(i); ++entry) {
-      const int row = free_index[entry->column()];
-      if (row < free_index[i]) continue;
+    for (auto entry = stiffness.begin(i); entry != stiffness.end(i); ++entry) {
+      const int row = free.of_dof[entry->column()];
+      if (row < free.of_dof[i]) continue;
       lower.row.push_back(row);
       lower.value.push_back(entry->value());
     }
@@ -317,12 +346,40 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson
   dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), self.dofs, support);
   self.constrain(support);
   self.collect_surface(support);
+  self.assemble();
 
-  const SparseSymmetricMatrix stiffness = self.assemble();
+  self.even = self.free_unknowns(Parity{});
   std::vector<int> last;
-  for (const auto dof : self.node_dof) last.push_back(self.free_index[dof]);
-  self.factor = std::make_unique<CholeskyFactor>(stiffness, last);
+  for (const auto& dof : self.node_dofs) last.push_back(self.even.of_dof[dof[2]]);
+  self.factor = std::make_unique<CholeskyFactor>(self.lower_triangle(self.even), last);
   self.compliance = self.factor->compliance_of_last();
+}
+
+Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
+  const auto& self = *implementation_;
+  const Unknowns free = self.free_unknowns(parity);
+  std::vector<int> last;
+  std::vector<Eigen::Index> place;  // of each in the 3 x 3 blocks
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int unknown = free.of_dof[self.node_dofs[static_cast<std::size_t>(nodes[i])][c]];
+      if (unknown < 0) continue;
+      last.push_back(unknown);
+      place.push_back(static_cast<Eigen::Index>(3 * i + c));
+    }
+  const Eigen::MatrixXd condensed =
+      CholeskyFactor(self.lower_triangle(free), last).compliance_of_last();
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index j = 0; j < condensed.cols(); ++j)
+    for (Eigen::Index i = 0; i < condensed.rows(); ++i) {
+      // The model's z points out of the layer.
+      const Eigen::Index row = place[static_cast<std::size_t>(i)],
+                         column = place[static_cast<std::size_t>(j)];
+      const bool turned = (row % 3 == 2) != (column % 3 == 2);
+      compliance(row, column) = turned ? -condensed(i, j) : condensed(i, j);
+    }
+  return compliance;
 }
 
 LayerModel::~LayerModel() = default;
@@ -332,22 +389,22 @@ const LayerDiscretisation& LayerModel::discretisation() const {
 }
 const std::vector<SurfaceNode>& LayerModel::nodes() const { return implementation_->nodes; }
 const std::vector<SurfaceFace>& LayerModel::faces() const { return implementation_->faces; }
-long LayerModel::unknowns() const { return implementation_->unknowns; }
+long LayerModel::unknowns() const { return implementation_->even.count; }
 const Eigen::MatrixXd& LayerModel::compliance() const { return implementation_->compliance; }
 
 void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force,
                            double thickness_m, double youngs_modulus_Pa) const {
   auto& self = *implementation_;
-  Eigen::VectorXd load = Eigen::VectorXd::Zero(self.unknowns);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(self.even.count);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    load[self.free_index[self.node_dof[i]]] = -force[static_cast<Eigen::Index>(i)];
+    load[self.even.of_dof[self.node_dofs[i][2]]] = -force[static_cast<Eigen::Index>(i)];
   const Eigen::VectorXd solution = self.factor->solve(load);
   dealii::Vector<double> displacement_m(self.dofs.n_dofs()), pressure_Pa(self.dofs.n_dofs());
   for (global_dof_index i = 0; i < self.dofs.n_dofs(); ++i)
-    if (self.free_index[i] >= 0) displacement_m[i] = thickness_m * solution[self.free_index[i]];
+    if (self.even.of_dof[i] >= 0) displacement_m[i] = thickness_m * solution[self.even.of_dof[i]];
   self.constraints.distribute(displacement_m);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    pressure_Pa[self.node_dof[i]] =
+    pressure_Pa[self.node_dofs[i][2]] =
         youngs_modulus_Pa * force[static_cast<Eigen::Index>(i)] / self.nodes[i].weight;
   dealii::GridTools::scale(thickness_m, self.triangulation);
   write_solution(path, self.dofs, displacement_m, pressure_Pa, youngs_modulus_Pa,

@@ -33,9 +33,16 @@ struct SurfaceFace {
   std::array<int, 9> node;
 };
 
-/// Quarter of an elastic layer bonded to a rigid base, symmetric about x = 0 and y = 0, condensed
-/// on the normal displacements of its surface nodes. Lengths / h, stresses / E: one model serves
-/// every load, radius and modulus for which the contact stays inside the patch.
+/// What a displacement field does under the mirrors x -> -x and y -> -y: an even one is its own
+/// mirror image (no normal displacement on the plane), an odd one its negative (normal displacement
+/// only). Every field on the whole layer is a sum of four such fields, each known from a quarter.
+struct Parity {
+  bool odd_x = false, odd_y = false;
+};
+
+/// Quarter of an elastic layer bonded to a rigid base, condensed on the displacements of its
+/// surface nodes. Lengths / h, stresses / E: one model serves every load, radius, modulus and
+/// coefficient of friction for which the contact stays inside the patch.
 ///
 /// Q2 displacements; the volumetric strain is projected on discontinuous linear functions per
 /// element (Q2/P1disc with the pressure condensed), which neither locks nor oscillates as nu ->
@@ -54,8 +61,14 @@ class LayerModel {
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
 
-  /// Displacement into the layer per unit force into it on the quarter model, n x n.
+  /// Displacement into the layer per unit force into it on the quarter model, n x n, for fields
+  /// even in x and y.
   const Eigen::MatrixXd& compliance() const;
+
+  /// Displacement per unit force on the quarter model, fields of the given parity, for some of the
+  /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. Rows and columns of
+  /// components that the parity fixes are zero. Each call factorises.
+  Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
 
   /// Displacement, stress and contact pressure of the quarter in SI units, atomically.
   /// @param force  per surface node, in units of E h²

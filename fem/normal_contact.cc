@@ -10,18 +10,23 @@
 namespace softfinger::fem {
 
 NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
-                                   double load) {
+                                   double load, const NormalContact* start) {
   const Eigen::Index count = gap.size();
   NormalContact contact;
   contact.force = Eigen::VectorXd::Zero(count);
 
-  // Start from the nodes of a generous initial contact: the set then shrinks, mostly monotonically.
+  // Without a start, from the nodes of a generous initial contact: the set then shrinks, mostly
+  // monotonically.
   std::vector<Eigen::Index> order(static_cast<std::size_t>(count));
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](auto i, auto j) { return gap[i] < gap[j]; });
   std::vector<char> active(static_cast<std::size_t>(count), 0);
-  for (std::size_t i = 0; i < (order.size() + 1) / 2; ++i)
-    active[static_cast<std::size_t>(order[i])] = 1;
+  if (start)
+    for (Eigen::Index i = 0; i < count; ++i)
+      active[static_cast<std::size_t>(i)] = start->force[i] > 0;
+  else
+    for (std::size_t i = 0; i < (order.size() + 1) / 2; ++i)
+      active[static_cast<std::size_t>(order[i])] = 1;
 
   constexpr int limit = 200;
   std::size_t fewest_changes = order.size() + 1;

@@ -21,8 +21,9 @@ struct NormalContact {
 /// @param compliance  symmetric positive definite, n x n: displacement into the surface per unit
 /// force
 /// @param gap         n initial gaps, any origin
+/// @param start       a contact that is likely to touch nearly the same nodes; may be null
 /// @throws ConvergenceError when the set still changes after 200 steps.
 NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
-                                   double load);
+                                   double load, const NormalContact* start = nullptr);
 
 }  // namespace softfinger::fem

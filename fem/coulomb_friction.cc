@@ -1,0 +1,172 @@
+#include "fem/coulomb_friction.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+using Eigen::Index;
+
+/// Minimum of q D q / 2 - b q over |q| <= limit, D symmetric positive definite.
+Eigen::Vector2d minimum_on_disc(const Eigen::Matrix2d& D, const Eigen::Vector2d& b, double limit) {
+  const Eigen::Vector2d free = D.ldlt().solve(b);
+  if (free.norm() <= limit) return free;
+  // (D + lambda) q = b with |q| = limit: Newton's method on 1/|q|, which is nearly linear in
+  // lambda.
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  eigen.computeDirect(D);
+  const Eigen::Vector2d d = eigen.eigenvalues(), c = eigen.eigenvectors().transpose() * b;
+  double lambda = 0;
+  Eigen::Vector2d q;
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const Eigen::Vector2d shifted = d.array() + lambda;
+    q = c.cwiseQuotient(shifted);
+    const double norm = q.norm();
+    const double slope = q.cwiseAbs2().cwiseQuotient(shifted).sum();  // -d(|q|²/2)/dlambda
+    const double step = (norm / limit - 1) * norm * norm / slope;
+    lambda += step;
+    if (std::abs(step) <= 1e-14 * (lambda + d.maxCoeff())) break;
+  }
+  const Eigen::Vector2d on_edge = eigen.eigenvectors() * q;
+  return on_edge * (limit / on_edge.norm());
+}
+
+class FrictionProblem {
+ public:
+  FrictionProblem(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
+                  const Eigen::VectorXd& target, Eigen::VectorXd& force)
+      : compliance_(compliance), limit_(limit), target_(target), force_(force) {
+    const double largest = compliance.diagonal().maxCoeff();
+    for (Index i = 0; i < limit.size(); ++i) {
+      auto q = force_.segment<2>(2 * i);
+      const bool can_move = compliance.diagonal().segment<2>(2 * i).minCoeff() > 1e-12 * largest;
+      if (!can_move || limit[i] <= 0)
+        q.setZero();
+      else
+        movable_.push_back(i);
+      if (q.norm() > limit[i]) q *= limit[i] / q.norm();
+    }
+    update_residual();
+  }
+
+  void sweep() {
+    for (const Index i : movable_) {
+      auto q = force_.segment<2>(2 * i);
+      const Eigen::Matrix2d D = compliance_.block<2, 2>(2 * i, 2 * i);
+      const Eigen::Vector2d change =
+          minimum_on_disc(D, residual_.segment<2>(2 * i) + D * q, limit_[i]) - q;
+      if (change.squaredNorm() == 0) continue;
+      q += change;
+      residual_ -= compliance_.middleCols<2>(2 * i) * change;
+    }
+    update_residual();  // round-off of many small updates
+  }
+
+  /// Worst violation of the conditions; decides who slips.
+  double violation() {
+    slips_.assign(static_cast<std::size_t>(limit_.size()), false);
+    double worst = 0;
+    for (const Index i : movable_) {
+      const auto q = force_.segment<2>(2 * i);
+      const auto r = residual_.segment<2>(2 * i);
+      const bool slips = q.norm() >= limit_[i] * (1 - 1e-12) && r.dot(q) > 0;
+      slips_[static_cast<std::size_t>(i)] = slips;
+      const double along = slips ? r.dot(q) / q.norm() : 0;
+      worst = std::max(worst, slips ? (r - along / q.norm() * q).norm() : r.norm());
+    }
+    return worst;
+  }
+
+  /// Newton's step for the present division into stick and slip; undone where it does not descend.
+  bool newton_step() {
+    struct Direction {
+      Index row;              // first of the point's two
+      Eigen::Vector2d along;  // direction of the force's change
+      double curvature;
+    };
+    std::vector<Direction> directions;
+    for (const Index i : movable_) {
+      const Eigen::Vector2d q = force_.segment<2>(2 * i), r = residual_.segment<2>(2 * i);
+      if (slips_[static_cast<std::size_t>(i)]) {
+        const Eigen::Vector2d t = q / q.norm();
+        directions.push_back({2 * i, {-t.y(), t.x()}, r.dot(t) / limit_[i]});
+      } else {
+        directions.push_back({2 * i, {1, 0}, 0});
+        directions.push_back({2 * i, {0, 1}, 0});
+      }
+    }
+    const auto size = static_cast<Index>(directions.size());
+    Eigen::MatrixXd hessian(size, size);
+    Eigen::VectorXd descent(size);
+    for (Index j = 0; j < size; ++j) {
+      const Direction& column = directions[static_cast<std::size_t>(j)];
+      descent[j] = residual_.segment<2>(column.row).dot(column.along);
+      for (Index i = j; i < size; ++i) {
+        const Direction& row = directions[static_cast<std::size_t>(i)];
+        hessian(i, j) = row.along.dot(compliance_.block<2, 2>(row.row, column.row) * column.along);
+      }
+      hessian(j, j) += column.curvature;
+    }
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(hessian);
+    if (factor.info() != Eigen::Success) return false;
+    const Eigen::VectorXd step = factor.solve(descent);
+
+    const double before = energy();
+    const Eigen::VectorXd old_force = force_, old_residual = residual_;
+    for (Index j = 0; j < size; ++j) {
+      const Direction& direction = directions[static_cast<std::size_t>(j)];
+      force_.segment<2>(direction.row) += step[j] * direction.along;
+    }
+    for (const Index i : movable_) {
+      auto q = force_.segment<2>(2 * i);
+      if (slips_[static_cast<std::size_t>(i)] || q.norm() > limit_[i]) q *= limit_[i] / q.norm();
+    }
+    update_residual();
+    if (energy() <= before) return true;
+    force_ = old_force;
+    residual_ = old_residual;
+    return false;
+  }
+
+ private:
+  void update_residual() { residual_ = target_ - compliance_ * force_; }
+  double energy() const { return -0.5 * force_.dot(target_ + residual_); }
+
+  const Eigen::MatrixXd& compliance_;
+  const Eigen::VectorXd& limit_;
+  const Eigen::VectorXd& target_;
+  Eigen::VectorXd& force_;
+  Eigen::VectorXd residual_;  ///< the slip
+  std::vector<Index> movable_;
+  std::vector<bool> slips_;
+};
+
+}  // namespace
+
+FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
+                                const Eigen::VectorXd& target, Eigen::VectorXd& force) {
+  FrictionProblem problem(compliance, limit, target, force);
+  const double scale = target.cwiseAbs().maxCoeff();
+  constexpr double tolerance = 1e-9;
+  constexpr int iteration_limit = 200;
+  FrictionSolution solution;
+  for (solution.iterations = 1; solution.iterations <= iteration_limit; ++solution.iterations) {
+    problem.sweep();
+    solution.residual = scale > 0 ? problem.violation() / scale : 0;
+    if (solution.residual <= tolerance) return solution;
+    if (problem.newton_step()) {
+      solution.residual = problem.violation() / scale;
+      if (solution.residual <= tolerance) return solution;
+    }
+  }
+  throw ConvergenceError("friction on the contact", iteration_limit, solution.residual,
+                         "stick and slip keep changing; take smaller increments");
+}
+
+}  // namespace softfinger::fem

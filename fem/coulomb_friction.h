@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace softfinger::fem {
+
+/// Tangential forces under Coulomb friction with given limits.
+struct FrictionSolution {
+  int iterations = 0;
+  double residual =
+      0;  ///< worst violation of stick or of the slip's direction, over the largest target
+};
+
+/// Finds q with C q + s = target, |q_i| <= limit_i, s_i = 0 where less, s_i parallel to q_i and of
+/// its sense where equal: the minimum of q C q / 2 - q target over a product of discs, which is
+/// unique. Block Gauss-Seidel with exact discs decides who slips, Newton's method on the stuck
+/// forces and the directions of the slipping ones makes it exact. Any consistent units.
+///
+/// @param compliance  symmetric positive definite on points that can move, 2n x 2n, blocks x, y;
+///                    zero rows for points that cannot
+/// @param limit       n, >= 0
+/// @param target      2n: displacement that full stick would need
+/// @param force       2n: first guess and result
+/// @throws ConvergenceError
+FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
+                                const Eigen::VectorXd& target, Eigen::VectorXd& force);
+
+}  // namespace softfinger::fem

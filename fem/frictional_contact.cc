@@ -1,0 +1,116 @@
+#include "fem/frictional_contact.h"
+
+#include <cmath>
+
+#include "fem/coulomb_friction.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+
+using Eigen::Index;
+
+namespace {
+
+/// Displacement of each point of the indenter.
+Eigen::VectorXd displacement(const SurfaceCompliance& surface, const PlaneMotion& motion) {
+  Eigen::VectorXd result(2 * surface.size());
+  for (Index i = 0; i < surface.size(); ++i)
+    result.segment<2>(2 * i) << motion.x - motion.turn_rad * surface.position(1, i),
+        motion.y + motion.turn_rad * surface.position(0, i);
+  return result;
+}
+
+}  // namespace
+
+FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
+                                     double load, double friction_coefficient)
+    : surface_(surface),
+      gap_(gap),
+      load_(load / surface.copies),
+      friction_coefficient_(friction_coefficient),
+      normal_(solve_normal_contact(surface.normal, gap, load_)),
+      pressed_(normal_.force),
+      tangential_(Eigen::VectorXd::Zero(2 * surface.size())),
+      slip_(Eigen::VectorXd::Zero(2 * surface.size())) {}
+
+template <class TangentialSolver>
+void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_tangential) {
+  constexpr int limit = 60;
+  constexpr double tolerance = 1e-7;
+  double change = 0;
+  for (int iteration = 1; iteration <= limit; ++iteration) {
+    solve_tangential();
+    const Eigen::VectorXd lift = surface_.normal_tangential * tangential_;
+    NormalContact next = solve_normal_contact(surface_.normal, gap_ + lift, load_, &normal_);
+    change = (next.force - normal_.force).cwiseAbs().sum() / load_;
+    normal_ = std::move(next);
+    if (change <= tolerance) return;
+  }
+  throw ConvergenceError(stage, limit, change,
+                         "pressure and friction keep changing each other; is the coefficient of "
+                         "friction very large?");
+}
+
+void FrictionalContact::move_to(const PlaneMotion& motion) {
+  const Eigen::VectorXd target = displacement(surface_, motion) - slip_;
+  Eigen::VectorXd by_pressure;
+  settle("increment with friction", [&] {
+    by_pressure = surface_.normal_tangential.transpose() * (normal_.force - pressed_);
+    solve_friction(surface_.tangential, friction_coefficient_ * normal_.force, target - by_pressure,
+                   tangential_);
+  });
+  slip_ += target - by_pressure - surface_.tangential * tangential_;
+}
+
+void FrictionalContact::slide(const PlaneMotion& velocity) {
+  const Eigen::VectorXd direction = displacement(surface_, velocity);
+  settle("full slip", [&] {
+    for (Index i = 0; i < surface_.size(); ++i) {
+      const Eigen::Vector2d along = direction.segment<2>(2 * i);
+      const double speed = along.norm();
+      const double limit = friction_coefficient_ * normal_.force[i];
+      // At the centre of rotation nothing slides: no force is the mean of what its neighbours have.
+      tangential_.segment<2>(2 * i) =
+          speed > 0 ? Eigen::Vector2d(limit / speed * along) : Eigen::Vector2d::Zero();
+    }
+  });
+}
+
+FrictionWrench FrictionalContact::wrench() const {
+  FrictionWrench result;
+  for (Index i = 0; i < surface_.size(); ++i) {
+    const double x = surface_.position(0, i), y = surface_.position(1, i);
+    const double qx = tangential_[2 * i], qy = tangential_[2 * i + 1];
+    // A half turn's copies cancel the forces and double the torque.
+    if (surface_.copies == 1) {
+      result.force_x += qx;
+      result.force_y += qy;
+    }
+    result.torque += surface_.copies * (x * qy - y * qx);
+  }
+  return result;
+}
+
+bool FrictionalContact::slips(Index point) const {
+  return normal_.force[point] > 0 && tangential_.segment<2>(2 * point).norm() >=
+                                         friction_coefficient_ * normal_.force[point] * (1 - 1e-6);
+}
+
+double FrictionalContact::slip_fraction() const {
+  double slipping = 0, touching = 0;
+  for (Index i = 0; i < surface_.size(); ++i) {
+    if (normal_.force[i] <= 0) continue;
+    // The centre of a twist does not move, and carries nothing.
+    if (surface_.position.col(i).norm() < 1e-9) continue;
+    touching += surface_.area[i];
+    if (slips(i)) slipping += surface_.area[i];
+  }
+  return touching > 0 ? slipping / touching : 0;
+}
+
+double FrictionalContact::torque_of_pressure() const {
+  return surface_.copies * friction_coefficient_ *
+         surface_.position.colwise().norm().dot(normal_.force);
+}
+
+}  // namespace softfinger::fem

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fem/normal_contact.h"
+#include "fem/surface_compliance.h"
+
+namespace softfinger::fem {
+
+/// Motion of the indenter in the plane of the contact: a shift and a turn about its normal.
+struct PlaneMotion {
+  double x = 0, y = 0, turn_rad = 0;
+};
+
+/// Friction's resultants on the layer about the centre of the contact.
+struct FrictionWrench {
+  double force_x = 0, force_y = 0, torque = 0;
+};
+
+/// A contact at constant normal load with Coulomb friction, in the units of the model (h, E h²).
+///
+/// It is pressed without friction; from then on friction resists. Every displacement of the surface
+/// is measured from there. Normal and tangential problem are solved in turn until neither changes:
+/// tangential forces lift and lower the surface, which moves pressure, which moves the limits.
+class FrictionalContact {
+ public:
+  /// @param gap  per point of the surface
+  /// @throws ConvergenceError from the normal contact
+  FrictionalContact(const SurfaceCompliance& surface, const Eigen::VectorXd& gap, double load,
+                    double friction_coefficient);
+
+  /// Moves the indenter from where it is to `motion`, in one increment with the slip law at its
+  /// end.
+  /// @throws ConvergenceError when the two problems do not settle
+  void move_to(const PlaneMotion& motion);
+
+  /// Sliding everywhere with the given velocity, for as long as it takes: no stick is left.
+  /// Replaces the present state.
+  void slide(const PlaneMotion& velocity);
+
+  FrictionWrench wrench() const;
+  /// Share of the contact's area that slips, 0 to 1.
+  double slip_fraction() const;
+  double approach() const { return normal_.approach; }
+  /// int mu p r dA over the present pressure.
+  double torque_of_pressure() const;
+
+  const Eigen::VectorXd& normal_force() const { return normal_.force; }
+  const Eigen::VectorXd& tangential_force() const { return tangential_; }
+  const Eigen::VectorXd& slip() const { return slip_; }
+  bool slips(Eigen::Index point) const;
+
+ private:
+  /// Repeats `tangential_of(limits)` and the normal contact until the pressure settles.
+  template <class TangentialSolver>
+  void settle(const char* stage, const TangentialSolver& solve_tangential);
+
+  const SurfaceCompliance& surface_;
+  const Eigen::VectorXd gap_;
+  const double load_, friction_coefficient_;
+  NormalContact normal_;
+  Eigen::VectorXd pressed_;     ///< normal forces when friction set in
+  Eigen::VectorXd tangential_;  ///< per point x, y: on the layer
+  Eigen::VectorXd slip_;        ///< per point x, y: of the indenter against the layer
+};
+
+}  // namespace softfinger::fem
