@@ -201,6 +201,10 @@ class Child {
     if (process_ > 0) kill(-process_, SIGTERM);
   }
 
+  void interrupt() {
+    if (process_ > 0) kill(-process_, SIGINT);
+  }
+
   /// Ends the process for certain: politely for one second, then not.
   void stop() {
     if (process_ <= 0) return;
@@ -235,12 +239,13 @@ class Child {
 }  // namespace
 
 int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
-                  const ProcessCallbacks& callbacks) {
+                  const ProcessCallbacks& callbacks, OnInterrupt on_interrupt) {
   SignalWatch signals;
+  int interrupted = 0;
   std::vector<std::unique_ptr<Child>> children;
   std::size_t next = 0;
-  while (next < jobs.size() || !children.empty()) {
-    while (next < jobs.size() &&
+  while ((next < jobs.size() && !interrupted) || !children.empty()) {
+    while (next < jobs.size() && !interrupted &&
            children.size() < static_cast<std::size_t>(std::max(1, parallel))) {
       callbacks.on_start(next);
       children.push_back(std::make_unique<Child>(next, jobs[next]));
@@ -258,6 +263,11 @@ int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
     }
     if (waiting[0].revents) {
       const int number = signals.take();
+      if (number == SIGINT && on_interrupt == OnInterrupt::finish && !interrupted) {
+        interrupted = number;
+        for (auto& child : children) child->interrupt();
+        continue;
+      }
       for (auto& child : children) child->terminate();
       return number;
     }
@@ -276,7 +286,7 @@ int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
       callbacks.on_finish(ended->index, ended->outcome);
     }
   }
-  return 0;
+  return interrupted;
 }
 
 }  // namespace softfinger

@@ -31,11 +31,17 @@ struct ProcessCallbacks {
   std::function<void(std::size_t job, const ProcessOutcome&)> on_finish = [](auto, const auto&) {};
 };
 
-/// Runs the jobs, at most `parallel` at once, in order of their start. SIGINT and SIGTERM stop all
-/// children and end the call; so does the death of this process by any other way.
+/// What SIGINT does to the children.
+enum class OnInterrupt {
+  stop,   ///< ends them, like SIGTERM
+  finish  ///< passes it on and waits for their results; a second one ends them. Starts no more
+};
+
+/// Runs the jobs, at most `parallel` at once, in order of their start. SIGTERM, and SIGINT as told,
+/// stop all children and end the call; so does the death of this process by any other way.
 /// @returns 0, or the signal that interrupted.
 /// @throws InputError when a program cannot be started.
 int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
-                  const ProcessCallbacks& callbacks);
+                  const ProcessCallbacks& callbacks, OnInterrupt on_interrupt = OnInterrupt::stop);
 
 }  // namespace softfinger

@@ -6,51 +6,49 @@
 #include "fem/frictional_contact.h"
 #include "fem/layer_model.h"
 
+/// What a contact's friction can hold, from a contact that was pressed on one mesh. All in the
+/// units of the model.
 namespace softfinger::fem {
 
-/// Contact pressed on one mesh, in the units of the model: what friction starts from.
+/// Where friction starts from.
 struct PressedContact {
   const LayerModel& model;
-  const NormalContact& quarter;  ///< the frictionless contact of the quarter model
-  Eigen::VectorXd gap;           ///< per node of the quarter model
-  double a = 0, b = 0;           ///< semi-axes
-  double load = 0;               ///< of the whole contact
+  Eigen::VectorXd gap;    ///< per node of the quarter model
+  Eigen::VectorXd force;  ///< frictionless normal force, per node of the quarter model
+  double a = 0, b = 0;    ///< semi-axes
+  double load = 0;        ///< of the whole contact
   double friction_coefficient = 0;
 };
 
-/// One increment of a twist or of a path to full slip.
+/// The end of one increment.
 struct FrictionState {
   PlaneMotion motion;
   FrictionWrench wrench;  ///< about the centre of the contact
   double slip_fraction = 0;
 };
 
-using FrictionProgress = std::function<void(const std::string&)>;
+using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;
 
-/// The points of the quarter that take part in friction: the contact and a cell around it.
-std::vector<int> friction_nodes(const PressedContact& contact);
+/// The compliance among the points of the contact and a cell around it.
+SurfaceCompliance friction_surface(const PressedContact& contact, Invariance invariance);
 
-/// Gap of each point of a surface made from the quarter's nodes.
-Eigen::VectorXd gap_of(const SurfaceCompliance& surface, const PressedContact& contact);
+/// Torque per angle while every point sticks, the slope at the start of a twist. The contact is
+/// that of the frictionless load.
+double stuck_torsional_stiffness(const PressedContact& contact, const SurfaceCompliance& surface);
 
-/// Torque per angle of a contact that sticks everywhere: the slope of torque over angle at its start.
-/// The contact area is that of the frictionless load.
-double stuck_torsional_stiffness(const PressedContact& contact);
+/// Moves the indenter through the motions, one increment each, after pressing without friction.
+/// Every state is given to `on_state` as it comes.
+std::vector<FrictionState> move_through(const PressedContact& contact,
+                                        const SurfaceCompliance& surface,
+                                        const std::vector<PlaneMotion>& motions,
+                                        const OnState& on_state);
 
-/// Turns the indenter through the angles, one increment each, from a contact pressed without
-/// friction. Every state is given to `on_state` as it comes.
-std::vector<FrictionState> twist(const PressedContact& contact, const SurfaceCompliance& surface,
-                                 const std::vector<PlaneMotion>& motions,
-                                 const std::function<void(const FrictionalContact&,
-                                                          const FrictionState&)>& on_state);
-
-/// Points of the limit surface: full slip with each velocity.
-/// @param surface  without invariance
-std::vector<FrictionState> limit_surface(const PressedContact& contact,
+/// Full slip with each velocity: points of the limit surface.
+std::vector<FrictionState> slide_through(const PressedContact& contact,
                                          const SurfaceCompliance& surface,
                                          const std::vector<PlaneMotion>& velocities);
 
-/// Velocities spread over all directions, the turn scaled by 1 / arm: a Fibonacci spiral.
+/// Velocities in all directions, turns scaled by 1 / arm: a Fibonacci spiral.
 std::vector<PlaneMotion> spread_velocities(int count, double arm);
 
 }  // namespace softfinger::fem

@@ -45,6 +45,7 @@ class FrictionalContact {
   /// int mu p r dA over the present pressure.
   double torque_of_pressure() const;
 
+  const SurfaceCompliance& surface() const { return surface_; }
   const Eigen::VectorXd& normal_force() const { return normal_.force; }
   const Eigen::VectorXd& tangential_force() const { return tangential_; }
   const Eigen::VectorXd& slip() const { return slip_; }

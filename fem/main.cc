@@ -1,7 +1,10 @@
 // softfinger-fem: one contact in, one JSON object out. The format is in README.md beside this file.
 
+#include <signal.h>
+
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -47,6 +50,20 @@ fem::Problem parse(const json& input) {
     problem.contact.load = {input.at("load_N").get<double>(),
                             input.at("friction_coefficient").get<double>()};
     problem.level = input.value("level", problem.level);
+    if (optional(input, "friction")) {
+      const json& friction = input.at("friction");
+      auto& request = problem.friction;
+      request.torsion = friction.value("torsion", request.torsion);
+      request.increments = friction.value("increments", request.increments);
+      request.limit_surface = friction.value("limit_surface", request.limit_surface);
+      request.increments_to_slip = friction.value("increments_to_slip", request.increments_to_slip);
+      if (optional(friction, "twist_axis_m")) {
+        request.twist_axis_x_m = friction.at("twist_axis_m").at(0).get<double>();
+        request.twist_axis_y_m = friction.at("twist_axis_m").at(1).get<double>();
+      }
+    }
+    if (optional(input, "compliance_file"))
+      problem.compliance_file = input.at("compliance_file").get<std::string>();
     if (optional(input, "output_directory"))
       problem.output_directory = input.at("output_directory").get<std::string>();
     return problem;
@@ -58,6 +75,40 @@ fem::Problem parse(const json& input) {
 
 json profile(const fem::Profile& values) {
   return {{"position_m", values.position_m}, {"pressure_Pa", values.pressure_Pa}};
+}
+
+json increments(const std::vector<fem::FrictionIncrement>& path) {
+  json result = json::array();
+  for (const auto& state : path)
+    result.push_back({{"shift_m", {state.shift_x_m, state.shift_y_m}},
+                      {"angle_rad", state.angle_rad},
+                      {"fx_N", state.wrench.force_x_N},
+                      {"fy_N", state.wrench.force_y_N},
+                      {"torque_Nm", state.wrench.torque_Nm},
+                      {"slip_fraction", state.slip_fraction}});
+  return result;
+}
+
+/// Adds the keys of what was asked for.
+void add_friction(const fem::Problem& problem, const fem::Result& result, json& output) {
+  if (result.torsion) {
+    output["torsion"] = increments(result.torsion->increments);
+    output["torsional_stiffness_Nm_per_rad"] = result.torsion->stiffness_Nm_per_rad;
+    output["torque_full_slip_Nm"] = result.torsion->full_slip_Nm;
+    output["error"]["torsional_stiffness"] = result.torsion->stiffness_error;
+    output["error"]["torque_full_slip"] = result.torsion->full_slip_error;
+    output["error"]["torsion"] = result.torsion->curve_error;
+  }
+  if (problem.friction.limit_surface == 0) return;
+  json points = json::array();
+  for (const auto& point : result.limit_surface) {
+    points.push_back({{"fx_N", point.wrench.force_x_N},
+                      {"fy_N", point.wrench.force_y_N},
+                      {"torque_Nm", point.wrench.torque_Nm}});
+    if (!point.path.empty()) points.back()["path"] = increments(point.path);
+  }
+  output["limit_surface"] = std::move(points);
+  output["error"]["limit_surface"] = result.limit_surface_error;
 }
 
 json to_json(const fem::Problem& problem, const fem::Result& result) {
@@ -79,7 +130,7 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
                       {"complementarity_residual", level.complementarity_residual},
                       {"fit_residual", level.fit_residual},
                       {"wall_s", level.wall_s}});
-  return {
+  json output = {
       {"model", "fem"},
       {"load_N", load.normal_force_N},
       {"a_m", finest.a_m},
@@ -106,22 +157,40 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
       {"profile_x", profile(result.along_x)},
       {"profile_y", profile(result.along_y)},
       {"vtu", result.vtu_file.empty() ? json(nullptr) : json(result.vtu_file)},
+      {"pvd", result.pvd_file.empty() ? json(nullptr) : json(result.pvd_file)},
+      {"coarse", result.interrupted},
       {"wall_s", result.wall_s},
       {"peak_memory_MB", result.peak_memory_MB}};
+  add_friction(problem, result, output);
+  return output;
+}
+
+// A signal handler can reach nothing but a global.
+volatile std::sig_atomic_t g_stop = 0;
+
+/// The first Ctrl-C ends the work after its present stage, with what there is; the second one at
+/// once.
+void stop_when_convenient() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
 }
 
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  constexpr int bad_input = 2, not_converged = 3;
+  constexpr int bad_input = 2, not_converged = 3, interrupted = 128 + SIGINT;
   if (argument_count != 2) {
     std::cerr << "usage: softfinger-fem PROBLEM.json (or - for standard input)\n";
     return bad_input;
   }
   try {
     const fem::Problem problem = parse(read(arguments[1]));
+    stop_when_convenient();
     const fem::Result result = fem::solve(
-        problem, [](const std::string& line) { std::cerr << "fem: " << line << std::endl; });
+        problem, [](const std::string& line) { std::cerr << "fem: " << line << std::endl; },
+        [] { return g_stop != 0; });
     std::cout << to_json(problem, result).dump() << std::endl;
     return std::cout ? 0 : bad_input;
   } catch (const softfinger::InputError& error) {
@@ -130,6 +199,9 @@ int main(int argument_count, char** arguments) {
   } catch (const softfinger::ConvergenceError& error) {
     std::cerr << "softfinger-fem: error: " << error.what() << std::endl;
     return not_converged;
+  } catch (const fem::Interrupted& error) {
+    std::cerr << "softfinger-fem: " << error.what() << std::endl;
+    return interrupted;
   } catch (const std::exception& error) {
     // A library's message may run over many lines; the contract is one.
     std::string message = error.what();

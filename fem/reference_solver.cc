@@ -8,9 +8,12 @@
 #include <cstdio>
 #include <memory>
 
+#include "fem/friction_levels.h"
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
 #include "fem/pressure_ellipse.h"
+#include "fem/surface_series.h"
+#include "fem/write_compliance.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -67,6 +70,16 @@ void check(const Problem& problem) {
         "the relative radii's own value, both of them (an exact sphere on a flat layer)");
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
+  const FrictionRequest& friction = problem.friction;
+  if (friction.torsion && (friction.increments < 1 || friction.increments > 1000))
+    throw InputError(problem.name, "torsion_increments", std::to_string(friction.increments),
+                     "1 to 1000");
+  if (friction.limit_surface < 0 || friction.limit_surface > 10000)
+    throw InputError(problem.name, "limit_surface", std::to_string(friction.limit_surface),
+                     "0 to 10000 points");
+  if (friction.increments_to_slip < 0 || friction.increments_to_slip > 1000)
+    throw InputError(problem.name, "increments_to_slip",
+                     std::to_string(friction.increments_to_slip), "0 to 1000");
   if (problem.level < 1 || problem.level > 4)
     throw InputError(problem.name, "level", std::to_string(problem.level), "1 to 4");
 }
@@ -96,6 +109,7 @@ LayerDiscretisation first_guess(const Dimensionless& problem) {
 /// A contact solved on one mesh.
 struct Solved {
   std::unique_ptr<LayerModel> model;
+  Eigen::VectorXd gap;
   NormalContact contact;
   double moment_a = 0, moment_b = 0;  ///< semi-axes from second moments, rough but robust
   bool reaches_rim = false;           ///< of the region where contact is possible
@@ -105,10 +119,10 @@ Solved solve_on(const LayerDiscretisation& discretisation, const Dimensionless& 
   Solved solved;
   solved.model = std::make_unique<LayerModel>(discretisation, problem.poisson_ratio);
   const auto& nodes = solved.model->nodes();
-  Eigen::VectorXd gap(static_cast<Eigen::Index>(nodes.size()));
+  solved.gap.resize(static_cast<Eigen::Index>(nodes.size()));
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    gap[static_cast<Eigen::Index>(i)] = problem.gap(nodes[i].x, nodes[i].y);
-  solved.contact = solve_normal_contact(solved.model->compliance(), gap, problem.load / 4);
+    solved.gap[static_cast<Eigen::Index>(i)] = problem.gap(nodes[i].x, nodes[i].y);
+  solved.contact = solve_normal_contact(solved.model->compliance(), solved.gap, problem.load / 4);
 
   double xx = 0, yy = 0;
   const double spacing_a = 0.5 / discretisation.elements_along_a();
@@ -246,7 +260,7 @@ class Stopwatch {
 
 }  // namespace
 
-Result solve(const Problem& problem, const Progress& progress) {
+Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop) {
   check(problem);
   const Stopwatch total;
   const RelativeRadii& radii = problem.contact.radii;
@@ -300,6 +314,7 @@ Result solve(const Problem& problem, const Progress& progress) {
     if (attempt == limit)
       throw ConvergenceError("size of the refined patch", limit, change,
                              "the contact's size depends on the mesh; is the contact elliptic?");
+    if (stop()) throw Interrupted();
     // At the rim the moments only bound the contact from below.
     const double growth = solved.reaches_rim ? 1.3 : 1.0;
     mesh.a = growth * solved.moment_a;
@@ -309,12 +324,31 @@ Result solve(const Problem& problem, const Progress& progress) {
     mesh.a = measured.a_m / h;
     mesh.b = measured.b_m / h;
   };
-  fit_mesh_to(measure(solved, problem, 0));
+  const LevelResult trial = measure(solved, problem, 0);
+  const FrictionRequest& friction_request = problem.friction;
+  const double axis = std::hypot(friction_request.twist_axis_x_m / trial.a_m,
+                                 friction_request.twist_axis_y_m / trial.b_m);
+  if (!(axis < 1))
+    throw InputError(problem.name, "twist_axis_m",
+                     text("%.4g", friction_request.twist_axis_x_m) +
+                         text(", %.4g", friction_request.twist_axis_y_m),
+                     "a point of the contact, whose semi-axes are " + text("%.4g", trial.a_m) +
+                         text(" and %.4g m", trial.b_m));
+  fit_mesh_to(trial);
 
   // The contact's edge lies on cell edges along both axes: it does so on every level, which makes
   // them comparable.
   Result result;
+  SurfaceSeries surface_series(problem);
+  std::optional<FrictionPlan> plan;
+  std::vector<FrictionOfLevel> friction;
   for (int level = problem.level - 1; level <= problem.level; ++level) {
+    if (stop()) {
+      if (result.levels.empty()) throw Interrupted();
+      result.interrupted = true;
+      progress("stopped: the answer is that of level " + std::to_string(level - 1));
+      break;
+    }
     const Stopwatch watch;
     if (level > 0) {  // level 0 is the last of the trial meshes
       mesh.elements_per_semi_axis = elements(level, mesh.b);
@@ -327,6 +361,12 @@ Result solve(const Problem& problem, const Progress& progress) {
                                "the contact outgrew the patch on refinement");
     }
     LevelResult measured = measure(solved, problem, level);
+    if (problem.friction.any()) {
+      const PressedContact pressed{
+          *solved.model,    solved.gap,         solved.contact.force,     measured.a_m / h,
+          measured.b_m / h, dimensionless.load, load.friction_coefficient};
+      friction.push_back(friction_on(pressed, problem, plan, progress, surface_series.of(level)));
+    }
     measured.wall_s = watch.seconds();
     if (level > 0) fit_mesh_to(measured);
     progress("level " + std::to_string(level) + ": unknowns " + std::to_string(measured.unknowns) +
@@ -338,8 +378,15 @@ Result solve(const Problem& problem, const Progress& progress) {
              text(", %.1f s", measured.wall_s) + text(", peak memory %.0f MB", peak_memory_MB()));
     result.levels.push_back(measured);
   }
-  result.finest = result.levels.back();
-  result.error = estimate_error(result.levels.front(), result.levels.back(), h);
+  // Interrupted after the first level: the trial mesh takes the coarser level's place.
+  if (result.levels.size() == 1) result.levels.insert(result.levels.begin(), trial);
+  const LevelResult &coarse = result.levels.front(), &fine = result.levels.back();
+  result.finest = fine;
+  result.error = estimate_error(coarse, fine, h);
+  const double refinement =
+      static_cast<double>(fine.elements_per_semi_axis) / coarse.elements_per_semi_axis;
+  if (friction.size() == 2)
+    state_friction(friction.front(), friction.back(), refinement, problem, result);
   result.pressure_exponent = M_PI * result.finest.a_m * result.finest.b_m *
                                  result.finest.peak_pressure_Pa / load.normal_force_N -
                              1;
@@ -348,7 +395,15 @@ Result solve(const Problem& problem, const Progress& progress) {
   if (!problem.output_directory.empty()) {
     result.vtu_file = problem.output_directory + "/solution.vtu";
     solved.model->write_vtu(result.vtu_file, solved.contact.force, h, layer.youngs_modulus_Pa);
+    result.pvd_file = surface_series.finish();
   }
+  if (!problem.compliance_file.empty())
+    write_compliance(
+        problem.compliance_file,
+        friction_surface({*solved.model, solved.gap, solved.contact.force, fine.a_m / h,
+                          fine.b_m / h, dimensionless.load, load.friction_coefficient},
+                         Invariance::none),
+        h, layer.youngs_modulus_Pa, layer.poisson_ratio);
   result.wall_s = total.seconds();
   result.peak_memory_MB = peak_memory_MB();
   return result;

@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,14 +15,29 @@
 /// judged.
 namespace softfinger::fem {
 
+/// What friction is asked for, beyond int mu p r dA.
+struct FrictionRequest {
+  bool torsion = false;        ///< twist from stick to full slip
+  int increments = 20;         ///< of the twist
+  int limit_surface = 0;       ///< points of full slip; 0: none
+  int increments_to_slip = 0;  ///< partial-slip states on the way to each point; 0: none
+  /// The axis that the twist turns about, from the contact's centre along its axes; it has to lie
+  /// in the contact.
+  double twist_axis_x_m = 0, twist_axis_y_m = 0;
+
+  bool any() const { return torsion || limit_surface > 0; }
+};
+
 /// What to solve. The gap is that of `contact.radii`; with a finite `sphere_radius_m` the
 /// indenter's paraboloid is replaced by the exact sphere of that radius (both radii must equal it).
 struct Problem {
   std::string name = "case";
   ContactProblem contact;
   double sphere_radius_m = std::numeric_limits<double>::infinity();
-  int level = 2;                 ///< 1 to 4: elements per contact semi-axis double with each level
+  int level = 2;  ///< 1 to 4: elements per contact semi-axis double with each level
+  FrictionRequest friction;
   std::string output_directory;  ///< for VTU; empty: none
+  std::string compliance_file;   ///< for the surface's compliance (write_compliance.h); empty: none
 };
 
 /// One discretisation's answer, SI.
@@ -44,6 +61,32 @@ struct RelativeError {
   double a = 0, b = 0, area = 0, indentation = 0, peak_pressure = 0, max_torque = 0;
 };
 
+/// Forces of friction on the layer about the contact's centre, along the contact's axes.
+struct Wrench {
+  double force_x_N = 0, force_y_N = 0, torque_Nm = 0;
+};
+
+/// A contact on its way from stick to slip: the indenter's motion from the frictionless pressing.
+struct FrictionIncrement {
+  double shift_x_m = 0, shift_y_m = 0, angle_rad = 0;
+  Wrench wrench;
+  double slip_fraction = 0;  ///< of the contact's area
+};
+
+struct Torsion {
+  std::vector<FrictionIncrement> increments;
+  double stiffness_Nm_per_rad =
+      0;                    ///< at the start, all points stuck; extrapolated over the levels
+  double full_slip_Nm = 0;  ///< torque when every point slips
+  /// Stated errors: relative; of the curve, relative to the torque at full slip.
+  double stiffness_error = 0, full_slip_error = 0, curve_error = 0;
+};
+
+struct LimitPoint {
+  Wrench wrench;
+  std::vector<FrictionIncrement> path;  ///< partial slip, when asked for
+};
+
 struct Profile {
   std::vector<double> position_m, pressure_Pa;
 };
@@ -55,16 +98,34 @@ struct Result {
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1
   Profile along_x, along_y;  ///< nodal pressure from the centre outwards
+  std::optional<Torsion> torsion;
+  std::vector<LimitPoint> limit_surface;
+  /// Stated error of the limit surface's points, relative to mu P and to the largest torque.
+  double limit_surface_error = 0;
+  bool interrupted = false;  ///< a coarser answer than was asked for, its errors stated accordingly
   std::string vtu_file;      ///< empty when none was asked for
+  std::string pvd_file;      ///< of the twist's surface states; empty without
   double wall_s = 0, peak_memory_MB = 0;
 };
 
 /// Called as the work proceeds: one line of plain text per event.
 using Progress = std::function<void(const std::string&)>;
 
+/// Asked between two stages: whether to stop with what there is.
+using StopRequested = std::function<bool()>;
+
+/// The work was stopped before any level was finished.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("stopped before the first level was finished: no result") {}
+};
+
 /// @throws InputError for a problem outside the ranges (nu >= 1/2, load <= 0, a contact wider than
 /// the gap's model can bear, ...)
 /// @throws ConvergenceError with stage, iteration, residual and hint.
-Result solve(const Problem& problem, const Progress& progress);
+/// @throws Interrupted
+Result solve(
+    const Problem& problem, const Progress& progress,
+    const StopRequested& stop = [] { return false; });
 
 }  // namespace softfinger::fem

@@ -81,7 +81,7 @@ SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<
   const std::size_t problems = half_turn ? 2 : 4;
   for (std::size_t problem = 0; problem < problems; ++problem) {
     const Parity parity = parities[problem];
-    const Eigen::MatrixXd quarter = model.vector_compliance(parity, nodes);
+    Eigen::MatrixXd quarter = model.vector_compliance(parity, nodes);
     for (Eigen::Index q = 0; q < count; ++q) {
       const Point& at = points[static_cast<std::size_t>(q)];
       const Eigen::Vector3d column_sign = scale * signs(at.image, parity);
@@ -94,6 +94,10 @@ SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<
         result.normal(p, q) += block(2, 2);
         result.normal_tangential.block<1, 2>(p, 2 * q) += block.bottomLeftCorner<1, 2>();
       }
+    }
+    if (parity.odd_x && parity.odd_y) {
+      result.odd = std::move(quarter);
+      result.odd_node = nodes;
     }
   }
   return result;

@@ -24,7 +24,11 @@ struct SurfaceCompliance {
   Eigen::MatrixXd normal;      ///< n x n, into the layer
   Eigen::MatrixXd normal_tangential;  ///< n x 2n: displacement into the layer by tangential force
   std::vector<int> quarter_node;      ///< of the model, for each point
-  int copies = 1;                     ///< sums over the points times this are sums over the contact
+  /// Of the quarter problem odd in x and in y, which holds a twist of the stuck contact: 3 x 3
+  /// blocks for the nodes that were given.
+  Eigen::MatrixXd odd;
+  std::vector<int> odd_node;
+  int copies = 1;  ///< sums over the points times this are sums over the contact
 
   Eigen::Index size() const { return position.cols(); }
 };

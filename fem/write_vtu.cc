@@ -4,15 +4,10 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/numerics/data_out.h>
 #include <deal.II/numerics/data_postprocessor.h>
-#include <unistd.h>
 
 #include <Eigen/Cholesky>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 
-#include "softfinger/input/errors.h"
+#include "fem/write_file.h"
 
 namespace softfinger::fem {
 namespace {
@@ -113,32 +108,7 @@ void write_solution(const std::string& path, const dealii::DoFHandler<dim>& dofs
   output.add_data_vector(dofs, contact_pressure_Pa, contact_pressure);
   output.build_patches(2);  // the quadratic element's own nodes
 
-  // Complete or not there at all: written beside under a name of this process's own, then renamed.
-  const std::string unfinished = path + "." + std::to_string(getpid()) + ".partial";
-  std::error_code ignored;
-  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
-  std::string failure;
-  errno = 0;
-  {
-    std::ofstream file(unfinished, std::ios::binary);
-    try {
-      if (file) output.write_vtu(file);
-    } catch (const std::exception&) {
-      file.setstate(
-          std::ios::failbit);  // the library's own message is a page long; errno has the cause
-    }
-    file.close();
-    if (!file) failure = errno ? std::strerror(errno) : "the write failed";
-  }
-  if (failure.empty()) {
-    std::error_code error;
-    std::filesystem::rename(unfinished, path, error);
-    if (!error) return;
-    failure = error.message();
-  }
-  std::filesystem::remove(unfinished, ignored);
-  throw InputError(path, "VTU file", "",
-                   "a folder that can be written, with room for it (" + failure + ")");
+  write_file(path, "VTU file", [&](std::ostream& file) { output.write_vtu(file); });
 }
 
 }  // namespace softfinger::fem

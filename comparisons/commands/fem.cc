@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 
 #include "comparisons/commands/commands.h"
@@ -8,15 +9,61 @@
 #include "comparisons/predict.h"
 #include "comparisons/program_paths.h"
 #include "comparisons/progress.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
 
 struct Options {
   std::string case_file, output;
-  int level = 0;
-  bool json = false;
+  std::string compliance;
+  std::vector<double> twist_axis_mm;
+  int level = 0, increments = 20, limit_surface = 0, increments_to_slip = 0;
+  bool torsion = false, json = false;
 };
+
+/// What the finite-element program is asked for besides the normal contact.
+nlohmann::json friction_request(const Options& options) {
+  nlohmann::json request = {{"torsion", options.torsion},
+                            {"increments", options.increments},
+                            {"limit_surface", options.limit_surface},
+                            {"increments_to_slip", options.increments_to_slip}};
+  if (!options.twist_axis_mm.empty())
+    request["twist_axis_m"] = {1e-3 * options.twist_axis_mm[0], 1e-3 * options.twist_axis_mm[1]};
+  return request;
+}
+
+std::string friction_table(const nlohmann::json& result) {
+  std::string text;
+  const auto value = [&](const nlohmann::json& object, const char* key) {
+    return object.at(key).get<double>();
+  };
+  const auto& error = result.at("error");
+  if (result.contains("torsion")) {
+    text += fmt::format(
+        "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {:.2g} %\n"
+        "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %\n"
+        "  twist: angle (deg), torque (mN·m, ± {:.2g} % of full slip), slipping share of the "
+        "area\n",
+        value(result, "torsional_stiffness_Nm_per_rad"), 100 * value(error, "torsional_stiffness"),
+        1e3 * value(result, "torque_full_slip_Nm"), 100 * value(error, "torque_full_slip"),
+        100 * value(error, "torsion"));
+    for (const auto& state : result.at("torsion"))
+      text += fmt::format("    {:>10.4g} {:>10.5g} {:>6.0f} %\n",
+                          value(state, "angle_rad") * 180 / M_PI, 1e3 * value(state, "torque_Nm"),
+                          100 * value(state, "slip_fraction"));
+  }
+  if (result.contains("limit_surface")) {
+    text += fmt::format(
+        "  limit surface, ± {:.2g} % of mu P and of the largest torque: fx, fy (N), torque "
+        "(mN·m)\n",
+        100 * value(error, "limit_surface"));
+    for (const auto& point : result.at("limit_surface"))
+      text += fmt::format("    {:>10.5g} {:>10.5g} {:>10.5g}\n", value(point, "fx_N"),
+                          value(point, "fy_N"), 1e3 * value(point, "torque_Nm"));
+  }
+  return text;
+}
 
 std::string table_row(const nlohmann::json& result) {
   const auto number = [&](const char* key) { return result.at(key).get<double>(); };
@@ -59,8 +106,16 @@ int run(const Options& options) {
           (std::filesystem::path(options.output) / load_folder(contact_case.id, load_N)).string();
       make_writable_folder(folder);
     }
-    jobs.push_back(
-        fem_job(program, fem_problem(contact_case, geometries[i], load_N, level), folder, false));
+    nlohmann::json problem = fem_problem(contact_case, geometries[i], load_N, level);
+    problem["friction"] = friction_request(options);
+    if (!options.compliance.empty()) {
+      if (contact_case.loads_N.size() > 1)
+        throw InputError(
+            "--export-compliance", "load_N", fmt::format("{} loads", contact_case.loads_N.size()),
+            "a case with one load: the mesh, and with it the compliance, fits its contact");
+      problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
+    }
+    jobs.push_back(fem_job(program, std::move(problem), folder, false));
   }
 
   Progress progress;
@@ -70,6 +125,7 @@ int run(const Options& options) {
     return fmt::format("{} {} N: ", contact_case.id, contact_case.loads_N[job]);
   };
   nlohmann::json results = nlohmann::json::array();
+  int interrupted = 0;
   std::string text = describe(contact_case) + "\n";
   FemAnswer failure;
   ProcessCallbacks callbacks;
@@ -99,7 +155,9 @@ int run(const Options& options) {
     if (const auto& wall_s = answer.result["wall_s"]; wall_s.is_number())
       answer.result["cost_ns"] = 1e9 * wall_s.get<double>();
     text += fmt::format("\n{:g} N: {}\n", contact_case.loads_N[job], describe(geometries[job])) +
-            table_row(answer.result);
+            table_row(answer.result) + friction_table(answer.result);
+    if (answer.result.value("coarse", false))
+      text += "  (stopped early: a coarser level than was asked for)\n";
     results.push_back(std::move(answer.result));
   };
   for (std::size_t job = 0; job < jobs.size(); ++job) {
@@ -109,9 +167,12 @@ int run(const Options& options) {
     one.on_finish = [&, job](std::size_t, const ProcessOutcome& outcome) {
       callbacks.on_finish(job, outcome);
     };
-    if (const int signal = run_processes({jobs[job]}, 1, one)) {
+    // The finite-element program ends with what it has: a coarser level is a result.
+    interrupted = run_processes({jobs[job]}, 1, one, OnInterrupt::finish);
+    if (interrupted != 0) {
       progress.say("softfinger: interrupted");
-      return 128 + signal;
+      if (results.empty()) return 128 + interrupted;
+      break;
     }
     if (failure.exit_status != 0) {
       progress.say("softfinger: error: " + failure.failure);
@@ -123,7 +184,7 @@ int run(const Options& options) {
                     "\n");
   else
     write_to_stdout(text);
-  return 0;
+  return interrupted != 0 ? 128 + interrupted : 0;
 }
 
 }  // namespace
@@ -142,11 +203,37 @@ void add_fem(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 3));
   command->add_option("--output", options->output,
                       "folder for VTU files (ParaView), one sub-folder per load; default: none");
+  command->add_flag("--torsion", options->torsion,
+                    "twist from stick to full slip under Coulomb friction: torque against angle, "
+                    "stiffness at the start, torque at full slip");
+  command->add_option("--increments", options->increments, "of the twist, 1 to 1000; default: 20")
+      ->check(CLI::Range(1, 1000));
+  command
+      ->add_option("--twist-axis-mm", options->twist_axis_mm,
+                   "X,Y of the twist's axis from the contact's centre, along its long and short "
+                   "axis (mm), inside the contact; default: the centre")
+      ->delimiter(',')
+      ->expected(2);
+  command
+      ->add_option(
+          "--limit-surface", options->limit_surface,
+          "points of full slip under tangential force and torque, 1 to 10000; default: none")
+      ->check(CLI::Range(1, 10000));
+  command
+      ->add_option("--increments-to-slip", options->increments_to_slip,
+                   "states of partial slip on the way to each of these points (JSON), 1 to 1000; "
+                   "default: none")
+      ->check(CLI::Range(1, 1000));
+  command->add_option(
+      "--export-compliance", options->compliance,
+      "file for the compliance of the contact surface (m/N; the first line says what "
+      "follows); default: none");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
       "Samples:\n"
       "  softfinger fem hertz_circle --level 1\n"
+      "  softfinger fem pad_on_sphere --level 1 --torsion --limit-surface 8\n"
       "  softfinger fem hertz_circle --level 1 --output hertz_vtu --json");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

@@ -1,0 +1,158 @@
+#include "fem/friction_levels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// Stuck tractions grow without bound at the edge, as one over a root: a node more or less there
+/// counts. Observed order of the stiffness on six layers: 1.3 to 1.6.
+constexpr double stiffness_order = 1.45;
+/// Integrals over the pressure, see `reference_solver.cc`.
+constexpr double integral_order = 1.6, common_error = 2e-4;
+
+bool turns_about_centre(const FrictionRequest& request) {
+  return request.twist_axis_x_m == 0 && request.twist_axis_y_m == 0;
+}
+
+double torque_of_pressure(const PressedContact& contact) {
+  double sum = 0;
+  const auto& nodes = contact.model.nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    sum += contact.force[static_cast<Eigen::Index>(i)] * std::hypot(nodes[i].x, nodes[i].y);
+  return 4 * contact.friction_coefficient * sum;
+}
+
+Wrench in_newtons(const FrictionWrench& wrench, const Problem& problem) {
+  const double h = problem.contact.layer.thickness_m;
+  const double force = problem.contact.layer.youngs_modulus_Pa * h * h;
+  return {force * wrench.force_x, force * wrench.force_y, force * h * wrench.torque};
+}
+
+FrictionPlan plan_friction(const PressedContact& contact, double stiffness,
+                           const Problem& problem) {
+  const FrictionRequest& request = problem.friction;
+  const double h = problem.contact.layer.thickness_m;
+  const double torque = torque_of_pressure(contact), mu = contact.friction_coefficient;
+  FrictionPlan plan;
+  if (request.torsion) {
+    // In units of the angle at which the stuck contact would carry the whole torque, half of it is
+    // there at 0.7, and slip has reached the innermost nodes by about 8.
+    const double unit = torque / stiffness, first = 0.05, last = 10;
+    for (int i = 0; i < request.increments; ++i) {
+      const double share =
+          request.increments > 1 ? static_cast<double>(i) / (request.increments - 1) : 1;
+      const double angle = unit * first * std::pow(last / first, share);
+      plan.twist.push_back(
+          {angle * request.twist_axis_y_m / h, -angle * request.twist_axis_x_m / h, angle});
+    }
+  }
+  const double arm = torque / (mu * contact.load);
+  plan.velocities = spread_velocities(request.limit_surface, arm);
+  if (request.increments_to_slip > 0)
+    for (const PlaneMotion& velocity : plan.velocities) {
+      // A half-space slips everywhere after about mu P / (4 G b); a layer is stiffer. Small steps
+      // first: slip begins at once at the edge.
+      const double smallest_shear_modulus = 1.0 / 3;  // in units of E
+      const double reach = mu * contact.load / (smallest_shear_modulus * contact.b) /
+                           std::hypot(velocity.x, velocity.y, arm * velocity.turn_rad);
+      std::vector<PlaneMotion> path;
+      for (int i = 1; i <= request.increments_to_slip; ++i) {
+        const double share = static_cast<double>(i) / request.increments_to_slip;
+        const double distance = reach * share * share;
+        path.push_back(
+            {distance * velocity.x, distance * velocity.y, distance * velocity.turn_rad});
+      }
+      plan.paths.push_back(std::move(path));
+    }
+  return plan;
+}
+
+std::vector<FrictionIncrement> in_newtons(const std::vector<FrictionState>& states,
+                                          const Problem& problem) {
+  const double h = problem.contact.layer.thickness_m;
+  std::vector<FrictionIncrement> result;
+  for (const FrictionState& state : states)
+    result.push_back({state.motion.x * h, state.motion.y * h, state.motion.turn_rad,
+                      in_newtons(state.wrench, problem), state.slip_fraction});
+  return result;
+}
+
+}  // namespace
+
+FrictionOfLevel friction_on(const PressedContact& contact, const Problem& problem,
+                            std::optional<FrictionPlan>& plan, const Progress& progress,
+                            const OnState& on_state) {
+  const FrictionRequest& request = problem.friction;
+  FrictionOfLevel result;
+  const bool whole = request.limit_surface > 0 || !turns_about_centre(request);
+  const SurfaceCompliance surface =
+      friction_surface(contact, whole ? Invariance::none : Invariance::half_turn);
+  progress("friction: " + std::to_string(surface.size()) + " contact points");
+  result.stiffness = stuck_torsional_stiffness(contact, surface);
+  if (!plan) plan = plan_friction(contact, result.stiffness, problem);
+  if (request.torsion) {
+    result.twist = move_through(contact, surface, plan->twist, on_state);
+    result.full_slip = slide_through(contact, surface, {plan->twist.back()}).front().wrench.torque;
+    progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, slip " +
+             std::to_string(static_cast<int>(100 * result.twist.back().slip_fraction)) +
+             " % at the last");
+  }
+  if (request.limit_surface > 0) {
+    result.limit_surface = slide_through(contact, surface, plan->velocities);
+    progress("friction: limit surface of " + std::to_string(plan->velocities.size()) + " points");
+  }
+  for (std::size_t i = 0; i < plan->paths.size(); ++i) {
+    result.paths.push_back(move_through(contact, surface, plan->paths[i], [](auto&&...) {}));
+    progress("friction: path " + std::to_string(i + 1) + " of " +
+             std::to_string(plan->paths.size()));
+  }
+  return result;
+}
+
+void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
+                    const Problem& problem, Result& result) {
+  const double integral_weight = 1 / (std::pow(refinement, integral_order) - 1);
+  const double h = problem.contact.layer.thickness_m;
+  const double torque_unit = problem.contact.layer.youngs_modulus_Pa * h * h * h;
+  if (problem.friction.torsion) {
+    Torsion torsion;
+    torsion.increments = in_newtons(fine.twist, problem);
+    // Extrapolated; the correction itself is what is stated.
+    const double correction =
+        (fine.stiffness - coarse.stiffness) / (std::pow(refinement, stiffness_order) - 1);
+    torsion.stiffness_Nm_per_rad = torque_unit * (fine.stiffness + correction);
+    torsion.stiffness_error = std::abs(correction) / fine.stiffness + 1e-3;
+    torsion.full_slip_Nm = torque_unit * fine.full_slip;
+    torsion.full_slip_error =
+        std::abs(coarse.full_slip / fine.full_slip - 1) * integral_weight + common_error;
+    for (std::size_t i = 0; i < fine.twist.size(); ++i)
+      torsion.curve_error = std::max(torsion.curve_error, std::abs(coarse.twist[i].wrench.torque -
+                                                                   fine.twist[i].wrench.torque) /
+                                                              std::abs(fine.full_slip));
+    torsion.curve_error = torsion.curve_error * integral_weight + common_error;
+    result.torsion = torsion;
+  }
+  const double force_limit =
+      problem.contact.load.friction_coefficient * problem.contact.load.normal_force_N;
+  const double torque_limit = result.finest.max_torque_Nm;
+  double difference = 0;
+  for (std::size_t i = 0; i < fine.limit_surface.size(); ++i) {
+    LimitPoint point;
+    point.wrench = in_newtons(fine.limit_surface[i].wrench, problem);
+    if (!fine.paths.empty()) point.path = in_newtons(fine.paths[i], problem);
+    const Wrench other = in_newtons(coarse.limit_surface[i].wrench, problem);
+    difference =
+        std::max({difference, std::abs(point.wrench.force_x_N - other.force_x_N) / force_limit,
+                  std::abs(point.wrench.force_y_N - other.force_y_N) / force_limit,
+                  std::abs(point.wrench.torque_Nm - other.torque_Nm) / torque_limit});
+    result.limit_surface.push_back(std::move(point));
+  }
+  if (!fine.limit_surface.empty())
+    result.limit_surface_error = difference * integral_weight + common_error;
+}
+
+}  // namespace softfinger::fem

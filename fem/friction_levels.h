@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fem/friction_study.h"
+#include "fem/reference_solver.h"
+
+namespace softfinger::fem {
+
+/// What one mesh says about friction, in the units of the model; compared between two.
+struct FrictionOfLevel {
+  double stiffness = 0, full_slip = 0;
+  std::vector<FrictionState> twist, limit_surface;
+  std::vector<std::vector<FrictionState>> paths;  ///< to each point of the limit surface
+};
+
+/// Angles of a twist and velocities of the limit surface: the same on every level.
+struct FrictionPlan {
+  std::vector<PlaneMotion> twist, velocities;
+  std::vector<std::vector<PlaneMotion>> paths;
+};
+
+/// @param plan      made here when it has none, by the first level, and followed by the next
+/// @param on_state  called after each increment of the twist, for output
+FrictionOfLevel friction_on(const PressedContact& contact, const Problem& problem,
+                            std::optional<FrictionPlan>& plan, const Progress& progress,
+                            const OnState& on_state);
+
+/// Puts two levels' answers into the result: the finer one, the stiffness extrapolated, with stated
+/// errors.
+void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
+                    const Problem& problem, Result& result);
+
+}  // namespace softfinger::fem

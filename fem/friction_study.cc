@@ -1,0 +1,116 @@
+#include "fem/friction_study.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+
+using Eigen::Index;
+
+namespace {
+
+/// Cells that the contact may grow by while friction moves the pressure.
+constexpr double margin = 1.0;
+
+double relative_radius(const PressedContact& contact, double x, double y) {
+  return std::hypot(x / contact.a, y / contact.b);
+}
+
+double rim(const PressedContact& contact) {
+  return 1 + margin / contact.model.discretisation().elements_per_semi_axis;
+}
+
+FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& surface) {
+  Eigen::VectorXd gap(surface.size());
+  for (Index i = 0; i < surface.size(); ++i)
+    gap[i] = contact.gap[surface.quarter_node[static_cast<std::size_t>(i)]];
+  return {surface, gap, contact.load, contact.friction_coefficient};
+}
+
+void check_rim(const PressedContact& contact, const SurfaceCompliance& surface,
+               const FrictionalContact& state) {
+  // The outermost half cell is there to see that it is not needed.
+  const double allowed = rim(contact) - 0.3 * (rim(contact) - 1);
+  for (Index i = 0; i < surface.size(); ++i) {
+    if (state.normal_force()[i] <= 0) continue;
+    const double radius = relative_radius(contact, surface.position(0, i), surface.position(1, i));
+    if (radius > allowed)
+      throw ConvergenceError("size of the frictional contact", static_cast<int>(i), radius,
+                             "friction moved the contact's edge by more than a cell (relative "
+                             "radius); use a lower friction coefficient or a lower level");
+  }
+}
+
+}  // namespace
+
+SurfaceCompliance friction_surface(const PressedContact& contact, Invariance invariance) {
+  std::vector<int> chosen;
+  const auto& nodes = contact.model.nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact))
+      chosen.push_back(static_cast<int>(i));
+  return surface_compliance(contact.model, chosen, invariance);
+}
+
+double stuck_torsional_stiffness(const PressedContact& contact, const SurfaceCompliance& surface) {
+  // A turn is odd in x and in y: one quarter problem. The contact also holds the surface down.
+  std::vector<Index> stuck;
+  std::vector<double> turn;
+  for (std::size_t i = 0; i < surface.odd_node.size(); ++i) {
+    if (contact.force[surface.odd_node[i]] <= 0) continue;
+    const SurfaceNode& node = contact.model.nodes()[static_cast<std::size_t>(surface.odd_node[i])];
+    const double displacement[] = {-node.y, node.x, 0};
+    for (Index c = 0; c < 3; ++c) {
+      const Index row = static_cast<Index>(3 * i) + c;
+      if (surface.odd(row, row) <= 0) continue;  // fixed by the symmetry
+      stuck.push_back(row);
+      turn.push_back(displacement[c]);
+    }
+  }
+  const Eigen::Map<const Eigen::VectorXd> target(turn.data(), static_cast<Index>(turn.size()));
+  const Eigen::MatrixXd compliance = surface.odd(stuck, stuck);
+  return 4 * target.dot(compliance.llt().solve(target));
+}
+
+std::vector<FrictionState> move_through(const PressedContact& contact,
+                                        const SurfaceCompliance& surface,
+                                        const std::vector<PlaneMotion>& motions,
+                                        const OnState& on_state) {
+  FrictionalContact state = press(contact, surface);
+  std::vector<FrictionState> states;
+  for (const PlaneMotion& motion : motions) {
+    state.move_to(motion);
+    check_rim(contact, surface, state);
+    states.push_back({motion, state.wrench(), state.slip_fraction()});
+    on_state(state, states.back());
+  }
+  return states;
+}
+
+std::vector<FrictionState> slide_through(const PressedContact& contact,
+                                         const SurfaceCompliance& surface,
+                                         const std::vector<PlaneMotion>& velocities) {
+  FrictionalContact state = press(contact, surface);
+  std::vector<FrictionState> states;
+  for (const PlaneMotion& velocity : velocities) {
+    state.slide(velocity);
+    check_rim(contact, surface, state);
+    states.push_back({velocity, state.wrench(), 1});
+  }
+  return states;
+}
+
+std::vector<PlaneMotion> spread_velocities(int count, double arm) {
+  const double golden_angle = M_PI * (3 - std::sqrt(5.0));
+  std::vector<PlaneMotion> velocities;
+  for (int i = 0; i < count; ++i) {
+    const double turn = 1 - (2 * i + 1.0) / count, shift = std::sqrt(1 - turn * turn);
+    velocities.push_back(
+        {shift * std::cos(golden_angle * i), shift * std::sin(golden_angle * i), turn / arm});
+  }
+  return velocities;
+}
+
+}  // namespace softfinger::fem
