@@ -88,23 +88,30 @@ FrictionOfLevel friction_on(const PressedContact& contact, const Problem& proble
                             const OnState& on_state) {
   const FrictionRequest& request = problem.friction;
   FrictionOfLevel result;
-  const bool whole = request.limit_surface > 0 || !turns_about_centre(request);
-  const SurfaceCompliance surface =
-      friction_surface(contact, whole ? Invariance::none : Invariance::half_turn);
-  progress("friction: " + std::to_string(surface.size()) + " contact points");
-  result.stiffness = stuck_torsional_stiffness(contact, surface);
+  const bool central = turns_about_centre(request);
+  const bool half_is_enough = request.limit_surface == 0 && central;
+  const QuarterCompliances quarters =
+      friction_compliances(contact, half_is_enough ? Invariance::half_turn : Invariance::none);
+  result.stiffness = stuck_torsional_stiffness(contact, quarters);
   if (!plan) plan = plan_friction(contact, result.stiffness, problem);
   if (request.torsion) {
+    const SurfaceCompliance surface =
+        surface_compliance(quarters, central ? Invariance::half_turn : Invariance::none);
+    progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, " +
+             std::to_string(surface.size() * surface.copies) + " contact points");
     result.twist = move_through(contact, surface, plan->twist, on_state);
     result.full_slip = slide_through(contact, surface, {plan->twist.back()}).front().wrench.torque;
-    progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, slip " +
-             std::to_string(static_cast<int>(100 * result.twist.back().slip_fraction)) +
-             " % at the last");
+    progress("friction: slip on " +
+             std::to_string(std::lround(100 * result.twist.back().slip_fraction)) +
+             " % of the area at the last increment");
   }
-  if (request.limit_surface > 0) {
-    result.limit_surface = slide_through(contact, surface, plan->velocities);
-    progress("friction: limit surface of " + std::to_string(plan->velocities.size()) + " points");
-  }
+  if (request.limit_surface == 0) return result;
+  const SurfaceCompliance surface =
+      surface_compliance(quarters, Invariance::none,
+                         request.increments_to_slip > 0 ? Blocks::all : Blocks::without_tangential);
+  progress("friction: limit surface of " + std::to_string(plan->velocities.size()) + " points, " +
+           std::to_string(surface.size()) + " contact points");
+  result.limit_surface = slide_through(contact, surface, plan->velocities);
   for (std::size_t i = 0; i < plan->paths.size(); ++i) {
     result.paths.push_back(move_through(contact, surface, plan->paths[i], [](auto&&...) {}));
     progress("friction: path " + std::to_string(i + 1) + " of " +

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <utility>
 
 #include "softfinger/input/errors.h"
 
@@ -45,32 +46,34 @@ void check_rim(const PressedContact& contact, const SurfaceCompliance& surface,
 
 }  // namespace
 
-SurfaceCompliance friction_surface(const PressedContact& contact, Invariance invariance) {
+QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest) {
   std::vector<int> chosen;
   const auto& nodes = contact.model.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact))
       chosen.push_back(static_cast<int>(i));
-  return surface_compliance(contact.model, chosen, invariance);
+  return quarter_compliances(contact.model, std::move(chosen), fewest);
 }
 
-double stuck_torsional_stiffness(const PressedContact& contact, const SurfaceCompliance& surface) {
+double stuck_torsional_stiffness(const PressedContact& contact,
+                                 const QuarterCompliances& quarters) {
   // A turn is odd in x and in y: one quarter problem. The contact also holds the surface down.
+  const Eigen::MatrixXd& odd = quarters.by_parity[1];
   std::vector<Index> stuck;
   std::vector<double> turn;
-  for (std::size_t i = 0; i < surface.odd_node.size(); ++i) {
-    if (contact.force[surface.odd_node[i]] <= 0) continue;
-    const SurfaceNode& node = contact.model.nodes()[static_cast<std::size_t>(surface.odd_node[i])];
+  for (std::size_t i = 0; i < quarters.nodes.size(); ++i) {
+    if (contact.force[quarters.nodes[i]] <= 0) continue;
+    const SurfaceNode& node = contact.model.nodes()[static_cast<std::size_t>(quarters.nodes[i])];
     const double displacement[] = {-node.y, node.x, 0};
     for (Index c = 0; c < 3; ++c) {
       const Index row = static_cast<Index>(3 * i) + c;
-      if (surface.odd(row, row) <= 0) continue;  // fixed by the symmetry
+      if (odd(row, row) <= 0) continue;  // fixed by the symmetry
       stuck.push_back(row);
       turn.push_back(displacement[c]);
     }
   }
   const Eigen::Map<const Eigen::VectorXd> target(turn.data(), static_cast<Index>(turn.size()));
-  const Eigen::MatrixXd compliance = surface.odd(stuck, stuck);
+  const Eigen::MatrixXd compliance = odd(stuck, stuck);
   return 4 * target.dot(compliance.llt().solve(target));
 }
 

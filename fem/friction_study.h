@@ -29,12 +29,12 @@ struct FrictionState {
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;
 
-/// The compliance among the points of the contact and a cell around it.
-SurfaceCompliance friction_surface(const PressedContact& contact, Invariance invariance);
+/// Compliances of the contact's nodes and a cell around it.
+QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest);
 
 /// Torque per angle while every point sticks, the slope at the start of a twist. The contact is
 /// that of the frictionless load.
-double stuck_torsional_stiffness(const PressedContact& contact, const SurfaceCompliance& surface);
+double stuck_torsional_stiffness(const PressedContact& contact, const QuarterCompliances& quarters);
 
 /// Moves the indenter through the motions, one increment each, after pressing without friction.
 /// Every state is given to `on_state` as it comes.

@@ -31,7 +31,8 @@ FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eig
       normal_(solve_normal_contact(surface.normal, gap, load_)),
       pressed_(normal_.force),
       tangential_(Eigen::VectorXd::Zero(2 * surface.size())),
-      slip_(Eigen::VectorXd::Zero(2 * surface.size())) {}
+      slip_(Eigen::VectorXd::Zero(2 * surface.size())),
+      limit_(friction_coefficient * normal_.force) {}
 
 template <class TangentialSolver>
 void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_tangential) {
@@ -39,6 +40,7 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
   constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
   double change = 0;
   for (int iteration = 1; iteration <= limit; ++iteration) {
+    limit_ = friction_coefficient_ * normal_.force;
     solve_tangential();
     const Eigen::VectorXd lift = surface_.normal_tangential * tangential_;
     NormalContact next = solve_normal_contact(surface_.normal, gap_ + lift, load_, &normal_);
@@ -56,8 +58,7 @@ void FrictionalContact::move_to(const PlaneMotion& motion) {
   Eigen::VectorXd by_pressure;
   settle("increment with friction", [&] {
     by_pressure = surface_.normal_tangential.transpose() * (normal_.force - pressed_);
-    solve_friction(surface_.tangential, friction_coefficient_ * normal_.force, target - by_pressure,
-                   tangential_);
+    solve_friction(surface_.tangential, limit_, target - by_pressure, tangential_);
   });
   slip_ += target - by_pressure - surface_.tangential * tangential_;
 }
@@ -68,10 +69,9 @@ void FrictionalContact::slide(const PlaneMotion& velocity) {
     for (Index i = 0; i < surface_.size(); ++i) {
       const Eigen::Vector2d along = direction.segment<2>(2 * i);
       const double speed = along.norm();
-      const double limit = friction_coefficient_ * normal_.force[i];
       // At the centre of rotation nothing slides: no force is the mean of what its neighbours have.
       tangential_.segment<2>(2 * i) =
-          speed > 0 ? Eigen::Vector2d(limit / speed * along) : Eigen::Vector2d::Zero();
+          speed > 0 ? Eigen::Vector2d(limit_[i] / speed * along) : Eigen::Vector2d::Zero();
     }
   });
 }
@@ -92,14 +92,14 @@ FrictionWrench FrictionalContact::wrench() const {
 }
 
 bool FrictionalContact::slips(Index point) const {
-  return normal_.force[point] > 0 && tangential_.segment<2>(2 * point).norm() >=
-                                         friction_coefficient_ * normal_.force[point] * (1 - 1e-6);
+  return limit_[point] > 0 &&
+         tangential_.segment<2>(2 * point).norm() >= limit_[point] * (1 - 1e-9);
 }
 
 double FrictionalContact::slip_fraction() const {
   double slipping = 0, touching = 0;
   for (Index i = 0; i < surface_.size(); ++i) {
-    if (normal_.force[i] <= 0) continue;
+    if (limit_[i] <= 0) continue;
     // The centre of a twist does not move, and carries nothing.
     if (surface_.position.col(i).norm() < 1e-9) continue;
     touching += surface_.area[i];

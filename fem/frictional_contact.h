@@ -63,6 +63,7 @@ class FrictionalContact {
   Eigen::VectorXd pressed_;     ///< normal forces when friction set in
   Eigen::VectorXd tangential_;  ///< per point x, y: on the layer
   Eigen::VectorXd slip_;        ///< per point x, y: of the indenter against the layer
+  Eigen::VectorXd limit_;       ///< per point: what friction could hold when it was last solved for
 };
 
 }  // namespace softfinger::fem

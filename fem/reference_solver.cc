@@ -197,6 +197,18 @@ LevelResult measure(const Solved& solved, const Problem& problem, int level) {
   return result;
 }
 
+PressedContact pressed_contact(const Solved& solved, const LevelResult& measured,
+                               const Problem& problem, const Dimensionless& dimensionless) {
+  const double h = problem.contact.layer.thickness_m;
+  return {*solved.model,
+          solved.gap,
+          solved.contact.force,
+          measured.a_m / h,
+          measured.b_m / h,
+          dimensionless.load,
+          problem.contact.load.friction_coefficient};
+}
+
 /// What is stated for the finer of two meshes: their difference, extrapolated with a cautious
 /// order, plus what refinement of the contact does not show (`fem/README.md` has the measurements).
 struct ErrorModel {
@@ -362,10 +374,8 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     }
     LevelResult measured = measure(solved, problem, level);
     if (problem.friction.any()) {
-      const PressedContact pressed{
-          *solved.model,    solved.gap,         solved.contact.force,     measured.a_m / h,
-          measured.b_m / h, dimensionless.load, load.friction_coefficient};
-      friction.push_back(friction_on(pressed, problem, plan, progress, surface_series.of(level)));
+      friction.push_back(friction_on(pressed_contact(solved, measured, problem, dimensionless),
+                                     problem, plan, progress, surface_series.of(level)));
     }
     measured.wall_s = watch.seconds();
     if (level > 0) fit_mesh_to(measured);
@@ -397,13 +407,13 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     solved.model->write_vtu(result.vtu_file, solved.contact.force, h, layer.youngs_modulus_Pa);
     result.pvd_file = surface_series.finish();
   }
-  if (!problem.compliance_file.empty())
+  if (!problem.compliance_file.empty()) {
+    const PressedContact pressed = pressed_contact(solved, fine, problem, dimensionless);
     write_compliance(
         problem.compliance_file,
-        friction_surface({*solved.model, solved.gap, solved.contact.force, fine.a_m / h,
-                          fine.b_m / h, dimensionless.load, load.friction_coefficient},
-                         Invariance::none),
-        h, layer.youngs_modulus_Pa, layer.poisson_ratio);
+        surface_compliance(friction_compliances(pressed, Invariance::none), Invariance::none), h,
+        layer.youngs_modulus_Pa, layer.poisson_ratio);
+  }
   result.wall_s = total.seconds();
   result.peak_memory_MB = peak_memory_MB();
   return result;

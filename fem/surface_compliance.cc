@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace softfinger::fem {
 namespace {
@@ -36,8 +37,19 @@ Eigen::Vector3d signs(Image image, Parity parity) {
 
 }  // namespace
 
-SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<int>& nodes,
-                                     Invariance invariance) {
+QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
+                                       Invariance fewest) {
+  QuarterCompliances result{model, std::move(nodes), {}};
+  const std::size_t problems = fewest == Invariance::half_turn ? 2 : 4;
+  for (std::size_t problem = 0; problem < problems; ++problem)
+    result.by_parity.push_back(model.vector_compliance(parities[problem], result.nodes));
+  return result;
+}
+
+SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invariance invariance,
+                                     Blocks blocks) {
+  const LayerModel& model = quarters.model;
+  const std::vector<int>& nodes = quarters.nodes;
   const bool half_turn = invariance == Invariance::half_turn;
   std::vector<Point> points;
   std::vector<double> share;  // 1 / number of the group's rotations that leave the point in place
@@ -73,7 +85,8 @@ SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<
     result.area[p] = node.weight * parts * share[static_cast<std::size_t>(p)];
   }
 
-  result.tangential = Eigen::MatrixXd::Zero(2 * count, 2 * count);
+  const bool tangential = blocks == Blocks::all;
+  if (tangential) result.tangential = Eigen::MatrixXd::Zero(2 * count, 2 * count);
   result.normal = Eigen::MatrixXd::Zero(count, count);
   result.normal_tangential = Eigen::MatrixXd::Zero(count, 2 * count);
   // A force on a point and its copies has in each parity a quarter force of copies / 4 of it.
@@ -81,7 +94,7 @@ SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<
   const std::size_t problems = half_turn ? 2 : 4;
   for (std::size_t problem = 0; problem < problems; ++problem) {
     const Parity parity = parities[problem];
-    Eigen::MatrixXd quarter = model.vector_compliance(parity, nodes);
+    const Eigen::MatrixXd& quarter = quarters.by_parity[problem];
     for (Eigen::Index q = 0; q < count; ++q) {
       const Point& at = points[static_cast<std::size_t>(q)];
       const Eigen::Vector3d column_sign = scale * signs(at.image, parity);
@@ -90,14 +103,10 @@ SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<
         const Eigen::Matrix3d block = signs(of.image, parity).asDiagonal() *
                                       quarter.block<3, 3>(3 * of.index, 3 * at.index) *
                                       column_sign.asDiagonal();
-        result.tangential.block<2, 2>(2 * p, 2 * q) += block.topLeftCorner<2, 2>();
+        if (tangential) result.tangential.block<2, 2>(2 * p, 2 * q) += block.topLeftCorner<2, 2>();
         result.normal(p, q) += block(2, 2);
         result.normal_tangential.block<1, 2>(p, 2 * q) += block.bottomLeftCorner<1, 2>();
       }
-    }
-    if (parity.odd_x && parity.odd_y) {
-      result.odd = std::move(quarter);
-      result.odd_node = nodes;
     }
   }
   return result;

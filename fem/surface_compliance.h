@@ -13,29 +13,39 @@ enum class Invariance {
   half_turn  ///< rotation by pi about the normal: load and twist; half of the contact
 };
 
+/// Compliances of the quarter problems among some nodes, by parity. They serve every invariance.
+struct QuarterCompliances {
+  const LayerModel& model;
+  std::vector<int> nodes;  ///< of the quarter model
+  /// Even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in y.
+  std::vector<Eigen::MatrixXd> by_parity;
+};
+
+/// @param nodes  those that may come into contact
+/// Factorises two problems if only a half turn's are needed, else four.
+QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
+                                       Invariance fewest);
+
+/// Which of the blocks to compose: the tangential one is the largest.
+enum class Blocks { all, without_tangential };
+
 /// The surface's compliance among the points of a whole contact, composed of quarter problems.
 ///
 /// Where a rotation maps a point to itself (the centre), `force` below is its force divided by the
 /// number of such rotations: that keeps the compliance symmetric and every sum simple.
 struct SurfaceCompliance {
-  Eigen::Matrix2Xd position;   ///< of each point, in h
-  Eigen::VectorXd area;        ///< each point's share of the surface, in h²; scaled like `force`
-  Eigen::MatrixXd tangential;  ///< 2n x 2n, blocks in the order x, y
-  Eigen::MatrixXd normal;      ///< n x n, into the layer
+  Eigen::Matrix2Xd position;          ///< of each point, in h
+  Eigen::VectorXd area;               ///< its share of the surface, in h²; scaled like `force`
+  Eigen::MatrixXd normal;             ///< n x n, into the layer
+  Eigen::MatrixXd tangential;         ///< 2n x 2n, blocks in the order x, y; empty if left out
   Eigen::MatrixXd normal_tangential;  ///< n x 2n: displacement into the layer by tangential force
   std::vector<int> quarter_node;      ///< of the model, for each point
-  /// Of the quarter problem odd in x and in y, which holds a twist of the stuck contact: 3 x 3
-  /// blocks for the nodes that were given.
-  Eigen::MatrixXd odd;
-  std::vector<int> odd_node;
-  int copies = 1;  ///< sums over the points times this are sums over the contact
+  int copies = 1;                     ///< sums over points times this are sums over the contact
 
   Eigen::Index size() const { return position.cols(); }
 };
 
-/// @param nodes  of the quarter model: those that may come into contact
-/// Factorises two quarter problems for a half turn, four for no invariance.
-SurfaceCompliance surface_compliance(const LayerModel& model, const std::vector<int>& nodes,
-                                     Invariance invariance);
+SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invariance invariance,
+                                     Blocks blocks = Blocks::all);
 
 }  // namespace softfinger::fem
