@@ -59,9 +59,9 @@ void check(const Problem& problem) {
   if (radii.major_m / radii.minor_m > 100 * (1 + 1e-9))
     throw InputError(problem.name, "R'/R''", text("%g", radii.major_m / radii.minor_m),
                      "at most 100 for finite elements; longer contacts need a plane model");
-  if (!(layer.poisson_ratio >= 0 && layer.poisson_ratio <= 0.499999))
+  if (!(layer.poisson_ratio >= 0 && layer.poisson_ratio <= 0.5))
     throw InputError(problem.name, "poisson_ratio", text("%.9g", layer.poisson_ratio),
-                     "0 <= nu <= 0.499999 for finite elements (the pressure is condensed)");
+                     "0 <= nu <= 1/2");
   if (std::isfinite(problem.sphere_radius_m) &&
       !(std::abs(problem.sphere_radius_m / radii.major_m - 1) < 1e-9 &&
         std::abs(problem.sphere_radius_m / radii.minor_m - 1) < 1e-9))
