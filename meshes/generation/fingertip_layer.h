@@ -49,15 +49,15 @@ class FingertipLayer {
   /// central differences over 1e-5 of the smallest radius: 1e-9 of the largest entry.
   Eigen::Matrix3d gradient(double x, double y, double z) const;
 
-  /// How far |x| and |y| may go, both at once: over this rectangle, on a lattice
-  /// and in every facet of a triangulated pad, lines meet the
-  /// surface, the map is regular (see verify), the reference turns by at most 75 degrees, the
-  /// surface faces at most 60 degrees away from it, and no two neighbours lie on different parts of
-  /// the finger. At least a lattice cell is kept from the first place where that fails; 0 where not
-  /// even the first cells are regular. The lattice's cells are 1/48 of the shorter limit, or half a
-  /// thickness if that is less (but not below 1/200 of the limit). The rectangle grows as a square
-  /// until one side is limited, then in the other direction, and nowhere beyond 200 h, 30 times
-  /// the smaller radius or a triangulated finger's own size.
+  /// How far |x| and |y| may go, both at once: over this rectangle, on a lattice and in every facet
+  /// of a triangulated pad, lines meet the surface, the map is regular (see verify), the reference
+  /// turns by at most 75 degrees, the surface faces at most 60 degrees away from it, and no two
+  /// neighbours lie on different parts of the finger. At least a lattice cell is kept from the
+  /// first place where that fails; 0 where not even the first cells are regular. The lattice's
+  /// cells are 1/48 of the shorter limit, or half a thickness if that is less (but not below 1/200
+  /// of the limit). The rectangle grows as a square until one side is limited, then in the other
+  /// direction, and nowhere beyond 200 h, 30 times the smaller radius or a triangulated finger's
+  /// own size.
   double reach_x() const { return reach_x_; }
   double reach_y() const { return reach_y_; }
 
