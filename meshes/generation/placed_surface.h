@@ -1,0 +1,69 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "softfinger/input/triangle_surface.h"
+
+namespace softfinger::meshes {
+
+/// Where a line leaves a surface.
+struct SurfaceHit {
+  Eigen::Vector3d point;   ///< contact frame, in the surface's unit
+  Eigen::Vector3d normal;  ///< unit, out of the body
+};
+
+/// How a triangulated body stands in the contact frame, in the body's own coordinates.
+struct SurfacePlacement {
+  Eigen::Vector3d point_m;         ///< of contact; the surface's nearest point is taken
+  Eigen::Vector3d outward_normal;  ///< of the body there, any length
+  Eigen::Vector3d x_axis;          ///< the contact's x, before the turn; its part across the normal
+  double angle_rad = 0;            ///< then the body is turned about the contact's z, right-handed
+};
+
+/// A triangulated surface in the contact frame, in a tree of boxes so that a line costs about the
+/// logarithm of the number of triangles.
+///
+/// The normals are smooth: at a vertex the facets' normals weighted by their angles there (which
+/// does not depend on how a mesh cuts its polygons: Thürmer and Wüthrich 1998), in between by
+/// barycentric interpolation.
+class PlacedSurface {
+ public:
+  /// The outward normal becomes +z when the body lies `below` the contact plane (a finger), -z when
+  /// it lies `above` it (an object).
+  enum class Body { below, above };
+
+  /// @throws InputError for a surface without triangles, numbers that are not finite, an x axis
+  /// along the normal, a point farther from the surface than a twentieth of its extent, and a
+  /// normal that points into the body at the point.
+  PlacedSurface(const TriangleSurface& surface, const SurfacePlacement& placement, Body body);
+
+  /// Of all the points where the line from + t direction leaves the body (direction . facet normal
+  /// > 0; t of either sign) the one with the smallest |t|. Null when there is none.
+  std::optional<SurfaceHit> nearest_exit(const Eigen::Vector3d& from,
+                                         const Eigen::Vector3d& direction) const;
+
+  /// Four points inside each facet: its centre and near its corners.
+  std::vector<Eigen::Vector3d> facet_points() const;
+
+  /// The contact point on the surface, in the body's own coordinates.
+  const Eigen::Vector3d& contact_point_m() const { return contact_point_; }
+
+ private:
+  /// Inner nodes have their first child next to them and the second at `second`; leaves hold the
+  /// triangles [first, last).
+  struct Node {
+    Eigen::Vector3d low, high;
+    int first, last, second;
+  };
+  int build(int first, int last);
+
+  std::vector<Eigen::Vector3d> vertices_, normals_;
+  std::vector<std::array<int, 3>> triangles_;
+  std::vector<Node> nodes_;
+  Eigen::Vector3d contact_point_;
+};
+
+}  // namespace softfinger::meshes
