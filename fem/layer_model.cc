@@ -6,6 +6,8 @@
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/fe/mapping_q1.h>
+#include <deal.II/fe/mapping_q_eulerian.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria.h>
 #include <deal.II/lac/affine_constraints.h>
@@ -56,6 +58,8 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
       std::max(discretisation.a + discretisation.extent, block.inner_x + 2 * block.cell_x);
   block.length_y =
       std::max(discretisation.b + discretisation.extent, block.inner_y + 2 * block.cell_y);
+  block.length_x = std::min(block.length_x, discretisation.reach_x);
+  block.length_y = std::min(block.length_y, discretisation.reach_y);
   block.growth = 1.5;
   return lattice;
 }
@@ -74,10 +78,33 @@ void make_triangulation(const meshes::HexahedralMesh& mesh,
           static_cast<unsigned int>(mesh.cells[i][static_cast<std::size_t>(lexicographic[v])]);
   }
   dealii::SubCellData none;
+  std::vector<unsigned int> all;  // the vertices that mirror images share
+  dealii::GridTools::delete_duplicated_vertices(vertices, cells, none, all, 1e-9);
   dealii::GridTools::delete_unused_vertices(vertices, cells, none);
   dealii::GridTools::invert_all_negative_measure_cells(vertices, cells);
   dealii::GridTools::consistently_order_cells(cells);
   triangulation.create_triangulation(vertices, cells, none);
+}
+
+/// The whole of which a mesh is the quarter x, y >= 0.
+meshes::HexahedralMesh with_mirror_images(const meshes::HexahedralMesh& quarter) {
+  meshes::HexahedralMesh whole;
+  for (const double sign_x : {1.0, -1.0})
+    for (const double sign_y : {1.0, -1.0}) {
+      std::vector<int> index;
+      for (const Eigen::Vector3d& vertex : quarter.vertices) {
+        index.push_back(static_cast<int>(whole.vertices.size()));
+        whole.vertices.emplace_back(sign_x * vertex.x(), sign_y * vertex.y(), vertex.z());
+      }
+      for (auto cell : quarter.cells) {
+        for (int& vertex : cell) vertex = index[static_cast<std::size_t>(vertex)];
+        // A mirror image lists its faces clockwise.
+        if (sign_x * sign_y < 0)
+          for (const std::size_t face : {0, 4}) std::swap(cell[face + 1], cell[face + 3]);
+        whole.cells.push_back(cell);
+      }
+    }
+  return whole;
 }
 
 /// Halves the cells near the patch, level by level, so that cell size grows with the distance.
@@ -93,8 +120,9 @@ void refine_towards_patch(const LayerDiscretisation& discretisation, int refinem
       // own sides, flat cells would leave the stress under the patch to coarse ones.
       const auto size = high - low;
       const double reach = std::max({size[0], size[1], size[2]});
-      const double x = std::max(0.0, low[0] - reach) / patch_x;
-      const double y = std::max(0.0, low[1] - reach) / patch_y;
+      const auto distance = [&](unsigned int c) { return std::max({0.0, low[c], -high[c]}); };
+      const double x = std::max(0.0, distance(0) - reach) / patch_x;
+      const double y = std::max(0.0, distance(1) - reach) / patch_y;
       const bool near = x * x + y * y < 1 && -high[2] <= reach * (1 + 1e-9);
       if (near) cell->set_refine_flag();
     }
@@ -107,15 +135,19 @@ void refine_towards_patch(const LayerDiscretisation& discretisation, int refinem
 /// once.
 class ElementStiffness {
  public:
-  ElementStiffness(const dealii::FiniteElement<dim>& element, double poisson_ratio)
+  /// @param bent  elements of a bent layer have no like
+  ElementStiffness(const dealii::Mapping<dim>& mapping, const dealii::FiniteElement<dim>& element,
+                   double poisson_ratio, bool bent)
       : shear_(0.5 / (1 + poisson_ratio)),
         lame_(poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))),
+        bent_(bent),
         quadrature_(3),
-        values_(element, quadrature_,
+        values_(mapping, element, quadrature_,
                 dealii::update_gradients | dealii::update_JxW_values |
                     dealii::update_quadrature_points) {}
 
   dealii::FullMatrix<double> operator()(const dealii::DoFHandler<dim>::active_cell_iterator& cell) {
+    if (bent_) return integrate(cell);
     const double size = cell->diameter();
     std::array<long, 3 * 7> shape;
     for (unsigned int v = 1; v < 8; ++v)
@@ -138,7 +170,7 @@ class ElementStiffness {
     values_.reinit(cell);
     const auto& element = values_.get_fe();
     const unsigned int dofs = element.n_dofs_per_cell(), points = quadrature_.size();
-    const auto center = cell->center();
+    const auto center = values_.quadrature_point(points / 2);
     const double size = cell->diameter();
     Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(6 * points, dofs);
     Eigen::MatrixXd divergence = Eigen::MatrixXd::Zero(4, dofs);
@@ -169,6 +201,7 @@ class ElementStiffness {
   }
 
   const double shear_, lame_;
+  const bool bent_;
   const dealii::QGauss<dim> quadrature_;
   dealii::FEValues<dim> values_;
   std::map<std::array<long, 3 * 7>, dealii::FullMatrix<double>> unit_size_;
@@ -194,6 +227,10 @@ struct LayerModel::Implementation {
   dealii::Triangulation<dim> triangulation{dealii::Triangulation<dim>::maximum_smoothing};
   dealii::FESystem<dim> element{dealii::FE_Q<dim>(2), dim};
   dealii::DoFHandler<dim> dofs{triangulation};
+  std::shared_ptr<const LayerShape> shape;
+  bool whole = false;
+  dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
+  std::unique_ptr<dealii::Mapping<dim>> mapping;
   dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
   std::vector<char> on_plane;                     ///< per dof: bit 0 on x = 0, bit 1 on y = 0
   std::vector<char> component;                    ///< per dof: 0 to 2
@@ -206,12 +243,38 @@ struct LayerModel::Implementation {
   std::unique_ptr<CholeskyFactor> factor;
   Eigen::MatrixXd compliance;
 
+  void bend(const std::vector<dealii::Point<dim>>& support);
   void constrain(const std::vector<dealii::Point<dim>>& support);
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
   void assemble();
   Unknowns free_unknowns(Parity parity) const;
   SparseSymmetricMatrix lower_triangle(const Unknowns& free) const;
 };
+
+/// The layer's shape as a quadratic displacement of the block, continuous across hanging nodes.
+void LayerModel::Implementation::bend(const std::vector<dealii::Point<dim>>& support) {
+  if (!shape) {
+    mapping = std::make_unique<dealii::MappingQ1<dim>>();
+    return;
+  }
+  bending.reinit(dofs.n_dofs());
+  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    for (unsigned int i = 0; i < indices.size(); ++i) {
+      const auto& point = support[indices[i]];
+      const unsigned int c = element.system_to_component_index(i).first;
+      // One component at a time: the map is called three times per node, which is little work.
+      bending[indices[i]] = shape->position(point[0], point[1], point[2])[c] - point[c];
+    }
+  }
+  dealii::AffineConstraints<double> hanging;
+  dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
+  hanging.close();
+  hanging.distribute(bending);
+  mapping =
+      std::make_unique<dealii::MappingQEulerian<dim, dealii::Vector<double>>>(2, dofs, bending);
+}
 
 void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>& support) {
   dealii::DoFTools::make_hanging_node_constraints(dofs, constraints);
@@ -224,8 +287,8 @@ void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>
     for (unsigned int i = 0; i < indices.size(); ++i) {
       const auto dof = indices[i];
       component[dof] = static_cast<char>(element.system_to_component_index(i).first);
-      on_plane[dof] =
-          static_cast<char>((at(support[dof][0], 0) ? 1 : 0) + (at(support[dof][1], 0) ? 2 : 0));
+      on_plane[dof] = static_cast<char>((!whole && at(support[dof][0], 0) ? 1 : 0) +
+                                        (!whole && at(support[dof][1], 0) ? 2 : 0));
       bonded[dof] = at(support[dof][2], -1);
     }
   }
@@ -261,7 +324,14 @@ void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point
         const auto [entry, is_new] =
             node_of_dof.emplace(indices[i], static_cast<int>(nodes.size()));
         if (is_new) {
-          nodes.push_back({point[0], point[1], 0});
+          SurfaceNode node{point[0], point[1]};
+          node.position = {point[0], point[1], 0};
+          if (shape) {
+            node.position = shape->position(point[0], point[1], 0);
+            node.normal = shape->normal(point[0], point[1]);
+            node.area_ratio = shape->area_ratio(point[0], point[1]);
+          }
+          nodes.push_back(node);
           node_dofs.emplace_back();
         }
         const auto column = std::lround(2 * (point[0] - surface.x) / surface.size_x);
@@ -291,7 +361,7 @@ void LayerModel::Implementation::assemble() {
     pattern.copy_from(dynamic);
   }
   stiffness.reinit(pattern);
-  ElementStiffness of_cell(element, poisson_ratio);
+  ElementStiffness of_cell(*mapping, element, poisson_ratio, shape != nullptr);
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
@@ -332,27 +402,48 @@ SparseSymmetricMatrix LayerModel::Implementation::lower_triangle(const Unknowns&
   return lower;
 }
 
-LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio)
+LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
+                       std::shared_ptr<const LayerShape> shape, bool whole)
     : implementation_(std::make_unique<Implementation>()) {
   auto& self = *implementation_;
   self.discretisation = discretisation;
   self.poisson_ratio = poisson_ratio;
+  self.shape = std::move(shape);
+  self.whole = whole;
   const Lattice lattice = plan_lattice(discretisation);
-  make_triangulation(meshes::mesh_layer_block(lattice.block), self.triangulation);
+  const meshes::HexahedralMesh block = meshes::mesh_layer_block(lattice.block);
+  make_triangulation(whole ? with_mirror_images(block) : block, self.triangulation);
   refine_towards_patch(discretisation, lattice.refinements, self.triangulation);
   self.dofs.distribute_dofs(self.element);
 
   std::vector<dealii::Point<dim>> support(self.dofs.n_dofs());
   dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), self.dofs, support);
+  self.bend(support);
   self.constrain(support);
   self.collect_surface(support);
   self.assemble();
 
   self.even = self.free_unknowns(Parity{});
+  const bool flat = !self.shape;
   std::vector<int> last;
-  for (const auto& dof : self.node_dofs) last.push_back(self.even.of_dof[dof[2]]);
+  for (const auto& dof : self.node_dofs)
+    for (const std::size_t c : {0, 1, 2})
+      if ((c == 2 || !flat) && self.even.of_dof[dof[c]] >= 0)
+        last.push_back(self.even.of_dof[dof[c]]);
   self.factor = std::make_unique<CholeskyFactor>(self.lower_triangle(self.even), last);
   self.compliance = self.factor->compliance_of_last();
+  if (flat) return;
+
+  // Of the three components along the normals.
+  const auto count = static_cast<Eigen::Index>(self.nodes.size());
+  Eigen::MatrixXd along_normals = Eigen::MatrixXd::Zero(self.compliance.rows(), count);
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    for (const std::size_t c : {0, 1, 2})
+      if (self.even.of_dof[self.node_dofs[i][c]] >= 0)
+        along_normals(row++, static_cast<Eigen::Index>(i)) =
+            -self.nodes[i].normal[static_cast<Eigen::Index>(c)];
+  self.compliance = along_normals.transpose() * self.compliance * along_normals;
 }
 
 Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
@@ -397,18 +488,23 @@ void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force
   auto& self = *implementation_;
   Eigen::VectorXd load = Eigen::VectorXd::Zero(self.even.count);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    load[self.even.of_dof[self.node_dofs[i][2]]] = -force[static_cast<Eigen::Index>(i)];
+    for (const std::size_t c : {0, 1, 2})
+      if (const int unknown = self.even.of_dof[self.node_dofs[i][c]]; unknown >= 0)
+        load[unknown] -= force[static_cast<Eigen::Index>(i)] *
+                         self.nodes[i].normal[static_cast<Eigen::Index>(c)];
   const Eigen::VectorXd solution = self.factor->solve(load);
   dealii::Vector<double> displacement_m(self.dofs.n_dofs()), pressure_Pa(self.dofs.n_dofs());
   for (global_dof_index i = 0; i < self.dofs.n_dofs(); ++i)
     if (self.even.of_dof[i] >= 0) displacement_m[i] = thickness_m * solution[self.even.of_dof[i]];
   self.constraints.distribute(displacement_m);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    pressure_Pa[self.node_dofs[i][2]] =
-        youngs_modulus_Pa * force[static_cast<Eigen::Index>(i)] / self.nodes[i].weight;
+    pressure_Pa[self.node_dofs[i][2]] = youngs_modulus_Pa * force[static_cast<Eigen::Index>(i)] /
+                                        (self.nodes[i].weight * self.nodes[i].area_ratio);
   dealii::GridTools::scale(thickness_m, self.triangulation);
-  write_solution(path, self.dofs, displacement_m, pressure_Pa, youngs_modulus_Pa,
+  self.bending *= thickness_m;
+  write_solution(path, *self.mapping, self.dofs, displacement_m, pressure_Pa, youngs_modulus_Pa,
                  self.poisson_ratio);
+  self.bending /= thickness_m;
   dealii::GridTools::scale(1 / thickness_m, self.triangulation);
 }
 

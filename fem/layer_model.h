@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,15 +16,37 @@ struct LayerDiscretisation {
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
   double extent = 6;               ///< free side wall at a + extent, b + extent
 
+  /// How far the block may go along x and y: the surface may end. Infinite for a flat layer.
+  double reach_x = std::numeric_limits<double>::infinity();
+  double reach_y = std::numeric_limits<double>::infinity();
+
   /// Finest cells along a: as many as along b, more where cells would be longer than three times
   /// their width.
   int elements_along_a() const;
 };
 
+/// The layer bent onto a finger: the image of a flat block in the contact's frame. Lengths in h.
+class LayerShape {
+ public:
+  virtual ~LayerShape() = default;
+  /// Of the block's point (x, y, z), -1 <= z <= 0; z = 0 is the surface, z = -1 the rigid core.
+  virtual Eigen::Vector3d position(double x, double y, double z) const = 0;
+  /// Outward unit normal of the surface.
+  virtual Eigen::Vector3d normal(double x, double y) const = 0;
+  /// Surface area per area of the block.
+  virtual double area_ratio(double x, double y) const = 0;
+  /// Whether position(-x, y) and position(x, -y) are mirror images: a quarter then is enough, if
+  /// the object is symmetric as well.
+  virtual bool symmetric() const = 0;
+};
+
 /// A node where the surface can be touched.
 struct SurfaceNode {
-  double x = 0, y = 0;
-  double weight = 0;  ///< integral of its shape function over the quarter surface, > 0
+  double x = 0, y = 0;  ///< in the block: arc lengths from the contact point on a bent layer
+  double weight = 0;    ///< integral of its shape function over the block's surface, > 0
+  double area_ratio = 1;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in space
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< outward
 };
 
 /// A finest face of the surface, an axis-parallel rectangle, with the nodes of its biquadratic
@@ -40,9 +63,10 @@ struct Parity {
   bool odd_x = false, odd_y = false;
 };
 
-/// Quarter of an elastic layer bonded to a rigid base, condensed on the displacements of its
-/// surface nodes. Lengths / h, stresses / E: one model serves every load, radius, modulus and
-/// coefficient of friction for which the contact stays inside the patch.
+/// Elastic layer bonded to a rigid base, condensed on the displacements of its surface nodes: a
+/// quarter of it where layer and load are symmetric about x = 0 and y = 0, else the whole. Lengths
+/// / h, stresses / E: one model serves every load, radius, modulus and coefficient of friction for
+/// which the contact stays inside the patch.
 ///
 /// Q2 displacements; the volumetric strain is projected on discontinuous linear functions per
 /// element (Q2/P1disc with the pressure condensed), which neither locks nor oscillates as nu ->
@@ -50,8 +74,11 @@ struct Parity {
 class LayerModel {
  public:
   /// @param poisson_ratio  0 <= nu < 1/2
-  /// @throws ConvergenceError from the factorisation.
-  LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio);
+  /// @param shape          null: flat
+  /// @param whole          all of the layer instead of a quarter
+  /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation.
+  LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
+             std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;
   LayerModel& operator=(const LayerModel&) = delete;
@@ -61,8 +88,8 @@ class LayerModel {
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
 
-  /// Displacement into the layer per unit force into it on the quarter model, n x n, for fields
-  /// even in x and y.
+  /// Displacement into the layer along the surface's normal per unit force along it, n x n; of a
+  /// quarter, for fields even in x and y.
   const Eigen::MatrixXd& compliance() const;
 
   /// Displacement per unit force on the quarter model, fields of the given parity, for some of the

@@ -20,17 +20,20 @@ using Cell = dealii::DoFHandler<dim>::active_cell_iterator;
 struct ProjectedDivergence {
   std::vector<Eigen::Vector4d> coefficients;  ///< per active cell, of 1, x, y, z from its centre
 
-  ProjectedDivergence(const dealii::DoFHandler<dim>& dofs,
+  std::vector<dealii::Point<dim>> centers;
+
+  ProjectedDivergence(const dealii::Mapping<dim>& mapping, const dealii::DoFHandler<dim>& dofs,
                       const dealii::Vector<double>& displacement)
-      : coefficients(dofs.get_triangulation().n_active_cells()) {
+      : coefficients(dofs.get_triangulation().n_active_cells()), centers(coefficients.size()) {
     const dealii::QGauss<dim> quadrature(3);
     dealii::FEValues<dim> values(
-        dofs.get_fe(), quadrature,
+        mapping, dofs.get_fe(), quadrature,
         dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
     const dealii::FEValuesExtractors::Vector vector(0);
     std::vector<double> divergence(quadrature.size());
     for (const auto& cell : dofs.active_cell_iterators()) {
       values.reinit(cell);
+      centers[cell->active_cell_index()] = values.quadrature_point(quadrature.size() / 2);
       values[vector].get_function_divergences(displacement, divergence);
       Eigen::Matrix4d mass = Eigen::Matrix4d::Zero();
       Eigen::Vector4d moment = Eigen::Vector4d::Zero();
@@ -44,8 +47,8 @@ struct ProjectedDivergence {
   }
 
   template <class CellAccessor>
-  static Eigen::Vector4d basis(const dealii::Point<dim>& point, const CellAccessor& cell) {
-    const auto offset = (point - cell.center()) / cell.diameter();
+  Eigen::Vector4d basis(const dealii::Point<dim>& point, const CellAccessor& cell) const {
+    const auto offset = (point - centers[cell.active_cell_index()]) / cell.diameter();
     return {1, offset[0], offset[1], offset[2]};
   }
 };
@@ -66,7 +69,7 @@ class Stress : public dealii::DataPostprocessorTensor<dim> {
     const auto& coefficients = divergence_.coefficients[cell->active_cell_index()];
     for (unsigned int p = 0; p < stress.size(); ++p) {
       const double volumetric =
-          coefficients.dot(ProjectedDivergence::basis(inputs.evaluation_points[p], *cell));
+          coefficients.dot(divergence_.basis(inputs.evaluation_points[p], *cell));
       const auto& gradient = inputs.solution_gradients[p];
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
@@ -92,11 +95,12 @@ class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
 
 }  // namespace
 
-void write_solution(const std::string& path, const dealii::DoFHandler<dim>& dofs,
+void write_solution(const std::string& path, const dealii::Mapping<dim>& mapping,
+                    const dealii::DoFHandler<dim>& dofs,
                     const dealii::Vector<double>& displacement_m,
                     const dealii::Vector<double>& contact_pressure_Pa, double youngs_modulus_Pa,
                     double poisson_ratio) {
-  const ProjectedDivergence divergence(dofs, displacement_m);
+  const ProjectedDivergence divergence(mapping, dofs, displacement_m);
   const Stress stress(divergence, youngs_modulus_Pa, poisson_ratio);
   const ContactPressure contact_pressure;
   dealii::DataOut<dim> output;
@@ -106,7 +110,8 @@ void write_solution(const std::string& path, const dealii::DoFHandler<dim>& dofs
                          vector);
   output.add_data_vector(dofs, displacement_m, stress);
   output.add_data_vector(dofs, contact_pressure_Pa, contact_pressure);
-  output.build_patches(2);  // the quadratic element's own nodes
+  output.build_patches(
+      mapping, 2, dealii::DataOut<dim>::curved_inner_cells);  // the quadratic element's own nodes
 
   write_file(path, "VTU file", [&](std::ostream& file) { output.write_vtu(file); });
 }

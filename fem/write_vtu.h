@@ -13,8 +13,8 @@ namespace softfinger::fem {
 /// @param displacement_m       per dof of the three-component handler
 /// @param contact_pressure_Pa  per dof, non-zero at normal displacements of the surface only
 /// @throws InputError when the file cannot be written
-void write_solution(const std::string& path, const dealii::DoFHandler<3>& dofs,
-                    const dealii::Vector<double>& displacement_m,
+void write_solution(const std::string& path, const dealii::Mapping<3>& mapping,
+                    const dealii::DoFHandler<3>& dofs, const dealii::Vector<double>& displacement_m,
                     const dealii::Vector<double>& contact_pressure_Pa, double youngs_modulus_Pa,
                     double poisson_ratio);
 
