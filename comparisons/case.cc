@@ -128,6 +128,21 @@ double checked_radius(const Reader& reader, const toml::node& node, const std::s
   return radius_m;
 }
 
+void read_finger_shape(const Reader& reader, const toml::table& table, QuadricBody& quadric) {
+  if (const toml::node* shape = table.get("shape")) {
+    const std::string chosen =
+        reader.choice(*shape, "finger.shape", {"paraboloid", "ellipsoid", "tapered"});
+    if (chosen == "ellipsoid") quadric.shape = FingerShape::ellipsoid;
+    if (chosen == "tapered") quadric.shape = FingerShape::tapered;
+  }
+  if (const toml::node* taper = table.get("taper_per_mm")) {
+    if (quadric.shape != FingerShape::tapered)
+      reader.say(*taper, "taper_per_mm belongs to shape = \"tapered\"");
+    quadric.taper_per_m =
+        reader.number(*taper, "taper_per_mm", "a finite number per mm") / kMillimetre;
+  }
+}
+
 CaseBody read_body(const Reader& reader, const toml::node& node, const std::string& name,
                    const fs::path& folder) {
   if (!node.is_table())
@@ -135,7 +150,8 @@ CaseBody read_body(const Reader& reader, const toml::node& node, const std::stri
                   "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, name,
-                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal"});
+                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "shape",
+                     "taper_per_mm"});
   const int forms = static_cast<int>(table.contains("radii_mm")) +
                     static_cast<int>(table.contains("sphere_radius_mm")) +
                     static_cast<int>(table.contains("mesh"));
@@ -146,12 +162,19 @@ CaseBody read_body(const Reader& reader, const toml::node& node, const std::stri
         reader.say(*entry,
                    fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
 
+  for (const char* key : {"shape", "taper_per_mm"})
+    if (const toml::node* entry = table.get(key))
+      if (name != "finger" || !table.contains("radii_mm"))
+        reader.say(*entry, fmt::format("{} is for a finger with radii_mm", key));
+
   if (const toml::node* entry = table.get("radii_mm")) {
     const std::string field = name + ".radii_mm";
     const auto radii = reader.numbers(
         *entry, field, 2, "two radii in mm, along x and y (inf = flat, negative = concave)", true);
-    return QuadricBody{checked_radius(reader, *entry, field, radii[0]),
-                       checked_radius(reader, *entry, field, radii[1])};
+    QuadricBody quadric{checked_radius(reader, *entry, field, radii[0]),
+                        checked_radius(reader, *entry, field, radii[1])};
+    read_finger_shape(reader, table, quadric);
+    return quadric;
   }
   if (const toml::node* entry = table.get("sphere_radius_mm")) {
     if (name == "finger")
@@ -342,9 +365,15 @@ void read_fem(const Reader& reader, const toml::node& node, Case& result) {
     result.fem_level = static_cast<int>(value);
   }
   if (const toml::node* geometry = table.get("geometry"))
-    if (reader.choice(*geometry, "geometry", {"flat", "curved"}) == "curved")
-      reader.refuse(*geometry, "geometry",
-                    "\"flat\"; a layer on the finger's own curved core is not in this version");
+    if (reader.choice(*geometry, "geometry", {"flat", "curved"}) == "curved") {
+      if (!std::holds_alternative<BodyPair>(result.geometry))
+        reader.refuse(*geometry, "geometry",
+                      "\"flat\" with relative_radii_mm; a curved layer needs finger and object");
+      if (result.layer_on_object)
+        reader.refuse(*geometry, "geometry",
+                      "\"flat\" with [object_layer]: the curved layer is the finger's");
+      result.fem_curved = true;
+    }
   if (const toml::node* kinematics = table.get("kinematics"))
     if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite")
       reader.refuse(*kinematics, "kinematics", "\"linear\"; finite strain is not in this version");
@@ -388,8 +417,8 @@ Case parse_case(const std::string& text, const fs::path& file) {
   read_layers(reader, root, result);
   if (const toml::node* law = root.get("power_law")) read_power_law(reader, *law, result);
   read_contact(reader, reader.required_table(root, "contact"), result);
-  if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
   result.geometry = read_geometry(reader, geometry, file.parent_path());
+  if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
   return result;
 }
 

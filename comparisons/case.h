@@ -13,9 +13,15 @@
 /// A case file: what to compare, as written by a user. The only place that knows TOML.
 namespace softfinger {
 
+/// How a finger goes on beyond its radii at the contact point: only finite elements on its curved
+/// layer see it.
+enum class FingerShape { paraboloid, ellipsoid, tapered };
+
 /// A paraboloid by its principal radii; infinite = flat, negative = concave.
 struct QuadricBody {
   double radius_x_m = 0, radius_y_m = 0;
+  FingerShape shape = FingerShape::paraboloid;
+  double taper_per_m = 0;  ///< of `tapered`: relative change of the cross-section's radius along x
 };
 
 /// An exact sphere.
@@ -57,7 +63,8 @@ struct Case {
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
   std::vector<double> loads_N;               ///< all different
   double friction_coefficient = 0;
-  int fem_level = 2;  ///< 1 to 3
+  int fem_level = 2;        ///< 1 to 3
+  bool fem_curved = false;  ///< finite elements on the finger's own curved core
 
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
     return {radii, layer, {load_N, friction_coefficient}, object_layer, options};

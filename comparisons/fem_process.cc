@@ -2,12 +2,68 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <optional>
 
 #include "comparisons/predict.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
+
+namespace {
+
+/// A body in the frame of the relative radii: `turn_rad` from that frame's x to the body's own.
+nlohmann::json placed_body(const CaseBody& body, const std::optional<QuadricFit>& fit,
+                           double turn_rad) {
+  if (const auto* quadric = std::get_if<QuadricBody>(&body)) {
+    double radius_x_m = quadric->radius_x_m, radius_y_m = quadric->radius_y_m;
+    // Quarter turns without rounding: they keep the symmetry that saves three quarters of the work.
+    const double quarters = turn_rad / (M_PI / 2);
+    if (quadric->shape != FingerShape::tapered &&
+        std::abs(quarters - std::round(quarters)) < 1e-9) {
+      if (std::lround(quarters) % 2 != 0) std::swap(radius_x_m, radius_y_m);
+      turn_rad = 0;
+    }
+    const char* shape[] = {"paraboloid", "ellipsoid", "tapered"};
+    return {{"shape", shape[static_cast<int>(quadric->shape)]},
+            {"radii_m", {finite_or_null(radius_x_m), finite_or_null(radius_y_m)}},
+            {"taper_per_m", quadric->taper_per_m},
+            {"turn_rad", turn_rad}};
+  }
+  if (const auto* sphere = std::get_if<SphereBody>(&body))
+    return {{"shape", "sphere"}, {"radii_m", {sphere->radius_m, sphere->radius_m}}};
+  const auto& mesh = std::get<MeshBody>(body);
+  const auto list = [](const Eigen::Vector3d& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
+  // Radii of the surface's sections along the frame's axes: the layer's map starts from a torus.
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  const auto section = [&](double x, double y) {
+    const double curvature = 2 * (fit->quadric.A_per_m * x * x + fit->quadric.B_per_m * y * y +
+                                  fit->quadric.C_per_m * x * y);
+    return curvature > 0 ? nlohmann::json(1 / curvature) : nlohmann::json();
+  };
+  return {{"shape", "mesh"},
+          {"mesh", std::filesystem::absolute(mesh.path).string()},
+          {"metres_per_unit", mesh.metres_per_unit},
+          {"point_m", list(mesh.point_m)},
+          {"outward_normal", list(fit->normal)},
+          {"x_axis", list(fit->x_axis)},
+          {"radii_m", {section(c, -s), section(s, c)}},
+          {"turn_rad", turn_rad}};
+}
+
+nlohmann::json fingertip(const Case& contact_case, const LocalGeometry& geometry) {
+  const auto& pair = std::get<BodyPair>(contact_case.geometry);
+  const double axis_rad = geometry.radii.axis_rad;
+  const std::optional<QuadricFit> none;
+  const auto& patch = geometry.patch;
+  return {{"pad", placed_body(pair.finger, patch ? patch->finger_fit : none, -axis_rad)},
+          {"object",
+           placed_body(pair.object, patch ? patch->object_fit : none, pair.angle_rad - axis_rad)}};
+}
+
+}  // namespace
 
 nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geometry, double load_N,
                            int level) {
@@ -15,17 +71,19 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
     throw InputError(contact_case.file.string(), "[object_layer]", "",
                      "one layer, [layer] or [object_layer], for finite elements; the models take "
                      "both (softfinger predict)");
-  return {{"name", contact_case.id},
-          {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
-          {"axis_rad", geometry.radii.axis_rad},
-          {"sphere_radius_m", finite_or_null(geometry.sphere_radius_m)},
-          {"layer",
-           {{"thickness_m", contact_case.layer.thickness_m},
-            {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
-            {"poisson_ratio", contact_case.layer.poisson_ratio}}},
-          {"load_N", load_N},
-          {"friction_coefficient", contact_case.friction_coefficient},
-          {"level", level}};
+  nlohmann::json problem = {{"name", contact_case.id},
+                            {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
+                            {"axis_rad", geometry.radii.axis_rad},
+                            {"sphere_radius_m", finite_or_null(geometry.sphere_radius_m)},
+                            {"layer",
+                             {{"thickness_m", contact_case.layer.thickness_m},
+                              {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
+                              {"poisson_ratio", contact_case.layer.poisson_ratio}}},
+                            {"load_N", load_N},
+                            {"friction_coefficient", contact_case.friction_coefficient},
+                            {"level", level}};
+  if (contact_case.fem_curved) problem["fingertip"] = fingertip(contact_case, geometry);
+  return problem;
 }
 
 ProcessJob fem_job(const std::string& program, nlohmann::json problem,

@@ -12,6 +12,7 @@
 namespace softfinger {
 
 /// The problem without its output directory: what decides the answer, and nothing else.
+/// With `fem_curved` it holds finger and object in the frame of the relative radii.
 nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geometry, double load_N,
                            int level);
 

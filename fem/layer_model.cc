@@ -58,8 +58,15 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
       std::max(discretisation.a + discretisation.extent, block.inner_x + 2 * block.cell_x);
   block.length_y =
       std::max(discretisation.b + discretisation.extent, block.inner_y + 2 * block.cell_y);
-  block.length_x = std::min(block.length_x, discretisation.reach_x);
-  block.length_y = std::min(block.length_y, discretisation.reach_y);
+  // A bent layer ends at its reach; near it even the coarsest cells are small enough to fit.
+  const auto fit = [](double inner, double reach, double& cell, double& length) {
+    length = std::min(length, reach);
+    if (std::ceil(inner / cell - 1e-9) * cell < 0.98 * length) return;
+    const double cells = std::ceil(inner / (0.98 * length - inner));
+    cell = inner / cells;
+  };
+  fit(block.inner_x, discretisation.reach_x, block.cell_x, block.length_x);
+  fit(block.inner_y, discretisation.reach_y, block.cell_y, block.length_y);
   block.growth = 1.5;
   return lattice;
 }

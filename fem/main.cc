@@ -1,5 +1,6 @@
 // softfinger-fem: one contact in, one JSON object out. The format is in README.md beside this file.
 
+#include <malloc.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -8,15 +9,20 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "fem/reference_solver.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/generation/pad_surface.h"
+#include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 
 namespace {
 
 using nlohmann::json;
 namespace fem = softfinger::fem;
+namespace meshes = softfinger::meshes;
 
 json read(const std::string& path) {
   std::ifstream file;
@@ -30,6 +36,67 @@ json read(const std::string& path) {
   } catch (const json::parse_error& error) {
     throw softfinger::InputError(path, "problem", "", std::string("JSON (") + error.what() + ")");
   }
+}
+
+double radius(const json& value) {
+  return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
+}
+
+Eigen::Vector3d vector(const json& value) {
+  return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
+}
+
+softfinger::TriangleSurface read_mesh(const json& body) {
+  return meshes::read_surface(body.at("mesh").get<std::string>(), body.at("metres_per_unit"))
+      .surface;
+}
+
+meshes::SurfacePlacement placement(const json& body) {
+  return {vector(body.at("point_m")), vector(body.at("outward_normal")), vector(body.at("x_axis")),
+          body.value("turn_rad", 0.0)};
+}
+
+/// Bodies in the contact's frame; a body is turned by `turn_rad` about z from its own.
+fem::Fingertip read_fingertip(const json& input) {
+  const auto shape_of = [](const json& body) { return body.at("shape").get<std::string>(); };
+  fem::Fingertip fingertip;
+  {
+    const json& pad = input.at("pad");
+    const std::string shape = shape_of(pad);
+    const double x = radius(pad.at("radii_m").at(0)), y = radius(pad.at("radii_m").at(1));
+    const double turn_rad = pad.value("turn_rad", 0.0);
+    if (shape == "paraboloid")
+      fingertip.pad = meshes::paraboloid_pad(x, y, turn_rad);
+    else if (shape == "ellipsoid")
+      fingertip.pad = meshes::ellipsoid_pad(x, y, std::nullopt, turn_rad);
+    else if (shape == "sphere")
+      fingertip.pad = meshes::sphere_pad(x);
+    else if (shape == "tapered" && std::abs(turn_rad) < 1e-9)
+      fingertip.pad = meshes::tapered_pad(x, y, pad.value("taper_per_m", 0.0));
+    else if (shape == "mesh")
+      fingertip.pad = meshes::triangulated_pad(read_mesh(pad), placement(pad), x, y);
+    else
+      throw softfinger::InputError("fingertip.pad", "shape", shape,
+                                   "paraboloid, ellipsoid, sphere, mesh, or tapered along the "
+                                   "contact's long axis");
+  }
+  const json& object = input.at("object");
+  const std::string shape = shape_of(object);
+  const double x = radius(object.at("radii_m").at(0)), y = radius(object.at("radii_m").at(1));
+  const double turn_rad = object.value("turn_rad", 0.0);
+  fingertip.symmetric_object = shape != "mesh" && (turn_rad == 0 || x == y);
+  if (shape == "paraboloid")
+    fingertip.object = meshes::quadric_object(x, y, turn_rad);
+  else if (shape == "sphere")
+    fingertip.object = meshes::sphere_object(x);
+  else if (shape == "cylinder")
+    fingertip.object = meshes::cylinder_object(x, turn_rad);
+  else if (shape == "mesh")
+    fingertip.object = meshes::triangulated_object(read_mesh(object), placement(object));
+  else
+    throw softfinger::InputError("fingertip.object", "shape", shape,
+                                 "paraboloid, sphere, cylinder or mesh");
+  return fingertip;
 }
 
 fem::Problem parse(const json& input) {
@@ -50,6 +117,7 @@ fem::Problem parse(const json& input) {
     problem.contact.load = {input.at("load_N").get<double>(),
                             input.at("friction_coefficient").get<double>()};
     problem.level = input.value("level", problem.level);
+    if (optional(input, "fingertip")) problem.fingertip = read_fingertip(input.at("fingertip"));
     if (optional(input, "friction")) {
       const json& friction = input.at("friction");
       auto& request = problem.friction;
@@ -135,7 +203,7 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
       {"load_N", load.normal_force_N},
       {"a_m", finest.a_m},
       {"b_m", finest.b_m},
-      {"axis_rad", problem.contact.radii.axis_rad},
+      {"axis_rad", problem.contact.radii.axis_rad + finest.turn_rad},
       {"indentation_m", finest.indentation_m},
       {"peak_pressure_Pa", finest.peak_pressure_Pa},
       {"area_m2", M_PI * finest.a_m * finest.b_m},
@@ -180,6 +248,10 @@ void stop_when_convenient() {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
+  // Dense matrices of tens of megabytes come and go: kept by the process, their pages are not zeroed
+  // by the system each time.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   constexpr int bad_input = 2, not_converged = 3, interrupted = 128 + SIGINT;
   if (argument_count != 2) {
     std::cerr << "usage: softfinger-fem PROBLEM.json (or - for standard input)\n";

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/fingertip.h"
 #include "softfinger/input/contact_problem.h"
 
 /// The finite-element reference: a rigid quadric pressed without friction on an elastic layer
@@ -34,7 +35,8 @@ struct Problem {
   std::string name = "case";
   ContactProblem contact;
   double sphere_radius_m = std::numeric_limits<double>::infinity();
-  int level = 2;  ///< 1 to 4: elements per contact semi-axis double with each level
+  int level = 2;        ///< 1 to 4: elements per contact semi-axis double with each level
+  Fingertip fingertip;  ///< none: a flat layer and the gap of the relative radii
   FrictionRequest friction;
   std::string output_directory;  ///< for VTU; empty: none
   std::string compliance_file;   ///< for the surface's compliance (write_compliance.h); empty: none
@@ -47,6 +49,7 @@ struct LevelResult {
   long unknowns = 0;
   int active_nodes = 0;  ///< contact nodes of the quarter model
   int iterations = 0;    ///< of the active set
+  double turn_rad = 0;   ///< of the long axis from that of the relative radii: without symmetry
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
   double load_residual = 0;  ///< |sum of nodal forces - P| / P
   double complementarity_residual =

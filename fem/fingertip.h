@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "fem/layer_model.h"
+
+namespace softfinger::meshes {
+class PadSurface;
+class ObjectSurface;
+}  // namespace softfinger::meshes
+
+namespace softfinger::fem {
+
+/// A finger with its layer on its own curved core against an object with a surface of its own, in
+/// place of a flat layer with the relative radii. Both in the contact's frame, in metres: x along
+/// the longer relative radius.
+struct Fingertip {
+  std::shared_ptr<const meshes::PadSurface> pad;
+  std::shared_ptr<const meshes::ObjectSurface> object;
+  bool symmetric_object = false;  ///< about x = 0 and y = 0
+
+  explicit operator bool() const { return pad != nullptr; }
+};
+
+/// The layer of the fingertip in units of its thickness, and how far its map is regular.
+struct FingertipShape {
+  std::shared_ptr<const LayerShape> shape;
+  double reach_x = 0, reach_y = 0;  ///< in h
+};
+
+/// @throws InputError where the layer is too thick for the pad's curvature
+FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m);
+
+}  // namespace softfinger::fem

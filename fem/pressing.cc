@@ -1,0 +1,189 @@
+#include "fem/pressing.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "fem/pressure_ellipse.h"
+#include "meshes/generation/object_surface.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+
+using Eigen::Index;
+
+bool Pressing::whole() const {
+  return fingertip && !(fingertip.symmetric_object && bent.shape->symmetric());
+}
+
+double Pressing::gap(const SurfaceNode& node) const {
+  const double x = node.position.x(), y = node.position.y();
+  if (fingertip) {
+    const auto height = fingertip.object->height(thickness_m * x, thickness_m * y);
+    if (!height) {
+      char place[80];
+      std::snprintf(place, sizeof place, "x %.4g mm, y %.4g mm from the contact point",
+                    1e3 * thickness_m * x, 1e3 * thickness_m * y);
+      throw InputError("object", "surface", place, "an object that covers the contact");
+    }
+    return *height / thickness_m - node.position.z();
+  }
+  if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor);
+  const double r2 = x * x + y * y;
+  // Beside the sphere there is nothing to touch; any height above its equator says so.
+  return r2 < sphere * sphere ? r2 / (sphere + std::sqrt(sphere * sphere - r2)) : 10 * sphere;
+}
+
+double Pressed::pressure(Index node) const {
+  const SurfaceNode& at = model->nodes()[static_cast<std::size_t>(node)];
+  return normal_force[node] / (at.weight * at.area_ratio);
+}
+
+double Pressed::torque_arm() const {
+  double moment = 0;
+  for (Index i = 0; i < contact.force.size(); ++i)
+    moment +=
+        contact.force[i] * model->nodes()[static_cast<std::size_t>(i)].position.head<2>().norm();
+  return moment / contact.force.sum();
+}
+
+LayerDiscretisation first_guess(const Pressing& pressing) {
+  const double nu = pressing.poisson_ratio, R = std::sqrt(pressing.major * pressing.minor);
+  const double confined = M_PI / 4 * std::pow(1 - nu, 2) / (1 - 2 * nu);  // (pi/4) M / E*
+  const double target = pressing.load * (1 - nu * nu) * R;                // P R / (E* h³)
+  const auto load = [&](double s) {
+    const double thin = 1 / (1 / (confined * s) + 1 / (0.03 * s * s * s));
+    return s * s * s * (4.0 / 3 + thin);
+  };
+  double low = 1e-12, high = 1e12;
+  while (high / low > 1.01) {
+    const double middle = std::sqrt(low * high);
+    (load(middle) < target ? low : high) = middle;
+  }
+  const double stretch = std::pow(pressing.major / pressing.minor, 0.3);
+  LayerDiscretisation guess;
+  guess.a = low * stretch;
+  guess.b = low / stretch;
+  if (pressing.fingertip) {
+    guess.reach_x = pressing.bent.reach_x;
+    guess.reach_y = pressing.bent.reach_y;
+  }
+  return guess;
+}
+
+Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing) {
+  Pressed pressed;
+  const bool whole = pressing.whole();
+  pressed.copies = whole ? 1 : 4;
+  pressed.model = std::make_unique<LayerModel>(discretisation, pressing.poisson_ratio,
+                                               pressing.bent.shape, whole);
+  const auto& nodes = pressed.model->nodes();
+  const auto count = static_cast<Index>(nodes.size());
+  pressed.gap.resize(count);
+  // On a bent layer the contact pushes along the surface's normals, and what it pushes by is the
+  // object's approach seen along them. Scaled to the components along the load, that is the contact
+  // of a flat layer with another compliance.
+  Eigen::VectorXd cosine(count);
+  for (Index i = 0; i < count; ++i) {
+    const SurfaceNode& node = nodes[static_cast<std::size_t>(i)];
+    pressed.gap[i] = pressing.gap(node);
+    cosine[i] = node.normal.z();
+    constexpr double steepest = 0.2;
+    if (cosine[i] < steepest)
+      throw InputError("contact", "slope of the finger's surface", std::to_string(cosine[i]),
+                       "a contact that does not wrap around the finger (cosine of the slope at "
+                       "least 0.2)");
+  }
+  // The approach counts from the first touch, which on a triangulated surface is not the origin.
+  if (pressing.fingertip) pressed.gap.array() -= pressed.gap.minCoeff();
+  if (pressing.fingertip)
+    pressed.contact =
+        solve_normal_contact(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
+                                 cosine.cwiseInverse().asDiagonal(),
+                             pressed.gap, pressing.load / pressed.copies);
+  else
+    pressed.contact = solve_normal_contact(pressed.model->compliance(), pressed.gap,
+                                           pressing.load / pressed.copies);
+  pressed.normal_force = pressed.contact.force.cwiseQuotient(cosine);
+
+  double xx = 0, yy = 0;
+  const double spacing_a = 0.5 / discretisation.elements_along_a();
+  const double spacing_b = 0.5 / discretisation.elements_per_semi_axis;
+  for (Index i = 0; i < count; ++i) {
+    const double force = pressed.contact.force[i];
+    if (force <= 0) continue;
+    const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
+    const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
+    xx += force * x * x;
+    yy += force * y * y;
+    if (std::hypot(x / discretisation.a, y / discretisation.b + spacing_b) > discretisation.patch ||
+        std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
+      pressed.reaches_rim = true;
+  }
+  // <x²> is a²/5 for a half-space's pressure, a²/6 for a thin compressible layer's.
+  const double total = pressed.contact.force.sum();
+  pressed.moment_a = std::sqrt(5.4 * xx / total);
+  pressed.moment_b = std::sqrt(5.4 * yy / total);
+  return pressed;
+}
+
+namespace {
+
+/// Semi-axes of the ellipse whose pressure p0 (1 - r²)^n has the nodal pressure's second moments,
+/// peak and load.
+ContactShape shape_from_moments(const Pressed& pressed) {
+  const auto& nodes = pressed.model->nodes();
+  double total = 0;
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+  ContactShape shape;
+  for (Index i = 0; i < pressed.contact.force.size(); ++i) {
+    const double force = pressed.contact.force[i];
+    const Eigen::Vector2d at = nodes[static_cast<std::size_t>(i)].position.head<2>();
+    total += force;
+    mean += force * at;
+    second += force * at * at.transpose();
+    shape.peak = std::max(shape.peak, pressed.pressure(i));
+  }
+  mean /= total;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> moments(second / total -
+                                                               mean * mean.transpose());
+  const Eigen::Vector2d variance = moments.eigenvalues();  // ascending
+  // <x²> = a²/(2n + 4), and n + 1 = pi a b p0 / P.
+  double exponent = 0.7;
+  for (int iteration = 0; iteration < 100; ++iteration) {
+    const double area = M_PI * (2 * exponent + 4) * std::sqrt(variance.prod());
+    exponent = std::clamp(area * shape.peak / total - 1, 0.1, 2.0);
+  }
+  shape.a = std::sqrt((2 * exponent + 4) * variance[1]);
+  shape.b = std::sqrt((2 * exponent + 4) * variance[0]);
+  const Eigen::Vector2d along = moments.eigenvectors().col(1);
+  shape.turn_rad = std::atan2(along.y(), along.x());
+  if (shape.turn_rad > M_PI / 2) shape.turn_rad -= M_PI;
+  if (shape.turn_rad <= -M_PI / 2) shape.turn_rad += M_PI;
+  shape.block_a = pressed.moment_a;
+  shape.block_b = pressed.moment_b;
+  return shape;
+}
+
+}  // namespace
+
+ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
+  if (pressing.whole()) return shape_from_moments(pressed);
+  const PressureEllipse ellipse =
+      fit_pressure_ellipse(pressed.model->nodes(), pressed.model->faces(), pressed.normal_force,
+                           pressed.moment_a, pressed.moment_b);
+  ContactShape shape;
+  shape.a = shape.block_a = ellipse.a;
+  shape.b = shape.block_b = ellipse.b;
+  shape.peak = ellipse.peak;
+  shape.fit_residual = ellipse.residual;
+  if (pressing.fingertip) {
+    shape.a = pressing.bent.shape->position(ellipse.a, 0, 0).x();
+    shape.b = pressing.bent.shape->position(0, ellipse.b, 0).y();
+  }
+  return shape;
+}
+
+}  // namespace softfinger::fem

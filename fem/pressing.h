@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "fem/fingertip.h"
+#include "fem/layer_model.h"
+#include "fem/normal_contact.h"
+
+/// Pressing without friction, on one mesh, in units of h and E.
+namespace softfinger::fem {
+
+/// What is pressed on what.
+struct Pressing {
+  double major = 1, minor = 1;  ///< relative radii
+  double sphere = 0;            ///< radius, infinite for a paraboloid
+  double load = 0;              ///< P / (E h²)
+  double poisson_ratio = 0;
+  double thickness_m = 1;
+  Fingertip fingertip;  ///< none: a flat layer, and the gap of the relative radii
+  FingertipShape bent;
+
+  /// All of the layer has to be meshed: finger or object has no symmetry about x = 0 and y = 0.
+  bool whole() const;
+
+  /// From a surface point to the object above it, along the load.
+  /// @throws InputError where the object has no surface
+  double gap(const SurfaceNode& node) const;
+};
+
+/// A contact pressed on one mesh.
+struct Pressed {
+  std::unique_ptr<LayerModel> model;
+  Eigen::VectorXd gap;
+  NormalContact contact;              ///< its forces are the components along the load
+  Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
+  int copies = 4;                     ///< sums over the nodes times this are sums over the contact
+  double moment_a = 0, moment_b = 0;  ///< semi-axes from second moments, rough but robust
+  bool reaches_rim = false;           ///< of the region where contact is possible
+
+  double pressure(Eigen::Index node) const;
+  /// int p r dA / P over the contact seen along the load, r the distance from the load's line: the
+  /// deformed surface has the object's slope, not the finger's.
+  double torque_arm() const;
+};
+
+/// Semi-axes to begin meshing with: half-space and thin-layer stiffness added. It decides how
+/// many meshes are tried, never the result.
+LayerDiscretisation first_guess(const Pressing& pressing);
+
+/// @throws InputError, ConvergenceError
+Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing);
+
+/// The contact's shape as measured on one mesh.
+struct ContactShape {
+  double a = 0, b = 0;              ///< seen along the load
+  double block_a = 0, block_b = 0;  ///< along the surface, for the next mesh
+  double turn_rad = 0;              ///< of the long axis from x; 0 where symmetry holds it
+  double peak = 0;                  ///< largest pressure
+  double fit_residual = 0;          ///< of the pressure's fit, relative to the mean pressure
+};
+
+/// From the fit of `pressure_ellipse` where the contact is symmetric; from the pressure's second
+/// moments elsewhere, where the contact is an ellipse only more or less.
+ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing);
+
+}  // namespace softfinger::fem
