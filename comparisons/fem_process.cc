@@ -53,9 +53,9 @@ nlohmann::json placed_body(const CaseBody& body, const std::optional<QuadricFit>
           {"turn_rad", turn_rad}};
 }
 
-nlohmann::json fingertip(const Case& contact_case, const LocalGeometry& geometry) {
+nlohmann::json fingertip(const Case& contact_case, const LocalGeometry& geometry,
+                         double axis_rad) {
   const auto& pair = std::get<BodyPair>(contact_case.geometry);
-  const double axis_rad = geometry.radii.axis_rad;
   const std::optional<QuadricFit> none;
   const auto& patch = geometry.patch;
   return {{"pad", placed_body(pair.finger, patch ? patch->finger_fit : none, -axis_rad)},
@@ -82,7 +82,15 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
                             {"load_N", load_N},
                             {"friction_coefficient", contact_case.friction_coefficient},
                             {"level", level}};
-  if (contact_case.fem_curved) problem["fingertip"] = fingertip(contact_case, geometry);
+  if (contact_case.fem_curved) {
+    // A tapered finger tapers along its own x, wherever the contact's long axis lies.
+    const auto* finger =
+        std::get_if<QuadricBody>(&std::get<BodyPair>(contact_case.geometry).finger);
+    const bool tapered = finger && finger->shape == FingerShape::tapered;
+    const double axis_rad = tapered ? 0 : geometry.radii.axis_rad;
+    problem["axis_rad"] = axis_rad;
+    problem["fingertip"] = fingertip(contact_case, geometry, axis_rad);
+  }
   return problem;
 }
 

@@ -17,13 +17,16 @@
 #include <deal.II/lac/vector.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "fem/cholesky.h"
+#include "fem/element_stiffness.h"
 #include "fem/write_vtu.h"
 #include "meshes/generation/layer_block.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
 namespace {
@@ -137,83 +140,6 @@ void refine_towards_patch(const LayerDiscretisation& discretisation, int refinem
   }
 }
 
-/// Stiffness of one element with E = 1: 2 G eps:eps + lambda (P div u)², P the L2 projection on
-/// linear functions of position. Similar elements have it in proportion to their size: computed
-/// once.
-class ElementStiffness {
- public:
-  /// @param bent  elements of a bent layer have no like
-  ElementStiffness(const dealii::Mapping<dim>& mapping, const dealii::FiniteElement<dim>& element,
-                   double poisson_ratio, bool bent)
-      : shear_(0.5 / (1 + poisson_ratio)),
-        lame_(poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))),
-        bent_(bent),
-        quadrature_(3),
-        values_(mapping, element, quadrature_,
-                dealii::update_gradients | dealii::update_JxW_values |
-                    dealii::update_quadrature_points) {}
-
-  dealii::FullMatrix<double> operator()(const dealii::DoFHandler<dim>::active_cell_iterator& cell) {
-    if (bent_) return integrate(cell);
-    const double size = cell->diameter();
-    std::array<long, 3 * 7> shape;
-    for (unsigned int v = 1; v < 8; ++v)
-      for (unsigned int c = 0; c < dim; ++c)
-        shape[3 * (v - 1) + c] =
-            std::lround((cell->vertex(v)[c] - cell->vertex(0)[c]) / size * 1e10);
-    auto known = unit_size_.find(shape);
-    if (known == unit_size_.end()) {
-      auto stiffness = integrate(cell);
-      stiffness *= 1 / size;
-      known = unit_size_.emplace(shape, std::move(stiffness)).first;
-    }
-    auto result = known->second;
-    result *= size;
-    return result;
-  }
-
- private:
-  dealii::FullMatrix<double> integrate(const dealii::DoFHandler<dim>::active_cell_iterator& cell) {
-    values_.reinit(cell);
-    const auto& element = values_.get_fe();
-    const unsigned int dofs = element.n_dofs_per_cell(), points = quadrature_.size();
-    const auto center = values_.quadrature_point(points / 2);
-    const double size = cell->diameter();
-    Eigen::MatrixXd strain = Eigen::MatrixXd::Zero(6 * points, dofs);
-    Eigen::MatrixXd divergence = Eigen::MatrixXd::Zero(4, dofs);
-    Eigen::Matrix4d mass = Eigen::Matrix4d::Zero();
-    for (unsigned int q = 0; q < points; ++q) {
-      const double weight = values_.JxW(q), root = std::sqrt(2 * shear_ * weight);
-      const auto offset = (values_.quadrature_point(q) - center) / size;
-      const Eigen::Vector4d linear(1, offset[0], offset[1], offset[2]);
-      mass += weight * linear * linear.transpose();
-      for (unsigned int i = 0; i < dofs; ++i) {
-        const unsigned int c = element.system_to_component_index(i).first;
-        const auto& gradient = values_.shape_grad(i, q);
-        // Rows: xx, yy, zz, then sqrt(2) times the tensor shear strains xy, yz, zx.
-        strain(6 * q + c, i) = root * gradient[c];
-        const unsigned int next = (c + 1) % 3, previous = (c + 2) % 3;
-        strain(6 * q + 3 + c, i) += root * std::sqrt(0.5) * gradient[next];
-        strain(6 * q + 3 + previous, i) += root * std::sqrt(0.5) * gradient[previous];
-        divergence.col(i) += weight * gradient[c] * linear;
-      }
-    }
-    const Eigen::MatrixXd stiffness =
-        strain.transpose() * strain + lame_ * divergence.transpose() * mass.llt().solve(divergence);
-    dealii::FullMatrix<double> result(dofs, dofs);
-    for (unsigned int i = 0; i < dofs; ++i)
-      for (unsigned int j = 0; j < dofs; ++j)
-        result(i, j) = 0.5 * (stiffness(i, j) + stiffness(j, i));
-    return result;
-  }
-
-  const double shear_, lame_;
-  const bool bent_;
-  const dealii::QGauss<dim> quadrature_;
-  dealii::FEValues<dim> values_;
-  std::map<std::array<long, 3 * 7>, dealii::FullMatrix<double>> unit_size_;
-};
-
 /// The unknowns of one problem: what neither the bond, nor hanging nodes, nor a symmetry fixes.
 struct Unknowns {
   std::vector<int> of_dof;  ///< -1 where fixed
@@ -246,13 +172,18 @@ struct LayerModel::Implementation {
   std::vector<std::array<global_dof_index, 3>> node_dofs;  ///< of each surface node
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
-  Unknowns even;  ///< of the problem whose factor is kept
+  std::vector<Eigen::Matrix3d> frames;  ///< of a bent layer's surface nodes
+  std::vector<int> surface_node;        ///< of a bent layer, per dof; -1 elsewhere
+  Unknowns even;                        ///< of the problem whose factor is kept
   std::unique_ptr<CholeskyFactor> factor;
   Eigen::MatrixXd compliance;
 
   void bend(const std::vector<dealii::Point<dim>>& support);
   void constrain(const std::vector<dealii::Point<dim>>& support);
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
+  void set_frames();
+  void turn_to_normals(const std::vector<global_dof_index>& indices,
+                       dealii::FullMatrix<double>& matrix) const;
   void assemble();
   Unknowns free_unknowns(Parity parity) const;
   SparseSymmetricMatrix lower_triangle(const Unknowns& free) const;
@@ -372,8 +303,49 @@ void LayerModel::Implementation::assemble() {
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
-    constraints.distribute_local_to_global(of_cell(cell), indices, stiffness);
+    dealii::FullMatrix<double> of_element = of_cell(cell);
+    if (shape) turn_to_normals(indices, of_element);
+    constraints.distribute_local_to_global(of_element, indices, stiffness);
   }
+}
+
+/// On a bent layer the surface nodes' unknowns are the components along their frames: then only the
+/// normal ones have to be condensed on.
+void LayerModel::Implementation::turn_to_normals(const std::vector<global_dof_index>& indices,
+                                                 dealii::FullMatrix<double>& matrix) const {
+  std::map<int, std::array<unsigned int, 3>> places;
+  for (unsigned int i = 0; i < indices.size(); ++i)
+    if (const int node = surface_node[indices[i]]; node >= 0)
+      places[node][static_cast<std::size_t>(component[indices[i]])] = i;
+  for (const auto& [node, place] : places) {
+    const Eigen::Matrix3d& frame = frames[static_cast<std::size_t>(node)];
+    for (unsigned int j = 0; j < indices.size(); ++j) {
+      const Eigen::Vector3d row(matrix(place[0], j), matrix(place[1], j), matrix(place[2], j));
+      const Eigen::Vector3d turned = frame.transpose() * row;
+      for (unsigned int c = 0; c < 3; ++c) matrix(place[c], j) = turned[c];
+    }
+    for (unsigned int j = 0; j < indices.size(); ++j) {
+      const Eigen::Vector3d column(matrix(j, place[0]), matrix(j, place[1]), matrix(j, place[2]));
+      const Eigen::Vector3d turned = frame.transpose() * column;
+      for (unsigned int c = 0; c < 3; ++c) matrix(j, place[c]) = turned[c];
+    }
+  }
+}
+
+/// Frames whose z is the outward normal, and which unknowns they turn.
+void LayerModel::Implementation::set_frames() {
+  surface_node.assign(dofs.n_dofs(), -1);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (const auto dof : node_dofs[i]) surface_node[dof] = static_cast<int>(i);
+    // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it; y likewise.
+    frames.push_back(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), nodes[i].normal)
+                         .toRotationMatrix());
+  }
+  for (const auto& line : constraints.get_lines())
+    for (const auto& entry : line.entries)
+      if (surface_node[entry.first] >= 0)
+        throw ConvergenceError("mesh of the bent layer", static_cast<int>(entry.first), 0,
+                               "a hanging node leans on the contact's nodes; change the level");
 }
 
 Unknowns LayerModel::Implementation::free_unknowns(Parity parity) const {
@@ -428,29 +400,14 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson
   self.bend(support);
   self.constrain(support);
   self.collect_surface(support);
+  if (self.shape) self.set_frames();
   self.assemble();
 
   self.even = self.free_unknowns(Parity{});
-  const bool flat = !self.shape;
   std::vector<int> last;
-  for (const auto& dof : self.node_dofs)
-    for (const std::size_t c : {0, 1, 2})
-      if ((c == 2 || !flat) && self.even.of_dof[dof[c]] >= 0)
-        last.push_back(self.even.of_dof[dof[c]]);
+  for (const auto& dof : self.node_dofs) last.push_back(self.even.of_dof[dof[2]]);
   self.factor = std::make_unique<CholeskyFactor>(self.lower_triangle(self.even), last);
   self.compliance = self.factor->compliance_of_last();
-  if (flat) return;
-
-  // Of the three components along the normals.
-  const auto count = static_cast<Eigen::Index>(self.nodes.size());
-  Eigen::MatrixXd along_normals = Eigen::MatrixXd::Zero(self.compliance.rows(), count);
-  Eigen::Index row = 0;
-  for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    for (const std::size_t c : {0, 1, 2})
-      if (self.even.of_dof[self.node_dofs[i][c]] >= 0)
-        along_normals(row++, static_cast<Eigen::Index>(i)) =
-            -self.nodes[i].normal[static_cast<Eigen::Index>(c)];
-  self.compliance = along_normals.transpose() * self.compliance * along_normals;
 }
 
 Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
@@ -495,14 +452,19 @@ void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force
   auto& self = *implementation_;
   Eigen::VectorXd load = Eigen::VectorXd::Zero(self.even.count);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    for (const std::size_t c : {0, 1, 2})
-      if (const int unknown = self.even.of_dof[self.node_dofs[i][c]]; unknown >= 0)
-        load[unknown] -= force[static_cast<Eigen::Index>(i)] *
-                         self.nodes[i].normal[static_cast<Eigen::Index>(c)];
+    load[self.even.of_dof[self.node_dofs[i][2]]] = -force[static_cast<Eigen::Index>(i)];
   const Eigen::VectorXd solution = self.factor->solve(load);
   dealii::Vector<double> displacement_m(self.dofs.n_dofs()), pressure_Pa(self.dofs.n_dofs());
   for (global_dof_index i = 0; i < self.dofs.n_dofs(); ++i)
     if (self.even.of_dof[i] >= 0) displacement_m[i] = thickness_m * solution[self.even.of_dof[i]];
+  for (std::size_t i = 0; i < self.frames.size(); ++i) {
+    const auto& dof = self.node_dofs[i];
+    const Eigen::Vector3d turned =
+        self.frames[i] *
+        Eigen::Vector3d(displacement_m[dof[0]], displacement_m[dof[1]], displacement_m[dof[2]]);
+    for (const std::size_t c : {0, 1, 2})
+      displacement_m[dof[c]] = turned[static_cast<Eigen::Index>(c)];
+  }
   self.constraints.distribute(displacement_m);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
     pressure_Pa[self.node_dofs[i][2]] = youngs_modulus_Pa * force[static_cast<Eigen::Index>(i)] /
