@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "comparisons/nearest_name.h"
 #include "softfinger/friction/limit_surface.h"
@@ -142,29 +143,19 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
   return answer;
 }
 
-void propagate_radii_uncertainty(const std::array<double, 2>& radii_std_m, ModelAnswer& answer) {
+void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
-  // Small enough for first order (the models grow like powers below one of the radii), large enough
-  // for rounding. R' up and R'' down keeps their order, whatever the ellipse.
-  constexpr double kStep = 1e-5;
-  double a2 = 0, b2 = 0, exact2 = 0, paper2 = 0;
-  for (int i = 0; i < 2; ++i) {
-    ContactProblem problem = answer.problem;
-    double& radius_m = i == 0 ? problem.radii.major_m : problem.radii.minor_m;
-    const double step_m = (i == 0 ? kStep : -kStep) * radius_m;
-    radius_m += step_m;
-    const Prediction moved = answer.model->predict(problem);
-    if (!moved.has_answer) return;
-    const auto add = [&](double value, double reference, double& sum) {
-      const double deviation = (value - reference) / step_m * radii_std_m[i];
-      sum += deviation * deviation;
-    };
-    add(moved.a_m, answer.prediction.a_m, a2);
-    add(moved.b_m, answer.prediction.b_m, b2);
-    add(moved.torque_arm_exact_m, answer.prediction.torque_arm_exact_m, exact2);
-    add(moved.torque_arm_paper_m, answer.prediction.torque_arm_paper_m, paper2);
-  }
-  answer.deviations = {std::sqrt(a2), std::sqrt(b2), std::sqrt(exact2), std::sqrt(paper2)};
+  const auto deviation = [&](double Prediction::*quantity) {
+    return propagated_std(relative, [&](const RelativeRadii& radii) {
+      ContactProblem problem = answer.problem;
+      problem.radii = radii;
+      const Prediction moved = answer.model->predict(problem);
+      return moved.has_answer ? moved.*quantity : std::numeric_limits<double>::quiet_NaN();
+    });
+  };
+  answer.deviations = {deviation(&Prediction::a_m), deviation(&Prediction::b_m),
+                       deviation(&Prediction::torque_arm_exact_m),
+                       deviation(&Prediction::torque_arm_paper_m)};
 }
 
 double equivalent_exponent(const Prediction& prediction) {

@@ -49,10 +49,10 @@ std::vector<std::string> slow_models();
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns);
 
-/// Fills `deviations` of a model of the hot path that has an answer: first order, by one-sided
-/// differences over R' and R'', taken as independent. Infinite deviations of the radii (a fit
-/// without residual freedom) give infinite ones. Two more predictions.
-void propagate_radii_uncertainty(const std::array<double, 2>& radii_std_m, ModelAnswer& answer);
+/// Fills `deviations` of a model of the hot path that has an answer: first order, with the
+/// covariance of the fitted R' and R'' (propagated_std). NaN where a neighbouring problem has no
+/// answer. Twenty more predictions.
+void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer);
 
 /// The exponent n of p ~ (1 - x²/a² - y²/b²)^n whose torque arm for this ellipse is the
 /// prediction's own, so that the limit surface for n meets the true one at pure torque and at pure
