@@ -12,11 +12,12 @@
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kRadian = 180 / 3.14159265358979323846;  // degrees
+constexpr double kRadian = 180 / kPi;  // degrees
 
 double measure_cost_ns(const PressureModel& model, const ContactProblem& problem,
                        double time_budget_ns) {
@@ -49,7 +50,7 @@ double measure_cost_ns(const PressureModel& model, const ContactProblem& problem
 /// As LimitSurface::sample, for the ellipsoid: a Fibonacci spiral over the sphere of the scaled
 /// space.
 std::vector<LimitWrench> sample_ellipsoid(const FrictionEllipsoid& ellipsoid, int count) {
-  const double golden_angle = 3.14159265358979323846 * (3 - std::sqrt(5.0));
+  const double golden_angle = kPi * (3 - std::sqrt(5.0));
   std::vector<LimitWrench> points;
   for (int i = 0; i < count; ++i) {
     const double height = 1 - (2 * i + 1.0) / count;
@@ -85,10 +86,6 @@ void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
 
 nlohmann::json vector_json(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
-}
-
-std::string millimetres(double radius_m) {
-  return std::isfinite(radius_m) ? fmt::format("{:.4g} mm", radius_m * 1e3) : "flat";
 }
 
 }  // namespace
@@ -284,6 +281,10 @@ nlohmann::json patch_to_json(const LocalGeometry& geometry) {
           {"patch_model", geometry.patch_model},
           {"finger", fit(patch.finger_fit)},
           {"object", fit(patch.object_fit)}};
+}
+
+std::string millimetres(double length_m) {
+  return std::isfinite(length_m) ? fmt::format("{:.5g} mm", length_m * 1e3) : "flat";
 }
 
 std::string describe(const Case& contact_case) {

@@ -84,6 +84,9 @@ std::vector<std::string> power_law_remarks(const Case& contact_case);
 /// null for NaN and infinity.
 nlohmann::json finite_or_null(double value);
 
+/// "20 mm"; "flat" for an infinite radius.
+std::string millimetres(double length_m);
+
 /// "x, layer 2 mm, E 300 kPa, nu 0.49, mu 0.8": the checked input, echoed before any result.
 std::string describe(const Case& contact_case);
 
