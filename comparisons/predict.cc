@@ -317,21 +317,22 @@ std::string describe(const LocalGeometry& geometry) {
 }
 
 std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
-  std::string text = fmt::format("  {:<18}{:>9}{:>9}{:>9}{:>11}{:>11}{:>13}{:>9}{:>7}{:>10}\n",
-                                 "model", "a mm", "b mm", "d mm", "peak kPa", "area mm²",
-                                 "torque mN·m", "e_n mm", "valid", "cost ns");
+  std::string text = fmt::format(
+      "  {:<19} {:>9} {:>9} {:>9} {:>10} {:>10} {:>12} {:>9} {:>5} {:>9}\n", "model", "a mm",
+      "b mm", "d mm", "peak kPa", "area mm²", "torque mN·m", "e_n mm", "valid", "cost ns");
   std::string remarks;
   for (const ModelAnswer& answer : answers) {
     const Prediction& p = answer.prediction;
     const std::string name(answer.model->card().name);
     if (p.has_answer) {
       text += fmt::format(
-          "  {:<18}{:>9.4g}{:>9.4g}{:>9.4g}{:>11.4g}{:>11.4g}{:>13.4g}{:>9.4g}{:>7}{:>10.0f}\n",
+          "  {:<19} {:>9.4g} {:>9.4g} {:>9.4g} {:>10.4g} {:>10.4g} {:>12.4g} {:>9.4g} {:>5} "
+          "{:>9.0f}\n",
           name, p.a_m * 1e3, p.b_m * 1e3, p.indentation_m * 1e3, p.peak_pressure_Pa * 1e-3,
           p.area_m2() * 1e6, answer.friction_ellipsoid(rule).max_torque_Nm() * 1e3,
           answer.eccentricity_m(rule) * 1e3, p.valid() ? "yes" : "no", answer.cost_ns);
     } else {
-      text += fmt::format("  {:<18}{:>9}\n", name, "no answer");
+      text += fmt::format("  {:<19} {:>9}\n", name, "no answer");
     }
     for (const ValidityCheck& check : p.validity)
       if (!check.holds())
