@@ -93,7 +93,7 @@ void integrals(benchmark::State& state, double q) {
 int main(int argc, char** argv) {
   using namespace softfinger;
   for (const PressureModel* model : all_pressure_models())
-    for (const double ratio : {1.0, 4.0, 1e4})
+    for (const double ratio : {1.0, 4.0, 100.0, 1e4})
       benchmark::RegisterBenchmark(
           ("predict/" + std::string(model->card().name) + "/ratio:" + std::to_string(int(ratio)))
               .c_str(),
