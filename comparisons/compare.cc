@@ -311,6 +311,19 @@ json model_cards() {
   return cards;
 }
 
+/// Cases of a report that is there already and that a new one would leave out.
+std::vector<std::string> cases_left_out(const fs::path& report_file,
+                                        const std::map<std::string, std::string>& file_of_id) {
+  std::vector<std::string> ids;
+  std::ifstream file(report_file);
+  const json report = file ? json::parse(file, nullptr, false) : json();
+  if (!report.is_object() || !report.contains("cases")) return ids;
+  for (const json& entry : report["cases"])
+    if (entry.contains("id") && entry["id"].is_string() && !file_of_id.count(entry["id"]))
+      ids.push_back(entry["id"]);
+  return ids;
+}
+
 /// One row per case, load and model, FEM first; empty where a number does not exist. Models have
 /// relative errors against FEM, FEM has the errors that it states itself.
 std::string results_csv(const json& report) {
@@ -399,6 +412,12 @@ int compare(const CompareOptions& options) {
   fem_program();  // refuses before anything is written
   make_writable_folder(options.output);
   // After all that may be refused in a single line.
+  if (const auto ids = cases_left_out(options.output / "report.json", file_of_id); !ids.empty())
+    progress.say(fmt::format(
+        "softfinger: the report in {} will be replaced by one without {}{}; another --output keeps "
+        "it",
+        options.output.string(), ids.front(),
+        ids.size() > 1 ? fmt::format(" and {} more", ids.size() - 1) : ""));
   for (const Case& contact_case : cases)
     for (const std::string& remark : power_law_remarks(contact_case))
       progress.say("softfinger: " + contact_case.id + ": " + remark);
@@ -434,9 +453,9 @@ int compare(const CompareOptions& options) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   report["provenance"] = provenance(options, wall_s, runs);
 
-  write_file_atomically(options.output / "results.csv", results_csv(report));
-  write_file_atomically(options.output / "report.json", dump(report));
-  write_file_atomically(options.output / "report.html", comparisons::render_report(report));
+  write_files_together({{options.output / "results.csv", results_csv(report)},
+                        {options.output / "report.json", dump(report)},
+                        {options.output / "report.html", comparisons::render_report(report)}});
   if (!all_trusted)
     answer +=
         "At least one FEM result failed or is less accurate than its stated limits (2 % in a and "

@@ -50,24 +50,38 @@ std::string read_text_file(const fs::path& path) {
 }
 
 void write_file_atomically(const fs::path& path, const std::string& content) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const fs::path temporary =
-      folder / ("." + path.filename().string() + "." + std::to_string(getpid()) + ".tmp");
-  const int file = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) refuse(path.string(), "cannot be written", errno);
-  int error = write_all(file, content);
-  // Network and quota-limited disks report a failed write only when the data is synced or closed.
-  if (!error && fsync(file) != 0) error = errno;
-  if (close(file) != 0 && !error) error = errno;
-  if (!error && rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (error) {
-    unlink(temporary.c_str());
+  write_files_together({{path, content}});
+}
+
+void write_files_together(const std::vector<std::pair<fs::path, std::string>>& files) {
+  std::vector<fs::path> temporaries;
+  const auto refuse_all = [&](const fs::path& path, int error) {
+    for (const fs::path& temporary : temporaries) unlink(temporary.c_str());
     refuse(path.string(), "cannot be written", error);
+  };
+  const auto folder_of = [](const fs::path& path) {
+    return path.has_parent_path() ? path.parent_path() : fs::path(".");
+  };
+  for (const auto& [path, content] : files) {
+    temporaries.push_back(folder_of(path) / ("." + path.filename().string() + "." +
+                                             std::to_string(getpid()) + ".tmp"));
+    const int file =
+        open(temporaries.back().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0) refuse_all(path, errno);
+    int error = write_all(file, content);
+    // Network and quota-limited disks report a failed write only when the data is synced or closed.
+    if (!error && fsync(file) != 0) error = errno;
+    if (close(file) != 0 && !error) error = errno;
+    if (error) refuse_all(path, error);
   }
-  // The new name must survive a power cut too; some file systems cannot sync folders, which is no
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (rename(temporaries[i].c_str(), files[i].first.c_str()) != 0)
+      refuse_all(files[i].first, errno);
+  // The new names must survive a power cut too; some file systems cannot sync folders, which is no
   // failure.
-  const int directory = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (directory >= 0) {
+  for (const auto& [path, content] : files) {
+    const int directory = open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (directory < 0) continue;
     fsync(directory);
     close(directory);
   }

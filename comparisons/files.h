@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 /// Files and standard output, with every failure noticed: a full disk must never leave half a
 /// result.
@@ -15,6 +17,9 @@ std::string read_text_file(const std::filesystem::path& path);
 /// content or the new one, also after a power cut.
 /// @throws InputError naming the file and the system's reason; the temporary file is removed.
 void write_file_atomically(const std::filesystem::path& path, const std::string& content);
+
+/// The same for files that belong together: none gets its name before all are written.
+void write_files_together(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// Creates a folder, with parents, and proves that files can be written in it.
 /// @throws InputError

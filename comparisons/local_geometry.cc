@@ -52,11 +52,12 @@ void require_ellipse(const RelativeCurvature& relative, const std::string& where
                            numbers,
                        "", "");
     case ContactKind::saddle:
-      throw InputError(where,
-                       "no contact ellipse: the gap is a saddle, the bodies would interpenetrate "
-                       "beside the point" +
-                           numbers,
-                       "", "");
+      throw InputError(
+          where,
+          std::string("no contact ellipse: ") +
+              (curvature[1] < 0 ? "the gap closes in every direction" : "the gap is a saddle") +
+              ", the bodies would interpenetrate beside the point" + numbers,
+          "", "");
   }
 }
 

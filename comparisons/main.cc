@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
 #include "softfinger/input/errors.h"
 
@@ -66,6 +68,16 @@ int main(int argc, char** argv) {
   commands::add_list(app, action);
   commands::add_explain(app, action);
   try {
+    // The parser would only say that a subcommand is missing.
+    if (!arguments.empty() && arguments[0].rfind('-', 0) != 0) {
+      std::vector<std::string> known;
+      for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+        known.push_back(command->get_name());
+      if (std::find(known.begin(), known.end(), arguments[0]) == known.end())
+        return fail("unknown command \"" + arguments[0] + "\", did you mean \"" +
+                        nearest_name(arguments[0], known) + "\"? (see softfinger --help)",
+                    kBadInput);
+    }
     // The parser takes them from the back.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::Success& request) {

@@ -6,16 +6,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "comparisons/nearest_name.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kRadian = 180 / 3.14159265358979323846;  // degrees
+constexpr double kRadian = 180 / kPi;  // degrees
 
 double measure_cost_ns(const PressureModel& model, const ContactProblem& problem,
                        double time_budget_ns) {
@@ -48,7 +50,7 @@ double measure_cost_ns(const PressureModel& model, const ContactProblem& problem
 /// As LimitSurface::sample, for the ellipsoid: a Fibonacci spiral over the sphere of the scaled
 /// space.
 std::vector<LimitWrench> sample_ellipsoid(const FrictionEllipsoid& ellipsoid, int count) {
-  const double golden_angle = 3.14159265358979323846 * (3 - std::sqrt(5.0));
+  const double golden_angle = kPi * (3 - std::sqrt(5.0));
   std::vector<LimitWrench> points;
   for (int i = 0; i < count; ++i) {
     const double height = 1 - (2 * i + 1.0) / count;
@@ -84,10 +86,6 @@ void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
 
 nlohmann::json vector_json(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
-}
-
-std::string millimetres(double radius_m) {
-  return std::isfinite(radius_m) ? fmt::format("{:.4g} mm", radius_m * 1e3) : "flat";
 }
 
 }  // namespace
@@ -142,29 +140,19 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
   return answer;
 }
 
-void propagate_radii_uncertainty(const std::array<double, 2>& radii_std_m, ModelAnswer& answer) {
+void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
-  // Small enough for first order (the models grow like powers below one of the radii), large enough
-  // for rounding. R' up and R'' down keeps their order, whatever the ellipse.
-  constexpr double kStep = 1e-5;
-  double a2 = 0, b2 = 0, exact2 = 0, paper2 = 0;
-  for (int i = 0; i < 2; ++i) {
-    ContactProblem problem = answer.problem;
-    double& radius_m = i == 0 ? problem.radii.major_m : problem.radii.minor_m;
-    const double step_m = (i == 0 ? kStep : -kStep) * radius_m;
-    radius_m += step_m;
-    const Prediction moved = answer.model->predict(problem);
-    if (!moved.has_answer) return;
-    const auto add = [&](double value, double reference, double& sum) {
-      const double deviation = (value - reference) / step_m * radii_std_m[i];
-      sum += deviation * deviation;
-    };
-    add(moved.a_m, answer.prediction.a_m, a2);
-    add(moved.b_m, answer.prediction.b_m, b2);
-    add(moved.torque_arm_exact_m, answer.prediction.torque_arm_exact_m, exact2);
-    add(moved.torque_arm_paper_m, answer.prediction.torque_arm_paper_m, paper2);
-  }
-  answer.deviations = {std::sqrt(a2), std::sqrt(b2), std::sqrt(exact2), std::sqrt(paper2)};
+  const auto deviation = [&](double Prediction::*quantity) {
+    return propagated_std(relative, [&](const RelativeRadii& radii) {
+      ContactProblem problem = answer.problem;
+      problem.radii = radii;
+      const Prediction moved = answer.model->predict(problem);
+      return moved.has_answer ? moved.*quantity : std::numeric_limits<double>::quiet_NaN();
+    });
+  };
+  answer.deviations = {deviation(&Prediction::a_m), deviation(&Prediction::b_m),
+                       deviation(&Prediction::torque_arm_exact_m),
+                       deviation(&Prediction::torque_arm_paper_m)};
 }
 
 double equivalent_exponent(const Prediction& prediction) {
@@ -295,6 +283,10 @@ nlohmann::json patch_to_json(const LocalGeometry& geometry) {
           {"object", fit(patch.object_fit)}};
 }
 
+std::string millimetres(double length_m) {
+  return std::isfinite(length_m) ? fmt::format("{:.5g} mm", length_m * 1e3) : "flat";
+}
+
 std::string describe(const Case& contact_case) {
   const auto layer_text = [](const ElasticLayer& layer) {
     return fmt::format("{:.6g} mm, E {:.6g} kPa, nu {:.6g}", layer.thickness_m * 1e3,
@@ -325,21 +317,22 @@ std::string describe(const LocalGeometry& geometry) {
 }
 
 std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
-  std::string text = fmt::format("  {:<18}{:>9}{:>9}{:>9}{:>11}{:>11}{:>13}{:>9}{:>7}{:>10}\n",
-                                 "model", "a mm", "b mm", "d mm", "peak kPa", "area mm²",
-                                 "torque mN·m", "e_n mm", "valid", "cost ns");
+  std::string text = fmt::format(
+      "  {:<19} {:>9} {:>9} {:>9} {:>10} {:>10} {:>12} {:>9} {:>5} {:>9}\n", "model", "a mm",
+      "b mm", "d mm", "peak kPa", "area mm²", "torque mN·m", "e_n mm", "valid", "cost ns");
   std::string remarks;
   for (const ModelAnswer& answer : answers) {
     const Prediction& p = answer.prediction;
     const std::string name(answer.model->card().name);
     if (p.has_answer) {
       text += fmt::format(
-          "  {:<18}{:>9.4g}{:>9.4g}{:>9.4g}{:>11.4g}{:>11.4g}{:>13.4g}{:>9.4g}{:>7}{:>10.0f}\n",
+          "  {:<19} {:>9.4g} {:>9.4g} {:>9.4g} {:>10.4g} {:>10.4g} {:>12.4g} {:>9.4g} {:>5} "
+          "{:>9.0f}\n",
           name, p.a_m * 1e3, p.b_m * 1e3, p.indentation_m * 1e3, p.peak_pressure_Pa * 1e-3,
           p.area_m2() * 1e6, answer.friction_ellipsoid(rule).max_torque_Nm() * 1e3,
           answer.eccentricity_m(rule) * 1e3, p.valid() ? "yes" : "no", answer.cost_ns);
     } else {
-      text += fmt::format("  {:<18}{:>9}\n", name, "no answer");
+      text += fmt::format("  {:<19} {:>9}\n", name, "no answer");
     }
     for (const ValidityCheck& check : p.validity)
       if (!check.holds())

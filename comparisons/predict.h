@@ -49,10 +49,10 @@ std::vector<std::string> slow_models();
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns);
 
-/// Fills `deviations` of a model of the hot path that has an answer: first order, by one-sided
-/// differences over R' and R'', taken as independent. Infinite deviations of the radii (a fit
-/// without residual freedom) give infinite ones. Two more predictions.
-void propagate_radii_uncertainty(const std::array<double, 2>& radii_std_m, ModelAnswer& answer);
+/// Fills `deviations` of a model of the hot path that has an answer: first order, with the
+/// covariance of the fitted R' and R'' (propagated_std). NaN where a neighbouring problem has no
+/// answer. Twenty more predictions.
+void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer);
 
 /// The exponent n of p ~ (1 - x²/a² - y²/b²)^n whose torque arm for this ellipse is the
 /// prediction's own, so that the limit surface for n meets the true one at pure torque and at pure
@@ -83,6 +83,9 @@ std::vector<std::string> power_law_remarks(const Case& contact_case);
 
 /// null for NaN and infinity.
 nlohmann::json finite_or_null(double value);
+
+/// "20 mm"; "flat" for an infinite radius.
+std::string millimetres(double length_m);
 
 /// "x, layer 2 mm, E 300 kPa, nu 0.49, mu 0.8": the checked input, echoed before any result.
 std::string describe(const Case& contact_case);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "comparisons/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -52,6 +53,13 @@ fs::path find_case_file(const std::string& typed) {
       const fs::path builtin = share_folder() / "cases" / name;
       if (fs::is_regular_file(builtin, error)) return builtin;
     }
+    std::vector<std::string> names;
+    for (const fs::path& file : builtin_case_files()) names.push_back(file.stem().string());
+    if (!names.empty())
+      throw InputError(typed,
+                       "neither a file nor a built-in case, did you mean \"" +
+                           nearest_name(fs::path(typed).stem().string(), names) + "\"?",
+                       "", "");
   }
   return typed;
 }

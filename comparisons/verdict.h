@@ -29,14 +29,12 @@ struct Verdict {
   std::string verdict_class;  ///< good, mixed, bad, failed
 };
 
-/// One sentence that answers which model can be used, with numbers. It leads with the most accurate
-/// of the usable models of the hot path, names at most one more of them, and a slower model only
-/// when none of those is usable at all loads.
-///
-/// A model is usable at a load when area and torque are within the tolerance of FEM and the model
-/// itself claims to hold there: where errors merely cross zero outside a model's assumptions the
-/// agreement is an accident. "good": one model is usable at all loads; "mixed": one is at some
-/// load, or agrees by accident; "bad": none; "failed": FEM finished at no load.
+/// One sentence that answers which model can be used, with numbers. "good": one model is usable
+/// (comparisons::judge) at all loads: it names the most accurate such model of the hot path, at
+/// most one more, and a slower one only when none of those will do. "mixed": different models are
+/// usable at different loads, or at some, or one agrees outside its validity; then it says which
+/// where, and how near the nearest comes elsewhere. "bad": none is usable at any load. "failed":
+/// FEM finished at no load.
 Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance);
 
 /// "0.5 N", "1, 2 and 5 N", "0.5 to 10 N"

@@ -22,13 +22,13 @@
 
 #include "softfinger/layer/bonded_layer_table.h"
 #include "softfinger/layer/elliptic_contact.h"
+#include "softfinger/math/pi.h"
 
 namespace {
 
 using namespace softfinger;
 using Table = BondedLayerTable;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSizeKnots = Table::kSizeKnots;
 constexpr int kCompressibilityKnots = Table::kCompressibilityKnots;
 constexpr int kElongationKnots = Table::kElongationKnots;

@@ -12,6 +12,7 @@
 #include "comparisons/program_paths.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger::commands {
 namespace {
@@ -61,10 +62,6 @@ QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& poin
   }
 }
 
-std::string millimetres(double value_m) {
-  return std::isfinite(value_m) ? fmt::format("{:.5g} mm", value_m * 1e3) : "flat";
-}
-
 std::string plus_minus(double std_m) {
   return std::isfinite(std_m) ? "± " + millimetres(std_m) : "uncertainty unknown";
 }
@@ -110,7 +107,7 @@ int run(const Options& options) {
                        fit.region_radius_m * 1e3, fit.points));
   if (fit.surface_kind == SurfaceKind::sharp_edge)
     remark(fmt::format("a sharp edge of {:.3g}° lies in the region: the radii say little there",
-                       fit.sharpest_kink_rad * 180 / 3.14159265358979323846));
+                       fit.sharpest_kink_rad * 180 / kPi));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
   const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
   if (options.json) {
@@ -136,7 +133,7 @@ int run(const Options& options) {
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
       fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
       millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
-      principal.axis_rad * 180 / 3.14159265358979323846, millimetres(principal.radii_m[1]),
+      principal.axis_rad * 180 / kPi, millimetres(principal.radii_m[1]),
       plus_minus(fit.radii_std_m[1]), millimetres(region_change_m[0]),
       millimetres(region_change_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
       fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,

@@ -37,8 +37,7 @@ int run(const Options& options) {
     std::vector<ModelAnswer> answers;
     for (const PressureModel* model : models) {
       answers.push_back(ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
-      if (geometry.patch)
-        propagate_radii_uncertainty(geometry.patch->relative.radii_std_m, answers.back());
+      if (geometry.patch) propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
     geometries.push_back({{"load_N", load_N},

@@ -71,7 +71,7 @@ Json drawn_model(const Json& report, const Json& load, const Json& model) {
       copied(child(model, "relative_error"), {"max_torque", "max_torque_paper"});
   const auto worst = score(load, model);
   out["score"] = worst ? Json(rounded(worst->error, 8)) : Json();
-  out["usable"] = usable(report, load, model);
+  out["usable"] = judge(report, load, model) == Judgement::usable;
   out["profile_x"] = profile(child(model, "profile_x"));
   out["profile_y"] = profile(child(model, "profile_y"));
   return out;

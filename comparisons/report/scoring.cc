@@ -43,9 +43,14 @@ std::optional<Score> score(const Json& load, const Json& model) {
   return worst;
 }
 
-bool usable(const Json& report, const Json& load, const Json& model) {
+Judgement judge(double error, bool claims_to_hold, double tolerance) {
+  if (!(error <= tolerance)) return Judgement::off;
+  return claims_to_hold ? Judgement::usable : Judgement::accident;
+}
+
+Judgement judge(const Json& report, const Json& load, const Json& model) {
   const auto here = score(load, model);
-  return here && here->error <= tolerance(report) && flag(model, "valid");
+  return here ? judge(here->error, flag(model, "valid"), tolerance(report)) : Judgement::silent;
 }
 
 std::optional<Score> worst_score(const Json& report_case, const std::string& model) {
@@ -76,7 +81,8 @@ std::optional<Best> best_model(const Json& report, const Json& report_case) {
       if (const Json* entry = find_model(load, name); entry && !child(load, "fem").is_null())
         valid = valid && flag(*entry, "valid");
     const auto rank = [&](const Best& one) {
-      return std::pair(!(one.valid && one.score.error <= tolerance(report)), one.score.error);
+      return std::pair(judge(one.score.error, one.valid, tolerance(report)) != Judgement::usable,
+                       one.score.error);
     };
     const Best here{name, *candidate, valid};
     if (!best || rank(here) < rank(*best)) best = here;
@@ -97,14 +103,11 @@ std::vector<Usability> usability(const Json& report) {
         if (!here) continue;
         ++use.compared;
         errors.push_back(here->error);
-        const bool agrees = here->error <= tolerance(report);
-        if (flag(*entry, "valid")) {
-          ++use.valid;
-          if (!agrees) ++use.broken_claims;
-        } else if (agrees) {
-          ++use.accidents;
-        }
-        if (!usable(report, load, *entry)) continue;
+        const Judgement judgement = judge(report, load, *entry);
+        if (flag(*entry, "valid")) ++use.valid;
+        if (flag(*entry, "valid") && judgement == Judgement::off) ++use.broken_claims;
+        if (judgement == Judgement::accident) ++use.accidents;
+        if (judgement != Judgement::usable) continue;
         ++use.usable;
         widen(use.smallest_s, use.largest_s, number(child(load, "geometry"), "s"));
         widen(use.smallest_nu, use.largest_nu,
@@ -133,7 +136,8 @@ ReferenceSummary reference_summary(const Json& report) {
       for (const char* axis : {"a", "b"})
         sum.worst_axis_error = std::max(sum.worst_axis_error, number(error, axis).value_or(0));
       bool any = false;
-      for (const Json& model : child(load, "models")) any = any || usable(report, load, model);
+      for (const Json& model : child(load, "models"))
+        any = any || judge(report, load, model) == Judgement::usable;
       if (!any) ++sum.without_usable_model;
     }
   }

@@ -19,8 +19,13 @@ struct Score {
 };
 std::optional<Score> score(const Json& load, const Json& model);
 
-/// Within the tolerance where the model itself claims to hold: agreement elsewhere is an accident.
-bool usable(const Json& report, const Json& load, const Json& model);
+/// A model at one load. Agreement within the tolerance counts only where the model itself claims to
+/// hold: where its error merely crosses zero outside its assumptions, that is an accident.
+enum class Judgement { usable, accident, off, silent };
+Judgement judge(double error, bool claims_to_hold, double tolerance);
+
+/// The same from the report: `silent` without an answer or a reference.
+Judgement judge(const Json& report, const Json& load, const Json& model);
 
 /// A model over all loads of a case that have a reference; nothing when it misses one of them.
 std::optional<Score> worst_score(const Json& report_case, const std::string& model);

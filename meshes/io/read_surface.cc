@@ -46,6 +46,8 @@ std::string read_bytes(const std::string& path) {
   if (!in) throw InputError(path, "file", "unreadable", kAllowedFile);
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (in.bad()) throw InputError(path, "file", "unreadable", kAllowedFile);
+  // Some editors put a mark of the encoding before the first word.
+  if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
   if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedFile);
   return bytes;
 }
@@ -139,6 +141,28 @@ void check_ascii_stl(const std::string& path, std::string_view text) {
   if (facets == 0) throw InputError(path, "triangles", "0", "at least one triangle");
 }
 
+/// A backslash ends a line of an OBJ file that goes on in the next one. Lines keep their numbers.
+std::string with_whole_lines(const std::string& text) {
+  std::string whole;
+  std::size_t joined = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::size_t end = text.compare(i, 3, "\\\r\n") == 0 ? 3
+                            : text.compare(i, 2, "\\\n") == 0 ? 2
+                                                              : 0;
+    if (end > 0) {
+      whole += ' ';
+      ++joined;
+      i += end - 1;
+    } else if (text[i] == '\n') {
+      whole.append(joined + 1, '\n');
+      joined = 0;
+    } else {
+      whole += text[i];
+    }
+  }
+  return whole;
+}
+
 void check_obj(const std::string& path, std::string_view text) {
   struct Use {
     long largest = 0;
@@ -228,12 +252,14 @@ const char* check_content(const std::string& path, std::string& bytes) {
     }
     const bool vertices = bytes.compare(0, 2, "v ") == 0 || bytes.find("\nv ") != std::string::npos;
     if (vertices || extension == ".obj") {
+      bytes = with_whole_lines(bytes);
       check_obj(path, bytes);
       return "obj";
     }
   } else if (whole_binary && extension == ".stl" && announced_triangles(bytes) > 0) {
     // Some programs append notes of their own; room for as many triangles again is no note.
-    if (bytes.size() - announced_bytes(bytes) >= kStlTriangle * (std::size_t{1} + announced_triangles(bytes)))
+    if (bytes.size() - announced_bytes(bytes) >=
+        kStlTriangle * (std::size_t{1} + announced_triangles(bytes)))
       throw InputError(path, "file size", std::to_string(bytes.size()) + " bytes",
                        std::to_string(announced_bytes(bytes)) + " bytes for the " +
                            std::to_string(announced_triangles(bytes)) +

@@ -1,26 +1,9 @@
 // A prediction belongs into a simulator's inner loop: it must not touch the heap.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/pressure/pressure_model.h"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new[](std::size_t size) { return operator new(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/allocation_counter.h"
 
 namespace softfinger {
 namespace {
@@ -29,7 +12,7 @@ TEST(Allocation, NoModelOfTheHotPathAllocatesToPredict) {
   for (const PressureModel* model : all_pressure_models()) {
     if (!model->card().hot_path) continue;
     double sum = 0;
-    const std::size_t before = allocations;
+    const std::size_t before = testing::allocations();
     for (const double poisson_ratio : {0.0, 0.3, 0.49, 0.5})
       for (const double ratio : {1.0, 3.0, 1e6})
         for (const double load_N : {-1.0, 1e-6, 1.0, 1e6}) {
@@ -40,7 +23,7 @@ TEST(Allocation, NoModelOfTheHotPathAllocatesToPredict) {
           sum += model->pressure_Pa(problem, prediction, 0, 0);
           sum += FrictionEllipsoid{1, prediction.torque_arm_exact_m}.utilisation(0.1, 0.1, 0);
         }
-    EXPECT_EQ(allocations, before) << model->card().name;
+    EXPECT_EQ(testing::allocations(), before) << model->card().name;
     EXPECT_GT(sum, 0);
   }
 }

@@ -12,6 +12,7 @@
 #include "layer_reference.h"
 #include "softfinger/layer/elliptic_contact.h"
 #include "softfinger/layer/layer_limits.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -246,8 +247,7 @@ TEST(BondedLayer, SensitivityIsTheDerivativeOfTheContact) {
         const double scale = 1 / (2 * step * load);
         const double area = middle.a_m * middle.b_m;
         EXPECT_NEAR(slope.area_m2_per_N * load / area,
-                    3.14159265358979323846 * (upper.a_m * upper.b_m - lower.a_m * lower.b_m) *
-                        scale * load / area,
+                    kPi * (upper.a_m * upper.b_m - lower.a_m * lower.b_m) * scale * load / area,
                     tolerance);
         EXPECT_NEAR(
             slope.indentation_m_per_N * load / middle.indentation_m,

@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "quadrature.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(EllipticIntegrals, AgreeWithQuadratureFromCircleToNeedle) {
   for (const double q :

@@ -4,12 +4,11 @@
 #include <string>
 
 #include "quadrature.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A half-space with the given E* (nu = 0), so thick that nothing is out of range.
 ContactProblem half_space(double R1_m, double R2_m, double modulus_Pa, double load_N) {

@@ -9,12 +9,11 @@
 #include "softfinger/fft/influence.h"
 #include "softfinger/fft/layer_contact.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// E* = 1, h = 1: lengths in thicknesses.
 ElasticLayer unit_layer(double poisson_ratio) {

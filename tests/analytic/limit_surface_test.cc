@@ -6,9 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <random>
 #include <vector>
 
@@ -16,26 +14,12 @@
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/six_patch_surface.h"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new[](std::size_t size) { return operator new(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+#include "softfinger/math/pi.h"
+#include "tests/allocation_counter.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // What limit_surface.h promises for a/b up to 1e4, relative, as a vector of (f, tau/e_n).
 constexpr double kPromised = 1e-12;
 
@@ -434,7 +418,7 @@ TEST(LimitSurface, StaysFiniteAndOnTheSurfaceAtExtremes) {
 
 TEST(LimitSurface, DoesNotAllocate) {
   double sum = 0;
-  const std::size_t before = allocations;
+  const std::size_t before = testing::allocations();
   for (const double aspect : {1.0, 2.0, 1e4})
     for (const double n : {0.5, 0.7, 1.0}) {
       const LimitSurface surface(aspect, 1, n, 1);
@@ -446,7 +430,7 @@ TEST(LimitSurface, DoesNotAllocate) {
       sum += vertex_for_twist(surface.ellipsoid(), {1, 2, 3}).torque_Nm;
       sum += ellipsoid_deviation(surface, surface.ellipsoid(), {1, 2, 3});
     }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(testing::allocations(), before);
   EXPECT_NE(sum, 0);
 }
 

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "quadrature.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(MaxTorque, EqualsTwoThirdsForCircularUniformPressure) {
   EXPECT_NEAR(torque_arm_exact_m(1, 1, 0), 2.0 / 3, 1e-15);

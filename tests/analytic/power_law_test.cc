@@ -6,13 +6,12 @@
 
 #include "quadrature.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/power_law_fit.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 ContactProblem problem_with(const PowerLaw& law, double load_N) {
   ContactProblem problem{{0.01, 0.01}, {0.003, 3e5, 0.45}, {load_N, 0.5}};

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
+#include "softfinger/math/pi.h"
+
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// p ~ (1 - x²/a² - y²/b²)^n on rings of equal load, 1 N together.
 std::vector<PressureSample> elliptic_samples(double a, double b, double n, int rings, double x0,

@@ -4,12 +4,11 @@
 #include <string>
 
 #include "quadrature.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Prediction thin_incompressible(const ContactProblem& problem) {
   return find_pressure_model("thin_incompressible")->predict(problem);

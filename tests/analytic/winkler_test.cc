@@ -4,12 +4,11 @@
 #include <limits>
 #include <string>
 
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Prediction winkler(const ContactProblem& problem) {
   return find_pressure_model("winkler")->predict(problem);

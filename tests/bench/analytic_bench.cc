@@ -1,31 +1,18 @@
 // What one answer of the analytic part costs, and what it is worth: every model of the registry on
 // a circle, a fingertip and a very long ellipse, with its heap allocations per call and, on
-// circles, its relative error against `layer_fredholm`; and the torque from given semi-axes.
+// circles, its relative error against `layer_fredholm`; the torque from given semi-axes; and a fit
+// of 200 points, with its error and the standard deviation that it states.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
-#include <cstdlib>
-#include <new>
+#include <random>
 #include <string>
 
 #include "softfinger/friction/max_torque.h"
+#include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/math/elliptic_integrals.h"
 #include "softfinger/pressure/pressure_model.h"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new[](std::size_t size) { return operator new(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+#include "tests/allocation_counter.h"
+#include "tests/geometry/random_quadrics.h"
 
 namespace softfinger {
 namespace {
@@ -48,7 +35,7 @@ void predict(benchmark::State& state, const PressureModel& model, double radii_r
     state.SkipWithError("no answer here");
     return;
   }
-  const std::size_t before = allocations;
+  const std::size_t before = testing::allocations();
   std::size_t calls = 0;
   for (auto _ : state) {
     // Never the same problem twice: slow models keep the last solution.
@@ -58,7 +45,7 @@ void predict(benchmark::State& state, const PressureModel& model, double radii_r
     ++calls;
   }
   state.counters["allocations"] =
-      static_cast<double>(allocations - before) / static_cast<double>(calls);
+      static_cast<double>(testing::allocations() - before) / static_cast<double>(calls);
   const PressureModel* reference = find_pressure_model("layer_fredholm");
   if (!reference || radii_ratio != 1) return;
   const Prediction truth = reference->predict(fingertip(radii_ratio));
@@ -67,6 +54,21 @@ void predict(benchmark::State& state, const PressureModel& model, double radii_r
   state.counters["a_error"] = error(prediction.a_m, truth.a_m);
   state.counters["d_error"] = error(prediction.indentation_m, truth.indentation_m);
   state.counters["torque_error"] = error(prediction.torque_arm_exact_m, truth.torque_arm_exact_m);
+}
+
+/// A noisy quadric of about 200 points, as a mesh around the contact point gives them.
+void fit(benchmark::State& state) {
+  std::mt19937 random(1);
+  samples::RandomQuadricOptions options;
+  options.fewest_points = options.most_points = 200;
+  const samples::RandomQuadric quadric = samples::random_quadric(random, options);
+  const Eigen::Vector3d up(0, 0, 1);
+  QuadricFit result;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(result = fit_quadric(quadric.surface, Eigen::Vector3d::Zero(), &up,
+                                                  quadric.region_radius_m));
+  state.counters["radius_error"] = result.principal.radii_m[1] / quadric.radii_m[1] - 1;
+  state.counters["radius_std"] = result.radii_std_m[1] / quadric.radii_m[1];
 }
 
 void torque_arm_exact(benchmark::State& state, double aspect, double exponent) {
@@ -91,7 +93,7 @@ void integrals(benchmark::State& state, double q) {
 int main(int argc, char** argv) {
   using namespace softfinger;
   for (const PressureModel* model : all_pressure_models())
-    for (const double ratio : {1.0, 4.0, 1e4})
+    for (const double ratio : {1.0, 4.0, 100.0, 1e4})
       benchmark::RegisterBenchmark(
           ("predict/" + std::string(model->card().name) + "/ratio:" + std::to_string(int(ratio)))
               .c_str(),
@@ -106,6 +108,7 @@ int main(int argc, char** argv) {
   for (const double q : {1.0, 0.25, 1e-8})
     benchmark::RegisterBenchmark(("elliptic_integrals/q:" + std::to_string(q)).c_str(),
                                  [=](benchmark::State& state) { integrals(state, q); });
+  benchmark::RegisterBenchmark("fit_quadric/points:200", fit);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -107,6 +107,16 @@ TEST_F(Compare, ReusesWhatIsFinishedAndRecomputesWhatChanged) {
   EXPECT_EQ(solves(), 7) << "a damaged result is not believed";
 }
 
+TEST_F(Compare, SaysWhichCasesAReportWillLoseThatIsThereAlready) {
+  const auto other = folder.write("other.toml", case_text("other"));
+  const ProgramRun both = compare({other.string()});
+  ASSERT_EQ(both.status, 0) << both.err;
+  EXPECT_EQ(both.err.find("replaced"), std::string::npos) << both.err;
+  const ProgramRun one = compare();
+  EXPECT_EQ(one.status, 0);
+  EXPECT_NE(one.err.find("without other"), std::string::npos) << one.err;
+}
+
 class InterruptedCompare : public Compare, public testing::WithParamInterface<int> {};
 
 TEST_P(InterruptedCompare, KeepsFinishedResultsAndContinues) {

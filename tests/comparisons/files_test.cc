@@ -25,6 +25,14 @@ TEST_F(Files, ReplaceTheOldContentAndLeaveNothingElse) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
+TEST_F(Files, AppearTogetherOrNotAtAll) {
+  const fs::path first = folder / "first", second = folder / "missing" / "second";
+  EXPECT_THROW(write_files_together({{first, "one"}, {second, "two"}}), InputError);
+  EXPECT_TRUE(fs::is_empty(folder));
+  write_files_together({{first, "one"}, {folder / "second", "two"}});
+  EXPECT_EQ(read_text_file(first) + read_text_file(folder / "second"), "onetwo");
+}
+
 TEST_F(Files, RefuseAFolderThatIsAFile) {
   write_file_atomically(folder / "file", "x");
   EXPECT_THROW(make_writable_folder(folder / "file" / "output"), InputError);

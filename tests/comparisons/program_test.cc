@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
@@ -225,6 +226,19 @@ TEST_F(Program, ShowsATableWithoutJson) {
   EXPECT_NE(result.out.find("41"), std::string::npos) << "the seed's 41 mm²: " << result.out;
 }
 
+TEST_F(Program, KeepsTheColumnsOfItsTableApart) {
+  for (const char* load : {"1e-12", "1e9"}) {
+    const auto file = folder.write("case.toml", case_text("example", load));
+    for (const std::string& line : lines(run({"predict", file.string()}).out)) {
+      std::istringstream words(line);
+      const std::vector<std::string> cells{std::istream_iterator<std::string>(words), {}};
+      if (!cells.empty() && cells[0] == "hertz") {
+        EXPECT_EQ(cells.size(), 10u) << line;
+      }
+    }
+  }
+}
+
 TEST_F(Program, AnswersInstantly) {
   // 30 ms is the promise on an idle machine; this bound only catches a library that loads for a
   // second.
@@ -256,6 +270,8 @@ TEST_F(Program, RefusesBadInputWithOneLineAndStatusTwo) {
   expect_refusal({"explain", "herz"}, "hertz");
   expect_refusal({"list", "fingers"}, "models");
   expect_refusal({"dance"}, "--help");
+  expect_refusal({"pedict", good.string()}, "\"pedict\", did you mean \"predict\"");
+  expect_refusal({"predict", "hertz_circel"}, "\"hertz_circle\"");
   expect_refusal({}, "--help");
   const std::string radii = "relative_radii_mm = [20.0, 10.0]";
   text.replace(
@@ -291,6 +307,7 @@ TEST_F(Program, SaysInWordsWhenThereIsNoEllipse) {
     expect_refusal({"predict", file.string()}, "case.toml:3");
   };
   refuse("[10, 10]", "[-5, inf]", "saddle");
+  refuse("[10, 10]", "[-5, -5]", "closes in every direction");
   refuse("[inf, 10]", "[inf, inf]", "line");
   refuse("[inf, inf]", "[inf, inf]", "conform");
   refuse("[10, 10]", "[-10, -10]", "conform");

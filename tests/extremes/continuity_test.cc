@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "softfinger/friction/limit_surface.h"
+#include "softfinger/friction/six_patch_surface.h"
+#include "softfinger/math/pi.h"
 #include "tests/extremes/extreme_problem.h"
 
 namespace softfinger {
@@ -18,7 +21,7 @@ namespace {
 using testing::ExtremeProblems;
 
 constexpr int kNumbers = 5;
-using Numbers = std::array<double, kNumbers>;  // logarithms; NaN without an answer
+using Numbers = std::array<double, kNumbers>;  // NaN without an answer
 
 Numbers logarithms(const Prediction& prediction) {
   if (!prediction.has_answer) return {NAN, NAN, NAN, NAN, NAN};
@@ -38,16 +41,14 @@ double extrapolated(const std::array<double, 5>& values, double first, double st
   return sum;
 }
 
-/// The largest jump of any number along a path t -> problem, t from 0 to 1.
+/// The largest jump of any number along a path, t from 0 to 1.
 ///
 /// A jump hides between two points. So the path is sampled, and at the middle of each interval the
 /// polynomial through five points before it is compared with the one through five points after it.
 /// Where they differ most the interval is bisected, by which of the two the number follows, and
 /// what is left over a vanishing interval is the jump: nothing for a curve or a kink.
-double largest_jump(const PressureModel& model, const std::function<ContactProblem(double)>& path,
-                    int samples) {
+double largest_jump(const std::function<Numbers(double)>& numbers, int samples) {
   constexpr std::size_t kSuspects = 10;  // beside a jump the polynomials differ, too
-  const auto numbers = [&](double t) { return logarithms(model.predict(path(t))); };
   const double step = 1.0 / samples;
   std::vector<Numbers> values;
   for (int i = 0; i <= samples; ++i) values.push_back(numbers(i * step));
@@ -83,6 +84,11 @@ double largest_jump(const PressureModel& model, const std::function<ContactProbl
     }
   }
   return worst;
+}
+
+double largest_jump(const PressureModel& model, const std::function<ContactProblem(double)>& path,
+                    int samples) {
+  return largest_jump([&](double t) { return logarithms(model.predict(path(t))); }, samples);
 }
 
 /// Hertz with a jump at one load, as a switch between series leaves one.
@@ -174,8 +180,65 @@ TEST_P(SwitchesOf, DoNotMakeNumbersJump) {
       problem.layer.poisson_ratio = 0.4999 * t;
       return problem;
     });
+    check("Poisson's ratio next to one half", base, 500, [&](double t) {
+      ContactProblem problem = base;
+      problem.layer.poisson_ratio = 0.5 - std::pow(10, -3 - 14 * t);
+      return problem;
+    });
   }
   std::printf("%-20s largest jump %.1e\n", std::string(model.card().name).c_str(), worst);
+}
+
+/// What a shape of contact carries, as fractions of the largest force and torque, and the logarithm
+/// of how much of it another wrench takes up; the six patches last.
+Numbers friction(double a_over_b, double exponent, const Twist& slip) {
+  const LimitSurface surface(a_over_b, 1, exponent, 1);
+  const double arm = surface.eccentricity_m();
+  const LimitWrench wrench = surface.wrench_for_twist(slip);
+  const SixPatchSurface patches(a_over_b, 1, exponent, 1);
+  return {wrench.force_x_N, wrench.force_y_N, wrench.torque_Nm / arm,
+          std::log(surface.utilisation({slip.velocity_x_m_per_s, slip.velocity_y_m_per_s,
+                                        slip.angular_velocity_rad_per_s * arm * arm})),
+          patches.wrench_for_twist(slip).torque_Nm / arm};
+}
+
+/// Where the series of a circle, the two quadratures and the named exponents take turns.
+TEST(LimitSurfaceSwitches, DoNotMakeWrenchesJump) {
+  ExtremeProblems random(11);
+  double worst = 0;
+  const auto check = [&](const char* what, int samples,
+                         const std::function<Numbers(double)>& path) {
+    const double jump = largest_jump(path, samples);
+    worst = std::max(worst, jump);
+    EXPECT_LT(jump, 1e-9) << what;
+  };
+  for (int line = 0; line < 6; ++line) {
+    const double n = line % 2 ? random.uniform(-0.5, 4) : std::array{0.0, 0.5, 1.0}[line / 2];
+    const double ratio = line % 3 ? random.log_uniform(1, 1e4) : 1;
+    const double heading = random.uniform(0, 2 * kPi);
+    const auto turning_at = [heading](double distance) {
+      return Twist{distance * std::sin(heading), -distance * std::cos(heading), 1};
+    };
+    check("distance of the centre of rotation", 1000, [&](double t) {
+      return friction(ratio, n, turning_at(ratio * std::pow(10, 6 * t - 3)));
+    });
+    check("distance around the edge", 1000,
+          [&](double t) { return friction(ratio, n, turning_at(std::cbrt(ratio) * (0.5 + t))); });
+    check("ratio of the axes", 1000, [&](double t) {
+      return friction(std::pow(10, 4 * t), n, turning_at(std::pow(10, 3 * t)));
+    });
+    check("ratio next to one", 300,
+          [&](double t) { return friction(1 + std::pow(10, -16 + 13 * t), n, turning_at(0.6)); });
+    check("exponent", 1000,
+          [&](double t) { return friction(ratio, -0.5 + 50.5 * t * t, turning_at(0.6 * ratio)); });
+    // Each named exponent is a switch of its own, between the exponents next to it.
+    for (const double named : {0.0, 0.5, 1.0, 2.0, 3.0}) {
+      const Numbers at = friction(ratio, named, turning_at(0.6));
+      const Numbers beside = friction(ratio, named + 1e-13, turning_at(0.6));
+      for (int k = 0; k < kNumbers; ++k) EXPECT_NEAR(at[k], beside[k], 1e-11) << named;
+    }
+  }
+  std::printf("%-20s largest jump %.1e\n", "limit surface", worst);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, SwitchesOf, ::testing::ValuesIn(all_pressure_models()),

@@ -2,6 +2,8 @@
 // physics is monotone, the same in all units. Each test prints one line of a table.
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -36,7 +38,7 @@ struct Effort {
 /// own error, not monotone, is left over where the thickness does not matter any more. Models that
 /// discretise and iterate are as exact as they state, and are asked for seconds only.
 Effort effort_for(const PressureModel& model) {
-  if (!model.card().hot_path) return {400, 8, 3, 0.2, 1e-5, 3e-3};
+  if (!model.card().hot_path) return {400, 8, 2, 0.2, 1e-5, 3e-3};
   const bool tabulated = model.card().name == "bonded_layer";
   return {1000000, 1, 1e9, 1e-9, 1e-12, tabulated ? 1e-4 : 1e-12};
 }
@@ -114,14 +116,24 @@ TEST_P(RandomPoints, AreFiniteMonotoneAndFreeOfUnits) {
     other = problem;
     other.layer.thickness_m /= factor;
     if (!no_larger(model.predict(other))) fail("grows as the layer becomes thinner", other);
+    // Less compressible at the same Young's modulus: stiffer, too. A model that takes any layer for
+    // incompressible sees its shear modulus only, which falls.
+    other = problem;
+    other.layer.poisson_ratio += (0.5 - other.layer.poisson_ratio) * problems.uniform(0, 1);
+    if (model.card().name != "thin_incompressible" && !no_larger(model.predict(other)))
+      fail("grows with Poisson's ratio", other);
     // A blunter contact is wider and less deep.
+    const auto wider = [&](const Prediction& blunter) {
+      if (!within_tables(one) || !within_tables(blunter)) return true;
+      return !blunter.has_answer || (blunter.area_m2() * same >= one.area_m2() &&
+                                     blunter.indentation_m <= one.indentation_m * same);
+    };
     other = problem;
     other.radii.minor_m = std::min(problem.radii.minor_m * factor, problem.radii.major_m);
-    const Prediction blunter = model.predict(other);
-    if (blunter.has_answer && within_tables(one) && within_tables(blunter) &&
-        !(blunter.area_m2() * same >= one.area_m2() &&
-          blunter.indentation_m <= one.indentation_m * same))
-      fail("does not widen with R''", other);
+    if (!wider(model.predict(other))) fail("does not widen with R''", other);
+    other = problem;
+    other.radii.major_m *= factor;
+    if (!wider(model.predict(other))) fail("does not widen with R'", other);
 
     // Friction of any strength on it, for a pressure of any exponent.
     const double n = problems.one_in(4) ? -0.5 : problems.uniform(-0.5, 50);
@@ -129,19 +141,72 @@ TEST_P(RandomPoints, AreFiniteMonotoneAndFreeOfUnits) {
     const double max_force_N = problem.load.friction_coefficient * problem.load.normal_force_N;
     if (!(arm > 0 && arm < one.a_m && std::isfinite(max_force_N * arm)))
       fail("torque arm", problem);
-    if (points % 256 == 0) {
-      const LimitSurface surface(one.a_m, one.b_m, n, max_force_N);
-      const LimitWrench wrench =
-          surface.wrench_for_twist({problems.uniform(-1, 1) * one.a_m,
-                                    problems.uniform(-1, 1) * one.a_m, problems.uniform(-1, 1)});
-      if (!(std::isfinite(wrench.force_x_N) && std::isfinite(wrench.force_y_N) &&
-            std::isfinite(wrench.torque_Nm)))
-        fail("limit surface", problem);
-    }
   }
   std::printf("%-20s %8d points, %5.1f %% answered, %5.1f %% valid, units to %.1e, %.1f s\n",
               std::string(model.card().name).c_str(), points, 100.0 * answers / points,
               100.0 * valid / points, worst_scale, seconds());
+}
+
+/// Limit surfaces of contacts of any size, aspect and exponent: finite, within the cylinder of the
+/// largest force and torque, convex, more torque for more turning, the same in all units.
+TEST(RandomLimitSurfaces, AreFiniteConvexAndFreeOfUnits) {
+  constexpr int kSurfaces = 40000, kSlips = 4;
+  ExtremeProblems random(1996);
+  int failures = 0;
+  double worst_scale = 0, worst_convexity = 0;
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < kSurfaces && failures < 5; ++i) {
+    const double b = random.log_uniform(1e-12, 1e3);
+    const double ratio = random.one_in(6) ? 1 : random.log_uniform(1, 1e8);
+    const double n = random.one_in(3) ? 0.5 : random.uniform(-0.5, 50);
+    const double max_force_N = random.log_uniform(1e-24, 1e12);
+    const double length = random.log_uniform(1e-3, 1e3), force = random.log_uniform(1e-3, 1e3);
+    const LimitSurface surface(b * ratio, b, n, max_force_N);
+    const LimitSurface rescaled(length * surface.a_m(), length * b, n, force * max_force_N);
+    const double arm = surface.eccentricity_m();
+    // What limit_surface.h promises.
+    const double tolerance = std::max(1e-12, 4e-16 * std::min(ratio, 3e6));
+    const auto fail = [&](const char* what) {
+      ADD_FAILURE() << what << ": " << b * ratio << " " << b << " " << n << " " << max_force_N;
+      ++failures;
+    };
+    // Scaled by the largest force and torque, or (v, e_n omega).
+    const auto scaled = [](const LimitSurface& of, const Twist& slip) -> Eigen::Vector3d {
+      const LimitWrench wrench = of.wrench_for_twist(slip);
+      return Eigen::Vector3d(wrench.force_x_N, wrench.force_y_N,
+                             wrench.torque_Nm / of.eccentricity_m()) /
+             of.max_force_N();
+    };
+    std::array<Eigen::Vector3d, kSlips> slips, wrenches;
+    for (int k = 0; k < kSlips; ++k) {
+      Eigen::Vector3d& slip = slips[k];
+      slip = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      if (random.one_in(2)) slip.z() *= random.log_uniform(1e-9, 1e9);
+      wrenches[k] = scaled(surface, {slip.x(), slip.y(), slip.z() / arm});
+      if (!wrenches[k].allFinite() || wrenches[k].head<2>().norm() > 1 + tolerance ||
+          std::abs(wrenches[k].z()) > 1 + tolerance)
+        fail("beyond the largest force or torque");
+    }
+    const Eigen::Vector3d& slip = slips[0];
+    const double omega = slip.z() / arm;
+    const double units =
+        (scaled(rescaled, {slip.x() * length, slip.y() * length, omega}) - wrenches[0]).norm();
+    worst_scale = std::max(worst_scale, units);
+    if (!(units <= tolerance)) fail("depends on the units");
+    const double faster = omega * (1 + random.log_uniform(1e-3, 10));
+    const double torque = scaled(surface, {slip.x(), slip.y(), faster}).z();
+    if (!(std::abs(torque) >= std::abs(wrenches[0].z()) * (1 - tolerance)))
+      fail("less torque for more turning");
+    // Of all wrenches that can be carried, a slip's own dissipates most: the set is convex.
+    for (const Eigen::Vector3d& other : wrenches) {
+      const double excess = slips[0].dot(other - wrenches[0]) / slips[0].norm();
+      worst_convexity = std::max(worst_convexity, excess);
+      if (!(excess <= tolerance)) fail("not convex");
+    }
+  }
+  std::printf("%-20s %8d points, units to %.1e, convex to %.1e, %.1f s\n", "limit surface",
+              kSurfaces * kSlips, worst_scale, worst_convexity,
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, RandomPoints, ::testing::ValuesIn(all_pressure_models()),

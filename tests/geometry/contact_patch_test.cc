@@ -12,7 +12,6 @@ namespace softfinger {
 namespace {
 
 using Eigen::Vector3d;
-using samples::kPi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A Winkler-like prediction: area = 2 pi d sqrt(R' R''), for a given indentation.

@@ -13,7 +13,6 @@ namespace softfinger {
 namespace {
 
 using Eigen::Vector3d;
-using samples::kPi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The facets of a smooth surface are chords: the radii they show differ by about (edge/R)².

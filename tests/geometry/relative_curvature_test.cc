@@ -7,12 +7,13 @@
 #include <limits>
 #include <random>
 
+#include "softfinger/math/pi.h"
+
 namespace softfinger {
 namespace {
 
 using Eigen::Matrix3d;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 
 RelativeCurvature exact(const Quadric& finger, const Quadric& object, double angle = 0) {

@@ -7,11 +7,10 @@
 #include <map>
 
 #include "softfinger/input/triangle_surface.h"
+#include "softfinger/math/pi.h"
 
 /// Small triangulated surfaces whose curvature is known.
 namespace softfinger::samples {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// z = height(x, y) over a square of half width w, n x n cells, facing +z.
 inline TriangleSurface graph(double w, int n, const std::function<double(double, double)>& height) {

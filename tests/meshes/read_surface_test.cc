@@ -130,6 +130,17 @@ TEST_F(ReadSurface, ReadsWindowsLineEndsAndRelativeObjIndices) {
                              1e-3));
 }
 
+TEST_F(ReadSurface, ReadsObjWithAnEncodingMarkAndContinuedLines) {
+  const std::string text = "\xEF\xBB\xBFv 0 0 0\r\nv 1 0 \\\r\n0\r\nv 0 1 0\nf 1 \\\n2 \\\n3\n";
+  EXPECT_EQ(read_surface(file("a.obj", text), 1e-3).surface.triangles.size(), 1u);
+  try {
+    read_surface(file("b.obj", text + "f 1 2 9\n"), 1e-3);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(error.where().find("b.obj:8"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(ReadSurface, WeldsVerticesThatDifferInTheLastDigit) {
   Triangle two = kTwo;
   two[0][0] = std::nextafter(10.0f, 11.0f);

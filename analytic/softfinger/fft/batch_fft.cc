@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "softfinger/math/pi.h"
+
 namespace softfinger::fft {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// One radix-4 step: `count` butterflies on runs of `run` neighbouring numbers; the twiddle factors
 /// are every `stride`-th root of unity.

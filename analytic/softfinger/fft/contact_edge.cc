@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger::fft {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kEdgePoints = 128;
 constexpr int kHighestHarmonic = 6;
 

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "softfinger/fft/batch_fft.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger::fft {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::size_t size_of(int rows, int columns) {
   return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);

@@ -4,11 +4,10 @@
 #include <cmath>
 
 #include "softfinger/layer/gauss_legendre.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger::fft {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// J0(z), z >= 0, absolute error below 1e-10: power series or Hankel's asymptotic series
 /// (Abramowitz and Stegun 9.1.10, 9.2.5). The standard library's is ten times slower.

@@ -7,11 +7,10 @@
 #include "softfinger/friction/limit_surface_newton.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Gauss' hypergeometric series; for 0 <= z <= 0.6 and the parameters here 70 terms suffice.
 double hypergeometric(double a, double b, double c, double z) noexcept {

@@ -45,7 +45,8 @@ struct Twist {
 /// Anything else is taken for a hard point contact: no torque, and no force without a finite
 /// mu P >= 0.
 /// Relative error of a wrench, as a vector in the scaled space (f, tau/e_n): below 1e-12 for a/b up
-/// to 1e4 (see the tests), 1e-8 for any.
+/// to 2500, beyond that two roundings magnified by a/b, 4e-16 a/b, and below 2e-9 for any (see the
+/// tests).
 /// Nothing allocates but `sample` and `sample_section`, nothing throws but they, every loop is
 /// bounded. Cost, measured by friction_bench over all slips: constructing 0.5 microseconds; a
 /// wrench 0.4 (circle), 2 (a/b = 2 to 10), 4 (a/b = 1e4), half as much again for n other than 0,
@@ -84,7 +85,7 @@ class LimitSurface {
 
   /// The factor by which a wrench exceeds what can be carried: wrench / utilisation lies on the
   /// surface; below 1 the contact sticks. Infinite for a wrench that a vanishing limit cannot
-  /// carry, 0 for no wrench at all. Relative error below 1e-12 for a/b up to 1e4.
+  /// carry, 0 for no wrench at all. Relative error as above.
   double utilisation(const LimitWrench& wrench) const noexcept;
 
   /// Whether utilisation <= 1. Most wrenches are decided without computing it.

@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Gamma(z) / Gamma(z + 1/2). Beyond z = 100 by its asymptotic series (the gamma functions
 /// themselves would overflow at 171), truncated where the next term is below 1e-16.

@@ -9,11 +9,11 @@
 #include "softfinger/geometry/quadric_fit_internal.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Two more than a quadric has unknowns, so that the residual means something.
 constexpr int kFewestPoints = 8;
@@ -27,7 +27,6 @@ std::string number(double value) {
   out << value;
   return out.str();
 }
-std::string millimetres(double length_m) { return number(length_m * 1e3) + " mm"; }
 
 /// One body, prepared for fits over several radii.
 struct Body {
@@ -213,19 +212,21 @@ ContactPatch fit_contact_patch(
   patch.agrees = best && std::abs(best->area_ratio() - 1) <= tolerance;
   if (patch.agrees) return patch;
   if (!best) {
-    patch.remark = "no region from " + millimetres(smallest) + " to " +
-                   millimetres(std::max(radius, chosen.radius_m)) + " gives an elliptic contact";
+    patch.remark = "no region from " + internal::millimetres(smallest) + " to " +
+                   internal::millimetres(std::max(radius, chosen.radius_m)) +
+                   " gives an elliptic contact";
     return patch;
   }
-  const std::string ratio = "the region of " + millimetres(chosen.radius_m) + " (" +
+  const std::string ratio = "the region of " + internal::millimetres(chosen.radius_m) + " (" +
                             std::to_string(problem.points(chosen)) + " vertices) is used, " +
                             number(chosen.area_ratio()) + " times twice the predicted area";
   if (chosen.wanted_m < smallest && chosen.radius_m <= smallest * 1.001) {
     patch.remark = "the mesh has only " + std::to_string(problem.vertices_within(chosen.wanted_m)) +
-                   " vertices within " + millimetres(chosen.wanted_m) + " of the contact point, " +
-                   std::to_string(kFewestPoints) + " are needed: " + ratio;
+                   " vertices within " + internal::millimetres(chosen.wanted_m) +
+                   " of the contact point, " + std::to_string(kFewestPoints) +
+                   " are needed: " + ratio;
   } else if (chosen.wanted_m > largest && chosen.radius_m >= largest * 0.999) {
-    patch.remark = "the surface ends within " + millimetres(chosen.wanted_m) +
+    patch.remark = "the surface ends within " + internal::millimetres(chosen.wanted_m) +
                    " of the contact point: " + ratio;
   } else if (discrete) {
     patch.remark =

@@ -11,24 +11,18 @@
 
 #include "softfinger/geometry/quadric_fit_internal.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kUnknowns = 6;  // A, B, C, two tilts, offset
 // Of the normal distribution: within it with sqrt(0.95), so that two values are, both, with 0.95.
 constexpr double kCoverageQuantile = 2.236;
 constexpr double kFinestDigit = 1e-9;  // no mesh file carries more of the region's radius
-
-std::string millimetres(double length_m) {
-  std::ostringstream out;
-  out << length_m * 1e3 << " mm";
-  return out.str();
-}
 
 /// Columns: x axis, y axis, normal.
 Eigen::Matrix3d frame_along(const Vector3d& normal) {
@@ -402,6 +396,13 @@ Eigen::Index spike(const Facets& facets, const Residuals& r) {
 
 namespace internal {
 
+std::string millimetres(double length_m) {
+  std::ostringstream out;
+  out.precision(4);
+  out << length_m * 1e3 << " mm";
+  return out.str();
+}
+
 std::array<double, 2> principal_curvatures_per_m(const Quadric& q) {
   const double mean = q.A_per_m + q.B_per_m;
   const double half_difference = std::hypot(q.A_per_m - q.B_per_m, q.C_per_m);
@@ -440,15 +441,17 @@ double radius_std_m(double curvature_per_m, double std_per_m) {
 
 QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
   if (!(region_radius_m > 0) || !std::isfinite(region_radius_m))
-    throw InputError("surface", "radius", millimetres(region_radius_m), "positive and finite");
+    throw InputError("surface", "radius", internal::millimetres(region_radius_m),
+                     "positive and finite");
   if (neighbourhood.distance_m() > region_radius_m) {
-    throw InputError("surface", "radius", millimetres(region_radius_m),
-                     "at least " + millimetres(neighbourhood.distance_m()) +
+    throw InputError("surface", "radius", internal::millimetres(region_radius_m),
+                     "at least " + internal::millimetres(neighbourhood.distance_m()) +
                          ", the distance from the point to the nearest triangle");
   }
   const SurfaceRegion region = neighbourhood.region(region_radius_m);
   const int n = region.vertices_within;
-  const std::string field = "vertices within " + millimetres(region_radius_m) + " of the point";
+  const std::string field =
+      "vertices within " + internal::millimetres(region_radius_m) + " of the point";
   if (n < kUnknowns) {
     throw InputError("surface", field, std::to_string(n),
                      "at least 6 (choose a larger radius or a finer mesh)");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/geometry/surface_region.h"
 
@@ -22,5 +24,8 @@ double radius_std_m(double curvature_per_m, double std_per_m);
 
 /// Principal curvatures, ascending, in 1/m; the smaller one without cancellation.
 std::array<double, 2> principal_curvatures_per_m(const Quadric& quadric);
+
+/// "2.35 mm", for messages.
+std::string millimetres(double length_m);
 
 }  // namespace softfinger::internal

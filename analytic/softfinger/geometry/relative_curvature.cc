@@ -108,7 +108,8 @@ double propagated_std(const RelativeCurvature& relative,
     const double outwards = (4 * at(1) - at(2) - 3 * here) / (2 * step);
     gradient[i] = i == 0 ? outwards : -outwards;
   }
-  return std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
+  const double variance = gradient.dot(covariance * gradient);
+  return std::sqrt(variance < 0 ? 0 : variance);
 }
 
 }  // namespace softfinger

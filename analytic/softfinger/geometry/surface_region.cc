@@ -9,13 +9,14 @@
 #include <utility>
 
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger::internal {
 namespace {
 
 using Eigen::Vector3d;
 
-const double kCosFacing = std::cos(75.0 * 3.14159265358979323846 / 180);
+const double kCosFacing = std::cos(75.0 * kPi / 180);
 
 std::string text(const Vector3d& v) {
   std::ostringstream out;

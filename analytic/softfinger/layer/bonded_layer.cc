@@ -5,11 +5,11 @@
 
 #include "softfinger/layer/bonded_layer_table.h"
 #include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Table = BondedLayerTable;
 
 /// Weights of the four cubic B-splines that are not zero at a place, and their derivatives.

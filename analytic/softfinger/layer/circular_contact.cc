@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "softfinger/layer/gauss_legendre.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Eigen::ArrayXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;

@@ -9,11 +9,11 @@
 #include "softfinger/input/errors.h"
 #include "softfinger/layer/gauss_legendre.h"
 #include "softfinger/layer/layer_limits.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "softfinger/math/pi.h"
+
 namespace softfinger {
 
 struct QuadratureRule {
@@ -14,7 +16,6 @@ struct QuadratureRule {
 /// of degree 2 count - 1. Newton's method on the Legendre polynomial; O(count²), error a few
 /// epsilon.
 inline QuadratureRule gauss_legendre(int count) {
-  constexpr double kPi = 3.14159265358979323846;
   QuadratureRule rule{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (int i = 0; i < count; ++i) {
     double x = std::cos(kPi * (i + 0.75) / (count + 0.5)), derivative = 1;

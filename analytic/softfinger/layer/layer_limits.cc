@@ -2,36 +2,13 @@
 
 #include <cmath>
 
-#include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/math/hertz_ellipse.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLog2 = 0.69314718055994530942;
-
-/// q = b²/a² of Hertz's ellipse: R'/R'' = B/(q D), see models/hertz.cc.
-EllipticIntegrals hertz_ellipse(double log_ratio) noexcept {
-  constexpr int kMaxIterations = 12;
-  constexpr double kTolerance = 1e-7;  // quadratic: the step taken then leaves rounding errors only
-  const double u = log_ratio / 3.4;
-  const double f = 1.0 / 3 + 0.2 * u / std::sqrt(1 + u * u);
-  double log_q = -log_ratio - std::log1p(f * log_ratio);
-  double q = std::exp(log_q);
-  for (int iteration = 0;; ++iteration) {
-    const EllipticIntegrals integrals = elliptic_integrals(q);
-    const double residual = std::log(integrals.B / integrals.D) - log_q - log_ratio;
-    const double m = 1 - q;
-    const double slope =
-        m < 1e-5 ? -0.75
-                 : -1 + (integrals.B / integrals.D - q * integrals.D / integrals.B) / (2 * m);
-    log_q -= residual / slope;
-    if (log_q > 0) log_q = 0;
-    q = std::exp(log_q);
-    if (std::abs(residual) <= kTolerance || iteration == kMaxIterations)
-      return elliptic_integrals(q);
-  }
-}
 
 /// The crossover's scale: at compressibility 1/K the coordinate leaves its linear range.
 double crossover(double log_size) noexcept { return 2 + 0.5 * std::exp(2 * log_size); }
@@ -46,7 +23,7 @@ LimitShapes limit_shapes(double radii_ratio) noexcept {
   shapes.log_radii_ratio = L;
 
   // Hertz with R = E* = 1: a³ = 3 P R' D/pi, d = 3 P K/(2 pi a), so d/(ab) = K/(2 R' D q^(1/2)).
-  const EllipticIntegrals integrals = hertz_ellipse(L);
+  const EllipticIntegrals integrals = hertz_ellipse(radii_ratio);
   const double log_q = std::log(integrals.q);
   shapes.log_aspect[0] = -0.5 * log_q;
   shapes.log_depth[0] = std::log(integrals.K() / (2 * integrals.D)) - 0.5 * (L + log_q);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/math/pi.h"
 
 namespace softfinger {
 
@@ -65,7 +66,7 @@ struct Prediction {
       0;  ///< the seed's rule, arm of the circle of radius sqrt(ab), (9), (10)
   Validity validity;
 
-  double area_m2() const { return 3.14159265358979323846 * a_m * b_m; }
+  double area_m2() const { return kPi * a_m * b_m; }
   bool valid() const { return has_answer && validity.holds(); }
 };
 

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 
 namespace softfinger::models {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Weights of three pressures (1 - r²)^n of equal load that together have the given torque arm and
 /// peak, over the load's mean pressure; the shape below is normalised by its peak.

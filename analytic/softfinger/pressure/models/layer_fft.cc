@@ -2,13 +2,14 @@
 
 #include "softfinger/fft/layer_contact.h"
 #include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/math/pi.h"
+#include "softfinger/pressure/last_solution.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 
 namespace softfinger::models {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLargestRadiiRatio = 100;
 
 /// int f dA over the contact, in polar coordinates in which its edge is a circle: points denser
@@ -33,39 +34,22 @@ double integrate_contact(const fft::ContactEdge& edge, Function f) {
 /// A solved contact, and the factor (within 1 % of 1) by which its interpolated pressure misses
 /// the load.
 struct Solution {
-  ContactProblem problem;
   LayerContact contact;
   double normalisation = 1;
-
-  bool is_of(const ContactProblem& other) const {
-    const auto same = [](const ElasticLayer& one, const ElasticLayer& two) {
-      return one.thickness_m == two.thickness_m && one.youngs_modulus_Pa == two.youngs_modulus_Pa &&
-             one.poisson_ratio == two.poisson_ratio;
-    };
-    return contact.pressure_Pa.size() > 0 && problem.radii.major_m == other.radii.major_m &&
-           problem.radii.minor_m == other.radii.minor_m && same(problem.layer, other.layer) &&
-           same(problem.object_layer, other.object_layer) &&
-           problem.load.normal_force_N == other.load.normal_force_N;
-  }
 };
 
-/// The interface asks for the pressure point by point, which would cost a solution each: the last
-/// one of this thread is kept. It depends on nothing but the problem, so that nobody can tell.
 /// @throws what solve_layer_contact throws
 const Solution& solution_of(const ContactProblem& problem) {
-  thread_local Solution last;
-  if (last.is_of(problem)) return last;
-  last = {};
-  Solution solution;
-  solution.problem = problem;
-  solution.contact = solve_layer_contact(problem.radii, problem.layer, problem.object_layer,
-                                         problem.load.normal_force_N);
-  const double load_N = integrate_contact(solution.contact.edge, [&](double x, double y) {
-    return solution.contact.pressure_at_Pa(x, y);
+  return last_solution<Solution>(problem, [&] {
+    Solution solution;
+    solution.contact = solve_layer_contact(problem.radii, problem.layer, problem.object_layer,
+                                           problem.load.normal_force_N);
+    const double load_N = integrate_contact(solution.contact.edge, [&](double x, double y) {
+      return solution.contact.pressure_at_Pa(x, y);
+    });
+    solution.normalisation = problem.load.normal_force_N / load_N;
+    return solution;
   });
-  solution.normalisation = problem.load.normal_force_N / load_N;
-  last = std::move(solution);
-  return last;
 }
 
 class LayerFft final : public PressureModel {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "softfinger/layer/circular_contact.h"
+#include "softfinger/pressure/last_solution.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 
@@ -32,6 +33,14 @@ std::vector<CompliantLayer> compliant_layers(const ContactProblem& problem) {
   add(problem.layer);
   if (problem.has_object_layer()) add(problem.object_layer);
   return layers;
+}
+
+const CircularLayerContact& solution_of(const ContactProblem& problem) {
+  return last_solution<CircularLayerContact>(problem, [&] {
+    return circular_layer_contact_at_load(
+        problem.load.normal_force_N / combined_modulus_Pa(problem), mean_radius_m(problem),
+        compliant_layers(problem));
+  });
 }
 
 ValidityCheck thin_object_check(double strain) noexcept {
@@ -82,8 +91,7 @@ class LayerFredholm final : public PressureModel {
     if (!(scaled_load_m2 * radius_m > 1e-290 && scaled_load_m2 * radius_m < 1e290))
       return no_answer(not_representable());
     try {
-      const CircularLayerContact contact =
-          circular_layer_contact_at_load(scaled_load_m2, radius_m, compliant_layers(problem));
+      const CircularLayerContact& contact = solution_of(problem);
       if (!(contact.a_m > 0))
         return no_answer({"solvable", 0, 1, false,
                           "no answer: the contact is larger than 120 times the layer's thickness, "
@@ -111,35 +119,10 @@ class LayerFredholm final : public PressureModel {
     if (!prediction.has_answer) return 0;
     try {
       return combined_modulus_Pa(problem) *
-             solution(problem, prediction).pressure_over_modulus(std::hypot(x_m, y_m));
+             solution_of(problem).pressure_over_modulus(std::hypot(x_m, y_m));
     } catch (const std::exception&) {
       return 0;
     }
-  }
-
- private:
-  /// The pressure is asked for point by point: each thread keeps the contact that it solved last.
-  static const CircularLayerContact& solution(const ContactProblem& problem,
-                                              const Prediction& prediction) {
-    struct Last {
-      ContactProblem problem;
-      CircularLayerContact contact;
-    };
-    static thread_local Last last{};
-    const auto same = [](const ElasticLayer& one, const ElasticLayer& other) {
-      return one.thickness_m == other.thickness_m &&
-             one.youngs_modulus_Pa == other.youngs_modulus_Pa &&
-             one.poisson_ratio == other.poisson_ratio;
-    };
-    if (last.contact.a_m != prediction.a_m ||
-        mean_radius_m(last.problem) != mean_radius_m(problem) ||
-        !same(last.problem.layer, problem.layer) ||
-        !same(last.problem.object_layer, problem.object_layer)) {
-      last.contact =
-          circular_layer_contact(prediction.a_m, mean_radius_m(problem), compliant_layers(problem));
-      last.problem = problem;
-    }
-    return last.contact;
   }
 };
 

@@ -1,13 +1,12 @@
 #include <cmath>
 #include <limits>
 
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 
 namespace softfinger::models {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The first reason why the law cannot be used, a check with an empty name when there is none.
 ValidityCheck law_violation(const PowerLaw& law) noexcept {

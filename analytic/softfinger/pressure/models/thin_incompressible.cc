@@ -2,14 +2,13 @@
 #include <cmath>
 
 #include "softfinger/friction/max_torque.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 
 namespace softfinger::models {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Whether the layer is thin enough for the parabolic flow profile across it, within 10 % in area
 /// and torque at nu = 1/2 (the layer's exact solution; convergence is slow, like h/a).

@@ -1,14 +1,13 @@
 #include <cmath>
 
 #include "softfinger/friction/max_torque.h"
+#include "softfinger/math/pi.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 
 namespace softfinger::models {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double modulus_Pa(const ElasticLayer& layer, WinklerModulus choice) {
   return choice == WinklerModulus::youngs ? layer.youngs_modulus_Pa : layer.oedometric_modulus_Pa();
