@@ -3,7 +3,10 @@
 #include <suitesparse/cholmod.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
+#include "fem/memory.h"
 #include "softfinger/input/errors.h"
 
 // LAPACK: inverse of a symmetric positive definite matrix from its Cholesky factor.
@@ -46,6 +49,24 @@ std::vector<int> ordering_with_last(cholmod_sparse& matrix, const std::vector<in
   return ordering;
 }
 
+/// The analysis knows the factor's size. Refusing is better than the system's killing whatever it
+/// likes.
+void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& matrix,
+                    std::size_t last) {
+  constexpr double bytes_per_MB = 1024 * 1024;
+  // The factor, CHOLMOD's permuted copies of the matrix, the trailing block and its inverse.
+  const double entries = static_cast<double>(matrix.row.size());
+  const double needed_MB = (8.0 * static_cast<double>(factor.xsize) + 2 * 12.0 * entries +
+                            2 * 8.0 * static_cast<double>(last) * static_cast<double>(last)) /
+                           bytes_per_MB;
+  const double available_MB = available_memory_MB();
+  if (needed_MB <= available_MB) return;
+  const auto text = [](double value) { return std::to_string(std::lround(value)); };
+  throw InputError("finite elements", "memory",
+                   text(needed_MB) + " MB for " + std::to_string(matrix.size) + " unknowns",
+                   "at most the " + text(available_MB) + " MB available; use a lower level");
+}
+
 }  // namespace
 
 CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& last)
@@ -75,6 +96,7 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::v
 
   std::vector<int> ordering = ordering_with_last(view, last, common);
   implementation_->factor = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
+  if (implementation_->factor) require_memory(*implementation_->factor, matrix, last.size());
   if (implementation_->factor) cholmod_factorize(&view, implementation_->factor, &common);
   if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
     throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,

@@ -20,7 +20,8 @@ struct SparseSymmetricMatrix {
 class CholeskyFactor {
  public:
   /// @param last  unknowns to eliminate last
-  /// @throws ConvergenceError when the matrix is not positive definite or memory runs out.
+  /// @throws InputError, before the factorisation, when its memory would not be available;
+  /// ConvergenceError when the matrix is not positive definite.
   CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& last);
   ~CholeskyFactor();
   CholeskyFactor(const CholeskyFactor&) = delete;

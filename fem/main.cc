@@ -248,8 +248,8 @@ void stop_when_convenient() {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  // Dense matrices of tens of megabytes come and go: kept by the process, their pages are not zeroed
-  // by the system each time.
+  // Dense matrices of tens of megabytes come and go: kept by the process, their pages are not
+  // zeroed by the system each time.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   constexpr int bad_input = 2, not_converged = 3, interrupted = 128 + SIGINT;

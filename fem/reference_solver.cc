@@ -1,7 +1,5 @@
 #include "fem/reference_solver.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "fem/friction_levels.h"
 #include "fem/layer_model.h"
+#include "fem/memory.h"
 #include "fem/pressing.h"
 #include "fem/surface_series.h"
 #include "fem/write_compliance.h"
@@ -190,12 +189,6 @@ RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine,
   result.indentation = error(&LevelResult::indentation_m, integral_error);
   result.max_torque = error(&LevelResult::max_torque_Nm, integral_error);
   return result;
-}
-
-double peak_memory_MB() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
 class Stopwatch {
