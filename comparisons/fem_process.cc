@@ -53,8 +53,7 @@ nlohmann::json placed_body(const CaseBody& body, const std::optional<QuadricFit>
           {"turn_rad", turn_rad}};
 }
 
-nlohmann::json fingertip(const Case& contact_case, const LocalGeometry& geometry,
-                         double axis_rad) {
+nlohmann::json fingertip(const Case& contact_case, const LocalGeometry& geometry, double axis_rad) {
   const auto& pair = std::get<BodyPair>(contact_case.geometry);
   const std::optional<QuadricFit> none;
   const auto& patch = geometry.patch;
@@ -101,7 +100,8 @@ ProcessJob fem_job(const std::string& program, nlohmann::json problem,
   ProcessJob job;
   job.command = {program, "-"};
   job.input = problem.dump() + "\n";
-  if (single_thread) job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"};
+  if (single_thread)
+    job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "DEAL_II_NUM_THREADS=1"};
   return job;
 }
 

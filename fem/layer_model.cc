@@ -157,7 +157,10 @@ int LayerDiscretisation::elements_along_a() const {
 struct LayerModel::Implementation {
   LayerDiscretisation discretisation;
   double poisson_ratio = 0;
-  dealii::Triangulation<dim> triangulation{dealii::Triangulation<dim>::maximum_smoothing};
+  // What smoothing would add beyond this (up to as many cells again) moves no result by its stated
+  // error.
+  dealii::Triangulation<dim> triangulation{
+      dealii::Triangulation<dim>::limit_level_difference_at_vertices};
   dealii::FESystem<dim> element{dealii::FE_Q<dim>(2), dim};
   dealii::DoFHandler<dim> dofs{triangulation};
   std::shared_ptr<const LayerShape> shape;

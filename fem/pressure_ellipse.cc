@@ -13,7 +13,7 @@ class Polynomial {
  public:
   explicit Polynomial(int degree) : degree_(degree), values_((degree + 1) * (degree + 2) / 2) {}
   Eigen::Index size() const { return values_.size(); }
-  const Eigen::RowVectorXd& operator()(double X, double Y) {
+  const Eigen::VectorXd& operator()(double X, double Y) {
     Eigen::Index k = 0;
     double x_power = 1;
     for (int i = 0; i <= degree_; ++i, x_power *= X) {
@@ -25,7 +25,7 @@ class Polynomial {
 
  private:
   int degree_;
-  Eigen::RowVectorXd values_;
+  Eigen::VectorXd values_;
 };
 
 /// Finds the face under a point: the finest faces form a regular grid.
@@ -78,7 +78,8 @@ class Fit {
 
   /// Residual with the best polynomial for these semi-axes.
   Eigen::VectorXd residual(double a, double b, double diamond) {
-    const Eigen::MatrixXd model = root_weight_.cwiseInverse().asDiagonal() * moments(a, b, diamond);
+    const Eigen::MatrixXd model =
+        root_weight_.cwiseInverse().asDiagonal() * moments(a, b, diamond).transpose();
     const auto factor = model.householderQr();
     coefficients_ = factor.solve(target_);
     return target_ - model * coefficients_;
@@ -88,36 +89,37 @@ class Fit {
   bool left_patch() const { return left_patch_; }
 
  private:
-  /// Moments of root times polynomial with every shape function. With the edge at g(v) in scaled
-  /// polar coordinates and r = g sin t the root is cos t: dA = a b g² sin t cos t dt dv.
+  /// Moments of root times polynomial (rows) with every shape function (columns). With the edge at
+  /// g(v) in scaled polar coordinates and r = g sin t the root is cos t: dA = a b g² sin t cos t dt
+  /// dv.
   Eigen::MatrixXd moments(double a, double b, double diamond) {
     left_patch_ = false;
     const int steps = grid_.points_per_quarter();
     const double step = M_PI / 2 / steps;
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(target_.size(), polynomial_.size());
-    for (int i = 0; i < steps; ++i) {
-      const double t = (i + 0.5) * step;
+    const Eigen::ArrayXd angle = step * (Eigen::ArrayXd::LinSpaced(steps, 0, steps - 1) + 0.5);
+    const Eigen::ArrayXd sine = angle.sin(), cosine = angle.cos();
+    const Eigen::ArrayXd edge = 1 + diamond * (4 * angle).cos();
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(polynomial_.size(), target_.size());
+    for (int i = 0; i < steps; ++i)
       for (int j = 0; j < steps; ++j) {
-        const double v = (j + 0.5) * step, edge = 1 + diamond * std::cos(4 * v);
-        const double x = edge * std::sin(t) * std::cos(v), y = edge * std::sin(t) * std::sin(v);
-        const double weight =
-            a * b * edge * edge * std::sin(t) * std::cos(t) * step * step * std::cos(t);
+        const double x = edge[j] * sine[i] * cosine[j], y = edge[j] * sine[i] * sine[j];
         const SurfaceFace* face = grid_.find(a * x, b * y);
         if (!face) {
           left_patch_ = true;
           continue;
         }
+        const double area = a * b * edge[j] * edge[j] * sine[i] * cosine[i] * step * step;
         const double xi = (a * x - face->x) / face->size_x, eta = (b * y - face->y) / face->size_y;
         const double along_x[] = {(1 - xi) * (1 - 2 * xi), 4 * xi * (1 - xi), xi * (2 * xi - 1)};
         const double along_y[] = {(1 - eta) * (1 - 2 * eta), 4 * eta * (1 - eta),
                                   eta * (2 * eta - 1)};
-        const Eigen::RowVectorXd values = weight * polynomial_(x * x, y * y);
+        const Eigen::VectorXd& values = polynomial_(x * x, y * y);
+        const double root = cosine[i];
         for (int k = 0; k < 9; ++k)
           if (face->node[static_cast<std::size_t>(k)] >= 0)
-            result.row(face->node[static_cast<std::size_t>(k)]) +=
-                along_x[k % 3] * along_y[k / 3] * values;
+            result.col(face->node[static_cast<std::size_t>(k)]) +=
+                area * root * along_x[k % 3] * along_y[k / 3] * values;
       }
-    }
     return result;
   }
 

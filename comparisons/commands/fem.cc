@@ -115,7 +115,8 @@ int run(const Options& options) {
             "a case with one load: the mesh, and with it the compliance, fits its contact");
       problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
     }
-    jobs.push_back(fem_job(program, std::move(problem), folder, false));
+    // Threads help large factorisations only; on small ones their waiting costs more than it saves.
+    jobs.push_back(fem_job(program, std::move(problem), folder, level <= 2));
   }
 
   Progress progress;
@@ -161,7 +162,7 @@ int run(const Options& options) {
     results.push_back(std::move(answer.result));
   };
   for (std::size_t job = 0; job < jobs.size(); ++job) {
-    // One after the other: a single solve uses all cores, and a failure ends the rest.
+    // One after the other: a failure ends the rest.
     ProcessCallbacks one = callbacks;
     one.on_line = [&, job](std::size_t, const std::string& line) { callbacks.on_line(job, line); };
     one.on_finish = [&, job](std::size_t, const ProcessOutcome& outcome) {
