@@ -1,4 +1,5 @@
-// softfinger-fem: one contact in, one JSON object out. The format is in README.md beside this file.
+// softfinger-fem: one contact in, one JSON object out; or an array of contacts in, a line of JSON
+// for each out. The format is in README.md beside this file.
 
 #include <malloc.h>
 #include <signal.h>
@@ -11,7 +12,9 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "fem/model_cache.h"
 #include "fem/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
@@ -245,6 +248,65 @@ void stop_when_convenient() {
   sigaction(SIGINT, &action, nullptr);
 }
 
+constexpr int bad_input = 2, not_converged = 3, interrupted = 128 + SIGINT;
+
+struct Failure {
+  int exit_status;
+  std::string message;
+};
+
+/// Runs `work`; what it throws, as an exit status and one line.
+template <class Work>
+std::optional<Failure> failure_of(const Work& work) {
+  const auto failure = [](int exit_status, std::string message) {
+    // A library's message may run over many lines; the contract is one.
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    return Failure{exit_status, std::move(message)};
+  };
+  try {
+    work();
+    return std::nullopt;
+  } catch (const softfinger::InputError& error) {
+    return failure(bad_input, std::string("error: ") + error.what());
+  } catch (const softfinger::ConvergenceError& error) {
+    return failure(not_converged, std::string("error: ") + error.what());
+  } catch (const fem::Interrupted& error) {
+    return failure(interrupted, error.what());
+  } catch (const std::exception& error) {
+    return failure(not_converged, std::string("error: ") + error.what());
+  }
+}
+
+void answer(const json& input, const std::string& prefix, fem::ModelCache& models) {
+  const fem::Problem problem = parse(input);
+  const fem::Result result = fem::solve(
+      problem, [&](const std::string& line) { std::cerr << prefix << line << std::endl; },
+      [] { return g_stop != 0; }, &models);
+  std::cout << to_json(problem, result).dump() << std::endl;
+  if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
+}
+
+/// One line per problem, as it is done. A problem that fails does not end the run.
+int answer_all(const json& inputs) {
+  fem::ModelCache models;
+  int exit_status = 0;
+  for (const json& input : inputs) {
+    const std::string name = input.is_object() ? input.value("name", "problem") : "problem";
+    const auto failure = failure_of([&] { answer(input, "fem: " + name + ": ", models); });
+    if (!failure) continue;
+    exit_status = std::max(exit_status, failure->exit_status);
+    if (failure->exit_status == interrupted) break;
+    std::cout << json({{"name", name},
+                       {"failure", failure->message},
+                       {"exit_status", failure->exit_status}})
+                     .dump()
+              << std::endl;
+  }
+  std::cerr << "fem: " << models.hits() << " of the meshes served more than one problem"
+            << std::endl;
+  return exit_status;
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -252,33 +314,22 @@ int main(int argument_count, char** arguments) {
   // zeroed by the system each time.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
-  constexpr int bad_input = 2, not_converged = 3, interrupted = 128 + SIGINT;
   if (argument_count != 2) {
     std::cerr << "usage: softfinger-fem PROBLEM.json (or - for standard input)\n";
     return bad_input;
   }
-  try {
-    const fem::Problem problem = parse(read(arguments[1]));
+  int exit_status = 0;
+  const auto failure = failure_of([&] {
+    const json input = read(arguments[1]);
     stop_when_convenient();
-    const fem::Result result = fem::solve(
-        problem, [](const std::string& line) { std::cerr << "fem: " << line << std::endl; },
-        [] { return g_stop != 0; });
-    std::cout << to_json(problem, result).dump() << std::endl;
-    return std::cout ? 0 : bad_input;
-  } catch (const softfinger::InputError& error) {
-    std::cerr << "softfinger-fem: error: " << error.what() << std::endl;
-    return bad_input;
-  } catch (const softfinger::ConvergenceError& error) {
-    std::cerr << "softfinger-fem: error: " << error.what() << std::endl;
-    return not_converged;
-  } catch (const fem::Interrupted& error) {
-    std::cerr << "softfinger-fem: " << error.what() << std::endl;
-    return interrupted;
-  } catch (const std::exception& error) {
-    // A library's message may run over many lines; the contract is one.
-    std::string message = error.what();
-    std::replace(message.begin(), message.end(), '\n', ' ');
-    std::cerr << "softfinger-fem: error: " << message << std::endl;
-    return not_converged;
-  }
+    if (input.is_array()) {
+      exit_status = answer_all(input);
+    } else {
+      fem::ModelCache nothing_to_share(0);
+      answer(input, "fem: ", nothing_to_share);
+    }
+  });
+  if (!failure) return exit_status;
+  std::cerr << "softfinger-fem: " << failure->message << std::endl;
+  return failure->exit_status;
 }

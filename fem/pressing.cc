@@ -72,12 +72,16 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
   return guess;
 }
 
-Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing) {
+Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing,
+                 ModelCache& cache) {
   Pressed pressed;
   const bool whole = pressing.whole();
   pressed.copies = whole ? 1 : 4;
-  pressed.model = std::make_unique<LayerModel>(discretisation, pressing.poisson_ratio,
-                                               pressing.bent.shape, whole);
+  if (pressing.fingertip)
+    pressed.model = std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
+                                                       pressing.bent.shape, whole);
+  else
+    pressed.model = cache.flat_layer(discretisation, pressing.poisson_ratio);
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   pressed.gap.resize(count);

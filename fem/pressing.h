@@ -5,6 +5,7 @@
 
 #include "fem/fingertip.h"
 #include "fem/layer_model.h"
+#include "fem/model_cache.h"
 #include "fem/normal_contact.h"
 
 /// Pressing without friction, on one mesh, in units of h and E.
@@ -30,7 +31,7 @@ struct Pressing {
 
 /// A contact pressed on one mesh.
 struct Pressed {
-  std::unique_ptr<LayerModel> model;
+  std::shared_ptr<const LayerModel> model;
   Eigen::VectorXd gap;
   NormalContact contact;              ///< its forces are the components along the load
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
@@ -48,8 +49,10 @@ struct Pressed {
 /// many meshes are tried, never the result.
 LayerDiscretisation first_guess(const Pressing& pressing);
 
+/// @param cache  of the models of flat layers
 /// @throws InputError, ConvergenceError
-Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing);
+Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing,
+                 ModelCache& cache);
 
 /// The contact's shape as measured on one mesh.
 struct ContactShape {

@@ -132,6 +132,13 @@ PressedContact pressed_contact(const Pressed& pressed, const LevelResult& measur
           problem.contact.load.friction_coefficient};
 }
 
+/// To one part in a thousand, so that contacts of one size ask for the very same mesh: far below a
+/// cell, which is what the edge has to meet.
+double rounded(double semi_axis) {
+  constexpr double step = 1e-3;
+  return std::exp(step * std::round(std::log(semi_axis) / step));
+}
+
 /// A bent layer's map ends somewhere: the patch and a cell beside it have to fit.
 void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
@@ -203,8 +210,11 @@ class Stopwatch {
 
 }  // namespace
 
-Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop) {
+Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop,
+             ModelCache* cache) {
   check(problem);
+  ModelCache none(0);
+  ModelCache& models = cache ? *cache : none;
   const Stopwatch total;
   const RelativeRadii& radii = problem.contact.radii;
   const ElasticLayer& layer = problem.contact.layer;
@@ -249,15 +259,16 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
 
   // Coarse meshes until mesh and contact agree in size.
   LayerDiscretisation mesh = first_guess(pressing);
-  mesh.b = std::clamp(mesh.b, 1e-4, 60.0);
-  mesh.a = std::clamp(mesh.a, mesh.b, 300.0);
+  mesh.b = rounded(std::clamp(mesh.b, 1e-4, 60.0));
+  mesh.a = rounded(std::clamp(mesh.a, mesh.b, 300.0));
   constexpr int limit = 15;
   Pressed pressed;
   for (int attempt = 1;; ++attempt) {
     mesh.elements_per_semi_axis = elements(0, mesh.b);
     mesh.patch = patch(mesh.elements_per_semi_axis);
     check_reach(mesh, problem);
-    pressed = press_on(mesh, pressing);
+    pressed.model.reset();
+    pressed = press_on(mesh, pressing, models);
     sensible(pressed);
     const double change = std::max(std::abs(std::log(pressed.moment_a / mesh.a)),
                                    std::abs(std::log(pressed.moment_b / mesh.b)));
@@ -272,12 +283,12 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     if (stop()) throw Interrupted();
     // At the rim the moments only bound the contact from below.
     const double growth = pressed.reaches_rim ? 1.3 : 1.0;
-    mesh.a = growth * pressed.moment_a;
-    mesh.b = growth * pressed.moment_b;
+    mesh.a = rounded(growth * pressed.moment_a);
+    mesh.b = rounded(growth * pressed.moment_b);
   }
   const auto fit_mesh_to = [&](const ContactShape& shape) {
-    mesh.a = shape.block_a;
-    mesh.b = shape.block_b;
+    mesh.a = rounded(shape.block_a);
+    mesh.b = rounded(shape.block_b);
   };
   const Measured first = measure(pressed, pressing, problem, 0);
   const LevelResult& trial = first.result;
@@ -312,7 +323,8 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
       progress("level " + std::to_string(level) + ": " +
                std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis");
       check_reach(mesh, problem);
-      pressed = press_on(mesh, pressing);
+      pressed.model.reset();  // before the next one takes its memory
+      pressed = press_on(mesh, pressing, models);
       if (pressed.reaches_rim)
         throw ConvergenceError("size of the refined patch", level, pressed.moment_a / mesh.a,
                                "the contact outgrew the patch on refinement");

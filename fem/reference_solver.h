@@ -123,12 +123,15 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("stopped before the first level was finished: no result") {}
 };
 
-/// @throws InputError for a problem outside the ranges (nu >= 1/2, load <= 0, a contact wider than
+class ModelCache;
+
+/// @param cache  of the caller's run (model_cache.h); null: nothing is kept
+/// @throws InputError for a problem outside the ranges (nu > 1/2, load <= 0, a contact wider than
 /// the gap's model can bear, ...)
 /// @throws ConvergenceError with stage, iteration, residual and hint.
 /// @throws Interrupted
 Result solve(
     const Problem& problem, const Progress& progress,
-    const StopRequested& stop = [] { return false; });
+    const StopRequested& stop = [] { return false; }, ModelCache* cache = nullptr);
 
 }  // namespace softfinger::fem
