@@ -198,6 +198,17 @@ RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine,
   return result;
 }
 
+/// Expected from the level before: cells fourfold, and the factorisation's cost grows a little
+/// faster than their number.
+std::string time_to_go(const std::vector<LevelResult>& done, int elements) {
+  if (done.empty()) return "";
+  constexpr double order = 2.5;
+  return text(
+      ", about %.2g s to go",
+      done.back().wall_s *
+          std::pow(static_cast<double>(elements) / done.back().elements_per_semi_axis, order));
+}
+
 class Stopwatch {
  public:
   double seconds() const {
@@ -321,7 +332,8 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
       mesh.elements_per_semi_axis = elements(level, mesh.b);
       mesh.patch = patch(mesh.elements_per_semi_axis);
       progress("level " + std::to_string(level) + ": " +
-               std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis");
+               std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis" +
+               time_to_go(result.levels, mesh.elements_per_semi_axis));
       check_reach(mesh, problem);
       pressed.model.reset();  // before the next one takes its memory
       pressed = press_on(mesh, pressing, models);
@@ -343,6 +355,8 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
              text(", b %.5g mm", 1e3 * measured.b_m) +
              text(", d %.5g mm", 1e3 * measured.indentation_m) +
              text(", torque %.5g mN m", 1e3 * measured.max_torque_Nm) +
+             text(", residual %.1g",
+                  std::max(measured.load_residual, measured.complementarity_residual)) +
              text(", %.1f s", measured.wall_s) + text(", peak memory %.0f MB", peak_memory_MB()));
     result.levels.push_back(measured);
   }
