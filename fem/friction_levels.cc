@@ -143,8 +143,7 @@ void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, 
     torsion.curve_error = torsion.curve_error * integral_weight + common_error;
     result.torsion = torsion;
   }
-  const double force_limit =
-      problem.contact.load.friction_coefficient * problem.contact.load.normal_force_N;
+  const double force_limit = problem.contact.load.friction_coefficient * result.finest.load_N;
   const double torque_limit = result.finest.max_torque_Nm;
   double difference = 0;
   for (std::size_t i = 0; i < fine.limit_surface.size(); ++i) {

@@ -117,7 +117,8 @@ fem::Problem parse(const json& input) {
     problem.contact.layer = {layer.at("thickness_m").get<double>(),
                              layer.at("youngs_modulus_Pa").get<double>(),
                              layer.at("poisson_ratio").get<double>()};
-    problem.contact.load = {input.at("load_N").get<double>(),
+    if (optional(input, "approach_m")) problem.approach_m = input.at("approach_m").get<double>();
+    problem.contact.load = {problem.approach_m != 0 ? 0.0 : input.at("load_N").get<double>(),
                             input.at("friction_coefficient").get<double>()};
     problem.level = input.value("level", problem.level);
     if (optional(input, "fingertip")) problem.fingertip = read_fingertip(input.at("fingertip"));
@@ -203,7 +204,7 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
                       {"wall_s", level.wall_s}});
   json output = {
       {"model", "fem"},
-      {"load_N", load.normal_force_N},
+      {"load_N", finest.load_N},
       {"a_m", finest.a_m},
       {"b_m", finest.b_m},
       {"axis_rad", problem.contact.radii.axis_rad + finest.turn_rad},
@@ -211,14 +212,15 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
       {"peak_pressure_Pa", finest.peak_pressure_Pa},
       {"area_m2", M_PI * finest.a_m * finest.b_m},
       {"max_torque_Nm", finest.max_torque_Nm},
-      {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * load.normal_force_N)},
+      {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
       {"error",
        {{"a", result.error.a},
         {"b", result.error.b},
         {"area", result.error.area},
         {"indentation", result.error.indentation},
         {"peak_pressure", result.error.peak_pressure},
-        {"max_torque", result.error.max_torque}}},
+        {"max_torque", result.error.max_torque},
+        {"load", result.error.load}}},
       {"level", problem.level},
       {"levels", levels},
       {"unknowns", finest.unknowns},

@@ -8,9 +8,12 @@
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
+namespace {
 
-NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
-                                   double load, const NormalContact* start) {
+/// @param approach  of forces approach * per_approach - from_gap
+template <class Approach>
+NormalContact solve_active_set(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
+                               const Approach& approach, const NormalContact* start) {
   const Eigen::Index count = gap.size();
   NormalContact contact;
   contact.force = Eigen::VectorXd::Zero(count);
@@ -36,11 +39,11 @@ NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eige
     for (Eigen::Index i = 0; i < count; ++i)
       if (active[static_cast<std::size_t>(i)]) set.push_back(i);
     const Eigen::LLT<Eigen::MatrixXd> factor(compliance(set, set).eval());
-    // f = approach * C^-1 1 - C^-1 gap, and the load fixes the approach.
+    // f = approach * C^-1 1 - C^-1 gap.
     const Eigen::VectorXd per_approach =
         factor.solve(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(set.size())));
     const Eigen::VectorXd from_gap = factor.solve(gap(set).eval());
-    contact.approach = (load + from_gap.sum()) / per_approach.sum();
+    contact.approach = approach(per_approach, from_gap);
     const Eigen::VectorXd force = contact.approach * per_approach - from_gap;
     contact.force.setZero();
     contact.force(set) = force;
@@ -68,7 +71,6 @@ NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eige
     }
     if (changes == 0) {
       contact.active = static_cast<int>(set.size());
-      contact.load_residual = std::abs(contact.force.sum() - load) / load;
       contact.complementarity_residual =
           std::max(0.0, -clearance.minCoeff()) / std::abs(contact.approach);
       contact.force = contact.force.cwiseMax(0.0);
@@ -94,6 +96,26 @@ NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eige
   }
   throw ConvergenceError("active set of the contact", limit, static_cast<double>(fewest_changes),
                          "the contact keeps changing by this many nodes; refine the mesh");
+}
+
+}  // namespace
+
+NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
+                                   double load, const NormalContact* start) {
+  NormalContact contact = solve_active_set(
+      compliance, gap,
+      [&](const Eigen::VectorXd& per_approach, const Eigen::VectorXd& from_gap) {
+        return (load + from_gap.sum()) / per_approach.sum();
+      },
+      start);
+  contact.load_residual = std::abs(contact.force.sum() - load) / load;
+  return contact;
+}
+
+NormalContact solve_normal_contact_at(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
+                                      double approach) {
+  return solve_active_set(
+      compliance, gap, [&](auto&&...) { return approach; }, nullptr);
 }
 
 }  // namespace softfinger::fem

@@ -26,4 +26,8 @@ struct NormalContact {
 NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
                                    double load, const NormalContact* start = nullptr);
 
+/// The same with the approach given in place of the load: larger than the smallest gap.
+NormalContact solve_normal_contact_at(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
+                                      double approach);
+
 }  // namespace softfinger::fem

@@ -57,6 +57,8 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
     return s * s * s * (4.0 / 3 + thin);
   };
   double low = 1e-12, high = 1e12;
+  // d = a²/R of Hertz, a²/(2 R) of Winkler, a²/(4 R) of the thin incompressible layer.
+  if (pressing.approach > 0) low = high = std::sqrt(1.5 * pressing.approach * R);
   while (high / low > 1.01) {
     const double middle = std::sqrt(low * high);
     (load(middle) < target ? low : high) = middle;
@@ -101,14 +103,16 @@ Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pres
   }
   // The approach counts from the first touch, which on a triangulated surface is not the origin.
   if (pressing.fingertip) pressed.gap.array() -= pressed.gap.minCoeff();
+  const auto solve = [&](const Eigen::MatrixXd& compliance) {
+    return pressing.approach > 0
+               ? solve_normal_contact_at(compliance, pressed.gap, pressing.approach)
+               : solve_normal_contact(compliance, pressed.gap, pressing.load / pressed.copies);
+  };
   if (pressing.fingertip)
-    pressed.contact =
-        solve_normal_contact(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
-                                 cosine.cwiseInverse().asDiagonal(),
-                             pressed.gap, pressing.load / pressed.copies);
+    pressed.contact = solve(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
+                            cosine.cwiseInverse().asDiagonal());
   else
-    pressed.contact = solve_normal_contact(pressed.model->compliance(), pressed.gap,
-                                           pressing.load / pressed.copies);
+    pressed.contact = solve(pressed.model->compliance());
   pressed.normal_force = pressed.contact.force.cwiseQuotient(cosine);
 
   double xx = 0, yy = 0;

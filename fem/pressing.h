@@ -15,7 +15,8 @@ namespace softfinger::fem {
 struct Pressing {
   double major = 1, minor = 1;  ///< relative radii
   double sphere = 0;            ///< radius, infinite for a paraboloid
-  double load = 0;              ///< P / (E h²)
+  double load = 0;              ///< P / (E h²); 0: by approach
+  double approach = 0;          ///< d / h, in place of the load
   double poisson_ratio = 0;
   double thickness_m = 1;
   Fingertip fingertip;  ///< none: a flat layer, and the gap of the relative radii
@@ -40,6 +41,8 @@ struct Pressed {
   bool reaches_rim = false;           ///< of the region where contact is possible
 
   double pressure(Eigen::Index node) const;
+  /// P / (E h²)
+  double load() const { return copies * contact.force.sum(); }
   /// int p r dA / P over the contact seen along the load, r the distance from the load's line: the
   /// deformed surface has the object's slope, not the finger's.
   double torque_arm() const;

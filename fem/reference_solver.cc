@@ -23,6 +23,16 @@ std::string text(const char* format, double value) {
   return buffer;
 }
 
+/// What the contact is pressed by, for messages.
+const char* driver(const Problem& problem) {
+  return problem.approach_m > 0 ? "approach_m" : "load_N";
+}
+
+std::string driver_value(const Problem& problem) {
+  return text("%g",
+              problem.approach_m > 0 ? problem.approach_m : problem.contact.load.normal_force_N);
+}
+
 void check(const Problem& problem) {
   const auto positive = [&](double value, const char* field) {
     if (!(value > 0) || !std::isfinite(value))
@@ -35,7 +45,10 @@ void check(const Problem& problem) {
   positive(radii.minor_m, "R''");
   positive(layer.thickness_m, "thickness_m");
   positive(layer.youngs_modulus_Pa, "youngs_modulus_Pa");
-  positive(load.normal_force_N, "load_N");
+  if (problem.approach_m != 0)
+    positive(problem.approach_m, "approach_m");
+  else
+    positive(load.normal_force_N, "load_N");
   positive(load.friction_coefficient, "friction_coefficient");
   if (radii.major_m < radii.minor_m)
     throw InputError(problem.name, "R'", text("%g", radii.major_m), "R' >= R''");
@@ -112,8 +125,10 @@ Measured measure(const Pressed& pressed, const Pressing& pressing, const Problem
   result.turn_rad = measured.shape.turn_rad;
   result.indentation_m = pressed.contact.approach * h;
   result.peak_pressure_Pa = measured.shape.peak * E;
-  const auto& load = problem.contact.load;
-  result.max_torque_Nm = load.friction_coefficient * load.normal_force_N * pressed.torque_arm() * h;
+  result.load_N =
+      problem.approach_m > 0 ? pressed.load() * E * h * h : problem.contact.load.normal_force_N;
+  result.max_torque_Nm =
+      problem.contact.load.friction_coefficient * result.load_N * pressed.torque_arm() * h;
   result.load_residual = pressed.contact.load_residual;
   result.complementarity_residual = pressed.contact.complementarity_residual;
   result.fit_residual = measured.shape.fit_residual;
@@ -121,14 +136,14 @@ Measured measure(const Pressed& pressed, const Pressing& pressing, const Problem
 }
 
 PressedContact pressed_contact(const Pressed& pressed, const LevelResult& measured,
-                               const Problem& problem, const Pressing& pressing) {
+                               const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
   return {*pressed.model,
           pressed.gap,
           pressed.contact.force,
           measured.a_m / h,
           measured.b_m / h,
-          pressing.load,
+          pressed.load(),
           problem.contact.load.friction_coefficient};
 }
 
@@ -145,7 +160,7 @@ void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
   const double needed_x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
   const double needed_y = mesh.patch * mesh.b + mesh.b / mesh.elements_per_semi_axis;
   if (needed_x < 0.98 * mesh.reach_x && needed_y < 0.98 * mesh.reach_y) return;
-  throw InputError(problem.name, "load_N", text("%g", problem.contact.load.normal_force_N),
+  throw InputError(problem.name, driver(problem), driver_value(problem),
                    "less, or a larger pad: the contact needs the finger's surface up to " +
                        text("%.3g", 1e3 * h * needed_x) + text(" x %.3g mm", 1e3 * h * needed_y) +
                        " from the contact point, and a layer fits on it up to " +
@@ -194,6 +209,7 @@ RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine,
       stated_error(coarse.a_m * coarse.b_m, fine.a_m * fine.b_m, refinement, edge_error) + 2 * edge;
   result.peak_pressure = error(&LevelResult::peak_pressure_Pa, peak_error);
   result.indentation = error(&LevelResult::indentation_m, integral_error);
+  result.load = error(&LevelResult::load_N, integral_error);
   result.max_torque = error(&LevelResult::max_torque_Nm, integral_error);
   return result;
 }
@@ -229,13 +245,15 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   const Stopwatch total;
   const RelativeRadii& radii = problem.contact.radii;
   const ElasticLayer& layer = problem.contact.layer;
-  const ContactLoad& load = problem.contact.load;
   const double h = layer.thickness_m;
   Pressing pressing;
   pressing.major = radii.major_m / h;
   pressing.minor = radii.minor_m / h;
   pressing.sphere = problem.sphere_radius_m / h;
-  pressing.load = load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
+  if (problem.approach_m > 0)
+    pressing.approach = problem.approach_m / h;
+  else
+    pressing.load = problem.contact.load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
   // The pressure is condensed, which takes a finite bulk modulus. What that changes at nu = 1/2 is
   // of the order of (ab/h²) 1e-8 (measured: 2e-5 in d at a/h = 20).
   pressing.poisson_ratio = std::min(layer.poisson_ratio, 0.5 - 1e-8);
@@ -255,7 +273,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   const auto patch = [](int count) { return std::max(1.25, 1 + 1.2 / count); };
   const auto sensible = [&](const Pressed& pressed) {
     if (pressed.contact.approach >= 1)
-      throw InputError(problem.name, "load_N", text("%g", load.normal_force_N),
+      throw InputError(problem.name, driver(problem), driver_value(problem),
                        "less: the approach reaches the layer's thickness (" +
                            text("%.3g", pressed.contact.approach) +
                            " times it), far outside linear elasticity");
@@ -264,7 +282,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
                        text("b/h %.3g", pressed.moment_b) + text(", a/h %.3g", pressed.moment_a),
                        "semi-axes b/h from 1e-4 to 50, a/h to 300 for finite elements");
     if (std::isfinite(pressing.sphere) && pressed.moment_a > 0.95 * pressing.sphere)
-      throw InputError(problem.name, "load_N", text("%g", load.normal_force_N),
+      throw InputError(problem.name, driver(problem), driver_value(problem),
                        "less: the contact is as wide as the sphere");
   };
 
@@ -344,8 +362,8 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     const Measured measurement = measure(pressed, pressing, problem, level);
     LevelResult measured = measurement.result;
     if (problem.friction.any()) {
-      friction.push_back(friction_on(pressed_contact(pressed, measured, problem, pressing), problem,
-                                     plan, progress, surface_series.of(level)));
+      friction.push_back(friction_on(pressed_contact(pressed, measured, problem), problem, plan,
+                                     progress, surface_series.of(level)));
     }
     measured.wall_s = watch.seconds();
     if (level > 0) fit_mesh_to(measurement.shape);
@@ -365,6 +383,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   const LevelResult &coarse = result.levels.front(), &fine = result.levels.back();
   result.finest = fine;
   result.error = estimate_error(coarse, fine, h);
+  (problem.approach_m > 0 ? result.error.indentation : result.error.load) = 0;  // as given
   if (pressing.whole()) {
     // Second moments do not know the edge: their ellipse and the fitted one differ by up to this on
     // symmetric contacts.
@@ -378,7 +397,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   if (friction.size() == 2)
     state_friction(friction.front(), friction.back(), refinement, problem, result);
   result.pressure_exponent = M_PI * result.finest.a_m * result.finest.b_m *
-                                 result.finest.peak_pressure_Pa / load.normal_force_N -
+                                 result.finest.peak_pressure_Pa / result.finest.load_N -
                              1;
   result.along_x = nodal_profile(pressed, problem, true);
   result.along_y = nodal_profile(pressed, problem, false);
@@ -388,7 +407,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     result.pvd_file = surface_series.finish();
   }
   if (!problem.compliance_file.empty()) {
-    const PressedContact start = pressed_contact(pressed, fine, problem, pressing);
+    const PressedContact start = pressed_contact(pressed, fine, problem);
     write_compliance(
         problem.compliance_file,
         surface_compliance(friction_compliances(start, Invariance::none), Invariance::none), h,

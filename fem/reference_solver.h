@@ -35,6 +35,8 @@ struct Problem {
   std::string name = "case";
   ContactProblem contact;
   double sphere_radius_m = std::numeric_limits<double>::infinity();
+  /// Presses by this approach in place of the contact's load, which is then ignored; 0: by load.
+  double approach_m = 0;
   int level = 2;        ///< 1 to 4: elements per contact semi-axis double with each level
   Fingertip fingertip;  ///< none: a flat layer and the gap of the relative radii
   FrictionRequest friction;
@@ -50,6 +52,7 @@ struct LevelResult {
   int active_nodes = 0;  ///< contact nodes of the quarter model
   int iterations = 0;    ///< of the active set
   double turn_rad = 0;   ///< of the long axis from that of the relative radii: without symmetry
+  double load_N = 0;     ///< as given, or what the given approach takes
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
   double load_residual = 0;  ///< |sum of nodal forces - P| / P
   double complementarity_residual =
@@ -62,6 +65,7 @@ struct LevelResult {
 /// Relative, stated at about 95 % confidence.
 struct RelativeError {
   double a = 0, b = 0, area = 0, indentation = 0, peak_pressure = 0, max_torque = 0;
+  double load = 0;  ///< of what a given approach takes
 };
 
 /// Forces of friction on the layer about the contact's centre, along the contact's axes.

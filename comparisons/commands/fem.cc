@@ -18,6 +18,7 @@ struct Options {
   std::string case_file, output;
   std::string compliance;
   std::vector<double> twist_axis_mm;
+  double approach_mm = 0;
   int level = 0, increments = 20, limit_surface = 0, increments_to_slip = 0;
   bool torsion = false, json = false;
 };
@@ -42,11 +43,13 @@ std::string friction_table(const nlohmann::json& result) {
   if (result.contains("torsion")) {
     text += fmt::format(
         "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {:.2g} %\n"
-        "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %\n"
+        "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %, {:+.2g} % against int mu p r "
+        "dA\n"
         "  twist: angle (deg), torque (mN·m, ± {:.2g} % of full slip), slipping share of the "
         "area\n",
         value(result, "torsional_stiffness_Nm_per_rad"), 100 * value(error, "torsional_stiffness"),
         1e3 * value(result, "torque_full_slip_Nm"), 100 * value(error, "torque_full_slip"),
+        100 * (value(result, "torque_full_slip_Nm") / value(result, "max_torque_Nm") - 1),
         100 * value(error, "torsion"));
     for (const auto& state : result.at("torsion"))
       text += fmt::format("    {:>10.4g} {:>10.5g} {:>6.0f} %\n",
@@ -95,23 +98,30 @@ int run(const Options& options) {
   const std::string program = fem_program().string();
   const int level = options.level > 0 ? options.level : contact_case.fem_level;
 
+  // With an approach given, the first load only sizes the patch that a mesh's radii are fitted on.
+  std::vector<double> loads_N = contact_case.loads_N;
+  const bool by_approach = options.approach_mm > 0;
+  if (by_approach) loads_N.resize(1);
   std::vector<LocalGeometry> geometries;
-  for (double load_N : contact_case.loads_N) geometries.push_back(resolver.resolve(load_N));
+  for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
   std::vector<ProcessJob> jobs;
   for (std::size_t i = 0; i < geometries.size(); ++i) {
-    const double load_N = contact_case.loads_N[i];
+    const double load_N = loads_N[i];
     std::string folder;
     if (!options.output.empty()) {
-      folder =
-          (std::filesystem::path(options.output) / load_folder(contact_case.id, load_N)).string();
+      folder = (std::filesystem::path(options.output) /
+                (by_approach ? fmt::format("{}_{:g}mm", contact_case.id, options.approach_mm)
+                             : load_folder(contact_case.id, load_N)))
+                   .string();
       make_writable_folder(folder);
     }
     nlohmann::json problem = fem_problem(contact_case, geometries[i], load_N, level);
+    if (by_approach) problem["approach_m"] = 1e-3 * options.approach_mm;
     problem["friction"] = friction_request(options);
     if (!options.compliance.empty()) {
-      if (contact_case.loads_N.size() > 1)
+      if (loads_N.size() > 1)
         throw InputError(
-            "--export-compliance", "load_N", fmt::format("{} loads", contact_case.loads_N.size()),
+            "--export-compliance", "load_N", fmt::format("{} loads", loads_N.size()),
             "a case with one load: the mesh, and with it the compliance, fits its contact");
       problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
     }
@@ -123,7 +133,8 @@ int run(const Options& options) {
   std::string
       held;  // the last line may be the reason of a failure, which is said once, as an error
   const auto title = [&](std::size_t job) {
-    return fmt::format("{} {} N: ", contact_case.id, contact_case.loads_N[job]);
+    return by_approach ? fmt::format("{} {} mm: ", contact_case.id, options.approach_mm)
+                       : fmt::format("{} {} N: ", contact_case.id, loads_N[job]);
   };
   nlohmann::json results = nlohmann::json::array();
   int interrupted = 0;
@@ -145,7 +156,7 @@ int run(const Options& options) {
     }
     if (!held.empty()) progress.say(held);
     held.clear();
-    answer.result["load_N"] = contact_case.loads_N[job];
+    if (!by_approach) answer.result["load_N"] = loads_N[job];
     answer.result["model"] = "fem";
     // The keys that `predict` has, so that one reader serves both.
     answer.result["torque_rule"] = "exact";
@@ -155,7 +166,8 @@ int run(const Options& options) {
     answer.result["cost_ns"] = nullptr;
     if (const auto& wall_s = answer.result["wall_s"]; wall_s.is_number())
       answer.result["cost_ns"] = 1e9 * wall_s.get<double>();
-    text += fmt::format("\n{:g} N: {}\n", contact_case.loads_N[job], describe(geometries[job])) +
+    text += fmt::format("\n{:g} N: {}\n", answer.result["load_N"].get<double>(),
+                        describe(geometries[job])) +
             table_row(answer.result) + friction_table(answer.result);
     if (answer.result.value("coarse", false))
       text += "  (stopped early: a coarser level than was asked for)\n";
@@ -202,6 +214,10 @@ void add_fem(CLI::App& app, Action& action) {
       ->add_option("--level", options->level,
                    "refinement, 1 (coarse) to 3 (fine); default: the case's own, else 2")
       ->check(CLI::Range(1, 3));
+  command
+      ->add_option("--approach-mm", options->approach_mm,
+                   "press by this approach in place of the case's loads; the load is then a result")
+      ->check(CLI::PositiveNumber);
   command->add_option("--output", options->output,
                       "folder for VTU files (ParaView), one sub-folder per load; default: none");
   command->add_flag("--torsion", options->torsion,

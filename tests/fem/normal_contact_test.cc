@@ -92,6 +92,17 @@ TEST(NormalContact, DoesNotDependOnTheOriginOfTheGap) {
   EXPECT_NEAR(shifted.approach - contact.approach, 7, 1e-11);
 }
 
+TEST(NormalContact, MayBeDrivenByItsApproach) {
+  std::mt19937_64 random(4);
+  const Eigen::MatrixXd compliance = random_compliance(40, random);
+  const Eigen::VectorXd gap = Eigen::VectorXd::LinSpaced(40, 0, 10);
+  const NormalContact by_load = solve_normal_contact(compliance, gap, 2);
+  const NormalContact by_approach = solve_normal_contact_at(compliance, gap, by_load.approach);
+  EXPECT_LT((by_approach.force - by_load.force).norm(), 1e-11);
+  EXPECT_EQ(by_approach.approach, by_load.approach);
+  EXPECT_EQ(by_approach.active, by_load.active);
+}
+
 TEST(NormalContact, OfOneNodeIsASpring) {
   const NormalContact contact = solve_normal_contact(Eigen::MatrixXd::Constant(1, 1, 0.25),
                                                      Eigen::VectorXd::Constant(1, 3), 8);
