@@ -35,6 +35,7 @@ may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^assimp/")
 # Only the program writes JSON.
 may_include(fem/main.cc ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")
+may_include(fem/studies ${std} ${eigen} ${input} "^meshes/" "^fem/" "^fmt/")
 may_include(fem ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^deal[.]II/"
             "^(suitesparse/)?cholmod[.]h$")
 

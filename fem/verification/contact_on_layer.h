@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+
+#include "fem/friction_levels.h"
+#include "fem/pressing.h"
+#include "fem/reference_solver.h"
+#include "fem/verification/check.h"
+
+/// Contacts by their dimensionless numbers, for the groups of checks.
+namespace softfinger::fem::verification {
+
+/// What is expected of a contact, SI, and how far the reference itself may be off (relative).
+struct Expected {
+  double a_m = 0, b_m = 0, indentation_m = 0, max_torque_Nm = 0;
+  double peak_pressure_Pa = 0;  ///< 0: not compared
+  double reference_error = 0, edge_reference_error = 0;
+  std::string reference;  ///< what it is, for the table
+};
+
+/// A bonded layer under a paraboloid with the radius of contact given: P R/(E* a³), d R/a²,
+/// torque/(mu P a), p0 R/(E* a) at s = a/h, by the integral equation of the bonded layer (relative
+/// 1e-8).
+struct CircularLayer {
+  double nu, s, load, approach, torque, peak;
+};
+/// @throws std::out_of_range where there is no such row
+const CircularLayer& circular_layer(double nu, double s);
+const std::vector<CircularLayer>& circular_layers();
+
+Problem circular_problem(const CircularLayer& layer);
+Expected expected_of(const CircularLayer& layer);
+
+/// Residuals of every contact that was solved so far.
+struct Residuals {
+  double load = 0, complementarity = 0;
+  int contacts = 0;
+};
+const Residuals& residuals_so_far();
+
+/// Solves without a word and keeps the residuals.
+Result solve_quietly(const Problem& problem);
+
+/// d, torque, a, b (and peak pressure) against what is expected, each with its stated error.
+Checks compare(const std::string& group, const std::string& name, const Problem& problem,
+               const Expected& expected);
+
+/// Friction on two meshes of a contact whose size is known, following a plan of one's own, and the
+/// result as the solver states it.
+Result friction_of(const Problem& problem, double a_m, double b_m,
+                   const std::function<void(FrictionPlan&)>& make_plan);
+
+/// A contact pressed on one mesh, `level` as in `Problem`.
+Pressed press_at_level(const Problem& problem, double a_m, double b_m, int level);
+Pressing pressing_of(const Problem& problem);
+PressedContact friction_start(const Pressed& pressed, const Problem& problem, double a_m,
+                              double b_m);
+
+}  // namespace softfinger::fem::verification

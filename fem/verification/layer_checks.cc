@@ -1,0 +1,136 @@
+// Bonded layers of any thickness: against the integral equation of the circular contact, the
+// spectral solution of the elliptic one, and the limits that these have.
+#include <cmath>
+#include <cstdio>
+
+#include "fem/verification/contact_on_layer.h"
+#include "fem/verification/groups.h"
+
+namespace softfinger::fem::verification {
+namespace {
+
+const char* const group = "layer";
+
+std::string named(const char* format, double first, double second) {
+  char buffer[80];
+  std::snprintf(buffer, sizeof buffer, format, first, second);
+  return buffer;
+}
+
+/// A quadric on a bonded layer by a spectral solution: units h = E* = sqrt(R'R'') = mu = 1.
+struct EllipticLayer {
+  double nu, ratio, load, approach, a, b, torque, peak;
+};
+const EllipticLayer elliptic_layers[] = {
+    {0.3, 2.0, 1.6883503210488924, 0.647622319927407, 1.2212494760454247, 0.8142889116775841,
+     1.0117336696278172, 0.8415215058671539},
+    {0.3, 5.0, 7.085952539084279, 1.3470837151797446, 2.317539048781546, 0.948360340848445,
+     6.911504668711859, 1.6675806765144725},
+    {0.45, 2.0, 0.0013490628323070634, 0.009318076618134639, 0.12554126368847873,
+     0.07919173130949865, 8.239266516201877e-05, 0.0647900577161959},
+    {0.45, 10.0, 23.43229106193621, 2.0395224783018886, 3.5316080195323623, 1.0806861699132428,
+     32.232826992502815, 3.365851243373332},
+    {0.49, 5.0, 0.1901065714715745, 0.1753970628018543, 0.813087169965468, 0.2989093959050494,
+     0.06541525116423813, 0.37606185273721565},
+    {0.49, 10.0, 453.454937242854, 6.48941764539096, 6.5956890417439675, 2.3020513760142425,
+     1133.6465720774522, 18.99192768221148},
+    {0.4999, 5.0, 0.06287671185125823, 0.09393335341886448, 0.5790825369737644, 0.20630110619423694,
+     0.015361121512378024, 0.2517574326483083},
+    {0.5, 2.0, 0.0108638326772662, 0.03425257669248251, 0.2508582259897134, 0.1586306735082294,
+     0.0013268573352308785, 0.13036126898446906},
+    {0.5, 10.0, 134.25612262669745, 3.667306143884491, 4.9551739129249155, 1.6976429667359754,
+     254.91735061957047, 9.709726458636839},
+    {0.0, 2.0, 2092.1797683817103, 25.794676349890963, 8.357894461486248, 5.85572721170499,
+     8191.9928565664695, 25.795765344065313},
+    {0.0, 10.0, 0.5541741079532991, 0.3569715565245599, 1.3843913363380316, 0.33509038142323627,
+     0.30544772836931333, 0.5766759652299884},
+    {0.4, 5.0, 13488.663378914096, 49.50853288948862, 14.895616311673825, 6.705436514460537,
+     80639.51686740966, 86.06451488267554},
+};
+
+Checks check_elliptic(const EllipticLayer& layer) {
+  const double h = 2e-3, E = 3e5, mu = 0.1, R = 60 * layer.a * h;
+  const double modulus = E / (1 - layer.nu * layer.nu);
+  Problem problem;
+  problem.contact = {{R * std::sqrt(layer.ratio), R / std::sqrt(layer.ratio), 0},
+                     {h, E, layer.nu},
+                     {layer.load * modulus * h * h * h / R, mu}};
+  Expected expected;
+  expected.a_m = layer.a * h;
+  expected.b_m = layer.b * h;
+  expected.indentation_m = layer.approach * h * h / R;
+  expected.max_torque_Nm = layer.torque * mu * modulus * std::pow(h, 4) / R;
+  expected.peak_pressure_Pa = layer.peak * modulus * h / R;
+  expected.reference_error = 1e-5;
+  expected.edge_reference_error = layer.a > 5 || layer.ratio > 5 ? 2.3e-4 : 2e-5;
+  expected.reference = "the spectral solution's";
+  return compare(group, named("elliptic, nu %.4g, R'/R'' %.3g", layer.nu, layer.ratio), problem,
+                 expected);
+}
+
+/// At given load a nearly incompressible layer approaches the incompressible one linearly.
+Check nearly_incompressible() {
+  // From the rows nu = 0.45 and 1/2 at a/h = 1, brought to the same P R/(E h³).
+  const CircularLayer &compressible = circular_layer(0.45, 1), &limit = circular_layer(0.5, 1);
+  const double load_ratio = (limit.load / (1 - 0.25)) / (compressible.load / (1 - 0.45 * 0.45));
+  // a grows as the load to about 1/3.5 there, d as a to about 1.6.
+  const double slope =
+      (compressible.approach * std::pow(load_ratio, 1.6 / 3.5) / limit.approach - 1) / 0.1;
+  Problem problem = circular_problem(limit);
+  const double incompressible = solve_quietly(problem).finest.indentation_m;
+  problem.contact.layer.poisson_ratio = 0.4999;
+  const Result nearly = solve_quietly(problem);
+  Check check{group, "nu 0.4999 against 1/2, a/h 1", "ratio of d", 1 + slope * 2e-4,
+              nearly.finest.indentation_m / incompressible};
+  check.tolerance = 0.5 * slope * 2e-4;
+  check.reason = "half the difference itself: its slope is taken over 0.1 in 1 - 2 nu";
+  return check;
+}
+
+/// d R/a² -> 1/4 and n -> 2 as a/h grows, very slowly: with h/a.
+Checks thin_incompressible() {
+  const CircularLayer& thin = circular_layer(0.5, 20);
+  Problem problem = circular_problem(thin);
+  const auto measure = [&](double& s, double& approach) {
+    const Result result = solve_quietly(problem);
+    const double a = result.finest.a_m;
+    s = a / problem.contact.layer.thickness_m;
+    approach = result.finest.indentation_m * problem.contact.radii.major_m / (a * a);
+  };
+  double s_thin = 0, thin_approach = 0, s_thinner = 0, thinner_approach = 0;
+  measure(s_thin, thin_approach);
+  // P grows with a^6 in the limit; a contact about twice as large.
+  problem.contact.load.normal_force_N *= 45;
+  measure(s_thinner, thinner_approach);
+  Check towards{group, "thin incompressible, a/h 20 to 40", "d R/a², extrapolated in h/a", 0.25,
+                (s_thinner * thinner_approach - s_thin * thin_approach) / (s_thinner - s_thin)};
+  const double first_order = thinner_approach / 0.25 - 1;
+  towards.tolerance = first_order * first_order * s_thinner / s_thin;
+  towards.reason = "next order: the first one's square";
+  return {towards};
+}
+
+}  // namespace
+
+Checks check_layer(bool quick) {
+  Checks checks;
+  const auto add = [&](const Checks& more) {
+    checks.insert(checks.end(), more.begin(), more.end());
+  };
+  for (const CircularLayer& layer : circular_layers()) {
+    // 0.05 and 0.2 lie between half-space and layer like 0.1.
+    const bool skipped = layer.s == 0.05 || layer.s == 0.2;
+    const bool chosen = layer.s == 1 && (layer.nu == 0.3 || layer.nu == 0.5);
+    if (quick ? chosen : !skipped)
+      add(compare(group, named("circular, nu %.4g, a/h %.3g", layer.nu, layer.s),
+                  circular_problem(layer), expected_of(layer)));
+  }
+  for (const EllipticLayer& layer : elliptic_layers)
+    if (!quick || (layer.nu == 0.3 && layer.ratio == 2)) add(check_elliptic(layer));
+  if (quick) return checks;
+  add({nearly_incompressible()});
+  add(thin_incompressible());
+  return checks;
+}
+
+}  // namespace softfinger::fem::verification

@@ -1,0 +1,118 @@
+// softfinger-fem-verify: every check of the finite elements against what is known, as a table.
+//   softfinger-fem-verify [--quick] [--write FILE]
+// Exit status: 0 when all checks pass, 1 otherwise, 2 for wrong arguments.
+#include <malloc.h>
+#include <sys/resource.h>
+
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <sstream>
+
+#include "fem/verification/groups.h"
+#include "fem/write_file.h"
+#include "softfinger/input/errors.h"
+
+namespace {
+
+namespace fem = softfinger::fem;
+using fem::verification::Checks;
+
+double cpu_s() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  char text[16];
+  std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
+  return text;
+}
+
+/// Puts `table` between the two marks of a file.
+void write_between_marks(const std::string& path, const std::string& table) {
+  const std::string begin = "<!-- verification begins -->", end = "<!-- verification ends -->";
+  std::ifstream file(path);
+  std::string content(std::istreambuf_iterator<char>(file), {});
+  const auto from = content.find(begin), to = content.find(end);
+  if (from == std::string::npos || to == std::string::npos || to < from)
+    throw softfinger::InputError(path, "marks", "",
+                                 "a file with the lines " + begin + " and " + end);
+  content.replace(from + begin.size(), to - from - begin.size(), "\n" + table);
+  fem::write_file(path, "verification table", [&](std::ostream& out) { out << content; });
+}
+
+/// A group that ends with an error is a check that fails, and not the end of the others.
+Checks run(const char* name, Checks (*group)(bool), bool quick) {
+  const double start_s = cpu_s();
+  Checks checks;
+  try {
+    checks = group(quick);
+  } catch (const std::exception& error) {
+    fem::verification::Check failed{name, "ran to its end", error.what(), 1, 0};
+    checks.push_back(failed);
+  }
+  std::cerr << name << ": " << checks.size() << " checks, "
+            << fem::verification::count_failures(checks) << " failed, " << cpu_s() - start_s
+            << " CPU s" << std::endl;
+  return checks;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  // As in softfinger-fem.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  bool quick = false;
+  std::string path;
+  for (int i = 1; i < argument_count; ++i) {
+    const std::string argument = arguments[i];
+    if (argument == "--quick") {
+      quick = true;
+    } else if (argument == "--write" && i + 1 < argument_count) {
+      path = arguments[++i];
+    } else {
+      std::cerr << "usage: softfinger-fem-verify [--quick] [--write FILE]\n";
+      return 2;
+    }
+  }
+  using namespace fem::verification;
+  Checks checks;
+  const auto add = [&](const Checks& more) {
+    checks.insert(checks.end(), more.begin(), more.end());
+  };
+  add(run("element", check_element, quick));
+  add(run("Hertz", check_hertz, quick));
+  add(run("layer", check_layer, quick));
+  add(run("friction", check_friction, quick));
+  add(run("invariance", check_invariance, quick));
+  const Checks summary = check_stated_errors(checks);
+  add(summary);
+
+  const int failures = count_failures(checks);
+  std::ostringstream report;
+  print_table(checks, report);
+  report << '\n';
+  for (const Check& line : summary)
+    report << "- " << line.quantity << ", " << line.name << ": " << line.measured << " (has to be "
+           << (line.relation == Relation::at_least ? "at least " : "at most ") << line.expected
+           << ")\n";
+  report << "- " << checks.size() - static_cast<std::size_t>(failures) << " of " << checks.size()
+         << " checks pass; " << today() << ", softfinger " SOFTFINGER_VERSION ", "
+         << static_cast<long>(cpu_s() + 0.5) << " CPU s\n";
+  std::cout << report.str() << std::flush;
+  try {
+    if (!path.empty()) write_between_marks(path, report.str());
+  } catch (const softfinger::InputError& error) {
+    std::cerr << "softfinger-fem-verify: error: " << error.what() << std::endl;
+    return 2;
+  }
+  return failures == 0 ? 0 : 1;
+}

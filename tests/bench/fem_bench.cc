@@ -1,0 +1,221 @@
+// What the finite-element reference costs and how far it is from the truth: CPU seconds, peak
+// memory, unknowns, and the signed true error of each quantity beside the stated one. Each case is
+// solved in a process of its own, so that its memory is its own.
+//   fem_bench           all cases
+//   fem_bench WORD...   those whose name contains one of the words
+#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/reference_solver.h"
+#include "fem/verification/torsion_reference.h"
+#include "softfinger/layer/circular_contact.h"
+
+namespace softfinger {
+namespace {
+
+using fem::verification::TwistCurve;
+
+const fem::Progress quiet = [](const std::string&) {};
+
+/// What the parent learns from the system about a case.
+struct Cost {
+  double cpu_s = 0, peak_MB = 0;
+  bool succeeded = false;
+};
+
+/// Runs `work` in a child and prints what it returns after what it cost.
+Cost run_case(const std::string& name, const std::function<std::string()>& work) {
+  int ends[2];
+  if (pipe(ends) != 0) throw std::runtime_error("no pipe for " + name);
+  std::cout.flush();
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("no process for " + name);
+  if (child == 0) {
+    close(ends[0]);
+    std::string report;
+    int status = 0;
+    try {
+      report = work();
+    } catch (const std::exception& error) {
+      report = std::string("failed: ") + error.what();
+      status = 1;
+    }
+    const ssize_t written = write(ends[1], report.data(), report.size());
+    _exit(written == static_cast<ssize_t>(report.size()) ? status : 1);
+  }
+  close(ends[1]);
+  std::string report;
+  char buffer[4096];
+  for (ssize_t size; (size = read(ends[0], buffer, sizeof buffer)) > 0;)
+    report.append(buffer, static_cast<std::size_t>(size));
+  close(ends[0]);
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  const Cost cost{seconds(usage.ru_utime) + seconds(usage.ru_stime),
+                  static_cast<double>(usage.ru_maxrss) / 1024,
+                  WIFEXITED(status) && WEXITSTATUS(status) == 0};
+  std::printf("%-34s %7.2f %6.0f  %s\n", name.c_str(), cost.cpu_s, cost.peak_MB, report.c_str());
+  std::fflush(stdout);
+  return cost;
+}
+
+std::string text(const char* format, double first, double second) {
+  char buffer[80];
+  std::snprintf(buffer, sizeof buffer, format, first, second);
+  return buffer;
+}
+
+/// "true / stated" in percent.
+std::string errors(double value, double truth, double stated) {
+  return text(" %+8.4f /%7.4f", 100 * (value / truth - 1), 100 * stated);
+}
+
+struct Truth {
+  double a_m = 0, b_m = 0, indentation_m = 0, max_torque_Nm = 0;
+};
+
+std::string compare(const fem::Result& result, const Truth& truth) {
+  char unknowns[16];
+  std::snprintf(unknowns, sizeof unknowns, "%8ld", result.finest.unknowns);
+  return unknowns +
+         errors(result.finest.indentation_m, truth.indentation_m, result.error.indentation) +
+         errors(result.finest.max_torque_Nm, truth.max_torque_Nm, result.error.max_torque) +
+         errors(result.finest.a_m, truth.a_m, result.error.a) +
+         errors(result.finest.b_m, truth.b_m, result.error.b);
+}
+
+constexpr double thickness_m = 2e-3, youngs_modulus_Pa = 3e5, friction_coefficient = 0.7;
+
+/// A paraboloid pressed until the contact's radius is `s` thicknesses, by the integral equation of
+/// the circular layer (relative 1e-10).
+std::pair<fem::Problem, Truth> circular(double s, double nu) {
+  const double a = s * thickness_m, R = 60 * a;
+  const double modulus = youngs_modulus_Pa / (1 - nu * nu);
+  const CircularLayerContact contact =
+      circular_layer_contact(a, R, {{LayerKernel(nu), thickness_m, 1}});
+  const double load = contact.load_over_modulus_m2 * modulus;
+  fem::Problem problem;
+  problem.contact = {{R, R, 0}, {thickness_m, youngs_modulus_Pa, nu}, {load, friction_coefficient}};
+  return {problem,
+          {a, a, contact.indentation_m, friction_coefficient * load * contact.torque_arm_m}};
+}
+
+/// Rows of the spectral solution of the bonded layer, R'/R'' = 5, relative 1e-5 (a, b 2e-5). Units:
+/// h = E* = sqrt(R'R'') = mu = 1.
+struct EllipticLayer {
+  double nu, load, approach, a, b, torque;
+};
+constexpr EllipticLayer elliptic_layers[] = {
+    {0.3, 7.085952539084279, 1.3470837151797446, 2.317539048781546, 0.948360340848445,
+     6.911504668711859},
+    {0.49, 0.1901065714715745, 0.1753970628018543, 0.813087169965468, 0.2989093959050494,
+     0.06541525116423813},
+    {0.4999, 0.06287671185125823, 0.09393335341886448, 0.5790825369737644, 0.20630110619423694,
+     0.015361121512378024},
+};
+
+std::pair<fem::Problem, Truth> elliptic(const EllipticLayer& layer) {
+  const double h = thickness_m, R = 60 * layer.a * h;
+  const double modulus = youngs_modulus_Pa / (1 - layer.nu * layer.nu);
+  fem::Problem problem;
+  problem.contact = {{R * std::sqrt(5), R / std::sqrt(5), 0},
+                     {h, youngs_modulus_Pa, layer.nu},
+                     {layer.load * modulus * h * h * h / R, friction_coefficient}};
+  return {problem,
+          {layer.a * h, layer.b * h, layer.approach * h * h / R,
+           layer.torque * friction_coefficient * modulus * std::pow(h, 4) / R}};
+}
+
+/// What friction adds to a circular contact: cost, and errors of the twist.
+void run_friction(const std::string& name, double s, double nu, const TwistCurve& curve) {
+  const auto [plain, truth] = circular(s, nu);
+  const Cost normal = run_case(name + ", pressing", [&plain = plain, &truth = truth] {
+    return compare(fem::solve(plain, quiet), truth);
+  });
+  fem::Problem with_friction = plain;
+  with_friction.friction.torsion = true;
+  with_friction.friction.increments = 20;
+  with_friction.friction.limit_surface = 24;
+  const Cost friction = run_case(name + ", friction", [&, &truth = truth] {
+    const fem::Result result = fem::solve(with_friction, quiet);
+    const fem::Torsion& torsion = *result.torsion;
+    const double shear = with_friction.contact.layer.shear_modulus_Pa();
+    const double load = with_friction.contact.load.normal_force_N, a = truth.a_m;
+    const double force = friction_coefficient * load;
+    double worst = 0;
+    for (const auto& increment : torsion.increments) {
+      const double expected = force * a * curve.torque(shear * a * a * increment.angle_rad / force);
+      const double difference = increment.wrench.torque_Nm - expected;
+      if (std::abs(difference) > std::abs(worst)) worst = difference;
+    }
+    const double stiffness = 16.0 / 3 * shear * a * a * a * curve.stiffness_ratio();
+    return "T(angle), of the full torque" +
+           text(" %+8.4f /%7.4f", 100 * worst / truth.max_torque_Nm, 100 * torsion.curve_error) +
+           "; full slip" +
+           errors(torsion.full_slip_Nm, truth.max_torque_Nm, torsion.full_slip_error) +
+           "; stiffness" + errors(torsion.stiffness_Nm_per_rad, stiffness, torsion.stiffness_error);
+  });
+  std::printf("%-34s %7.2f CPU s\n", (name + ", on top").c_str(), friction.cpu_s - normal.cpu_s);
+}
+
+int run(const std::vector<std::string>& words) {
+  const auto wanted = [&](const std::string& name) {
+    return words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+             return name.find(word) != std::string::npos;
+           });
+  };
+  bool succeeded = true;
+  const auto run_plain = [&](const std::string& name, const std::pair<fem::Problem, Truth>& job) {
+    if (!wanted(name)) return;
+    succeeded &=
+        run_case(name, [&] { return compare(fem::solve(job.first, quiet), job.second); }).succeeded;
+  };
+  std::printf("%-34s %7s %6s  %8s %17s %17s %17s %17s\n", "case (errors: true / stated, %)",
+              "CPU s", "MB", "unknowns", "d", "torque", "a", "b");
+  char name[80];
+  for (const double s : {0.1, 0.5, 1.0, 2.0, 5.0})
+    for (const double nu : {0.0, 0.3, 0.45, 0.49, 0.4999}) {
+      std::snprintf(name, sizeof name, "circular a/h %.3g, nu %.4g", s, nu);
+      run_plain(name, circular(s, nu));
+    }
+  for (const EllipticLayer& layer : elliptic_layers) {
+    std::snprintf(name, sizeof name, "elliptic R'/R'' 5, nu %.4g", layer.nu);
+    run_plain(name, elliptic(layer));
+  }
+  if (wanted("twist half-space")) run_friction("twist half-space", 0.05, 0.3, TwistCurve());
+  for (const auto& layer : fem::verification::layer_twists()) {
+    std::snprintf(name, sizeof name, "twist a/h %.3g, nu %.4g", layer.s, layer.nu);
+    if (layer.s <= 1 && wanted(name)) run_friction(name, layer.s, layer.nu, TwistCurve(layer));
+  }
+  if (wanted("large")) {
+    auto large = circular(1, 0.45);
+    large.first.level = 4;
+    run_plain("large: level 4, a/h 1, nu 0.45", large);
+  }
+  return succeeded ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace softfinger
+
+int main(int argument_count, char** arguments) {
+  // As in softfinger-fem: what is measured is what a user gets.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  return softfinger::run({arguments + 1, arguments + argument_count});
+}

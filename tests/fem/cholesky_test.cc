@@ -1,0 +1,96 @@
+#include "fem/cholesky.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <Eigen/Dense>
+#include <fstream>
+#include <iostream>
+
+#include "fem/memory.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// Seven-point Laplacian plus one on a cube of `side`³ points.
+SparseSymmetricMatrix laplacian(int side) {
+  SparseSymmetricMatrix matrix;
+  matrix.size = side * side * side;
+  matrix.column_begin.push_back(0);
+  for (int i = 0; i < matrix.size; ++i) {
+    const auto add = [&](int row, double value) {
+      matrix.row.push_back(row);
+      matrix.value.push_back(value);
+    };
+    add(i, 7);
+    if ((i + 1) % side != 0) add(i + 1, -1);
+    if (i / side % side + 1 < side) add(i + side, -1);
+    if (i + side * side < matrix.size) add(i + side * side, -1);
+    matrix.column_begin.push_back(static_cast<int>(matrix.row.size()));
+  }
+  return matrix;
+}
+
+Eigen::MatrixXd dense(const SparseSymmetricMatrix& matrix) {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(matrix.size, matrix.size);
+  for (int column = 0; column < matrix.size; ++column)
+    for (int k = matrix.column_begin[static_cast<std::size_t>(column)];
+         k < matrix.column_begin[static_cast<std::size_t>(column) + 1]; ++k) {
+      const int row = matrix.row[static_cast<std::size_t>(k)];
+      result(row, column) = result(column, row) = matrix.value[static_cast<std::size_t>(k)];
+    }
+  return result;
+}
+
+TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
+  const SparseSymmetricMatrix matrix = laplacian(5);
+  const std::vector<int> last{77, 3, 124, 50, 4};
+  const CholeskyFactor factor(matrix, last);
+  const Eigen::MatrixXd inverse = dense(matrix).inverse();
+  EXPECT_LT((factor.compliance_of_last() - inverse(last, last)).norm(), 1e-13);
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
+  EXPECT_LT((factor.solve(right) - inverse * right).norm(), 1e-12);
+}
+
+TEST(CholeskyFactor, RefusesAMatrixThatIsNotPositiveDefinite) {
+  SparseSymmetricMatrix matrix = laplacian(4);
+  matrix.value[0] = -7;
+  EXPECT_THROW(CholeskyFactor(matrix, {1}), ConvergenceError);
+}
+
+/// In a child, since a limit on the address space cannot be taken back.
+void factorise_in_little_memory() {
+  const SparseSymmetricMatrix matrix = laplacian(40);
+  // Enough for the ordering and the analysis, not for the factor of about 150 MB.
+  std::ifstream statistics("/proc/self/statm");
+  long pages = 0;
+  statistics >> pages;
+  rlimit limit{};
+  getrlimit(RLIMIT_AS, &limit);
+  limit.rlim_cur = static_cast<rlim_t>(pages * sysconf(_SC_PAGESIZE)) + (100 << 20);
+  setrlimit(RLIMIT_AS, &limit);
+  try {
+    const CholeskyFactor factor(matrix, {1});
+  } catch (const InputError& error) {
+    std::cerr << error.what() << std::endl;
+    _exit(3);
+  }
+  _exit(0);
+}
+
+TEST(CholeskyFactorDeathTest, RefusesAJobThatWouldNotFitAndSaysHowMuchItNeeds) {
+  EXPECT_EXIT(factorise_in_little_memory(), testing::ExitedWithCode(3),
+              "memory = [0-9]+ MB for 64000 unknowns.*[0-9]+ MB available");
+}
+
+TEST(Memory, PeakIsAtLeastWhatWasTouched) {
+  const std::vector<char> touched(64 << 20, 1);
+  EXPECT_GE(peak_memory_MB(), 64);
+  EXPECT_GT(available_memory_MB(), 0);
+  EXPECT_EQ(touched.back(), 1);
+}
+
+}  // namespace
+}  // namespace softfinger::fem

@@ -1,0 +1,88 @@
+#include "fem/coulomb_friction.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace softfinger::fem {
+namespace {
+
+using Eigen::Index;
+
+/// Random positive definite with a condition of about 1e2 to 1e3.
+Eigen::MatrixXd random_compliance(Index points, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(
+      2 * points, 2 * points, [&](Index, Index) { return normal(random); });
+  return root * root.transpose() + Eigen::MatrixXd::Identity(2 * points, 2 * points);
+}
+
+TEST(CoulombFriction, SticksBelowItsLimit) {
+  std::mt19937_64 random(1);
+  const Eigen::MatrixXd compliance = random_compliance(5, random);
+  const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(10, -1, 2);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(10);
+  solve_friction(compliance, Eigen::VectorXd::Constant(5, 1e6), target, force);
+  EXPECT_LT((compliance * force - target).norm(), 1e-9 * target.norm());
+}
+
+TEST(CoulombFriction, OfOneSlippingPointIsItsLimitAgainstTheMotion) {
+  const Eigen::MatrixXd compliance = 0.5 * Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::Vector2d target(3, -4);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(2);
+  solve_friction(compliance, Eigen::VectorXd::Constant(1, 2), target, force);
+  EXPECT_LT((force - 2 * target.normalized()).norm(), 1e-9);
+}
+
+TEST(CoulombFriction, ObeysTheLawAtEveryPoint) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int trial = 0; trial < 30; ++trial) {
+    const Index points = 2 + trial;
+    const Eigen::MatrixXd compliance = random_compliance(points, random);
+    const Eigen::VectorXd limit =
+        Eigen::VectorXd::NullaryExpr(points, [&](Index) { return 0.1 * uniform(random); });
+    const Eigen::VectorXd target =
+        Eigen::VectorXd::NullaryExpr(2 * points, [&](Index) { return 4 * uniform(random) - 2; });
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(2 * points);
+    const FrictionSolution solution = solve_friction(compliance, limit, target, force);
+    const Eigen::VectorXd slip = target - compliance * force;
+    // The solver states its worst violation; ten times it leaves room for another norm.
+    const double tolerance = 10 * solution.residual * target.cwiseAbs().maxCoeff() + 1e-12;
+    EXPECT_LT(solution.residual, 1e-6);
+    for (Index i = 0; i < points; ++i) {
+      const Eigen::Vector2d q = force.segment<2>(2 * i), s = slip.segment<2>(2 * i);
+      EXPECT_LE(q.norm(), limit[i] * (1 + 1e-9));
+      if (q.norm() < limit[i] * (1 - 1e-9)) {
+        EXPECT_LE(s.norm(), tolerance) << "sticks, point " << i;
+      } else {
+        EXPECT_LE((s - s.dot(q.normalized()) * q.normalized()).norm(), tolerance) << "point " << i;
+        EXPECT_GE(s.dot(q), -tolerance * q.norm()) << "point " << i;
+      }
+    }
+  }
+}
+
+TEST(CoulombFriction, DoesNotDependOnTheFirstGuess) {
+  std::mt19937_64 random(3);
+  const Eigen::MatrixXd compliance = random_compliance(12, random);
+  const Eigen::VectorXd limit = Eigen::VectorXd::LinSpaced(12, 0.01, 0.1);
+  const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(24, -1, 3);
+  Eigen::VectorXd first = Eigen::VectorXd::Zero(24), second = Eigen::VectorXd::Constant(24, 0.05);
+  const double residual = std::max(solve_friction(compliance, limit, target, first).residual,
+                                   solve_friction(compliance, limit, target, second).residual);
+  // The compliance's smallest eigenvalue is at least 1: forces differ by no more than residuals.
+  EXPECT_LT((first - second).norm(), 10 * residual * target.norm() + 1e-12);
+}
+
+TEST(CoulombFriction, HasNoForceWhereNothingPresses) {
+  std::mt19937_64 random(4);
+  Eigen::VectorXd limit = Eigen::VectorXd::Constant(4, 0.1);
+  limit[2] = 0;
+  Eigen::VectorXd force = Eigen::VectorXd::Ones(8);
+  solve_friction(random_compliance(4, random), limit, Eigen::VectorXd::Ones(8), force);
+  EXPECT_EQ(force.segment<2>(4).norm(), 0);
+}
+
+}  // namespace
+}  // namespace softfinger::fem

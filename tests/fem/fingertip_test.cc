@@ -1,0 +1,94 @@
+#include "fem/fingertip.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "fem/reference_solver.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/generation/pad_surface.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+const Progress quiet = [](const std::string&) {};
+constexpr double flat = std::numeric_limits<double>::infinity();
+
+Problem small_contact() {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{0.1, 0.1, 0}, {2e-3, 3e5, 0.45}, {0.1, 0.5}};
+  return problem;
+}
+
+TEST(Fingertip, ThatIsFlatIsTheFlatLayer) {
+  Problem problem = small_contact();
+  const Result plain = solve(problem, quiet);
+  problem.fingertip.pad = meshes::paraboloid_pad(flat, flat);
+  problem.fingertip.object = meshes::quadric_object(0.1, 0.1);
+  problem.fingertip.symmetric_object = true;
+  const Result bent = solve(problem, quiet);
+  // The same mesh by another path: round-off through a condition of about 1e5.
+  EXPECT_NEAR(bent.finest.indentation_m / plain.finest.indentation_m, 1, 1e-9);
+  EXPECT_NEAR(bent.finest.max_torque_Nm / plain.finest.max_torque_Nm, 1, 1e-9);
+  EXPECT_NEAR(bent.finest.a_m / plain.finest.a_m, 1, 1e-9);
+}
+
+TEST(Fingertip, OfLargeRadiusOnAPlaneIsALayerUnderTheRelativeRadius) {
+  Problem problem = small_contact();
+  const Result layer = solve(problem, quiet);
+  problem.fingertip.pad = meshes::sphere_pad(0.1);
+  problem.fingertip.object = meshes::plane_object();
+  problem.fingertip.symmetric_object = true;
+  const Result sphere = solve(problem, quiet);
+  // Bending a layer of thickness h to the radius R changes lengths by h/R through the thickness.
+  const double bending = problem.contact.layer.thickness_m / 0.1;
+  EXPECT_NEAR(sphere.finest.indentation_m / layer.finest.indentation_m, 1,
+              2 * bending + sphere.error.indentation + layer.error.indentation);
+  EXPECT_NEAR(sphere.finest.max_torque_Nm / layer.finest.max_torque_Nm, 1,
+              2 * bending + sphere.error.max_torque + layer.error.max_torque);
+  EXPECT_NEAR(sphere.finest.a_m / layer.finest.a_m, 1,
+              2 * bending + sphere.error.a + layer.error.a);
+}
+
+TEST(Fingertip, RefusesALayerThickerThanItsCurvatureBears) {
+  Fingertip fingertip;
+  fingertip.pad = meshes::sphere_pad(0.005);
+  fingertip.object = meshes::plane_object();
+  EXPECT_THROW(shape_fingertip(fingertip, 0.006), InputError);
+}
+
+TEST(SurfaceSeries, HasAFilePerIncrementAndOneThatNamesThem) {
+  Problem problem = small_contact();
+  problem.friction.torsion = true;
+  problem.friction.increments = 3;
+  const auto folder = std::filesystem::temp_directory_path() / "softfinger_surface_series_test";
+  std::filesystem::remove_all(folder);
+  problem.output_directory = folder;
+  const Result result = solve(problem, quiet);
+  const auto content_of = [](const std::filesystem::path& path) {
+    std::ifstream file(path);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string collection = content_of(result.pvd_file);
+  std::size_t at = 0;
+  int files = 0;
+  for (const std::string key = "file=\""; (at = collection.find(key, at)) != std::string::npos;) {
+    at += key.size();
+    const std::string content =
+        content_of(folder / collection.substr(at, collection.find('"', at) - at));
+    for (const char* field : {"contact_pressure_Pa", "contact_shear_Pa", "slip_m", "state"})
+      EXPECT_NE(content.find(field), std::string::npos) << field;
+    EXPECT_NE(content.find("</VTKFile>"), std::string::npos);
+    ++files;
+  }
+  EXPECT_EQ(files, problem.friction.increments);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace softfinger::fem

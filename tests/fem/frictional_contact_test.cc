@@ -1,0 +1,200 @@
+#include "fem/frictional_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "fem/friction_study.h"
+#include "fem/pressing.h"
+#include "fem/surface_compliance.h"
+#include "fem/write_compliance.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+using Eigen::Index;
+
+/// A coarse oblong contact, its compliances, and what serves for a half turn and for any motion.
+struct Contact {
+  Contact() {
+    Pressing pressing;
+    pressing.major = 40;
+    pressing.minor = 20;
+    pressing.sphere = std::numeric_limits<double>::infinity();
+    pressing.load = load;
+    pressing.poisson_ratio = 0.4;
+    LayerDiscretisation mesh;
+    mesh.a = 1.0;
+    mesh.b = 0.7;
+    mesh.elements_per_semi_axis = 4;
+    mesh.patch = 1.3;
+    pressed = press_on(mesh, pressing);
+    quarters =
+        std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
+    whole = surface_compliance(*quarters, Invariance::none);
+    half = surface_compliance(*quarters, Invariance::half_turn);
+  }
+
+  PressedContact start() const {
+    return {*pressed.model, pressed.gap, pressed.contact.force, pressed.moment_a, pressed.moment_b,
+            load,           mu};
+  }
+  FrictionalContact on(const SurfaceCompliance& surface) const {
+    Eigen::VectorXd gap(surface.size());
+    for (Index i = 0; i < gap.size(); ++i)
+      gap[i] = pressed.gap[surface.quarter_node[static_cast<std::size_t>(i)]];
+    return {surface, gap, load, mu};
+  }
+
+  double load = 0.05, mu = 0.3;
+  Pressed pressed;
+  std::unique_ptr<QuarterCompliances> quarters;
+  SurfaceCompliance whole, half;
+};
+
+/// Built once: the factorisations are most of these tests' time.
+const Contact& contact() {
+  static const Contact instance;
+  return instance;
+}
+
+/// Round-off through a factorisation of condition about 1e5.
+constexpr double round_off = 1e-10;
+/// `settle` stops at 1e-6 of the load.
+constexpr double settled = 1e-5;
+
+TEST(SurfaceCompliance, IsSymmetric) {
+  for (const auto* surface : {&contact().whole, &contact().half}) {
+    EXPECT_LT((surface->normal - surface->normal.transpose()).norm(),
+              round_off * surface->normal.norm());
+    EXPECT_LT((surface->tangential - surface->tangential.transpose()).norm(),
+              round_off * surface->tangential.norm());
+  }
+}
+
+TEST(SurfaceCompliance, OfASymmetricForceIsThatOfTheQuarter) {
+  const auto& surface = contact().whole;
+  Eigen::VectorXd force(surface.size()),
+      of_quarter = Eigen::VectorXd::Zero(contact().pressed.gap.size());
+  for (Index i = 0; i < surface.size(); ++i) {
+    const double x = std::abs(surface.position(0, i)), y = std::abs(surface.position(1, i));
+    force[i] = 1 + x - 0.5 * y;
+    // On a plane of symmetry the quarter has half of the point's force.
+    of_quarter[surface.quarter_node[static_cast<std::size_t>(i)]] =
+        force[i] / ((x < 1e-9 ? 2 : 1) * (y < 1e-9 ? 2 : 1));
+  }
+  const Eigen::VectorXd displacement = surface.normal * force;
+  const Eigen::VectorXd expected = contact().pressed.model->compliance() * of_quarter;
+  for (Index i = 0; i < surface.size(); ++i)
+    EXPECT_NEAR(displacement[i], expected[surface.quarter_node[static_cast<std::size_t>(i)]],
+                round_off * expected.cwiseAbs().maxCoeff());
+}
+
+TEST(SurfaceCompliance, SharesOutTheSameArea) {
+  EXPECT_NEAR(contact().half.area.sum() * contact().half.copies, contact().whole.area.sum(),
+              round_off * contact().whole.area.sum());
+}
+
+TEST(FrictionalContact, StartsFromTheFrictionlessPressure) {
+  const FrictionalContact state = contact().on(contact().whole);
+  EXPECT_NEAR(state.approach(), contact().pressed.contact.approach, round_off);
+  EXPECT_NEAR(state.normal_force().sum(), contact().load, round_off);
+  EXPECT_EQ(state.wrench().torque, 0);
+}
+
+TEST(FrictionalContact, TwistsAsStifflyAsIfStuckAtFirst) {
+  const double stiffness = stuck_torsional_stiffness(contact().start(), *contact().quarters);
+  FrictionalContact state = contact().on(contact().half);
+  const double angle = 1e-4 * contact().mu * contact().load / stiffness;
+  state.move_to({0, 0, angle});
+  // The stuck stiffness holds the surface down, the increment holds the pressure: a coupling of
+  // second order in Dundurs' constant (1 - 2 nu) / (2 (1 - nu)).
+  const double coupling = (1 - 2 * 0.4) / (2 * (1 - 0.4));
+  EXPECT_NEAR(state.wrench().torque / (stiffness * angle), 1, coupling * coupling);
+}
+
+TEST(FrictionalContact, IsTheSameByHalfATurnAndAsAWhole) {
+  FrictionalContact half = contact().on(contact().half), whole = contact().on(contact().whole);
+  for (const double angle : {1e-3, 3e-3, 1e-2}) {
+    half.move_to({0, 0, angle});
+    whole.move_to({0, 0, angle});
+    EXPECT_NEAR(half.wrench().torque / whole.wrench().torque, 1, settled);
+    EXPECT_NEAR(whole.wrench().force_x, 0, settled * contact().load);
+  }
+}
+
+TEST(FrictionalContact, EndsInFullSlipWithTheTorqueOfItsPressure) {
+  FrictionalContact state = contact().on(contact().half);
+  double before = 0;
+  for (const double angle : {1e-3, 3e-3, 1e-2, 0.1, 1.0}) {
+    state.move_to({0, 0, angle});
+    EXPECT_GT(state.wrench().torque, before * (1 - settled));
+    before = state.wrench().torque;
+  }
+  EXPECT_NEAR(state.slip_fraction(), 1, 1e-12);
+  EXPECT_NEAR(state.wrench().torque, state.torque_of_pressure(),
+              settled * state.torque_of_pressure());
+  FrictionalContact sliding = contact().on(contact().half);
+  sliding.slide({0, 0, 1});
+  EXPECT_NEAR(state.wrench().torque, sliding.wrench().torque, settled * before);
+}
+
+TEST(FrictionalContact, KeepsItsLoadAndSlidesAgainstTheFullForce) {
+  FrictionalContact state = contact().on(contact().whole);
+  state.slide({1, 0, 0});
+  const double force = contact().mu * contact().load;
+  EXPECT_NEAR(state.normal_force().sum(), contact().load, round_off);
+  EXPECT_NEAR(state.wrench().force_x, force, settled * force);
+  FrictionalContact back = contact().on(contact().whole);
+  back.slide({-1, 0, 0});
+  EXPECT_NEAR(back.wrench().force_x, -force, settled * force);
+}
+
+TEST(WriteCompliance, IsReadBackAsItWas) {
+  const double h = 2e-3, E = 3e5;
+  const auto path = std::filesystem::temp_directory_path() / "softfinger_compliance_test.bin";
+  write_compliance(path, contact().half, h, E, 0.4);
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  const auto header = nlohmann::json::parse(line);
+  EXPECT_EQ(header.at("points"), contact().half.size());
+  EXPECT_EQ(header.at("thickness_m"), h);
+  EXPECT_EQ(header.at("byte_order"), "little");
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  std::map<std::string, RowMajor> arrays;
+  for (const auto& array : header.at("arrays")) {
+    RowMajor values(array.at("rows").get<Index>(), array.at("columns").get<Index>());
+    file.read(reinterpret_cast<char*>(values.data()),
+              static_cast<std::streamsize>(sizeof(double)) * values.size());
+    arrays[array.at("name")] = values;
+  }
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file.get(), std::ifstream::traits_type::eof());
+  const auto& surface = contact().half;
+  const auto expect_equal = [](const Eigen::MatrixXd& read, const Eigen::MatrixXd& expected) {
+    ASSERT_EQ(read.rows(), expected.rows());
+    ASSERT_EQ(read.cols(), expected.cols());
+    EXPECT_LE((read - expected).norm(), 1e-14 * expected.norm());
+  };
+  expect_equal(arrays.at("position_m"), h * surface.position.transpose());
+  expect_equal(arrays.at("area_m2"), h * h * surface.area);
+  expect_equal(arrays.at("normal_m_per_N"), surface.normal / (E * h));
+  expect_equal(arrays.at("tangential_m_per_N"), surface.tangential / (E * h));
+  expect_equal(arrays.at("normal_tangential_m_per_N"), surface.normal_tangential / (E * h));
+  std::filesystem::remove(path);
+}
+
+TEST(WriteCompliance, RefusesAFolderThatCannotBeWritten) {
+  EXPECT_THROW(write_compliance("/dev/null/compliance", contact().half, 1, 1, 0.4), InputError);
+}
+
+}  // namespace
+}  // namespace softfinger::fem
