@@ -74,6 +74,16 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
   return guess;
 }
 
+void choose_elements(LayerDiscretisation& mesh, int level) {
+  // Finer in thin layers, where the pressure falls within a thickness of the edge: cells of at most
+  // 0.4 h on the second level up to b = 9 h.
+  const double thin = std::clamp(mesh.b / 3, 1.0, 3.0);
+  mesh.elements_per_semi_axis =
+      static_cast<int>(std::lround((level == 0 ? 3 : 4 << (level - 1)) * thin));
+  // Room for the contact to be found a cell larger than it is.
+  mesh.patch = std::max(1.25, 1 + 1.2 / mesh.elements_per_semi_axis);
+}
+
 Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing,
                  ModelCache& cache) {
   Pressed pressed;

@@ -52,6 +52,9 @@ struct Pressed {
 /// many meshes are tried, never the result.
 LayerDiscretisation first_guess(const Pressing& pressing);
 
+/// Elements and patch of the solver's levels; level 0 is that of the trial meshes.
+void choose_elements(LayerDiscretisation& mesh, int level);
+
 /// @param cache  of the models of flat layers
 /// @throws InputError, ConvergenceError
 Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing,

@@ -263,14 +263,6 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     pressing.bent = shape_fingertip(problem.fingertip, h);
   }
 
-  // Finer in thin layers, where the pressure falls within a thickness of the edge: cells of at most
-  // 0.4 h on the second level up to b = 9 h.
-  const auto elements = [](int level, double b) {
-    const double thin = std::clamp(b / 3, 1.0, 3.0);
-    return static_cast<int>(std::lround((level == 0 ? 3 : 4 << (level - 1)) * thin));
-  };
-  // Room for the contact to be found a cell larger than it is.
-  const auto patch = [](int count) { return std::max(1.25, 1 + 1.2 / count); };
   const auto sensible = [&](const Pressed& pressed) {
     if (pressed.contact.approach >= 1)
       throw InputError(problem.name, driver(problem), driver_value(problem),
@@ -293,8 +285,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   constexpr int limit = 15;
   Pressed pressed;
   for (int attempt = 1;; ++attempt) {
-    mesh.elements_per_semi_axis = elements(0, mesh.b);
-    mesh.patch = patch(mesh.elements_per_semi_axis);
+    choose_elements(mesh, 0);
     check_reach(mesh, problem);
     pressed.model.reset();
     pressed = press_on(mesh, pressing, models);
@@ -347,8 +338,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     }
     const Stopwatch watch;
     if (level > 0) {  // level 0 is the last of the trial meshes
-      mesh.elements_per_semi_axis = elements(level, mesh.b);
-      mesh.patch = patch(mesh.elements_per_semi_axis);
+      choose_elements(mesh, level);
       progress("level " + std::to_string(level) + ": " +
                std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis" +
                time_to_go(result.levels, mesh.elements_per_semi_axis));

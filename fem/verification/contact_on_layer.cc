@@ -141,11 +141,9 @@ Pressed press_at_level(const Problem& problem, double a_m, double b_m, int level
   LayerDiscretisation mesh;
   mesh.a = a_m / h;
   mesh.b = b_m / h;
-  // As the solver chooses them.
-  const double thin = std::clamp(std::sqrt(mesh.b), 1.0, 3.0);
-  mesh.elements_per_semi_axis = static_cast<int>(std::lround((4 << (level - 1)) * thin));
-  mesh.patch = std::max(1.25, 1 + 1.2 / mesh.elements_per_semi_axis);
-  return press_on(mesh, pressing_of(problem));
+  choose_elements(mesh, level);
+  ModelCache models;
+  return press_on(mesh, pressing_of(problem), models);
 }
 
 PressedContact friction_start(const Pressed& pressed, const Problem& problem, double a_m,
@@ -169,6 +167,7 @@ Result friction_of(const Problem& problem, double a_m, double b_m,
   for (int level = problem.level - 1; level <= problem.level; ++level) {
     const Pressed pressed = press_at_level(problem, a_m, b_m, level);
     const double h = problem.contact.layer.thickness_m;
+    result.finest.load_N = problem.contact.load.normal_force_N;
     result.finest.max_torque_Nm = problem.contact.load.friction_coefficient *
                                   problem.contact.load.normal_force_N * pressed.torque_arm() * h;
     levels.push_back(friction_on(friction_start(pressed, problem, a_m, b_m), problem, plan, quiet,

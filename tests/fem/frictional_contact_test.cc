@@ -35,7 +35,8 @@ struct Contact {
     mesh.b = 0.7;
     mesh.elements_per_semi_axis = 4;
     mesh.patch = 1.3;
-    pressed = press_on(mesh, pressing);
+    ModelCache models;
+    pressed = press_on(mesh, pressing, models);
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
     whole = surface_compliance(*quarters, Invariance::none);
