@@ -1,0 +1,189 @@
+// `softfinger fem` with the real finite elements, as its users see it. Coarse levels throughout.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class FemProgram : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {"SOFTFINGER_FEM_PROGRAM=" SOFTFINGER_FEM}, -1, ""};
+
+  /// A valid case with some words replaced.
+  std::string write_case(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
+    std::string text = case_text("finger", "1.0");
+    for (const auto& [from, to] : changes) {
+      const auto place = text.find(from);
+      EXPECT_NE(place, std::string::npos) << from;
+      text.replace(place, from.size(), to);
+    }
+    return folder.write("finger.toml", text).string();
+  }
+
+  json solve(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "fem");
+    arguments.insert(arguments.end(), {"--level", "1", "--json"});
+    const ProgramRun run = run_softfinger(start, arguments);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return run.status == 0 ? json::parse(run.out)["results"][0] : json();
+  }
+
+  void expect_refusal(std::vector<std::string> arguments, const std::string& word) {
+    arguments.insert(arguments.begin(), "fem");
+    const ProgramRun run = run_softfinger(start, arguments);
+    EXPECT_EQ(run.status, 2) << run.err;
+    EXPECT_EQ(run.out, "");
+    ASSERT_FALSE(lines(run.err).empty());
+    const std::string said = lines(run.err).back();
+    EXPECT_EQ(said.rfind("softfinger: error: ", 0), 0u) << said;
+    EXPECT_NE(said.find(word), std::string::npos) << said;
+  }
+};
+
+TEST_F(FemProgram, AnswersWithTheContractsKeysAndItsErrors) {
+  const json answer = solve({write_case()});
+  for (const char* key :
+       {"load_N", "model", "a_m", "b_m", "axis_rad", "indentation_m", "peak_pressure_Pa", "area_m2",
+        "max_torque_Nm", "eccentricity_m", "error", "unknowns", "active_nodes", "iterations"})
+    EXPECT_TRUE(answer.contains(key)) << key;
+  for (const char* key : {"a", "b", "area", "indentation", "peak_pressure", "max_torque"}) {
+    EXPECT_GT(answer["error"][key], 0) << key;
+    EXPECT_LT(answer["error"][key], 0.1) << key;
+  }
+  EXPECT_EQ(answer["coarse"], false);
+}
+
+TEST_F(FemProgram, PressesByApproach) {
+  const std::string file = write_case();
+  const double approach_m = solve({file})["indentation_m"];
+  const json answer = solve({file, "--approach-mm", std::to_string(1e3 * approach_m)});
+  // Six digits after the point of a tenth of a millimetre, and the stated errors.
+  EXPECT_NEAR(answer["load_N"], 1, 1e-5 + 4 * answer["error"]["load"].get<double>());
+  EXPECT_EQ(answer["error"]["indentation"], 0);
+}
+
+TEST_F(FemProgram, TwistsToFullSlipAndWritesEachState) {
+  const json answer =
+      solve({write_case(), "--torsion", "--increments", "6", "--output",
+             (folder.path() / "vtu").string(), "--export-compliance", "surface.bin"});
+  ASSERT_EQ(answer["torsion"].size(), 6u);
+  double last = 0;
+  for (const json& state : answer["torsion"]) {
+    EXPECT_GT(state["torque_Nm"].get<double>(), last);
+    last = state["torque_Nm"];
+  }
+  EXPECT_EQ(answer["torsion"].back()["slip_fraction"], 1);
+  const double full = answer["torque_full_slip_Nm"], integral = answer["max_torque_Nm"];
+  // The last increment still turns the innermost node's force into its direction of slip.
+  EXPECT_NEAR(last / full, 1, 1e-4);
+  // Friction moves the pressure a little: measured below 0.5 % (fem/README.md).
+  EXPECT_NEAR(full / integral, 1, 0.005);
+  EXPECT_TRUE(fs::exists(answer["vtu"].get<std::string>()));
+  const std::string series = file_text(answer["pvd"].get<std::string>());
+  EXPECT_NE(series.find("twist_006.vtu"), std::string::npos) << series;
+
+  const std::string compliance = file_text(folder.path() / "surface.bin");
+  const json header = json::parse(compliance.substr(0, compliance.find('\n')));
+  std::size_t values = 0;
+  for (const json& array : header["arrays"])
+    values += array["rows"].get<std::size_t>() * array["columns"].get<std::size_t>();
+  EXPECT_EQ(compliance.size(), compliance.find('\n') + 1 + 8 * values);
+}
+
+TEST_F(FemProgram, DrawsALimitSurface) {
+  const json answer = solve({write_case(), "--limit-surface", "5"});
+  ASSERT_EQ(answer["limit_surface"].size(), 5u);
+  const double torque_Nm = answer["max_torque_Nm"], force_N = 0.8;
+  const double error = answer["error"]["limit_surface"];
+  for (const json& point : answer["limit_surface"]) {
+    const double force = std::hypot(point["fx_N"].get<double>(), point["fy_N"].get<double>());
+    EXPECT_LT(force / force_N, 1 + error);
+    EXPECT_LT(std::abs(point["torque_Nm"].get<double>()) / torque_Nm, 1 + 0.005 + error);
+  }
+}
+
+TEST_F(FemProgram, BendsTheLayerOntoTheFinger) {
+  const std::string geometry = "relative_radii_mm = [20.0, 10.0]";
+  const std::string bodies =
+      "[geometry.finger]\nshape = \"ellipsoid\"\nradii_mm = [20.0, 10.0]\n"
+      "[geometry.object]\nradii_mm = [inf, inf]\n";
+  const json flat = solve({write_case({{geometry, bodies}})});
+  const json curved = solve({write_case({{geometry, bodies},
+                                         {"friction_coefficient = 0.8",
+                                          "friction_coefficient = 0.8\n[fem]\n"
+                                          "geometry = \"curved\""}})});
+  // A convex layer is softer, and its contact larger by less (fem/README.md).
+  EXPECT_GT(curved["indentation_m"], flat["indentation_m"]);
+  EXPECT_GT(curved["a_m"], flat["a_m"]);
+  EXPECT_NEAR(curved["a_m"].get<double>() / flat["a_m"].get<double>(), 1, 0.1);
+}
+
+TEST_F(FemProgram, RefusesBadInputInOneLine) {
+  const std::string file = write_case();
+  expect_refusal({file, "--level", "1", "--torsion", "--twist-axis-mm", "50,0"}, "twist_axis_m");
+  expect_refusal({file, "--approach-mm", "-1"}, "approach-mm");
+  expect_refusal({file, "--approach-mm", "5"}, "approach");
+  expect_refusal({file, "--increments", "0"}, "increments");
+  expect_refusal({write_case({{"= 1.0", "= 1e7"}})}, "load_N");
+  expect_refusal({write_case({{"= 1.0", "= -1"}})}, "load_N");
+  expect_refusal({write_case({{"= 0.45", "= 0.51"}})}, "poisson_ratio");
+  expect_refusal({file, "--level", "1", "--export-compliance", "/nonexistent/file"},
+                 "/nonexistent");
+}
+
+TEST_F(FemProgram, StopsWithTheLevelThatIsFinished) {
+  const pid_t process = start_softfinger(start, {"fem", write_case(), "--level", "3", "--json"});
+  // Level 2 is done when level 3 is announced.
+  const auto announced = [&] {
+    return file_text(folder.path() / ".stderr").find("level 3: 16") != std::string::npos;
+  };
+  for (int wait = 0; wait < 600 && !announced(); ++wait)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_TRUE(announced());
+  kill(process, SIGINT);
+  const ProgramRun run = wait_for(start, process);
+  EXPECT_EQ(run.status, 128 + SIGINT) << run.err;
+  // The signal may come after the last stage that looks for it; then the answer is complete.
+  const json answer = json::parse(run.out)["results"][0];
+  EXPECT_GT(answer["error"]["a"], 0);
+}
+
+TEST_F(FemProgram, TakesAnArrayOfProblems) {
+  const json good = {
+      {"name", "good"},
+      {"radii_m", {0.02, 0.01}},
+      {"layer", {{"thickness_m", 2e-3}, {"youngs_modulus_Pa", 3e5}, {"poisson_ratio", 0.45}}},
+      {"load_N", 1},
+      {"friction_coefficient", 0.8},
+      {"level", 1}};
+  json bad = good;
+  bad["name"] = "bad";
+  bad["load_N"] = -1;
+  const auto problems = folder.write("problems.json", json::array({good, bad, good}).dump());
+  const fs::path out = folder.path() / "answers";
+  const std::string command = std::string(SOFTFINGER_FEM) + " " + problems.string() + " > " +
+                              out.string() + " 2> " + (folder.path() / "log").string();
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  const auto answers = lines(file_text(out));
+  ASSERT_EQ(answers.size(), 3u);
+  const json first = json::parse(answers[0]), failed = json::parse(answers[1]),
+             last = json::parse(answers[2]);
+  EXPECT_EQ(failed["name"], "bad");
+  EXPECT_EQ(failed["exit_status"], 2);
+  EXPECT_NE(failed["failure"].get<std::string>().find("load_N"), std::string::npos);
+  EXPECT_EQ(first["a_m"], last["a_m"]);
+}
+
+}  // namespace softfinger::tests
