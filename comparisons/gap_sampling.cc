@@ -221,6 +221,11 @@ ModelAnswer ask_sampled_gap(const GeometryResolver& resolver, const LocalGeometr
             fmt::format("and the contact at {:g} N reaches that far: the mesh has to cover it",
                         load_N));
       if (reach == kReaches.back()) throw;
+    } catch (const ConvergenceError& error) {
+      throw ConvergenceError("layer_fft on the gap sampled from the meshes", error.iteration(),
+                             error.residual(),
+                             "the meshes touch in several places, or are coarse or noisy against "
+                             "the contact; --gap quadric smooths them");
     }
   }
   answer.cost_ns =

@@ -22,7 +22,7 @@ namespace softfinger {
 /// @throws InputError naming the case's line when no body is a mesh; when the contact reaches a
 ///   place where a mesh ends, has a hole or a step (steeper than 60 degrees), naming that place
 /// @throws ConvergenceError when the contact is not one region with a smooth edge: bodies that
-///   touch in several places, facets larger than the contact
+///   touch in several places, facets larger than the contact, noise
 /// Cost: about 0.3 s.
 ModelAnswer ask_sampled_gap(const GeometryResolver& resolver, const LocalGeometry& geometry,
                             const Case& contact_case, double load_N);
