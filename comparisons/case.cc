@@ -21,11 +21,23 @@ namespace {
 constexpr double kMillimetre = 1e-3;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-std::string as_typed(const toml::node& node) {
+/// A value as the user wrote it: 0.6 and not the 0.59999999999999998 of a binary fraction.
+std::string typed_value(const toml::node& node) {
   if (node.is_string()) return "\"" + node.value<std::string>().value() + "\"";
+  if (node.is_floating_point()) return fmt::format("{}", node.value<double>().value());
+  if (const toml::array* list = node.as_array()) {
+    std::vector<std::string> entries;
+    for (const toml::node& entry : *list) entries.push_back(typed_value(entry));
+    return "[" + joined(entries) + "]";
+  }
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
-  std::string line = text.str();
+  return text.str();
+}
+
+std::string as_typed(const toml::node& node) {
+  std::string line = typed_value(node);
+  if (node.is_string()) return line;
   std::replace(line.begin(), line.end(), '\n', ' ');
   return line.size() > 60 ? line.substr(0, 57) + "..." : line;
 }
@@ -222,7 +234,11 @@ std::variant<RelativeRadii, BodyPair> read_geometry(const Reader& reader, const 
                        ": no contact ellipse: a flat direction makes a line or plane contact");
       if (radius_mm < 0)
         reader.say(node, "relative_radii_mm = " + as_typed(node) +
-                             ": no contact ellipse: a negative relative radius makes a saddle gap");
+                             (radii[0] < 0 && radii[1] < 0
+                                  ? ": no contact ellipse: two negative relative radii make a gap "
+                                    "that opens nowhere, the bodies would interpenetrate all round"
+                                  : ": no contact ellipse: a negative relative radius makes a "
+                                    "saddle gap"));
       if (!(radius_mm * kMillimetre > 0)) reader.refuse(node, field, "finite numbers > 0");
     }
     RelativeRadii result;

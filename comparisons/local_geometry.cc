@@ -103,14 +103,18 @@ GeometryResolver::GeometryResolver(const Case& contact_case) : case_(contact_cas
   }
 }
 
+const TriangleSurface& GeometryResolver::surface(const MeshBody& mesh) const {
+  return surfaces_.at(surface_key(mesh));
+}
+
 ContactBody GeometryResolver::contact_body(const CaseBody& body) const {
   if (const auto* quadric = std::get_if<QuadricBody>(&body))
     return quadric_from_radii(quadric->radius_x_m, quadric->radius_y_m);
   if (const auto* sphere = std::get_if<SphereBody>(&body))
     return quadric_from_radii(sphere->radius_m, sphere->radius_m);
   const auto& mesh = std::get<MeshBody>(body);
-  require_point_on_surface(surfaces_.at(surface_key(mesh)), mesh.point_m, mesh.where, "point_mm");
-  return MeshContactPoint{&surfaces_.at(surface_key(mesh)), mesh.point_m, mesh.normal};
+  require_point_on_surface(surface(mesh), mesh.point_m, mesh.where, "point_mm");
+  return MeshContactPoint{&surface(mesh), mesh.point_m, mesh.normal};
 }
 
 LocalGeometry GeometryResolver::resolve(double load_N) const {

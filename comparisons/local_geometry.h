@@ -36,6 +36,9 @@ class GeometryResolver {
   /// words.
   LocalGeometry resolve(double load_N) const;
 
+  /// The triangles of one of the case's mesh bodies, metres.
+  const TriangleSurface& surface(const MeshBody& mesh) const;
+
   /// What had to be tolerated in the meshes, one line each.
   const std::vector<std::string>& remarks() const { return remarks_; }
 

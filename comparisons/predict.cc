@@ -203,6 +203,7 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
                            {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
                            {"eccentricity_m", number(ellipsoid.eccentricity_m)},
                            {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
+                           {"gap", answer.sampled ? "sampled" : "quadric"},
                            {"valid", prediction.valid()},
                            {"validity", to_json(prediction.validity)},
                            {"error_estimate", nullptr},
@@ -214,6 +215,18 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
     result["a_std_m"] = finite_or_null(deviations.a_m);
     result["b_std_m"] = finite_or_null(deviations.b_m);
     result["max_torque_std_Nm"] = finite_or_null(ellipsoid.max_force_N * arm_m);
+  }
+  if (answer.sampled) {
+    const SampledGapResult& sampled = *answer.sampled;
+    result["sampled_gap"] = {{"centre_m", {sampled.centre_m.x(), sampled.centre_m.y()}},
+                             {"region_area_m2", sampled.region_area_m2},
+                             {"edge_deviation", sampled.edge_deviation},
+                             {"spacing_m", sampled.spacing_m}};
+    result["error_estimate"] = {
+        {"a", finite_or_null(sampled.changes_by_rounding.a)},
+        {"b", finite_or_null(sampled.changes_by_rounding.b)},
+        {"indentation", finite_or_null(sampled.changes_by_rounding.indentation)},
+        {"max_torque", finite_or_null(sampled.changes_by_rounding.torque)}};
   }
   if (limit_surface_points > 0) add_limit_surface(answer, rule, limit_surface_points, result);
   return result;
@@ -347,6 +360,21 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
               (rule == TorqueRule::exact ? answer.deviations->arm_exact_m
                                          : answer.deviations->arm_paper_m));
   }
+  for (const ModelAnswer& answer : answers)
+    if (answer.sampled) {
+      const SampledGapResult& sampled = *answer.sampled;
+      remarks += fmt::format(
+          "  {}: gap sampled from the meshes (all other models: the fitted quadric); contact of "
+          "{:.4g} mm², long axis at {:.4g}°, centre at ({:.2g}, {:.2g}) mm, edge within {:.2g} % "
+          "of "
+          "the ellipse; rounding the facets changes a, b, d, torque by {:.2g}, {:.2g}, {:.2g}, "
+          "{:.2g} %\n",
+          answer.model->card().name, sampled.region_area_m2 * 1e6,
+          answer.problem.radii.axis_rad * kRadian, sampled.centre_m.x() * 1e3,
+          sampled.centre_m.y() * 1e3, sampled.edge_deviation * 100,
+          sampled.changes_by_rounding.a * 100, sampled.changes_by_rounding.b * 100,
+          sampled.changes_by_rounding.indentation * 100, sampled.changes_by_rounding.torque * 100);
+    }
   return text + remarks;
 }
 

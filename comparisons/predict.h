@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,6 +18,21 @@ namespace softfinger {
 /// only.
 enum class TorqueRule { exact, paper };
 
+/// What is known of a contact whose gap was sampled from meshes, beside its prediction.
+struct SampledGapResult {
+  /// Of the ellipse, from the contact point, in the finger's x and y.
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double region_area_m2 = 0;  ///< of the contact, which need not be an ellipse
+  double edge_deviation = 0;  ///< largest, of the contact's edge from the ellipse, relative
+  double spacing_m = 0;       ///< of the samples
+  /// Relative changes of the answer when the facets are rounded by the mesh's own normals: what the
+  /// mesh leaves open. NaN when the rounded bodies have no answer.
+  struct Changes {
+    double a = 0, b = 0, indentation = 0, torque = 0;
+  };
+  Changes changes_by_rounding;
+};
+
 /// One model on one load, with what it costs to ask it.
 struct ModelAnswer {
   const PressureModel* model = nullptr;
@@ -29,6 +45,7 @@ struct ModelAnswer {
     double a_m = 0, b_m = 0, arm_exact_m = 0, arm_paper_m = 0;
   };
   std::optional<Deviations> deviations;
+  std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m

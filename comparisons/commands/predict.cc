@@ -2,18 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/files.h"
+#include "comparisons/gap_sampling.h"
 #include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
 
 struct Options {
-  std::string case_file, models = "all", torque_rule = "exact";
+  std::string case_file, models = "all", torque_rule = "exact", gap = "quadric";
   int limit_surface = 0;
   bool json = false;
 };
@@ -21,8 +25,22 @@ struct Options {
 // Measuring the cost of a call must not be felt in the program's answer.
 constexpr double kCostBudget_ns = 1.5e6;
 
+/// The models asked for; with a sampled gap also the one that takes it.
+std::vector<const PressureModel*> chosen_models(const Options& options) {
+  auto models = models_by_name(options.models);
+  const PressureModel* sampler = find_pressure_model("layer_fft");
+  if (options.gap == "sampled" &&
+      std::find(models.begin(), models.end(), sampler) == models.end()) {
+    if (options.models != "all")
+      throw InputError("command line", "--gap", "sampled",
+                       "with --model layer_fft among the models: the others need the quadric");
+    models.push_back(sampler);
+  }
+  return models;
+}
+
 int run(const Options& options) {
-  const auto models = models_by_name(options.models);
+  const auto models = chosen_models(options);
   const Case contact_case = read_case(find_case_file(options.case_file));
   const GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
@@ -36,7 +54,11 @@ int run(const Options& options) {
     const LocalGeometry geometry = resolver.resolve(load_N);
     std::vector<ModelAnswer> answers;
     for (const PressureModel* model : models) {
-      answers.push_back(ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
+      if (options.gap == "sampled" && model->card().name == "layer_fft")
+        answers.push_back(ask_sampled_gap(resolver, geometry, contact_case, load_N));
+      else
+        answers.push_back(
+            ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
       if (geometry.patch) propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
@@ -48,7 +70,7 @@ int run(const Options& options) {
   }
   // Last, so that a refusal stays a single line.
   for (const std::string& line : power_law_remarks(contact_case)) remark(line);
-  if (options.models == "all" && !slow_models().empty())
+  if (options.models == "all" && options.gap == "quadric" && !slow_models().empty())
     remark("left out, slower than the others: " + joined(slow_models()) +
            "; ask with --model NAME or --model everything");
   if (options.json) {
@@ -115,6 +137,12 @@ void add_predict(CLI::App& app, Action& action) {
                    "axes, torque in "
                    "N m): exact, or with --torque-rule paper the seed's ellipsoid; 2 to 100000")
       ->check(CLI::Range(2, 100000));
+  command
+      ->add_option("--gap", options->gap,
+                   "\"quadric\" (default): all models see the quadrics fitted to meshes; "
+                   "\"sampled\": the model layer_fft sees the gap between the meshes themselves, "
+                   "sampled along the contact's normal (0.3 s per load), all others the quadric")
+      ->check(CLI::IsMember({"quadric", "sampled"}));
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Case files may also say, beside geometry, layer, contact and fem:\n"
@@ -126,7 +154,8 @@ void add_predict(CLI::App& app, Action& action) {
       "Samples:\n"
       "  softfinger predict seed_thumb\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
-      "  softfinger predict silicone_pad_2mm --limit-surface 9 --json");
+      "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
+      "  softfinger predict pad_on_plane --gap sampled");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "meshes/generation/placed_surface.h"
+#include "meshes/placement/placed_surface.h"
 
 namespace softfinger::meshes {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "meshes/generation/placed_surface.h"
+#include "meshes/placement/placed_surface.h"
 
 namespace softfinger::meshes {
 

@@ -1,3 +1,5 @@
+#include "softfinger/pressure/layer_fft.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,12 +10,15 @@
 #include "softfinger/fft/convolution.h"
 #include "softfinger/fft/influence.h"
 #include "softfinger/fft/layer_contact.h"
+#include "softfinger/fft/sampled_gap.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
 namespace {
+
+using Eigen::ArrayXd;
 
 /// E* = 1, h = 1: lengths in thicknesses.
 ElasticLayer unit_layer(double poisson_ratio) {
@@ -312,6 +317,97 @@ TEST(LayerFft, ModelSaysWhatItCannotDo) {
   EXPECT_TRUE(fails({{0.01, 0.01}, {0.002, 2e5, 0.3}, {20, 0.8}}, "small_strain"));
   EXPECT_TRUE(fails({{0.01, 0.01}, {0.02, 2e5, 0.3}, {50, 0.8}}, "small_slope"));
   EXPECT_FALSE(fails({{0.01, 0.01}, {0.002, 2e5, 0.3}, {0.1, 0.8}}, "small_strain"));
+}
+
+SampledGap::Grid square_grid(double half_width_m, int side) {
+  const double spacing_m = 2 * half_width_m / (side - 1);
+  return {-half_width_m, -half_width_m, spacing_m, spacing_m, side, side};
+}
+
+ArrayXd samples_of(const SampledGap::Grid& grid, const GapFunction& gap_m) {
+  ArrayXd samples_m(grid.rows * grid.columns);
+  for (int i = 0, k = 0; i < grid.rows; ++i)
+    for (int j = 0; j < grid.columns; ++j, ++k)
+      samples_m[k] =
+          gap_m(grid.first_x_m + j * grid.spacing_x_m, grid.first_y_m + i * grid.spacing_y_m);
+  return samples_m;
+}
+
+TEST(SampledGap, IsExactForQuadricsAndOfThirdOrder) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-1, 1);
+  const auto worst = [&](const GapFunction& truth, int side) {
+    const SampledGap::Grid grid = square_grid(1.5, side);
+    const SampledGap gap(grid, samples_of(grid, truth) + 7);  // a constant does not matter
+    double largest = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const double x = place(random), y = place(random);
+      largest = std::max(largest, std::abs(gap(x, y) - truth(x, y)));
+    }
+    return largest;
+  };
+  // The origin is a sample, where both gaps are zero.
+  EXPECT_LT(worst([](double x, double y) { return 2 * x * x + y * y + 0.5 * x * y; }, 31), 1e-14);
+  const GapFunction wavy = [](double x, double y) {
+    return x * x + y * y + 0.1 * std::sin(3 * x) * x;
+  };
+  EXPECT_GT(worst(wavy, 31) / worst(wavy, 61), 7);
+}
+
+TEST(SampledGap, GivesTheContactOfTheFunctionThatItSamples) {
+  const double R1 = 0.016, R2 = 0.006, load_N = 2;
+  const ElasticLayer layer{0.003, 2e5, 0.49};
+  const GapFunction egg = [=](double x, double y) {
+    return x * x / (2 * R1) * (1 + 20 * x) + y * y / (2 * R2);
+  };
+  const LayerContact truth =
+      solve_layer_contact(egg, GapWindow{0, 0, 0.01, 0.01}, layer, {}, load_N);
+  const SampledGap::Grid grid = square_grid(0.01, 101);
+  const SampledGap gap(grid, samples_of(grid, egg));
+  ContactProblem problem;
+  problem.layer = layer;
+  problem.load = {load_N, 0.8};
+  const GapPrediction sampled = predict_layer_fft(gap, gap.window(), problem);
+  // Interpolation of the cubic: spacing³ times its third derivative, over the approach.
+  const double interpolation = std::pow(grid.spacing_x_m, 3) * 60 / R1 / truth.approach_m;
+  EXPECT_NEAR(sampled.contact.approach_m / truth.approach_m, 1, 1e-5 + interpolation);
+  EXPECT_NEAR(sampled.contact.torque_arm_m / truth.torque_arm_m, 1, 1e-4 + interpolation);
+  EXPECT_NEAR(sampled.prediction.a_m / truth.edge.a, 1, 1e-3);  // a twentieth of a cell
+  EXPECT_NEAR(sampled.prediction.b_m / truth.edge.b, 1, 1e-3);
+  EXPECT_TRUE(sampled.prediction.has_answer);
+  // Where the gap is steepest: at the end of the long axis or of the short one.
+  double slope = 0;
+  for (const auto& check : sampled.prediction.validity)
+    if (std::string(check.check) == "small_slope") slope = check.value;
+  EXPECT_NEAR(slope, truth.edge.b / R2, 0.05 * slope);
+}
+
+TEST(SampledGap, RefusesHolesAndPlacesOutside) {
+  const SampledGap::Grid grid = square_grid(0.01, 11);
+  ArrayXd samples_m = ArrayXd::Zero(121);
+  const SampledGap gap(grid, samples_m);
+  EXPECT_NEAR(gap.window().half_width_x_m, 0.008, 1e-15);
+  EXPECT_EQ(gap(0.008, -0.008), 0);
+  EXPECT_THROW(gap(0.0081, 0), InputError);
+  EXPECT_THROW(gap(0, std::nan("")), InputError);
+  samples_m[5 * 11 + 6] = std::nan("");
+  try {
+    SampledGap(grid, samples_m);
+    ADD_FAILURE() << "a hole was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("x 2.000000 mm, y 0.000000 mm"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_THROW(SampledGap(grid, ArrayXd::Zero(120)), InputError);
+  EXPECT_THROW(SampledGap(square_grid(0.01, 4), ArrayXd::Zero(16)), InputError);
+  EXPECT_THROW(SampledGap(square_grid(0, 11), ArrayXd::Zero(121)), InputError);
+}
+
+TEST(LayerFft, SaysWhenTheContactReachesTheWindow) {
+  const ElasticLayer layer{0.003, 2e5, 0.49};
+  const auto gap = [](double x, double y) { return (x * x + y * y) / 0.02; };
+  EXPECT_THROW(solve_layer_contact(gap, GapWindow{0, 0, 1e-3, 1e-3}, layer, {}, 5),
+               ContactReachesBorder);
 }
 
 TEST(LayerFft, RefusesWhatItCannotSolve) {

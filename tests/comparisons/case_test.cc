@@ -193,6 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"ThicknessBelowTheSmallestNumber", "= 2.0", "= 4e-324", 6, {"thickness_mm"}},
         BadCase{"HugeModulus", "= 300.0", "= 1e308", 7, {"youngs_modulus_kPa"}},
         BadCase{"PoissonAboveHalf", "= 0.49", "= 0.51", 8, {"poisson_ratio", "0 to 0.5"}},
+        BadCase{"PoissonAsTyped", "= 0.49", "= 0.6", 8, {"poisson_ratio = 0.6:"}},
         BadCase{"PoissonNegative", "= 0.49", "= -0.1", 8, {"poisson_ratio"}},
         BadCase{"LoadZero", "[1.0, 2]", "[1.0, 0]", 10, {"load_N"}},
         BadCase{"LoadTwice", "[1.0, 2]", "[2.0, 2]", 10, {"load_N", "once"}},
@@ -205,7 +206,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"flat\"",
                 "\"curved\"",
                 14,
-                {"geometry", "\"flat\"", "not in this version"}},
+                {"geometry", "\"flat\"", "needs finger and object"}},
         BadCase{
             "FiniteStrain", "\"linear\"", "\"finite\"", 15, {"kinematics", "not in this version"}},
         BadCase{"Material",
@@ -234,6 +235,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"LineContact", "[20.0, 5.0]", "[inf, 5.0]", 4, {"no contact ellipse", "line"}},
         BadCase{
             "SaddleContact", "[20.0, 5.0]", "[20.0, -5.0]", 4, {"no contact ellipse", "saddle"}},
+        BadCase{"TwoNegativeRadii",
+                "[20.0, 5.0]",
+                "[-20.0, -5.0]",
+                4,
+                {"no contact ellipse", "opens nowhere", "[-20, -5]"}},
         BadCase{"RadiusZero", "[20.0, 5.0]", "[0, 5.0]", 4, {"relative_radii_mm"}},
         BadCase{"ThreeRadii", "[20.0, 5.0]", "[20.0, 5.0, 1.0]", 4, {"two radii"}},
         BadCase{"WrongMeshUnit",

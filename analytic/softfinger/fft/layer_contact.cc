@@ -282,8 +282,7 @@ GridSolution find_contact(const Problem& problem, Kernels& kernels, int max_iter
     target.y1 += grow_y;
     box = box_around(target, 1, problem);
   }
-  throw ConvergenceError("search for the contact", kAttempts, solution.residual,
-                         "the contact reaches the border of the window in which the gap is known");
+  throw ContactReachesBorder("search for the contact", kAttempts, solution.residual);
 }
 
 /// (int |x - centre| dA) over a cell: the moment arm is not smooth near the centre, where the cell
@@ -359,9 +358,7 @@ LayerContact solve(const Problem& problem, const LayerContactOptions& options) {
     const Extent reached = extent_of(solution, even);
     if (!reached.touches_x && !reached.touches_y) break;
     if (attempt == kAttempts)
-      throw ConvergenceError("layer contact", solution.iterations, solution.residual,
-                             "the contact reaches the border of the window in which the gap is "
-                             "known");
+      throw ContactReachesBorder("layer contact", solution.iterations, solution.residual);
     margin *= 1.15;
   }
 

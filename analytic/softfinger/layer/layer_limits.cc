@@ -37,7 +37,7 @@ LimitShapes limit_shapes(double radii_ratio) noexcept {
   // p = p0 (1 - r²)², (4/3) lap p = gap - d: with A = 1/a², B = 1/b², t = B/A:
   // R'/R'' = t (3t + 1)/(t + 3), d = (16/3) p0 (A + B), 1/2 = (16/3) p0 sqrt(AB (3A+B) (3B+A)).
   // In k = sqrt(R'/R'') so that nothing overflows: t/k = [(k - 1/k) + sqrt((k - 1/k)² + 36)]/6.
-  const double k = std::exp(0.5 * L), c = k - 1 / k;
+  const double k = std::sqrt(radii_ratio), c = k - 1 / k;
   const double t = k * (c + std::sqrt(c * c + 36)) / 6;
   const double e = std::sqrt(t);
   shapes.log_aspect[2] = 0.5 * std::log(t);

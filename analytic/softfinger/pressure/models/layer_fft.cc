@@ -1,3 +1,6 @@
+#include "softfinger/pressure/layer_fft.h"
+
+#include <algorithm>
 #include <cmath>
 
 #include "softfinger/fft/layer_contact.h"
@@ -52,6 +55,49 @@ const Solution& solution_of(const ContactProblem& problem) {
   });
 }
 
+/// All but the check of the slope, which needs the gap.
+Prediction to_prediction(const LayerContact& contact) noexcept {
+  Prediction prediction;
+  prediction.has_answer = true;
+  // On a circle the two differ by rounding.
+  prediction.a_m = std::max(contact.edge.a, contact.edge.b);
+  prediction.b_m = std::min(contact.edge.a, contact.edge.b);
+  prediction.indentation_m = contact.approach_m;
+  prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
+  prediction.torque_arm_exact_m = contact.torque_arm_m;
+  const double aspect = prediction.b_m / prediction.a_m;
+  prediction.torque_arm_paper_m = contact.torque_arm_m * std::sqrt(aspect) * (kPi / 2) /
+                                  elliptic_integrals(aspect * aspect).E();
+  prediction.validity.add(
+      {"grid_resolves_layer", contact.cells_per_thickness, 2, false,
+       "the layer is thinner than two cells of the grid: the deformation at the contact's edge "
+       "is not resolved, and indentation and torque are off by more than 0.1 %"});
+  return prediction;
+}
+
+ValidityCheck strain_check(const LayerContact& contact, const ContactProblem& problem) noexcept {
+  double strain = contact.layer_displacement_m / problem.layer.thickness_m;
+  if (problem.has_object_layer())
+    strain = std::max(strain, contact.object_displacement_m / problem.object_layer.thickness_m);
+  return small_strain_check(strain);
+}
+
+/// Steepest gap at the contact's edge, by differences over a cell towards the inside, where the gap
+/// is known.
+double steepest_slope(const GapFunction& gap_m, const LayerContact& contact) {
+  const double step_x = contact.grid.size_x, step_y = contact.grid.size_y;
+  double steepest = 0;
+  for (Eigen::Index k = 0; k < contact.edge.points.cols(); ++k) {
+    const double x = contact.edge.points(0, k), y = contact.edge.points(1, k);
+    const double inner_x = x - std::copysign(step_x, x - contact.edge.centre.x());
+    const double inner_y = y - std::copysign(step_y, y - contact.edge.centre.y());
+    const double here = gap_m(x, y);
+    steepest = std::max(steepest, std::hypot((gap_m(inner_x, y) - here) / step_x,
+                                             (gap_m(x, inner_y) - here) / step_y));
+  }
+  return steepest;
+}
+
 class LayerFft final : public PressureModel {
  public:
   const ModelCard& card() const noexcept override {
@@ -59,8 +105,9 @@ class LayerFft final : public PressureModel {
         "layer_fft",
         "Bonded elastic layers, solved on a grid of 128 x 128 cells",
         "Linear elasticity; layers of any thickness bonded to rigid bases, the finger's and, where "
-        "there is one, the object's; no friction in the normal problem; the gap is shallow inside "
-        "the contact. The contact's edge is free: a and b are those of its best-fitting ellipse.",
+        "there is one, the object's; no friction in the normal problem; the gap is a quadric or "
+        "any smooth one (softfinger predict --gap sampled), shallow inside the contact. The "
+        "contact's edge is free: a and b are those of its best-fitting ellipse.",
         "u^(k) = 2 w(kh)/(E* k) p^(k), w(x) = [2 kappa sinh 2x - 4x]/[2 kappa cosh 2x + 4x² + 1 + "
         "kappa²], kappa = 3 - 4 nu, two layers add; p >= 0, u + gap >= d, complementary; Galerkin "
         "with constant pressure per cell, convolution by FFT, conjugate gradients; arm of the "
@@ -85,26 +132,9 @@ class LayerFft final : public PressureModel {
                         "no answer: the contact is too long for a grid of 128 x 128 cells"});
     try {
       const LayerContact& contact = solution_of(problem).contact;
-      Prediction prediction;
-      prediction.has_answer = true;
-      // On a circle the two differ by rounding.
-      prediction.a_m = std::max(contact.edge.a, contact.edge.b);
-      prediction.b_m = std::min(contact.edge.a, contact.edge.b);
-      prediction.indentation_m = contact.approach_m;
-      prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
-      prediction.torque_arm_exact_m = contact.torque_arm_m;
-      const double aspect = prediction.b_m / prediction.a_m;
-      prediction.torque_arm_paper_m = contact.torque_arm_m * std::sqrt(aspect) * (kPi / 2) /
-                                      elliptic_integrals(aspect * aspect).E();
-      prediction.validity.add(
-          {"grid_resolves_layer", contact.cells_per_thickness, 2, false,
-           "the layer is thinner than two cells of the grid: the deformation at the contact's edge "
-           "is not resolved, and indentation and torque are off by more than 0.1 %"});
+      Prediction prediction = to_prediction(contact);
       prediction.validity.add(small_slope_check(prediction, problem.radii));
-      double strain = contact.layer_displacement_m / problem.layer.thickness_m;
-      if (problem.has_object_layer())
-        strain = std::max(strain, contact.object_displacement_m / problem.object_layer.thickness_m);
-      prediction.validity.add(small_strain_check(strain));
+      prediction.validity.add(strain_check(contact, problem));
       return finite_or_no_answer(prediction);
     } catch (...) {
       // What is left after the checks above: a layer far thinner than a cell, numbers that
@@ -135,3 +165,21 @@ const PressureModel& layer_fft_model() {
 }
 
 }  // namespace softfinger::models
+
+namespace softfinger {
+
+GapPrediction predict_layer_fft(const GapFunction& gap_m, const GapWindow& window,
+                                const ContactProblem& problem) {
+  GapPrediction result;
+  result.contact = solve_layer_contact(gap_m, window, problem.layer, problem.object_layer,
+                                       problem.load.normal_force_N);
+  result.prediction = models::to_prediction(result.contact);
+  result.prediction.validity.add(
+      {"small_slope", models::steepest_slope(gap_m, result.contact), 0.3, true,
+       "the surfaces are steep against each other at the contact's edge, where a vertical pressure "
+       "does not describe them; the torque is underestimated"});
+  result.prediction.validity.add(models::strain_check(result.contact, problem));
+  return result;
+}
+
+}  // namespace softfinger

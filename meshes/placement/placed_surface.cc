@@ -1,4 +1,4 @@
-#include "meshes/generation/placed_surface.h"
+#include "meshes/placement/placed_surface.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLeafTriangles = 4;
+constexpr double kSteepestTangent = 0.1;  // cosine between a vertex's normal and a line
 constexpr double kFarthest = 0.05;  // distance from point to surface, in the surface's extents
 
 std::string text(const Vector3d& v) {
@@ -205,8 +206,15 @@ std::optional<SurfaceHit> PlacedSurface::nearest_exit(const Vector3d& from,
       if (!(std::abs(distance) < best)) continue;
       best = std::abs(distance);
       const Vector3d normal = a * normals_[i] + b * normals_[j] + c * normals_[k];
-      hit = {from + distance * direction,
-             normal.norm() > 0 ? normal.normalized() : area.normalized()};
+      const Vector3d point = from + distance * direction;
+      double rounding = 0;
+      for (const auto& [weight, vertex] : {std::pair(a, i), std::pair(b, j), std::pair(c, k)}) {
+        // Beside a sharp edge a tangent plane may stand along the line: it says nothing.
+        const double faces = normals_[vertex].dot(direction) / direction.norm();
+        if (faces > kSteepestTangent)
+          rounding += 0.5 * weight * normals_[vertex].dot(vertices_[vertex] - point) / faces;
+      }
+      hit = {point, normal.norm() > 0 ? normal.normalized() : area.normalized(), rounding};
     }
   }
   return hit;

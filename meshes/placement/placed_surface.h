@@ -13,6 +13,11 @@ namespace softfinger::meshes {
 struct SurfaceHit {
   Eigen::Vector3d point;   ///< contact frame, in the surface's unit
   Eigen::Vector3d normal;  ///< unit, out of the body
+  /// From `point` along the line's unit direction to the smooth surface through the mesh's vertices
+  /// with the mesh's smooth normals there: half the distance to their tangent planes, interpolated
+  /// over the facet. On a quadric with exact normals that is the quadric itself; it is continuous
+  /// over the facets' edges, and as large as the facets' sag, h²/(8 R) for edges of length h.
+  double rounding = 0;
 };
 
 /// How a triangulated body stands in the contact frame, in the body's own coordinates.
