@@ -231,7 +231,7 @@ int run(const std::vector<std::string>& words) {
     std::snprintf(name, sizeof name, "twist a/h %.3g, nu %.4g", layer.s, layer.nu);
     if (layer.s <= 1 && wanted(name)) run_friction(name, layer.s, layer.nu, TwistCurve(layer));
   }
-  if (wanted("large")) {  // about 300,000 unknowns
+  if (wanted("large")) {  // 370,000 unknowns
     auto large = circular(2, 0.45);
     large.first.level = 4;
     run_plain("large: level 4, a/h 2, nu 0.45", large);
