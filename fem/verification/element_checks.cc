@@ -281,9 +281,13 @@ NormsOfError manufactured(int cells, double nu, const std::array<double, 3>& amp
   return {std::sqrt(norms.l2), std::sqrt(norms.energy)};
 }
 
-/// Observed orders from meshes of n, 2n and 4n cells, extrapolated: an order observed at size h is
-/// off by a term in h².
+/// Observed orders from meshes of n, 2n and 4n cells. Extrapolated where div u = 0: an order
+/// observed at size h is then off by a term in h². Elsewhere the error has a part that starts large
+/// and falls faster, so that the order comes down to the theoretical one slowly (measured: at
+/// nu = 0.3 in energy 2.20 on 4 to 8 cells, 2.16 on 8 to 16; at nu = 0 in L2 3.022 on 3 to 6, 3.009
+/// on 6 to 12), and only a lower bound can be stated.
 Checks convergence(int cells, double nu, const std::array<double, 3>& amplitude, const char* what) {
+  const bool isochoric = amplitude[0] + amplitude[1] + amplitude[2] == 0;
   const NormsOfError errors[] = {manufactured(cells, nu, amplitude),
                                  manufactured(2 * cells, nu, amplitude),
                                  manufactured(4 * cells, nu, amplitude)};
@@ -295,6 +299,11 @@ Checks convergence(int cells, double nu, const std::array<double, 3>& amplitude,
     Check check{group, named(what, nu), quantity, order, second + correction};
     check.tolerance = std::abs(correction) / order;
     check.reason = "as much as the extrapolation to h = 0 corrects the last observed order";
+    if (!isochoric) {
+      check.measured = second;
+      check.relation = Relation::at_least;
+      check.reason = "lower bound: a part of the error falls faster, the order comes down slowly";
+    }
     checks.push_back(check);
   };
   add("order in L2", 3, &NormsOfError::l2);
@@ -316,8 +325,11 @@ Checks check_element(bool quick) {
     if (quick) break;
   }
   const int coarsest = quick ? 2 : 3;
+  add(convergence(coarsest, 0.3, {1, 1, -2}, "manufactured solution, div u = 0"));
   add(convergence(coarsest, 0.3, {1, 0.5, 0.2}, "manufactured solution"));
-  if (!quick) add(convergence(coarsest, 0.4999, {1, 1, -2}, "manufactured solution, div u = 0"));
+  if (quick) return checks;
+  add(convergence(coarsest, 0.4999, {1, 1, -2}, "manufactured solution, div u = 0"));
+  add(convergence(coarsest, 0, {1, 0.5, 0.2}, "manufactured solution"));
   return checks;
 }
 

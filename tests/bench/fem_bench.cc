@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "fem/reference_solver.h"
 #include "fem/verification/torsion_reference.h"
 #include "softfinger/layer/circular_contact.h"
+#include "tests/bench/calculix_job.h"
 
 namespace softfinger {
 namespace {
@@ -173,6 +175,33 @@ void run_friction(const std::string& name, double s, double nu, const TwistCurve
   std::printf("%-34s %7.2f CPU s\n", (name + ", on top").c_str(), friction.cpu_s - normal.cpu_s);
 }
 
+/// The same contact, a/h = 1, nu = 0.3, by CalculiX at the true approach. Its load's error is given
+/// as that of the approach at the true load: they go together as P ~ d^1.9 there.
+bool run_calculix(double contact_stiffness) {
+  char name[48];
+  std::snprintf(name, sizeof name, "ccx a/h 1, nu 0.3, stiffness %g", contact_stiffness);
+  bench::CalculixContact contact;
+  contact.contact_stiffness = contact_stiffness;
+  const CircularLayerContact truth = circular_layer_contact(
+      contact.a, contact.radius, {{LayerKernel(contact.poisson_ratio), 1, 1}});
+  contact.approach = truth.indentation_m;
+  const double load =
+      truth.load_over_modulus_m2 / (1 - contact.poisson_ratio * contact.poisson_ratio);
+  constexpr double exponent = 1.9;
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("softfinger_fem_bench_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const Cost cost = run_case(name, [&] {
+    const double found = bench::load_by_calculix(contact, folder);
+    char report[64];
+    std::snprintf(report, sizeof report, "%8ld %+9.4f /      -", bench::unknowns_of(contact),
+                  -100 * (found / load - 1) / exponent);
+    return std::string(report);
+  });
+  std::filesystem::remove_all(folder);
+  return cost.succeeded;
+}
+
 int run(const std::vector<std::string>& words) {
   const auto wanted = [&](const std::string& name) {
     return words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& word) {
@@ -202,10 +231,16 @@ int run(const std::vector<std::string>& words) {
     std::snprintf(name, sizeof name, "twist a/h %.3g, nu %.4g", layer.s, layer.nu);
     if (layer.s <= 1 && wanted(name)) run_friction(name, layer.s, layer.nu, TwistCurve(layer));
   }
-  if (wanted("large")) {
-    auto large = circular(1, 0.45);
+  if (wanted("large")) {  // 370,000 unknowns
+    auto large = circular(2, 0.45);
     large.first.level = 4;
-    run_plain("large: level 4, a/h 1, nu 0.45", large);
+    run_plain("large: level 4, a/h 2, nu 0.45", large);
+  }
+  if (wanted("ccx")) {
+    if (bench::calculix_is_there())
+      for (const double stiffness : {100.0, 1000.0}) succeeded &= run_calculix(stiffness);
+    else
+      std::printf("CalculiX: skipped, there is no ccx on the PATH\n");
   }
   return succeeded ? 0 : 1;
 }
