@@ -1,5 +1,6 @@
 #include "fem/cholesky.h"
 
+#include <omp.h>
 #include <suitesparse/cholmod.h>
 
 #include <algorithm>
@@ -15,7 +16,13 @@ extern "C" void dpotri_(const char* uplo, const int* n, double* a, const int* ld
 namespace softfinger::fem {
 
 struct CholeskyFactor::Implementation {
-  Implementation() { cholmod_start(&common); }
+  Implementation() {
+    // CHOLMOD asks for four threads in loops far too short for them, whatever OMP_NUM_THREADS says:
+    // a third of a small factorisation's time went into waking them. The BLAS has threads of its
+    // own.
+    omp_set_max_active_levels(0);
+    cholmod_start(&common);
+  }
   ~Implementation() {
     cholmod_free_factor(&factor, &common);
     cholmod_finish(&common);

@@ -81,11 +81,9 @@ std::vector<FrictionIncrement> in_newtons(const std::vector<FrictionState>& stat
   return result;
 }
 
-}  // namespace
-
-FrictionOfLevel friction_on(const PressedContact& contact, const Problem& problem,
-                            std::optional<FrictionPlan>& plan, const Progress& progress,
-                            const OnState& on_state) {
+FrictionOfLevel friction_within_margin(const PressedContact& contact, const Problem& problem,
+                                       std::optional<FrictionPlan>& plan, const Progress& progress,
+                                       const OnState& on_state) {
   const FrictionRequest& request = problem.friction;
   FrictionOfLevel result;
   const bool central = turns_about_centre(request);
@@ -118,6 +116,23 @@ FrictionOfLevel friction_on(const PressedContact& contact, const Problem& proble
              std::to_string(plan->paths.size()));
   }
   return result;
+}
+
+}  // namespace
+
+FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
+                            std::optional<FrictionPlan>& plan, const Progress& progress,
+                            const OnState& on_state) {
+  try {
+    return friction_within_margin(contact, problem, plan, progress, on_state);
+  } catch (const EdgeLeftMargin&) {
+    // A cell is enough for nearly every contact, and each node more costs; now all of the patch.
+    const LayerDiscretisation& mesh = contact.model.discretisation();
+    contact.margin = (mesh.patch - 1) * mesh.elements_per_semi_axis;
+    progress(
+        "friction: the contact's edge moves by more than a cell; once more on all of the patch");
+    return friction_within_margin(contact, problem, plan, progress, on_state);
+  }
 }
 
 void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,

@@ -23,7 +23,7 @@ struct FrictionPlan {
 
 /// @param plan      made here when it has none, by the first level, and followed by the next
 /// @param on_state  called after each increment of the twist, for output
-FrictionOfLevel friction_on(const PressedContact& contact, const Problem& problem,
+FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state);
 

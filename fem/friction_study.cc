@@ -12,15 +12,12 @@ using Eigen::Index;
 
 namespace {
 
-/// Cells that the contact may grow by while friction moves the pressure.
-constexpr double margin = 1.0;
-
 double relative_radius(const PressedContact& contact, double x, double y) {
   return std::hypot(x / contact.a, y / contact.b);
 }
 
 double rim(const PressedContact& contact) {
-  return 1 + margin / contact.model.discretisation().elements_per_semi_axis;
+  return 1 + contact.margin / contact.model.discretisation().elements_per_semi_axis;
 }
 
 FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& surface) {
@@ -32,15 +29,15 @@ FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& 
 
 void check_rim(const PressedContact& contact, const SurfaceCompliance& surface,
                const FrictionalContact& state) {
-  // The outermost half cell is there to see that it is not needed.
-  const double allowed = rim(contact) - 0.3 * (rim(contact) - 1);
+  // The outermost third of a cell is there to see that it is not needed.
+  const double allowed = rim(contact) - 0.3 / contact.model.discretisation().elements_per_semi_axis;
   for (Index i = 0; i < surface.size(); ++i) {
     if (state.normal_force()[i] <= 0) continue;
     const double radius = relative_radius(contact, surface.position(0, i), surface.position(1, i));
     if (radius > allowed)
-      throw ConvergenceError("size of the frictional contact", static_cast<int>(i), radius,
-                             "friction moved the contact's edge by more than a cell (relative "
-                             "radius); use a lower friction coefficient or a lower level");
+      throw EdgeLeftMargin("size of the frictional contact", static_cast<int>(i), radius,
+                           "friction moved the contact's edge to this relative radius, out of the "
+                           "refined patch; use a lower friction coefficient");
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "fem/frictional_contact.h"
 #include "fem/layer_model.h"
+#include "softfinger/input/errors.h"
 
 /// What a contact's friction can hold, from a contact that was pressed on one mesh. All in the
 /// units of the model.
@@ -18,6 +19,14 @@ struct PressedContact {
   double a = 0, b = 0;    ///< semi-axes
   double load = 0;        ///< of the whole contact
   double friction_coefficient = 0;
+  /// How far the edge may move while friction moves the pressure, in cells of the refined patch.
+  double margin = 1;
+};
+
+/// Friction moved the contact's edge beyond the margin.
+class EdgeLeftMargin : public ConvergenceError {
+ public:
+  using ConvergenceError::ConvergenceError;
 };
 
 /// The end of one increment.
@@ -29,7 +38,7 @@ struct FrictionState {
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;
 
-/// Compliances of the contact's nodes and a cell around it.
+/// Compliances of the contact's nodes and a margin around it.
 QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest);
 
 /// Torque per angle while every point sticks, the slope at the start of a twist. The contact is
@@ -38,12 +47,14 @@ double stuck_torsional_stiffness(const PressedContact& contact, const QuarterCom
 
 /// Moves the indenter through the motions, one increment each, after pressing without friction.
 /// Every state is given to `on_state` as it comes.
+/// @throws EdgeLeftMargin, ConvergenceError
 std::vector<FrictionState> move_through(const PressedContact& contact,
                                         const SurfaceCompliance& surface,
                                         const std::vector<PlaneMotion>& motions,
                                         const OnState& on_state);
 
 /// Full slip with each velocity: points of the limit surface.
+/// @throws EdgeLeftMargin, ConvergenceError
 std::vector<FrictionState> slide_through(const PressedContact& contact,
                                          const SurfaceCompliance& surface,
                                          const std::vector<PlaneMotion>& velocities);

@@ -51,6 +51,8 @@ OnState SurfaceSeries::of(int level) {
 }
 
 void SurfaceSeries::write(const FrictionalContact& contact, const FrictionState& state) {
+  // A twist that is begun anew replaces the one before.
+  if (!angles_rad_.empty() && state.motion.turn_rad <= angles_rad_.back()) angles_rad_.clear();
   const SurfaceCompliance& surface = contact.surface();
   const double h = problem_.contact.layer.thickness_m, E = problem_.contact.layer.youngs_modulus_Pa;
   std::vector<Place> places;

@@ -37,7 +37,7 @@ may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^as
 may_include(fem/main.cc ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")
 may_include(fem/studies ${std} ${eigen} ${input} "^meshes/" "^fem/" "^fmt/")
 may_include(fem ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^deal[.]II/"
-            "^(suitesparse/)?cholmod[.]h$")
+            "^omp[.]h$" "^(suitesparse/)?cholmod[.]h$")
 
 # One line per broken arrow under `root`, as a list in `out`; the number of files read in `out_files`.
 function(find_broken_arrows root out out_files)
