@@ -38,21 +38,32 @@ struct CholeskyFactor::Implementation {
 
 namespace {
 
-/// Nested dissection of the whole graph, then the chosen unknowns moved to the end: the rest keeps
-/// METIS's small fill, and the end is dense anyway.
-std::vector<int> ordering_with_last(cholmod_sparse& matrix, const std::vector<int>& last,
-                                    cholmod_common& common) {
-  std::vector<int> dissection(matrix.nrow), ordering;
-  if (!cholmod_metis(&matrix, nullptr, 0, /*postorder=*/1, dissection.data(), &common))
-    throw ConvergenceError("fill-reducing ordering", 0, 0,
-                           "METIS refused the matrix or memory ran out");
-  std::vector<char> is_last(matrix.nrow, 0);
+/// CHOLMOD only reads the input, but its interface takes no pointer to const.
+cholmod_sparse view_of(const SparseSymmetricMatrix& matrix) {
+  cholmod_sparse view{};
+  view.nrow = view.ncol = static_cast<std::size_t>(matrix.size);
+  view.nzmax = matrix.row.size();
+  view.p = const_cast<int*>(matrix.column_begin.data());
+  view.i = const_cast<int*>(matrix.row.data());
+  view.x = const_cast<double*>(matrix.value.data());
+  view.stype = -1;
+  view.itype = CHOLMOD_INT;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = view.packed = 1;
+  return view;
+}
+
+/// The chosen unknowns moved to the end: the rest keeps its small fill, and the end is dense
+/// anyway.
+std::vector<int> with_last(const std::vector<int>& dissection, const std::vector<int>& last) {
+  std::vector<char> is_last(dissection.size(), 0);
   for (const int unknown : last) is_last[static_cast<std::size_t>(unknown)] = 1;
-  ordering.reserve(matrix.nrow);
-  for (const int unknown : dissection)
-    if (!is_last[static_cast<std::size_t>(unknown)]) ordering.push_back(unknown);
-  for (const int unknown : dissection)
-    if (is_last[static_cast<std::size_t>(unknown)]) ordering.push_back(unknown);
+  std::vector<int> ordering;
+  ordering.reserve(dissection.size());
+  for (const char end : {0, 1})
+    for (const int unknown : dissection)
+      if (is_last[static_cast<std::size_t>(unknown)] == end) ordering.push_back(unknown);
   return ordering;
 }
 
@@ -76,7 +87,23 @@ void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& m
 
 }  // namespace
 
-CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& last)
+std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix) {
+  cholmod_common common{};
+  cholmod_start(&common);
+  common.print = 0;
+  cholmod_sparse view = view_of(matrix);
+  std::vector<int> ordering(view.nrow);
+  const bool done =
+      cholmod_metis(&view, nullptr, 0, /*postorder=*/1, ordering.data(), &common) != 0;
+  cholmod_finish(&common);
+  if (!done)
+    throw ConvergenceError("fill-reducing ordering", 0, 0,
+                           "METIS refused the matrix or memory ran out");
+  return ordering;
+}
+
+CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix,
+                               const std::vector<int>& dissection, const std::vector<int>& last)
     : implementation_(std::make_unique<Implementation>()) {
   auto& common = implementation_->common;
   common.print = 0;
@@ -88,20 +115,8 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::v
   implementation_->size = matrix.size;
   implementation_->last = last;
 
-  // CHOLMOD only reads the input, but its interface takes no pointer to const.
-  cholmod_sparse view{};
-  view.nrow = view.ncol = static_cast<std::size_t>(matrix.size);
-  view.nzmax = matrix.row.size();
-  view.p = const_cast<int*>(matrix.column_begin.data());
-  view.i = const_cast<int*>(matrix.row.data());
-  view.x = const_cast<double*>(matrix.value.data());
-  view.stype = -1;
-  view.itype = CHOLMOD_INT;
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  view.sorted = view.packed = 1;
-
-  std::vector<int> ordering = ordering_with_last(view, last, common);
+  cholmod_sparse view = view_of(matrix);
+  std::vector<int> ordering = with_last(dissection, last);
   implementation_->factor = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
   if (implementation_->factor) require_memory(*implementation_->factor, matrix, last.size());
   if (implementation_->factor) cholmod_factorize(&view, implementation_->factor, &common);

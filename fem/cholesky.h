@@ -14,15 +14,21 @@ struct SparseSymmetricMatrix {
   std::vector<double> value;
 };
 
+/// An ordering of the unknowns that keeps the fill low, by nested dissection of the whole graph.
+/// @throws ConvergenceError when memory runs out
+std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix);
+
 /// Supernodal Cholesky factor whose last unknowns are chosen, so that its trailing block is the
 /// factor of the Schur complement on them: one factorisation gives the condensed stiffness of the
 /// contact surface, with no right-hand side solved for it.
 class CholeskyFactor {
  public:
-  /// @param last  unknowns to eliminate last
+  /// @param dissection  of the matrix, or of one with nearly its graph
+  /// @param last        unknowns to eliminate last
   /// @throws InputError, before the factorisation, when its memory would not be available;
   /// ConvergenceError when the matrix is not positive definite.
-  CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& last);
+  CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
+                 const std::vector<int>& last);
   ~CholeskyFactor();
   CholeskyFactor(const CholeskyFactor&) = delete;
   CholeskyFactor& operator=(const CholeskyFactor&) = delete;

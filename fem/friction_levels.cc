@@ -103,6 +103,12 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
              std::to_string(std::lround(100 * result.twist.back().slip_fraction)) +
              " % of the area at the last increment");
   }
+  const auto learn = [&](const std::vector<FrictionState>& states) {
+    // The nodes know the edge to half their distance, a quarter of a cell.
+    const double blur = 0.25 / contact.model.discretisation().elements_per_semi_axis;
+    for (const FrictionState& state : states) plan->edge = std::max(plan->edge, state.edge + blur);
+  };
+  learn(result.twist);
   if (request.limit_surface == 0) return result;
   const SurfaceCompliance surface =
       surface_compliance(quarters, Invariance::none,
@@ -110,6 +116,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   progress("friction: limit surface of " + std::to_string(plan->velocities.size()) + " points, " +
            std::to_string(surface.size()) + " contact points");
   result.limit_surface = slide_through(contact, surface, plan->velocities);
+  learn(result.limit_surface);
   for (std::size_t i = 0; i < plan->paths.size(); ++i) {
     result.paths.push_back(move_through(contact, surface, plan->paths[i], [](auto&&...) {}));
     progress("friction: path " + std::to_string(i + 1) + " of " +
@@ -123,12 +130,17 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state) {
+  // A cell is enough for nearly every contact, and each node more costs.
+  const LayerDiscretisation& mesh = contact.model.discretisation();
+  const double all = (mesh.patch - 1) * mesh.elements_per_semi_axis;
+  if (plan)
+    contact.margin =
+        std::clamp((plan->edge - 1) * mesh.elements_per_semi_axis + spare_margin, 1.0, all);
   try {
     return friction_within_margin(contact, problem, plan, progress, on_state);
   } catch (const EdgeLeftMargin&) {
-    // A cell is enough for nearly every contact, and each node more costs; now all of the patch.
-    const LayerDiscretisation& mesh = contact.model.discretisation();
-    contact.margin = (mesh.patch - 1) * mesh.elements_per_semi_axis;
+    if (contact.margin >= all) throw;
+    contact.margin = all;
     progress(
         "friction: the contact's edge moves by more than a cell; once more on all of the patch");
     return friction_within_margin(contact, problem, plan, progress, on_state);

@@ -15,10 +15,12 @@ struct FrictionOfLevel {
   std::vector<std::vector<FrictionState>> paths;  ///< to each point of the limit surface
 };
 
-/// Angles of a twist and velocities of the limit surface: the same on every level.
+/// Angles of a twist and velocities of the limit surface: the same on every level. What a level
+/// learns of how far the edge moves serves the next.
 struct FrictionPlan {
   std::vector<PlaneMotion> twist, velocities;
   std::vector<std::vector<PlaneMotion>> paths;
+  double edge = 1;  ///< relative radius
 };
 
 /// @param plan      made here when it has none, by the first level, and followed by the next

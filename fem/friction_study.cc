@@ -1,6 +1,7 @@
 #include "fem/friction_study.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -27,18 +28,22 @@ FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& 
   return {surface, gap, contact.load, contact.friction_coefficient};
 }
 
-void check_rim(const PressedContact& contact, const SurfaceCompliance& surface,
+/// Relative radius of the outermost node that touches.
+double edge_of(const PressedContact& contact, const SurfaceCompliance& surface,
                const FrictionalContact& state) {
-  // The outermost third of a cell is there to see that it is not needed.
-  const double allowed = rim(contact) - 0.3 / contact.model.discretisation().elements_per_semi_axis;
+  const double allowed =
+      rim(contact) - spare_margin / contact.model.discretisation().elements_per_semi_axis;
+  double edge = 0;
   for (Index i = 0; i < surface.size(); ++i) {
     if (state.normal_force()[i] <= 0) continue;
     const double radius = relative_radius(contact, surface.position(0, i), surface.position(1, i));
+    edge = std::max(edge, radius);
     if (radius > allowed)
       throw EdgeLeftMargin("size of the frictional contact", static_cast<int>(i), radius,
                            "friction moved the contact's edge to this relative radius, out of the "
                            "refined patch; use a lower friction coefficient");
   }
+  return edge;
 }
 
 }  // namespace
@@ -82,8 +87,8 @@ std::vector<FrictionState> move_through(const PressedContact& contact,
   std::vector<FrictionState> states;
   for (const PlaneMotion& motion : motions) {
     state.move_to(motion);
-    check_rim(contact, surface, state);
-    states.push_back({motion, state.wrench(), state.slip_fraction()});
+    const double edge = edge_of(contact, surface, state);
+    states.push_back({motion, state.wrench(), state.slip_fraction(), edge});
     on_state(state, states.back());
   }
   return states;
@@ -96,8 +101,8 @@ std::vector<FrictionState> slide_through(const PressedContact& contact,
   std::vector<FrictionState> states;
   for (const PlaneMotion& velocity : velocities) {
     state.slide(velocity);
-    check_rim(contact, surface, state);
-    states.push_back({velocity, state.wrench(), 1});
+    const double edge = edge_of(contact, surface, state);
+    states.push_back({velocity, state.wrench(), 1, edge});
   }
   return states;
 }

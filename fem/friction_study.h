@@ -23,6 +23,9 @@ struct PressedContact {
   double margin = 1;
 };
 
+/// The outermost part of the margin, in cells, is there to see that it is not needed.
+constexpr double spare_margin = 0.3;
+
 /// Friction moved the contact's edge beyond the margin.
 class EdgeLeftMargin : public ConvergenceError {
  public:
@@ -34,6 +37,7 @@ struct FrictionState {
   PlaneMotion motion;
   FrictionWrench wrench;  ///< about the centre of the contact
   double slip_fraction = 0;
+  double edge = 0;  ///< how far out it touches, relative to the semi-axes
 };
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;

@@ -43,7 +43,8 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
     limit_ = friction_coefficient_ * normal_.force;
     solve_tangential();
     const Eigen::VectorXd lift = surface_.normal_tangential * tangential_;
-    NormalContact next = solve_normal_contact(surface_.normal, gap_ + lift, load_, &normal_);
+    NormalContact next =
+        solve_normal_contact(surface_.normal, gap_ + lift, load_, &normal_, &touching_);
     change = (next.force - normal_.force).cwiseAbs().sum() / load_;
     normal_ = std::move(next);
     if (change <= tolerance) return;

@@ -60,6 +60,7 @@ class FrictionalContact {
   const Eigen::VectorXd gap_;
   const double load_, friction_coefficient_;
   NormalContact normal_;
+  TouchingFactor touching_;
   Eigen::VectorXd pressed_;     ///< normal forces when friction set in
   Eigen::VectorXd tangential_;  ///< per point x, y: on the layer
   Eigen::VectorXd slip_;        ///< per point x, y: of the indenter against the layer

@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
@@ -170,6 +171,7 @@ struct LayerModel::Implementation {
   dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
   std::vector<char> on_plane;                     ///< per dof: bit 0 on x = 0, bit 1 on y = 0
   std::vector<char> component;                    ///< per dof: 0 to 2
+  std::vector<global_dof_index> node_of;          ///< per dof: the first dof of its node
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;                  ///< without the symmetries
   std::vector<std::array<global_dof_index, 3>> node_dofs;  ///< of each surface node
@@ -179,6 +181,7 @@ struct LayerModel::Implementation {
   std::vector<int> surface_node;        ///< of a bent layer, per dof; -1 elsewhere
   Unknowns even;                        ///< of the problem whose factor is kept
   std::unique_ptr<CholeskyFactor> factor;
+  std::vector<int> dissection;  ///< of all dofs, for every parity
   Eigen::MatrixXd compliance;
 
   void bend(const std::vector<dealii::Point<dim>>& support);
@@ -190,6 +193,8 @@ struct LayerModel::Implementation {
   void assemble();
   Unknowns free_unknowns(Parity parity) const;
   SparseSymmetricMatrix lower_triangle(const Unknowns& free) const;
+  void dissect(const SparseSymmetricMatrix& even_matrix);
+  std::vector<int> dissection_of(const Unknowns& free) const;
 };
 
 /// The layer's shape as a quadratic displacement of the block, continuous across hanging nodes.
@@ -221,13 +226,16 @@ void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>
   dealii::DoFTools::make_hanging_node_constraints(dofs, constraints);
   on_plane.assign(dofs.n_dofs(), 0);
   component.assign(dofs.n_dofs(), 0);
+  node_of.assign(dofs.n_dofs(), 0);
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
   std::vector<char> bonded(dofs.n_dofs(), 0);
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     for (unsigned int i = 0; i < indices.size(); ++i) {
       const auto dof = indices[i];
-      component[dof] = static_cast<char>(element.system_to_component_index(i).first);
+      const auto [component_of_dof, node] = element.system_to_component_index(i);
+      component[dof] = static_cast<char>(component_of_dof);
+      node_of[dof] = indices[element.component_to_system_index(0, node)];
       on_plane[dof] = static_cast<char>((!whole && at(support[dof][0], 0) ? 1 : 0) +
                                         (!whole && at(support[dof][1], 0) ? 2 : 0));
       bonded[dof] = at(support[dof][2], -1);
@@ -384,6 +392,36 @@ SparseSymmetricMatrix LayerModel::Implementation::lower_triangle(const Unknowns&
   return lower;
 }
 
+/// The problems of all parities have nearly one graph: they differ in components on the planes.
+/// Node by node, the order found for one of them serves them all.
+void LayerModel::Implementation::dissect(const SparseSymmetricMatrix& even_matrix) {
+  const std::vector<int> order = nested_dissection(even_matrix);
+  std::vector<int> rank(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
+  // Of a node, its first unknown's.
+  std::vector<int> node_rank(dofs.n_dofs(), even.count);
+  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i)
+    if (even.of_dof[i] >= 0)
+      node_rank[node_of[i]] =
+          std::min(node_rank[node_of[i]], rank[static_cast<std::size_t>(even.of_dof[i])]);
+  dissection.resize(dofs.n_dofs());
+  std::iota(dissection.begin(), dissection.end(), 0);
+  std::stable_sort(dissection.begin(), dissection.end(), [&](int left, int right) {
+    return node_rank[node_of[static_cast<std::size_t>(left)]] <
+           node_rank[node_of[static_cast<std::size_t>(right)]];
+  });
+}
+
+std::vector<int> LayerModel::Implementation::dissection_of(const Unknowns& free) const {
+  std::vector<int> ordering;
+  ordering.reserve(static_cast<std::size_t>(free.count));
+  for (const int dof : dissection)
+    if (const int unknown = free.of_dof[static_cast<std::size_t>(dof)]; unknown >= 0)
+      ordering.push_back(unknown);
+  return ordering;
+}
+
 LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
                        std::shared_ptr<const LayerShape> shape, bool whole)
     : implementation_(std::make_unique<Implementation>()) {
@@ -409,7 +447,9 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson
   self.even = self.free_unknowns(Parity{});
   std::vector<int> last;
   for (const auto& dof : self.node_dofs) last.push_back(self.even.of_dof[dof[2]]);
-  self.factor = std::make_unique<CholeskyFactor>(self.lower_triangle(self.even), last);
+  const SparseSymmetricMatrix matrix = self.lower_triangle(self.even);
+  self.dissect(matrix);
+  self.factor = std::make_unique<CholeskyFactor>(matrix, self.dissection_of(self.even), last);
   self.compliance = self.factor->compliance_of_last();
 }
 
@@ -426,7 +466,8 @@ Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<i
       place.push_back(static_cast<Eigen::Index>(3 * i + c));
     }
   const Eigen::MatrixXd condensed =
-      CholeskyFactor(self.lower_triangle(free), last).compliance_of_last();
+      CholeskyFactor(self.lower_triangle(free), self.dissection_of(free), last)
+          .compliance_of_last();
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(size, size);
   for (Eigen::Index j = 0; j < condensed.cols(); ++j)

@@ -13,7 +13,8 @@ namespace {
 /// @param approach  of forces approach * per_approach - from_gap
 template <class Approach>
 NormalContact solve_active_set(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
-                               const Approach& approach, const NormalContact* start) {
+                               const Approach& approach, const NormalContact* start,
+                               TouchingFactor& kept) {
   const Eigen::Index count = gap.size();
   NormalContact contact;
   contact.force = Eigen::VectorXd::Zero(count);
@@ -38,11 +39,14 @@ NormalContact solve_active_set(const Eigen::MatrixXd& compliance, const Eigen::V
     std::vector<Eigen::Index> set;
     for (Eigen::Index i = 0; i < count; ++i)
       if (active[static_cast<std::size_t>(i)]) set.push_back(i);
-    const Eigen::LLT<Eigen::MatrixXd> factor(compliance(set, set).eval());
+    if (kept.nodes != set) {
+      kept.factor.compute(compliance(set, set));
+      kept.nodes = set;
+    }
     // f = approach * C^-1 1 - C^-1 gap.
     const Eigen::VectorXd per_approach =
-        factor.solve(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(set.size())));
-    const Eigen::VectorXd from_gap = factor.solve(gap(set).eval());
+        kept.factor.solve(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(set.size())));
+    const Eigen::VectorXd from_gap = kept.factor.solve(gap(set).eval());
     contact.approach = approach(per_approach, from_gap);
     const Eigen::VectorXd force = contact.approach * per_approach - from_gap;
     contact.force.setZero();
@@ -101,21 +105,23 @@ NormalContact solve_active_set(const Eigen::MatrixXd& compliance, const Eigen::V
 }  // namespace
 
 NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
-                                   double load, const NormalContact* start) {
+                                   double load, const NormalContact* start, TouchingFactor* kept) {
+  TouchingFactor own;
   NormalContact contact = solve_active_set(
       compliance, gap,
       [&](const Eigen::VectorXd& per_approach, const Eigen::VectorXd& from_gap) {
         return (load + from_gap.sum()) / per_approach.sum();
       },
-      start);
+      start, kept ? *kept : own);
   contact.load_residual = std::abs(contact.force.sum() - load) / load;
   return contact;
 }
 
 NormalContact solve_normal_contact_at(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
                                       double approach) {
+  TouchingFactor own;
   return solve_active_set(
-      compliance, gap, [&](auto&&...) { return approach; }, nullptr);
+      compliance, gap, [&](auto&&...) { return approach; }, nullptr, own);
 }
 
 }  // namespace softfinger::fem

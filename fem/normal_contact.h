@@ -1,6 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
+#include <vector>
 
 namespace softfinger::fem {
 
@@ -14,6 +15,14 @@ struct NormalContact {
   double complementarity_residual = 0;  ///< worst penetration relative to the approach
 };
 
+/// The factor of one contact's touching nodes. Kept between solves with one compliance: where the
+/// set of nodes stays, which it mostly does from one state of friction to the next, nothing is
+/// factorised anew.
+struct TouchingFactor {
+  std::vector<Eigen::Index> nodes;
+  Eigen::LLT<Eigen::MatrixXd> factor;
+};
+
 /// Solves w = C f, w >= approach - gap, f >= 0, f (w - approach + gap) = 0, sum f = load, by a
 /// primal-dual active set with the approach eliminated by the load: exact complementarity, no
 /// penalty. Any consistent units.
@@ -22,9 +31,11 @@ struct NormalContact {
 /// force
 /// @param gap         n initial gaps, any origin
 /// @param start       a contact that is likely to touch nearly the same nodes; may be null
+/// @param kept        of an earlier solve with the same compliance, replaced; may be null
 /// @throws ConvergenceError when the set still changes after 200 steps.
 NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
-                                   double load, const NormalContact* start = nullptr);
+                                   double load, const NormalContact* start = nullptr,
+                                   TouchingFactor* kept = nullptr);
 
 /// The same with the approach given in place of the load: larger than the smallest gap.
 NormalContact solve_normal_contact_at(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,

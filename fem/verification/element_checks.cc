@@ -108,7 +108,8 @@ dealii::Vector<double> Body::solve(const Field& boundary, const Field& body_forc
   }
   Eigen::VectorXd right(lower.size);
   for (int i = 0; i < lower.size; ++i) right[i] = load[static_cast<unsigned int>(i)];
-  const Eigen::VectorXd solution = CholeskyFactor(lower, {lower.size - 1}).solve(right);
+  const Eigen::VectorXd solution =
+      CholeskyFactor(lower, nested_dissection(lower), {lower.size - 1}).solve(right);
   dealii::Vector<double> displacement(dofs.n_dofs());
   for (int i = 0; i < lower.size; ++i) displacement[static_cast<unsigned int>(i)] = solution[i];
   constraints.distribute(displacement);

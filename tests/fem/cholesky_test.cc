@@ -47,7 +47,7 @@ Eigen::MatrixXd dense(const SparseSymmetricMatrix& matrix) {
 TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
   const SparseSymmetricMatrix matrix = laplacian(5);
   const std::vector<int> last{77, 3, 124, 50, 4};
-  const CholeskyFactor factor(matrix, last);
+  const CholeskyFactor factor(matrix, nested_dissection(matrix), last);
   const Eigen::MatrixXd inverse = dense(matrix).inverse();
   EXPECT_LT((factor.compliance_of_last() - inverse(last, last)).norm(), 1e-13);
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
@@ -57,7 +57,7 @@ TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
 TEST(CholeskyFactor, RefusesAMatrixThatIsNotPositiveDefinite) {
   SparseSymmetricMatrix matrix = laplacian(4);
   matrix.value[0] = -7;
-  EXPECT_THROW(CholeskyFactor(matrix, {1}), ConvergenceError);
+  EXPECT_THROW(CholeskyFactor(matrix, nested_dissection(matrix), {1}), ConvergenceError);
 }
 
 /// In a child, since a limit on the address space cannot be taken back.
@@ -72,7 +72,7 @@ void factorise_in_little_memory() {
   limit.rlim_cur = static_cast<rlim_t>(pages * sysconf(_SC_PAGESIZE)) + (100 << 20);
   setrlimit(RLIMIT_AS, &limit);
   try {
-    const CholeskyFactor factor(matrix, {1});
+    const CholeskyFactor factor(matrix, nested_dissection(matrix), {1});
   } catch (const InputError& error) {
     std::cerr << error.what() << std::endl;
     _exit(3);
