@@ -317,9 +317,9 @@ std::string describe(const Case& contact_case) {
 }
 
 std::string describe(const LocalGeometry& geometry) {
-  std::string text =
-      fmt::format("R' {}, R'' {}, long axis at {:.4g}°", millimetres(geometry.radii.major_m),
-                  millimetres(geometry.radii.minor_m), geometry.radii.axis_rad * kRadian);
+  std::string text = fmt::format(
+      "R' {}, R'' {}, long axis at {:.4g}°", millimetres(geometry.radii.major_m),
+      millimetres(geometry.radii.minor_m), geometry.radii.axis_rad * kRadian + 0.0);  // -0 is 0
   if (geometry.patch) {
     text += fmt::format("; fitted over {:.3g} mm² for a contact of {:.3g} mm² ({})",
                         geometry.patch->region_area_m2 * 1e6,
