@@ -159,9 +159,9 @@ SampledGapResult::Changes changes_by_rounding(const Prediction& facets, const Sa
       return std::abs(rounded.*quantity / (facets.*quantity) - 1);
     };
     return {change(&Prediction::a_m), change(&Prediction::b_m), change(&Prediction::indentation_m),
-            change(&Prediction::torque_arm_exact_m)};
+            change(&Prediction::torque_arm_exact_m), change(&Prediction::peak_pressure_Pa)};
   } catch (const ConvergenceError&) {
-    return {kNan, kNan, kNan, kNan};
+    return {kNan, kNan, kNan, kNan, kNan};
   }
 }
 

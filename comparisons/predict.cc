@@ -226,7 +226,8 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
         {"a", finite_or_null(sampled.changes_by_rounding.a)},
         {"b", finite_or_null(sampled.changes_by_rounding.b)},
         {"indentation", finite_or_null(sampled.changes_by_rounding.indentation)},
-        {"max_torque", finite_or_null(sampled.changes_by_rounding.torque)}};
+        {"max_torque", finite_or_null(sampled.changes_by_rounding.torque)},
+        {"peak_pressure", finite_or_null(sampled.changes_by_rounding.peak)}};
   }
   if (limit_surface_points > 0) add_limit_surface(answer, rule, limit_surface_points, result);
   return result;
@@ -368,12 +369,13 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
           "{:.4g} mm², long axis at {:.4g}°, centre at ({:.2g}, {:.2g}) mm, edge within {:.2g} % "
           "of "
           "the ellipse; rounding the facets changes a, b, d, torque by {:.2g}, {:.2g}, {:.2g}, "
-          "{:.2g} %\n",
+          "{:.2g} %, the peak by {:.2g} %\n",
           answer.model->card().name, sampled.region_area_m2 * 1e6,
           answer.problem.radii.axis_rad * kRadian, sampled.centre_m.x() * 1e3,
           sampled.centre_m.y() * 1e3, sampled.edge_deviation * 100,
           sampled.changes_by_rounding.a * 100, sampled.changes_by_rounding.b * 100,
-          sampled.changes_by_rounding.indentation * 100, sampled.changes_by_rounding.torque * 100);
+          sampled.changes_by_rounding.indentation * 100, sampled.changes_by_rounding.torque * 100,
+          sampled.changes_by_rounding.peak * 100);
     }
   return text + remarks;
 }

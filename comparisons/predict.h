@@ -28,7 +28,7 @@ struct SampledGapResult {
   /// Relative changes of the answer when the facets are rounded by the mesh's own normals: what the
   /// mesh leaves open. NaN when the rounded bodies have no answer.
   struct Changes {
-    double a = 0, b = 0, indentation = 0, torque = 0;
+    double a = 0, b = 0, indentation = 0, torque = 0, peak = 0;
   };
   Changes changes_by_rounding;
 };
