@@ -116,7 +116,7 @@ std::string nearest(const std::vector<Record>& records, const Loads& open, bool&
   by_accident = best->among(open, Judgement::accident).size() == open.size();
   const Worst errors = worst(*best, open);
   return by_accident
-             ? fmt::format("{} agrees ({}) outside its stated validity, which may be an accident",
+             ? fmt::format("{} agrees ({}) outside its stated validity, which counts for little",
                            best->name, agreement(errors))
              : fmt::format("nearest is {}, {}", best->name, departure(errors));
 }

@@ -121,7 +121,7 @@ std::string usability_table(const Json& report) {
          "<th scope=\"col\">there, ν</th><th scope=\"col\">median error</th>"
          "<th scope=\"col\">worst error</th><th scope=\"col\">claims to hold at</th>"
          "<th scope=\"col\">and fails at</th>"
-         "<th scope=\"col\">agrees by accident at</th></tr></thead>\n<tbody>" +
+         "<th scope=\"col\">agrees outside its validity at</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table></div>\n";
 }
 
@@ -180,7 +180,7 @@ std::string how_to_read(const Json& report) {
 <li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
 <li>Errors are (model − FEM)/FEM at the same load. A plus means that the model promises too much. A model is called usable where area and maximal torque are both within ±{} and it claims itself to hold there.</li>
 <li>± behind an FEM value is the error that it states itself, from its last two meshes. A difference smaller than that means nothing.</li>
-<li>“Outside its validity” is the model’s own statement, made without looking at the FEM. A small error there is an accident, not a licence.</li>
+<li>“Outside its validity” is the model’s own statement, made without looking at the FEM. A small error there is an accident, or an assumption that the FEM shares (small strain, small slopes): no licence either way.</li>
 <li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
 </ul>
 )",

@@ -69,7 +69,7 @@ TEST(Verdict, DoesNotTrustAnErrorThatCrossesZeroOutsideTheAssumptions) {
   EXPECT_EQ(verdict.verdict_class, "mixed");
   EXPECT_EQ(verdict.sentence,
             "No model can be relied on at 5 N: Winkler agrees (area within 2.0 %, torque within "
-            "1.0 %) outside its stated validity, which may be an accident.");
+            "1.0 %) outside its stated validity, which counts for little.");
 }
 
 TEST(Verdict, TellsWhenTheReferenceFailedOrIsDoubtful) {
