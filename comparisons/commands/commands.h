@@ -16,6 +16,7 @@ void add_fem(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action, const std::string& command_line);
 void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
+void add_lcp(CLI::App& app, Action& action);
 
 /// Messages to the user that are no result: standard error, one line.
 void remark(const std::string& line);

@@ -31,6 +31,7 @@ may_include(analytic/softfinger/layer ${std} ${eigen} ${input} "^softfinger/(mat
 may_include(analytic/softfinger/fft ${std} ${eigen} ${input} "^softfinger/(math|layer|fft)/")
 may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
+may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^assimp/")
 # Only the program writes JSON.

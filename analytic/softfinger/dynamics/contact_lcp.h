@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "softfinger/dynamics/lemke.h"
+
+namespace softfinger {
+
+/// All contacts of one time step as a linear complementarity problem in impulses (Ciocarlie,
+/// Lackner, Allen, World Haptics 2007, eq. 2-5; Anitescu, Potra, Nonlinear Dynamics 14, 1997):
+///
+///   v = W r + v_free,   r_i = (P_i, D_i beta_i),   D_i = diag(1, 1, e_i) V
+///   0 <= P_i      complementary to  v_n,i >= 0
+///   0 <= beta_i   complementary to  D_i^T v_t,i + lambda_i e >= 0
+///   0 <= lambda_i complementary to  mu_i P_i - e^T beta_i >= 0
+///
+/// Rows and impulses come in fours per contact: along the normal, along the two tangents, about the
+/// normal. Impulses in N s and N m s, velocities in m/s and rad/s.
+struct ContactLcp {
+  Eigen::MatrixXd delassus;  ///< W = J M^-1 J^T, 4 nc x 4 nc, symmetric, positive semi-definite
+  Eigen::VectorXd free_velocity;         ///< 4 nc: without contact impulses
+  Eigen::VectorXd friction_coefficient;  ///< nc, >= 0
+  Eigen::VectorXd eccentricity_m;        ///< nc, >= 0: e_n of the friction ellipsoid, eq. 6
+  /// V, 3 x u: points of the unit sphere (f_x, f_y, tau/e_n)/(mu P), eq. 2. See LinearisedFriction.
+  Eigen::Matrix3Xd vertices;
+
+  int contacts() const { return int(friction_coefficient.size()); }
+};
+
+struct ContactSolution {
+  Eigen::VectorXd impulse;   ///< r, 4 nc
+  Eigen::VectorXd velocity;  ///< v = W r + v_free, 4 nc
+  Eigen::VectorXd slip;      ///< lambda, nc: how fast a sliding contact slides
+  struct Weight {
+    int contact, vertex;
+    double value;
+  };
+  std::vector<Weight> weights;  ///< the beta that are not zero, at most four per contact
+  /// After an infeasible problem: impulses within the friction cones that move nothing, W y = 0,
+  /// and that the prescribed motion would do work on without bound, y^T v_free < 0.
+  Eigen::VectorXd ray;
+
+  void resize(int contacts);
+};
+
+/// Solves ContactLcp by Lemke's algorithm. See LemkeSolver for the covering vector, ties and
+/// retries; the path is that of the whole problem of nc (u + 2) unknowns, but
+/// - each contact is scaled by 1/sqrt(W_nn), so that masses, units and time steps do not matter;
+/// - rows of friction vertices are not stored: of each contact the path sees its 4 velocities, and
+///   looks at single vertices only where the whole friction sphere would be violated. So the cost
+///   hardly depends on u;
+/// - only the active part of the basis is factorised, at most 6 nc + 1 columns.
+///
+/// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
+/// 1997). Prescribed motions can exclude one: bodies that are wedged between closing walls. A ray
+/// is proved as RayProof::infeasible when normal impulses alone make it: then no impulses at all
+/// keep every v_n >= 0. With friction in it (RayProof::ray_only) it is what jams.
+///
+/// Sized once: `solve` then allocates nothing, for solutions that have been resized before.
+class ContactLcpSolver {
+ public:
+  ContactLcpSolver(int largest_contacts, int largest_vertices);
+  ~ContactLcpSolver();
+  ContactLcpSolver(ContactLcpSolver&&) noexcept;
+  ContactLcpSolver& operator=(ContactLcpSolver&&) noexcept;
+
+  /// `residual` of the result is that of `contact_residual`. @throws InputError for sizes that do
+  /// not fit each other or the solver, for values that are not finite or negative where they cannot
+  /// be, and for a contact with W_nn <= 0: bodies that cannot move.
+  LcpResult solve(const ContactLcp& problem, ContactSolution& solution);
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+/// Natural residual max |min(z, w)| without unit: rows of P and beta have their z multiplied by
+/// their own diagonal of W and are divided by max |v_free|; rows of lambda, lambda by max |v_free|
+/// and the rest of the cone by the largest impulse. Velocities are computed again from the impulses
+/// of P and beta. Allocates.
+double contact_residual(const ContactLcp& problem, const ContactSolution& solution);
+
+}  // namespace softfinger

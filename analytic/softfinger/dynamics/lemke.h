@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+namespace softfinger {
+
+enum class LcpStatus {
+  solved,             ///< the residual is within the tolerance
+  infeasible_or_ray,  ///< every path ended in a ray; see LcpResult::proof
+  iteration_limit     ///< neither: the best point found is returned, with its residual
+};
+
+/// What a ray says. Found rays are checked as vectors, whatever path led to them.
+enum class RayProof {
+  none,  ///< there was no ray, or it does not hold to round-off
+  /// y >= 0, M^T y <= 0, q^T y < 0 (Farkas): no z >= 0 has M z + q >= 0, for any M.
+  infeasible,
+  /// y >= 0, M y >= 0, y^T M y = 0, q^T y < 0: proves that there is no solution only where M is
+  /// copositive-plus (Cottle, Pang, Stone 1992, theorem 4.4.13). For other M it says that the
+  /// method has no answer, not that there is none.
+  ray_only
+};
+
+struct LcpResult {
+  LcpStatus status = LcpStatus::iteration_limit;
+  /// max_i |min(z_i, w_i)|: violations of z >= 0, w >= 0 and w^T z = 0 in one number, without unit:
+  /// rows and columns are scaled so that those of M have largest entries of 1, and divided by the
+  /// largest scaled q or z.
+  double residual = 0;
+  int pivots = 0;    ///< of all attempts
+  int attempts = 0;  ///< covering vectors tried
+  RayProof proof = RayProof::none;
+};
+
+/// Linear complementarity problem w = M z + q, w, z >= 0, w^T z = 0 by Lemke's algorithm (Cottle,
+/// Pang, Stone, The Linear Complementarity Problem, 1992, algorithm 4.4.1).
+///
+/// Textbook Lemke, with a covering vector of ones and exact ties, cycles or takes tiny pivots on
+/// problems with redundant contacts. Here the covering vector is random (the same in every run) and
+/// ties are resolved by Harris' ratio test, which takes the largest pivot among rows that block
+/// within a tolerance; when a path fails, another covering vector is tried. Rows and columns are
+/// equilibrated first, so that units and other scalings do not matter. The last basis is solved
+/// once more, with refinement.
+///
+/// Lemke's method reaches a solution when M is a P-matrix, strictly copositive, or copositive-plus
+/// with a feasible problem. For others a ray may end every path although a solution exists.
+///
+/// Sized once: `solve` then allocates nothing. Cost: O(n k) per pivot, k the number of basic z;
+/// usually n to 2n pivots.
+class LemkeSolver {
+ public:
+  /// @param largest_size  n of the problems to be solved; three n x n matrices are held
+  explicit LemkeSolver(int largest_size);
+  ~LemkeSolver();
+  LemkeSolver(LemkeSolver&&) noexcept;
+  LemkeSolver& operator=(LemkeSolver&&) noexcept;
+
+  /// @param matrix    M, n x n, n <= largest_size, finite
+  /// @param constant  q, n, finite
+  /// @param z         n; the solution, or the best point found, or unchanged after a ray
+  /// @throws InputError for sizes that do not fit and values that are not finite
+  LcpResult solve(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
+                  const Eigen::Ref<const Eigen::VectorXd>& constant, Eigen::Ref<Eigen::VectorXd> z);
+
+  /// The vector y of LcpResult::proof, n long, of any length; meaningless without a proof.
+  Eigen::Ref<const Eigen::VectorXd> ray() const;
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,292 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "softfinger/dynamics/basis_inverse.h"
+
+/// Internal: the path that Lemke's algorithm follows, for any matrix that can answer a few
+/// questions.
+namespace softfinger::internal {
+
+enum class PathEnd { solved, ray, limit, numerical };
+
+struct PathOptions {
+  /// Harris: rows may become that negative, times their natural size, which makes ties choices.
+  double tolerance = 1e-11;
+  int most_pivots = 1000;
+};
+
+/// What the ratio test has found: where the path is blocked, and by what.
+struct Blocking {
+  double theta = std::numeric_limits<double>::infinity();
+  double pivot = 0;
+  int row = -1;     ///< a w that becomes zero
+  int column = -1;  ///< or the position in the basis of a z that does
+
+  static bool blocks(double slope, double least) { return slope < -least; }
+
+  /// First pass: how far can all go, each a tolerance below zero?
+  void bound(double value, double slope, double least, double tolerance) {
+    if (blocks(slope, least)) theta = std::min(theta, (std::max(value, 0.) + tolerance) / -slope);
+  }
+  /// Second pass: of all that block before `theta`, the largest pivot.
+  bool prefers(double value, double slope, double least) const {
+    return blocks(slope, least) && -slope > pivot && value <= -slope * theta;
+  }
+};
+
+/// Lemke's path for w = M z + q + d z0, w, z, z0 >= 0, w^T z = 0, from z0 large to z0 = 0 (Cottle,
+/// Pang, Stone, The Linear Complementarity Problem, 1992, algorithm 4.4.1), with Harris' two-pass
+/// ratio test instead of exact ties.
+///
+/// Only the active part of the basis is held, as an explicit inverse of the k columns of basic z
+/// (z0 among them) in the k rows of w = 0; M is asked for single rows and columns. A pivot costs
+/// O(k²) and what `System` takes to follow w along a direction. No allocation after construction.
+///
+/// `System` has
+///   int pairs()                                                      n
+///   void column(int j, const int* rows, int k, double* out)          M(rows, j)
+///   void row(int i, const int* columns, int k, double* out)          M(i, columns); index n means
+///   d double q(int i)                                                  q_i int first_row() argmin
+///   q_i/d_i double cover(int i)                                              d_i void
+///   set_state(const int* columns, const double* z, int k) void set_direction(const int* columns,
+///   const double* dz, int k, int entering or -1) double state(int i), direction(int i) w_i, dw_i
+///   void bound(const Rows& is_active, double least, double tolerance, Blocking&)
+///   void choose(const Rows& is_active, double least, Blocking&)      over all rows not active
+template <class System>
+class LemkePath {
+ public:
+  LemkePath(int most_pairs, int largest_basis)
+      : basis_(largest_basis),
+        columns_(std::size_t(largest_basis)),
+        rows_(std::size_t(largest_basis)),
+        column_position_(std::size_t(most_pairs) + 1),
+        row_position_(std::size_t(most_pairs)),
+        z_(largest_basis),
+        dz_(largest_basis),
+        first_(largest_basis),
+        second_(largest_basis),
+        matrix_(largest_basis, largest_basis) {}
+
+  PathEnd follow(System& system, const PathOptions& options) {
+    system_ = &system;
+    pairs_ = system.pairs();
+    start();
+    bool entering_is_z = true;
+    int entering = rows_[0];
+    for (pivots_ = 0; pivots_ < options.most_pivots; ++pivots_) {
+      if (!find_direction(entering_is_z, entering)) return PathEnd::numerical;
+      const int k = basis_.size();
+      const double least = 1e-9 * std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
+
+      Blocking blocking;
+      for (int p = 0; p < k; ++p)
+        blocking.bound(z_[p], dz_[p], least,
+                       options.tolerance * system.natural_size(columns_[std::size_t(p)]));
+      const auto is_active = [this](int row) { return row_position_[std::size_t(row)] >= 0; };
+      system.bound(is_active, least, options.tolerance, blocking);
+      if (std::isinf(blocking.theta)) {
+        entering_is_z_ = entering_is_z;
+        entering_ = entering;
+        return PathEnd::ray;
+      }
+      for (int p = 0; p < k; ++p)
+        if (blocking.prefers(z_[p], dz_[p], least)) {
+          blocking.pivot = -dz_[p];
+          blocking.column = p;
+        }
+      system.choose(is_active, least, blocking);
+      // z0 may leave: that is the goal, whatever else could.
+      const int z0 = column_position_[std::size_t(pairs_)];
+      if (dz_[z0] < -least && z_[z0] <= -dz_[z0] * blocking.theta) {
+        blocking.row = -1;
+        blocking.column = z0;
+      }
+      if (blocking.row < 0 && blocking.column < 0) return PathEnd::numerical;
+      if (entering_is_z && blocking.row >= 0 && k == basis_.capacity()) return PathEnd::numerical;
+
+      const double value = blocking.row >= 0 ? system.state(blocking.row) : z_[blocking.column];
+      const double slope =
+          blocking.row >= 0 ? system.direction(blocking.row) : dz_[blocking.column];
+      const double theta = std::max(0., value / -slope);
+      z_.head(k) += theta * dz_.head(k);
+      const int leaving = blocking.row >= 0 ? blocking.row : columns_[std::size_t(blocking.column)];
+      const bool leaving_is_z = blocking.row < 0;
+      exchange(entering_is_z, entering, theta, blocking);
+      if (!refresh()) return PathEnd::numerical;
+      if (leaving == pairs_) {
+        ++pivots_;
+        refine();
+        return PathEnd::solved;
+      }
+      entering_is_z = !leaving_is_z;
+      entering = leaving;
+    }
+    return PathEnd::limit;
+  }
+
+  int pivots() const { return pivots_; }
+  /// The basic z, without z0 once solved.
+  int basis_size() const { return basis_.size(); }
+  int basis_column(int p) const { return columns_[std::size_t(p)]; }
+  double basis_value(int p) const { return z_[p]; }
+
+  /// After a ray: the direction's component of that basic z, and which z enters (-1: a w does).
+  double ray_value(int p) const { return dz_[p]; }
+  int ray_entering() const { return entering_is_z_ ? entering_ : -1; }
+
+ private:
+  void start() {
+    std::fill(column_position_.begin(), column_position_.end(), -1);
+    std::fill(row_position_.begin(), row_position_.end(), -1);
+    const int row = system_->first_row();
+    matrix_(0, 0) = system_->cover(row);
+    basis_.invert(matrix_.data(), int(matrix_.rows()), 1);
+    columns_[0] = pairs_;
+    rows_[0] = row;
+    column_position_[std::size_t(pairs_)] = 0;
+    row_position_[std::size_t(row)] = 0;
+    z_[0] = -system_->q(row) / system_->cover(row);
+    system_->set_state(columns_.data(), z_.data(), 1);
+  }
+
+  /// How the basic z change while the entering variable grows by one. The rows of w = 0 must stay
+  /// zero: what they do instead is the inverse's error, which is corrected.
+  bool find_direction(bool is_z, int entering) {
+    for (int attempt = 0; attempt < 2; ++attempt) {
+      const int k = basis_.size();
+      if (is_z) {
+        system_->column(entering, rows_.data(), k, first_.data());
+        basis_.solve(first_.data(), dz_.data());
+        dz_.head(k) = -dz_.head(k);
+      } else {
+        const int p = row_position_[std::size_t(entering)];
+        dz_.head(k) = Eigen::Map<const Eigen::VectorXd>(basis_.column(p), k);
+      }
+      for (int correction = 0; correction < 3; ++correction) {
+        system_->set_direction(columns_.data(), dz_.data(), k, is_z ? entering : -1);
+        double error = 0;
+        for (int p = 0; p < k; ++p) {
+          const int row = rows_[std::size_t(p)];
+          first_[p] = system_->direction(row) - (!is_z && row == entering ? 1 : 0);
+          error = std::max(error, std::abs(first_[p]));
+        }
+        const double size = std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
+        if (error <= 1e-11 * size) return true;
+        if (!(error < 1e-3 * size)) break;
+        basis_.solve(first_.data(), second_.data());
+        dz_.head(k) -= second_.head(k);
+      }
+      if (attempt == 0 && !invert_again()) return false;
+    }
+    return false;
+  }
+
+  bool invert_again() {
+    const int k = basis_.size();
+    for (int p = 0; p < k; ++p) {
+      system_->row(rows_[std::size_t(p)], columns_.data(), k, first_.data());
+      matrix_.row(p).head(k) = first_.head(k);
+    }
+    return basis_.invert(matrix_.data(), int(matrix_.rows()), k);
+  }
+
+  /// The values of the basic z belong to w = 0 in the active rows; rounding is taken out.
+  bool refresh() {
+    for (int correction = 0; correction < 4; ++correction) {
+      const int k = basis_.size();
+      system_->set_state(columns_.data(), z_.data(), k);
+      double error = 0;
+      for (int p = 0; p < k; ++p) {
+        first_[p] = system_->state(rows_[std::size_t(p)]);
+        error = std::max(error, std::abs(first_[p]));
+      }
+      const double size = k > 0 ? std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>()) : 1;
+      if (error <= 1e-14 * size) return true;
+      if (correction == 3) return error <= 1e-9 * size;
+      if (correction == 2 && error > 1e-11 * size && !invert_again()) return false;
+      basis_.solve(first_.data(), second_.data());
+      z_.head(k) -= second_.head(k);
+    }
+    return true;
+  }
+
+  /// Corrects the values of the last basis for as long as it helps.
+  void refine() {
+    const int k = basis_.size();
+    double last = std::numeric_limits<double>::infinity();
+    constexpr int kMostCorrections = 6;
+    for (int correction = 0; correction < kMostCorrections; ++correction) {
+      double error = 0;
+      for (int p = 0; p < k; ++p) {
+        first_[p] = system_->state(rows_[std::size_t(p)]);
+        error = std::max(error, std::abs(first_[p]));
+      }
+      if (error >= 0.5 * last) break;
+      last = error;
+      basis_.solve(first_.data(), second_.data());
+      z_.head(k) -= second_.head(k);
+      system_->set_state(columns_.data(), z_.data(), k);
+    }
+  }
+
+  void exchange(bool entering_is_z, int entering, double theta, const Blocking& blocking) {
+    const int k = basis_.size();
+    if (blocking.row >= 0) {
+      system_->row(blocking.row, columns_.data(), k, first_.data());
+      basis_.solve_transposed(first_.data(), second_.data());
+    }
+    if (entering_is_z) dz_.head(k) = -dz_.head(k);  // now A^-1 times the entering column
+    if (entering_is_z && blocking.row >= 0) {
+      basis_.grow(dz_.data(), second_.data(), system_->direction(blocking.row));
+      set_column(k, entering);
+      set_row(k, blocking.row);
+      z_[k] = theta;
+    } else if (entering_is_z) {
+      const int p = blocking.column;
+      basis_.replace_column(p, dz_.data());
+      column_position_[std::size_t(columns_[std::size_t(p)])] = -1;
+      set_column(p, entering);
+      z_[p] = theta;
+    } else if (blocking.row >= 0) {
+      const int p = row_position_[std::size_t(entering)];
+      basis_.replace_row(p, second_.data());
+      row_position_[std::size_t(entering)] = -1;
+      set_row(p, blocking.row);
+    } else {
+      const int row = row_position_[std::size_t(entering)], column = blocking.column;
+      basis_.shrink(row, column);
+      row_position_[std::size_t(entering)] = -1;
+      column_position_[std::size_t(columns_[std::size_t(column)])] = -1;
+      if (row != k - 1) set_row(row, rows_[std::size_t(k) - 1]);
+      if (column != k - 1) {
+        set_column(column, columns_[std::size_t(k) - 1]);
+        z_[column] = z_[k - 1];
+      }
+    }
+  }
+
+  void set_column(int p, int index) {
+    columns_[std::size_t(p)] = index;
+    column_position_[std::size_t(index)] = p;
+  }
+  void set_row(int p, int index) {
+    rows_[std::size_t(p)] = index;
+    row_position_[std::size_t(index)] = p;
+  }
+
+  System* system_ = nullptr;
+  int pairs_ = 0;
+  BasisInverse basis_;
+  std::vector<int> columns_, rows_, column_position_, row_position_;
+  Eigen::VectorXd z_, dz_, first_, second_;
+  Eigen::MatrixXd matrix_;
+  int pivots_ = 0, entering_ = -1;
+  bool entering_is_z_ = false;
+};
+
+}  // namespace softfinger::internal

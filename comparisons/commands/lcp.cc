@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/files.h"
+#include "comparisons/recorded_contacts.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  std::string solver = "lemke";
+  bool json = false;
+};
+
+const char* name_of(LcpStatus status) {
+  switch (status) {
+    case LcpStatus::solved:
+      return "solved";
+    case LcpStatus::infeasible_or_ray:
+      return "infeasible";
+    case LcpStatus::iteration_limit:
+      break;
+  }
+  return "limit";
+}
+
+const char* name_of(RayProof proof) {
+  switch (proof) {
+    case RayProof::infeasible:
+      return "no_feasible_velocity";
+    case RayProof::ray_only:
+      return "jammed_by_friction";
+    case RayProof::none:
+      break;
+  }
+  return nullptr;
+}
+
+std::vector<double> values(const Eigen::VectorXd& vector) {
+  return std::vector<double>(vector.data(), vector.data() + vector.size());
+}
+
+struct Solved {
+  LcpResult result;
+  ContactSolution solution;
+  double solve_us = 0;
+};
+
+Solved solve(const ContactLcp& problem) {
+  ContactLcpSolver solver(problem.contacts(), int(problem.vertices.cols()));
+  Solved solved;
+  solved.solution.resize(problem.contacts());
+  const auto start = std::chrono::steady_clock::now();
+  solved.result = solver.solve(problem, solved.solution);
+  solved.solve_us =
+      std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+  return solved;
+}
+
+nlohmann::json to_json(const std::string& file, const Solved& solved) {
+  const LcpResult& result = solved.result;
+  nlohmann::json object{{"file", file},
+                        {"status", name_of(result.status)},
+                        {"iterations", result.pivots},
+                        {"attempts", result.attempts},
+                        {"solve_us", solved.solve_us}};
+  const bool has_point =
+      result.status != LcpStatus::infeasible_or_ray && std::isfinite(result.residual);
+  object["residual"] = has_point ? nlohmann::json(result.residual) : nlohmann::json();
+  object["v4"] = has_point ? nlohmann::json(values(solved.solution.velocity)) : nlohmann::json();
+  object["r4"] = has_point ? nlohmann::json(values(solved.solution.impulse)) : nlohmann::json();
+  if (const char* proof = name_of(result.proof)) {
+    object["proof"] = proof;
+    object["ray4"] = values(solved.solution.ray);
+  }
+  return object;
+}
+
+int run(const Options& options) {
+  nlohmann::json results = nlohmann::json::array();
+  std::string table;
+  bool limit = false;
+  for (const std::string& file : options.files) {
+    const ContactLcp problem = read_recorded_contacts(file);
+    const Solved solved = solve(problem);
+    const LcpResult& result = solved.result;
+    limit |= result.status == LcpStatus::iteration_limit;
+    if (options.json) {
+      results.push_back(to_json(file, solved));
+      continue;
+    }
+    const std::string residual =
+        std::isfinite(result.residual) ? fmt::format("{:.1e}", result.residual) : "-";
+    table += fmt::format("{:<10}  {:>8}  {:>6}  {:>9.1f}  {}\n", name_of(result.status), residual,
+                         result.pivots, solved.solve_us, file);
+  }
+  if (options.json)
+    write_to_stdout(nlohmann::json{{"results", results}}.dump(
+                        2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                    "\n");
+  else
+    write_to_stdout(fmt::format("{:<10}  {:>8}  {:>6}  {:>9}  {}\n", "status", "residual", "pivots",
+                                "us", "file") +
+                    table);
+  return limit ? 3 : 0;
+}
+
+}  // namespace
+
+void add_lcp(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("lcp",
+                         "Solve recorded contact problems: impulses, velocities, residual\n"
+                         "An infeasible problem is an answer (status \"infeasible\", exit status "
+                         "0); exit status 3 when "
+                         "a problem could not be solved within the iteration limit");
+  command->add_option("FILE", options->files, "recorded problems (softlcp 1), SI units")
+      ->required();
+  command->add_option("--solver", options->solver, "\"lemke\" (default)")
+      ->check(CLI::IsMember({"lemke"}));
+  command->add_flag("--json", options->json,
+                    "one JSON object on standard output: impulses r4 in N s and N m s, velocities "
+                    "v4 in m/s and rad/s, four per contact; without unit: residual");
+  command->footer(
+      "Samples:\n"
+      "  softfinger lcp step_0001.txt step_0002.txt\n"
+      "  softfinger lcp step_0001.txt --solver lemke --json");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace softfinger::commands

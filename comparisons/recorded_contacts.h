@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "softfinger/dynamics/contact_lcp.h"
+
+/// Contact problems as text files, one problem each: the line "softlcp 1", then keys, each with its
+/// values on one line and numbers separated by blanks.
+///
+///   nc, u, nb            contacts, friction vertices per contact, bodies
+///   mu, en               count nc and the values; e_n in m
+///   V                    count 3 u and the values, column by column
+///   minv                 count 6 nb and the values: 1/mass three times, 1/inertia about three axes
+///   J                    count, then as many lines "row column value"; 4 nc x 6 nb
+///   q4                   count 4 nc and the values: velocity without contact impulses, m/s and
+///   rad/s
+///
+/// Other keys (class, tag, note, a reference solution) are skipped.
+namespace softfinger {
+
+/// W = J diag(minv) J^T and the rest of the problem.
+/// @throws InputError naming file, line and key
+ContactLcp read_recorded_contacts(const std::filesystem::path& path);
+
+}  // namespace softfinger

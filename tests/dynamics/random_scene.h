@@ -1,0 +1,119 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/friction/linearised_friction.h"
+#include "softfinger/math/pi.h"
+
+namespace softfinger::tests {
+
+/// Vertices of the friction ellipsoid, built once per count: that takes milliseconds.
+inline const Eigen::Matrix3Xd& friction_vertices(int count) {
+  static std::map<int, Eigen::Matrix3Xd> known;
+  auto found = known.find(count);
+  if (found == known.end())
+    found = known.emplace(count, LinearisedFriction(count).columns(1.0)).first;
+  return found->second;
+}
+
+/// Rigid bodies that touch each other and a fixed world, at random: masses over six decades, e_n
+/// from 1e-6 to 1 m, friction from none to 1.5, one in three contacts repeated nearby with the same
+/// normal (redundant) or exactly. Where the world is fixed, Anitescu and Potra's theorem promises a
+/// solution.
+class RandomScenes {
+ public:
+  explicit RandomScenes(unsigned seed) : random_(seed) {}
+
+  ContactLcp next(int contacts, int vertices) {
+    const int bodies = 1 + int(uniform(0, 1 + contacts / 3.0));
+    ContactLcp problem;
+    problem.vertices = friction_vertices(vertices);
+    problem.friction_coefficient.resize(contacts);
+    problem.eccentricity_m.resize(contacts);
+
+    const double decades = uniform(0, 6);
+    Eigen::MatrixXd inverse_mass = Eigen::MatrixXd::Zero(6 * bodies, 6 * bodies);
+    Eigen::VectorXd velocity(6 * bodies);
+    std::vector<double> radius_m;
+    for (int b = 0; b < bodies; ++b) {
+      const double mass_kg = 0.1 * std::pow(10, uniform(0, decades));
+      radius_m.push_back(uniform(0.01, 0.1));
+      const Eigen::Matrix3d axes = rotation();
+      const Eigen::Vector3d inertia_kg_m2 =
+          mass_kg * radius_m.back() * radius_m.back() *
+          Eigen::Vector3d(uniform(0.2, 0.6), uniform(0.3, 0.6), uniform(0.3, 0.6));
+      inverse_mass.block<3, 3>(6 * b, 6 * b).diagonal().setConstant(1 / mass_kg);
+      inverse_mass.block<3, 3>(6 * b + 3, 6 * b + 3) =
+          axes * inertia_kg_m2.cwiseInverse().asDiagonal() * axes.transpose();
+      velocity.segment<3>(6 * b) = uniform(0, 1) * direction() - Eigen::Vector3d(0, 0, 0.0981);
+      velocity.segment<3>(6 * b + 3) = uniform(0, 10) * direction();
+    }
+    if (uniform(0, 1) < 0.3) {  // at rest under gravity: many ties
+      velocity.setZero();
+      for (int b = 0; b < bodies; ++b) velocity[6 * b + 2] = -0.0981;
+    }
+
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(4 * contacts, 6 * bodies);
+    int first = 0, second = -1;
+    Eigen::Vector3d normal, arm_m;
+    for (int i = 0; i < contacts; ++i) {
+      const double kind = uniform(0, 1);
+      if (i == 0 || kind < 0.67) {
+        first = int(uniform(0, bodies));
+        second = int(uniform(-1, bodies));
+        if (second == first || uniform(0, 1) < 0.4) second = -1;
+        normal = second < 0 && uniform(0, 1) < 0.6 ? Eigen::Vector3d(0, 0, 1) : direction();
+        arm_m = -radius_m[std::size_t(first)] * normal;
+      } else if (kind < 0.9) {
+        arm_m += 0.5 * radius_m[std::size_t(first)] * direction().cross(normal);
+      }
+      const Eigen::Matrix3d frame = contact_frame(normal);
+      add_body(jacobian, i, first, frame, arm_m, 1);
+      if (second >= 0)
+        add_body(jacobian, i, second, frame, radius_m[std::size_t(second)] * normal, -1);
+      problem.friction_coefficient[i] = uniform(0, 1) < 0.05 ? 0 : uniform(0.05, 1.5);
+      problem.eccentricity_m[i] = std::pow(10, uniform(-6, 0));
+    }
+    problem.delassus = jacobian * inverse_mass * jacobian.transpose();
+    problem.free_velocity = jacobian * velocity;
+    return problem;
+  }
+
+  double uniform(double lowest, double highest) {
+    return lowest + (highest - lowest) * std::generate_canonical<double, 53>(random_);
+  }
+
+ private:
+  Eigen::Vector3d direction() {
+    const double z = uniform(-1, 1), heading = uniform(0, 2 * kPi), r = std::sqrt(1 - z * z);
+    return {r * std::cos(heading), r * std::sin(heading), z};
+  }
+  Eigen::Matrix3d rotation() {
+    const Eigen::Vector3d axis = direction();
+    return Eigen::AngleAxisd(uniform(0, kPi), axis).toRotationMatrix();
+  }
+  static Eigen::Matrix3d contact_frame(const Eigen::Vector3d& normal) {
+    Eigen::Matrix3d frame;
+    frame.col(0) = normal;
+    frame.col(1) = normal.unitOrthogonal();
+    frame.col(2) = normal.cross(frame.col(1));
+    return frame;
+  }
+  static void add_body(Eigen::MatrixXd& jacobian, int contact, int body,
+                       const Eigen::Matrix3d& frame, const Eigen::Vector3d& arm_m, double sign) {
+    for (int row = 0; row < 3; ++row) {
+      jacobian.block<1, 3>(4 * contact + row, 6 * body) += sign * frame.col(row).transpose();
+      jacobian.block<1, 3>(4 * contact + row, 6 * body + 3) +=
+          sign * arm_m.cross(frame.col(row)).transpose();
+    }
+    jacobian.block<1, 3>(4 * contact + 3, 6 * body + 3) += sign * frame.col(0).transpose();
+  }
+
+  std::mt19937_64 random_;
+};
+
+}  // namespace softfinger::tests
