@@ -38,6 +38,13 @@ std::string paraboloid_mesh(double bumps_mm) {
   return mesh.str();
 }
 
+/// A block of 0.2 kg that slides slowly on a floor: four vertices of friction, it has to stick.
+std::string contact_problem_text() {
+  return "softlcp 1\nnc 1\nu 4\nnb 1\nmu 1 0.7\nen 1 0.002\n"
+         "V 12 1 0 0 -1 0 0 0 1 0 0 -1 0\nminv 6 5 5 5 1e4 1e4 1e4\n"
+         "J 4\n0 2 1\n1 0 1\n2 1 1\n3 5 1\nq4 4 -0.05 0.01 0 0\n";
+}
+
 }  // namespace
 
 class Program : public testing::Test {
@@ -447,9 +454,44 @@ TEST_F(Program, ReadsEveryBuiltinCase) {
   EXPECT_LE(pairs, 26) << "the suite has to stay within five minutes";
 }
 
+TEST_F(Program, SolvesARecordedContactProblem) {
+  const auto file = folder.write("step.txt", contact_problem_text());
+  const ProgramRun result = run({"lcp", file.string(), "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json solved = json::parse(result.out)["results"][0];
+  EXPECT_EQ(solved["file"], file.string());
+  EXPECT_EQ(solved["status"], "solved");
+  EXPECT_LE(solved["residual"].get<double>(), 1e-12);
+  EXPECT_GT(solved["iterations"].get<int>(), 0);
+  EXPECT_TRUE(solved["solve_us"].is_number());
+  EXPECT_NEAR(solved["r4"][0].get<double>(), 0.01, 1e-14);
+  EXPECT_NEAR(solved["r4"][1].get<double>(), -0.002, 1e-14);
+  EXPECT_NEAR(solved["v4"][0].get<double>(), 0, 1e-14);
+}
+
+TEST_F(Program, RefusesDamagedContactProblems) {
+  const std::string good = contact_problem_text();
+  const auto with = [&](const std::string& old, const std::string& changed) {
+    std::string text = good;
+    text.replace(text.find(old), old.size(), changed);
+    return folder.write("step.txt", text).string();
+  };
+  expect_refusal({"lcp", with("mu 1 0.7", "mu 1 -0.7")}, "mu");
+  expect_refusal({"lcp", with("5 5 5", "nan 5 5")}, "minv");
+  expect_refusal({"lcp", with("nc 1", "nc 2")}, "1 values");
+  expect_refusal({"lcp", with("3 5 1", "9 5 1")}, "J row");
+  expect_refusal({"lcp", with("softlcp 1", "softlcp 2")}, "softlcp");
+  expect_refusal({"lcp", with("q4", "q5")}, "q4");
+  expect_refusal({"lcp", "missing.txt"}, "missing.txt");
+}
+
 TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
-  for (const std::string command : {"", "predict", "fit", "fem", "compare", "list", "explain"}) {
+  folder.write("step_0001.txt", contact_problem_text());
+  folder.write("step_0002.txt", contact_problem_text());
+  for (const std::string command :
+       {"", "predict", "fit", "fem", "compare", "list", "explain", "lcp"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -1,6 +1,7 @@
 #include "softfinger/dynamics/contact_lcp.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -15,7 +16,7 @@ namespace {
 using internal::Blocking;
 using internal::PathEnd;
 
-constexpr int kMostAttempts = 12;
+constexpr int kMostAttempts = 24;
 /// A solution is one below the first; below the second, no other covering vector is tried.
 constexpr double kTolerance = 1e-10, kGood = 1e-12;
 constexpr int kAttemptsForGood = 4;
@@ -45,7 +46,11 @@ class ContactSystem {
         state_(capacity),
         direction_(capacity),
         neighbours_(std::size_t(capacity) * std::size_t(capacity)),
-        neighbour_end_(std::size_t(capacity)) {}
+        neighbour_end_(std::size_t(capacity)),
+        in_use_(std::size_t(capacity) * std::size_t(vertex_capacity)),
+        in_use_end_(std::size_t(capacity)),
+        is_used_(in_use_.size()),
+        uncovered_(std::size_t(capacity) * std::size_t(vertex_capacity + 2)) {}
 
   int contacts = 0, count = 0;  ///< count: vertices per contact
   Eigen::MatrixXd delassus;
@@ -91,35 +96,71 @@ class ContactSystem {
       out[p] = entry(to, of);
     }
   }
-  double q(int i) const {
-    const Pair p = pair(i);
-    if (p.kind == Kind::normal) return free_velocity[4 * p.contact];
-    if (p.kind == Kind::slip) return 0;
-    return vertices.col(p.vertex).dot(free_velocity.segment<3>(4 * p.contact + 1));
-  }
   double cover(int i) const {
+    if (uncovered_[std::size_t(i)]) return 0;
     const Pair p = pair(i);
     if (p.kind == Kind::normal) return normal_cover[p.contact];
     if (p.kind == Kind::slip) return slack_cover[p.contact];
     return slip_cover[p.contact] * vertex_cover[p.vertex];
   }
   double natural_size(int i) const { return i == pairs() ? 1 : natural_sizes[pair(i).contact]; }
-  int first_row() const {
-    int best = 0;
-    double least = std::numeric_limits<double>::infinity();
+  void cover_all_but(const int* rows, int k) {
+    std::fill(uncovered_.begin(), uncovered_.begin() + pairs(), char(false));
+    for (int p = 0; p < k; ++p) uncovered_[std::size_t(rows[p])] = char(true);
+    all_covered_ = k == 0;
+  }
+  template <class IsActive>
+  int first_row(const IsActive& is_active) const {
+    int best = -1;
+    double least = 0;
     const auto take = [&](int row) {
-      const double ratio = q(row) / cover(row);
-      if (ratio < least) {
-        least = ratio;
-        best = row;
-      }
+      if (is_active(row)) return;
+      const double value = state(row);
+      if (value >= least * cover(row)) return;
+      least = value / cover(row);
+      best = row;
     };
     for (int i = 0; i < contacts; ++i) {
       take(i);
       if (!has_friction[std::size_t(i)]) continue;
-      for (int j = 0; j < count; ++j) take(2 * contacts + i * count + j);
+      take(contacts + i);
+      for (int n = i * count; n < in_use_end_[std::size_t(i)]; ++n)
+        take(2 * contacts + i * count + in_use_[std::size_t(n)]);
     }
     return best;
+  }
+
+  /// Which vertices take part: none, then those that the caller adds.
+  void use_no_vertices() {
+    std::fill(is_used_.begin(), is_used_.begin() + contacts * count, char(false));
+    for (int i = 0; i < contacts; ++i) in_use_end_[std::size_t(i)] = i * count;
+  }
+  void use_vertex(int contact, int vertex) {
+    char& used = is_used_[std::size_t(contact * count + vertex)];
+    if (used) return;
+    used = char(true);
+    in_use_[std::size_t(in_use_end_[std::size_t(contact)]++)] = vertex;
+  }
+  /// Of each contact, takes the most violated vertex into use; returns whether there was one.
+  bool use_violated_vertices(double tolerance) {
+    bool found = false;
+    for (int i = 0; i < contacts; ++i) {
+      if (!has_friction[std::size_t(i)]) continue;
+      const Eigen::Vector3d velocity = state_.velocity.segment<3>(4 * i + 1);
+      if (vertex_radius * velocity.norm() <= state_.slip[i]) continue;
+      int worst = -1;
+      double least = -tolerance * natural_sizes[i] - state_.slip[i];
+      for (int j = 0; j < count; ++j) {
+        const double along = vertices.col(j).dot(velocity);
+        if (along >= least || is_used_[std::size_t(i * count + j)]) continue;
+        least = along;
+        worst = j;
+      }
+      if (worst < 0) continue;
+      use_vertex(i, worst);
+      found = true;
+    }
+    return found;
   }
 
   void set_state(const int* columns, const double* z, int k) {
@@ -134,8 +175,8 @@ class ContactSystem {
     if (entering >= 0) add(entering, 1, direction_);
     find_velocity(direction_);
   }
-  double state(int i) const { return w(state_, pair(i)); }
-  double direction(int i) const { return w(direction_, pair(i)); }
+  double state(int i) const { return w(state_, i); }
+  double direction(int i) const { return w(direction_, i); }
   const Motion& current() const { return state_; }
   const Motion& current_direction() const { return direction_; }
 
@@ -224,21 +265,22 @@ class ContactSystem {
     }
   }
 
-  double w(const Motion& motion, const Pair& p) const {
+  double w(const Motion& motion, int row) const {
+    const Pair p = pair(row);
     const int i = p.contact;
-    if (p.kind == Kind::normal) return motion.velocity[4 * i] + normal_cover[i] * motion.z0;
-    if (p.kind == Kind::slip) return motion.slack[i] + slack_cover[i] * motion.z0;
+    const double covered = motion.z0 != 0 ? cover(row) * motion.z0 : 0;
+    if (p.kind == Kind::normal) return motion.velocity[4 * i] + covered;
+    if (p.kind == Kind::slip) return motion.slack[i] + covered;
     return vertices.col(p.vertex).dot(motion.velocity.segment<3>(4 * i + 1)) + motion.slip[i] +
-           slip_cover[i] * vertex_cover[p.vertex] * motion.z0;
+           covered;
   }
 
   template <class IsActive, class Take>
   void for_stored_rows(const IsActive& is_active, const Take& take) const {
     for (int i = 0; i < contacts; ++i) {
-      const Pair normal{Kind::normal, i, 0}, slip{Kind::slip, i, 0};
-      if (!is_active(i)) take(i, w(state_, normal), w(direction_, normal));
+      if (!is_active(i)) take(i, w(state_, i), w(direction_, i));
       if (has_friction[std::size_t(i)] && !is_active(contacts + i))
-        take(contacts + i, w(state_, slip), w(direction_, slip));
+        take(contacts + i, state(contacts + i), direction(contacts + i));
     }
   }
 
@@ -252,24 +294,29 @@ class ContactSystem {
                           slope = direction_.velocity.segment<3>(4 * i + 1);
     if (std::isfinite(theta)) {
       const double z0 = state_.z0 + theta * direction_.z0;
-      const double least =
-          state_.slip[i] + theta * direction_.slip[i] + slip_cover[i] * std::max(z0, 0.);
+      const double least = state_.slip[i] + theta * direction_.slip[i] +
+                           (all_covered_ ? slip_cover[i] * std::max(z0, 0.) : 0);
       const double longest = vertex_radius * (value + theta * slope).norm();
       if (longest < least) return;
     }
     const double value_z0 = slip_cover[i] * state_.z0, slope_z0 = slip_cover[i] * direction_.z0;
-    for (int j = 0; j < count; ++j) {
+    const int first_row = 2 * contacts + i * count;
+    for (int n = i * count; n < in_use_end_[std::size_t(i)]; ++n) {
+      const int j = in_use_[std::size_t(n)], row = first_row + j;
+      const double covered = uncovered_[std::size_t(row)] ? 0 : vertex_cover[j];
       const auto vertex = vertices.col(j);
-      const double b = vertex.dot(slope) + direction_.slip[i] + vertex_cover[j] * slope_z0;
-      if (b >= 0) continue;
-      const int row = 2 * contacts + i * count + j;
-      if (is_active(row)) continue;
-      take(row, vertex.dot(value) + state_.slip[i] + vertex_cover[j] * value_z0, b);
+      const double b = vertex.dot(slope) + direction_.slip[i] + covered * slope_z0;
+      if (b >= 0 || is_active(row)) continue;
+      take(row, vertex.dot(value) + state_.slip[i] + covered * value_z0, b);
     }
   }
 
   Motion state_, direction_;
   std::vector<int> neighbours_, neighbour_end_;
+  /// Vertices of contact i in use: in_use_[count i] up to in_use_end_[i].
+  std::vector<int> in_use_, in_use_end_;
+  std::vector<char> is_used_, uncovered_;
+  bool all_covered_ = true;
 };
 
 }  // namespace
@@ -308,6 +355,9 @@ struct ContactLcpSolver::Workspace {
   void check(const ContactLcp& problem) const;
   void scale(const ContactLcp& problem);
   void cover(int attempt);
+  void choose_first_vertices();
+  PathEnd follow_adding_vertices(int attempt, const internal::PathOptions& options,
+                                 LcpResult& result);
   bool is_solved_by_zero() const;
   void find_unused_slip(const ContactLcp& problem, ContactSolution& solution) const;
   bool infeasible_without_friction(const ContactLcp& problem, ContactSolution& solution,
@@ -324,6 +374,8 @@ struct ContactLcpSolver::Workspace {
   Eigen::VectorXd impulse_scale, velocity_scale;
   double velocity_unit = 1;
   std::vector<char> kept_friction;
+  static constexpr std::size_t kFirstVertices = 6;
+  std::array<int, kFirstVertices> first_vertices{};  ///< -1: none
 };
 
 void ContactLcpSolver::Workspace::check(const ContactLcp& problem) const {
@@ -385,6 +437,7 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
     system.natural_sizes[i] =
         std::min(1., velocity_scale[4 * i + 1] * largest_velocity / velocity_unit);
   system.find_neighbours();
+  choose_first_vertices();
 }
 
 void ContactLcpSolver::Workspace::cover(int attempt) {
@@ -487,6 +540,54 @@ RayProof ContactLcpSolver::Workspace::check_ray(const ContactLcp& problem,
   return with_friction ? RayProof::ray_only : RayProof::infeasible;
 }
 
+/// Solves the problem with few vertices, adds those that the solution violates, and goes on from
+/// its basis; from z = 0 where that path ends elsewhere. Every other attempt has all vertices from
+/// the start.
+PathEnd ContactLcpSolver::Workspace::follow_adding_vertices(int attempt,
+                                                            const internal::PathOptions& options,
+                                                            LcpResult& result) {
+  constexpr double kTolerated = 1e-13;
+  system.use_no_vertices();
+  const bool all = attempt % 2 == 1;
+  for (int i = 0; i < system.contacts; ++i)
+    if (all)
+      for (int j = 0; j < system.count; ++j) system.use_vertex(i, j);
+    else
+      for (const int j : first_vertices)
+        if (j >= 0) system.use_vertex(i, j);
+  PathEnd end = path.follow(system, options);
+  result.pivots += path.pivots();
+  while (end == PathEnd::solved && system.use_violated_vertices(kTolerated)) {
+    end = path.follow(system, options, true);
+    result.pivots += path.pivots();
+    if (end == PathEnd::solved) continue;
+    end = path.follow(system, options);
+    result.pivots += path.pivots();
+  }
+  return end;
+}
+
+/// Some vertices far apart, the first one among them.
+void ContactLcpSolver::Workspace::choose_first_vertices() {
+  first_vertices.fill(-1);
+  const int most = std::min(system.count, int(first_vertices.size()));
+  for (int n = 0; n < most; ++n) {
+    int farthest = 0;
+    double best = -1;
+    for (int j = 0; n > 0 && j < system.count; ++j) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int m = 0; m < n; ++m)
+        nearest = std::min(
+            nearest, (system.vertices.col(j) - system.vertices.col(first_vertices[std::size_t(m)]))
+                         .squaredNorm());
+      if (nearest <= best) continue;
+      best = nearest;
+      farthest = j;
+    }
+    first_vertices[std::size_t(n)] = farthest;
+  }
+}
+
 LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
                                                     ContactSolution& solution) {
   LcpResult result;
@@ -497,10 +598,8 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
   const auto follow = [&](int attempt) {
     options.tolerance = attempt % 2 == 0 ? 1e-12 : 1e-11;
     cover(attempt);
-    const PathEnd end = path.follow(system, options);
-    result.pivots += path.pivots();
     ++result.attempts;
-    return end;
+    return follow_adding_vertices(attempt, options, result);
   };
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     if (follow(attempt) == PathEnd::ray) {

@@ -46,12 +46,14 @@ struct ContactSolution {
 };
 
 /// Solves ContactLcp by Lemke's algorithm. See LemkeSolver for the covering vector, ties and
-/// retries; the path is that of the whole problem of nc (u + 2) unknowns, but
-/// - each contact is scaled by 1/sqrt(W_nn), so that masses, units and time steps do not matter;
-/// - rows of friction vertices are not stored: of each contact the path sees its 4 velocities, and
-///   looks at single vertices only where the whole friction sphere would be violated. So the cost
-///   hardly depends on u;
-/// - only the active part of the basis is factorised, at most 6 nc + 1 columns.
+/// retries.
+/// - Each contact is scaled by 1/sqrt(W_nn), so that masses, units and time steps do not matter.
+/// - Friction starts with a few vertices; those that the solution violates are added, and the path
+///   goes on from its basis. When such a path ends in a ray, the problem with the vertices found so
+///   far is solved from the start; every other attempt has all vertices from the start.
+/// - Rows of vertices are not stored: of each contact the path sees its 4 velocities, and looks at
+///   single vertices only where the whole friction sphere would be violated.
+/// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
 /// 1997). Prescribed motions can exclude one: bodies that are wedged between closing walls. A ray

@@ -43,13 +43,18 @@ class DenseSystem {
   void row(int i, const int* columns, int k, double* out) const {
     for (int p = 0; p < k; ++p) out[p] = columns[p] == size ? covering[i] : matrix(i, columns[p]);
   }
-  double q(int i) const { return constant[i]; }
   double cover(int i) const { return covering[i]; }
   double natural_size(int) const { return 1; }
-  int first_row() const {
-    int best = 0;
-    for (int i = 1; i < size; ++i)
-      if (constant[i] * covering[best] < constant[best] * covering[i]) best = i;
+  void cover_all_but(const int*, int) {}
+  template <class IsActive>
+  int first_row(const IsActive& is_active) const {
+    int best = -1;
+    double least = 0;
+    for (int i = 0; i < size; ++i)
+      if (!is_active(i) && w_[i] < least * covering[i]) {
+        least = w_[i] / covering[i];
+        best = i;
+      }
     return best;
   }
   void set_state(const int* columns, const double* z, int k) {

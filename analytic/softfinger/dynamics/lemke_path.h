@@ -48,15 +48,18 @@ struct Blocking {
 /// O(k²) and what `System` takes to follow w along a direction. No allocation after construction.
 ///
 /// `System` has
-///   int pairs()                                                      n
-///   void column(int j, const int* rows, int k, double* out)          M(rows, j)
-///   void row(int i, const int* columns, int k, double* out)          M(i, columns); index n means
-///   d double q(int i)                                                  q_i int first_row() argmin
-///   q_i/d_i double cover(int i)                                              d_i void
-///   set_state(const int* columns, const double* z, int k) void set_direction(const int* columns,
-///   const double* dz, int k, int entering or -1) double state(int i), direction(int i) w_i, dw_i
-///   void bound(const Rows& is_active, double least, double tolerance, Blocking&)
-///   void choose(const Rows& is_active, double least, Blocking&)      over all rows not active
+/// - int pairs(): n
+/// - void column(int j, const int* rows, int k, double* out): M(rows, j)
+/// - void row(int i, const int* columns, int k, double* out): M(i, columns), where index n is d
+/// - double cover(int i): d_i
+/// - void cover_all_but(const int* rows, int k): from now on d = 0 in these rows
+/// - double natural_size(int i): of z_i and w_i; i = n: of z0
+/// - void set_state(const int* columns, const double* z, int k): w(z)
+/// - void set_direction(const int* columns, const double* dz, int k, int entering or -1): dw
+/// - double state(int i), direction(int i): w_i, dw_i
+/// - int first_row(is_active): argmin w_i/d_i over rows not active, -1 if all w >= 0
+/// - void bound(is_active, double least, double tolerance, Blocking&)
+/// - void choose(is_active, double least, Blocking&): the two passes over rows not active
 template <class System>
 class LemkePath {
  public:
@@ -72,13 +75,17 @@ class LemkePath {
         second_(largest_basis),
         matrix_(largest_basis, largest_basis) {}
 
-  PathEnd follow(System& system, const PathOptions& options) {
+  /// From z = 0, or, with `resume`, from the basis in which the last path was solved, of a problem
+  /// that has since got more rows: where these are violated, z0 covers them, and no other basic
+  /// variable feels it. A resumed path may end in a ray that means nothing.
+  PathEnd follow(System& system, const PathOptions& options, bool resume = false) {
     system_ = &system;
     pairs_ = system.pairs();
-    start();
+    pivots_ = 0;
+    int entering = start(resume);
+    if (entering < 0) return PathEnd::solved;
     bool entering_is_z = true;
-    int entering = rows_[0];
-    for (pivots_ = 0; pivots_ < options.most_pivots; ++pivots_) {
+    for (; pivots_ < options.most_pivots; ++pivots_) {
       if (!find_direction(entering_is_z, entering)) return PathEnd::numerical;
       const int k = basis_.size();
       const double least = 1e-9 * std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
@@ -140,18 +147,29 @@ class LemkePath {
   int ray_entering() const { return entering_is_z_ ? entering_ : -1; }
 
  private:
-  void start() {
-    std::fill(column_position_.begin(), column_position_.end(), -1);
-    std::fill(row_position_.begin(), row_position_.end(), -1);
-    const int row = system_->first_row();
-    matrix_(0, 0) = system_->cover(row);
-    basis_.invert(matrix_.data(), int(matrix_.rows()), 1);
-    columns_[0] = pairs_;
-    rows_[0] = row;
-    column_position_[std::size_t(pairs_)] = 0;
-    row_position_[std::size_t(row)] = 0;
-    z_[0] = -system_->q(row) / system_->cover(row);
-    system_->set_state(columns_.data(), z_.data(), 1);
+  /// Lets z0 enter until all w >= 0; returns the row that is then zero, or -1 if all were.
+  int start(bool resume) {
+    if (!resume) {
+      basis_.clear();
+      std::fill(column_position_.begin(), column_position_.end(), -1);
+      std::fill(row_position_.begin(), row_position_.end(), -1);
+    }
+    const int k = basis_.size();
+    if (k == basis_.capacity()) return -1;
+    system_->cover_all_but(rows_.data(), k);
+    system_->set_state(columns_.data(), z_.data(), k);
+    const int row =
+        system_->first_row([this](int other) { return row_position_[std::size_t(other)] >= 0; });
+    if (row < 0) return -1;
+    system_->row(row, columns_.data(), k, first_.data());
+    basis_.solve_transposed(first_.data(), second_.data());
+    dz_.head(k).setZero();
+    basis_.grow(dz_.data(), second_.data(), system_->cover(row));
+    set_column(k, pairs_);
+    set_row(k, row);
+    z_[k] = -system_->state(row) / system_->cover(row);
+    system_->set_state(columns_.data(), z_.data(), k + 1);
+    return row;
   }
 
   /// How the basic z change while the entering variable grows by one. The rows of w = 0 must stay
