@@ -194,20 +194,5 @@ TEST(ContactLcp, RefusesWhatIsNoProblem) {
   EXPECT_THROW(solve(problem, solution), InputError);
 }
 
-TEST(ContactLcp, SolvesAThousandRandomScenes) {
-  tests::RandomScenes scenes(16);
-  ContactLcpSolver solver(20, 64);
-  ContactSolution solution;
-  double worst = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
-    const ContactLcp problem = scenes.next(1 + trial % 20, 8 << (trial / 20 % 4));
-    const LcpResult result = solver.solve(problem, solution);
-    ASSERT_EQ(result.status, LcpStatus::solved) << trial;
-    worst = std::max(worst, contact_residual(problem, solution));
-  }
-  EXPECT_LE(worst, 1e-10);
-  RecordProperty("worst_residual", std::to_string(worst * 1e12) + "e-12");
-}
-
 }  // namespace
 }  // namespace softfinger
