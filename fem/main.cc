@@ -293,7 +293,9 @@ int answer_all(const json& inputs) {
   fem::ModelCache models;
   int exit_status = 0;
   for (const json& input : inputs) {
-    const std::string name = input.is_object() ? input.value("name", "problem") : "problem";
+    const bool is_named =
+        input.is_object() && input.contains("name") && input.at("name").is_string();
+    const std::string name = is_named ? input.at("name").get<std::string>() : "problem";
     const auto failure = failure_of([&] { answer(input, "fem: " + name + ": ", models); });
     if (!failure) continue;
     exit_status = std::max(exit_status, failure->exit_status);

@@ -100,7 +100,10 @@ int run(const Options& options) {
 
   // With an approach given, the first load only sizes the patch that a mesh's radii are fitted on.
   std::vector<double> loads_N = contact_case.loads_N;
-  const bool by_approach = options.approach_mm > 0;
+  const bool by_approach = options.approach_mm != 0;
+  if (!std::isfinite(options.approach_mm))
+    throw InputError("--approach-mm", "approach", fmt::format("{}", options.approach_mm),
+                     "a finite number > 0 (mm)");
   if (by_approach) loads_N.resize(1);
   std::vector<LocalGeometry> geometries;
   for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));

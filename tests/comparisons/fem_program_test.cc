@@ -134,6 +134,8 @@ TEST_F(FemProgram, RefusesBadInputInOneLine) {
   expect_refusal({file, "--level", "1", "--torsion", "--twist-axis-mm", "50,0"}, "twist_axis_m");
   expect_refusal({file, "--approach-mm", "-1"}, "approach-mm");
   expect_refusal({file, "--approach-mm", "5"}, "approach");
+  expect_refusal({file, "--approach-mm", "nan"}, "approach");
+  expect_refusal({file, "--approach-mm", "inf"}, "approach");
   expect_refusal({file, "--increments", "0"}, "increments");
   expect_refusal({write_case({{"= 1.0", "= 1e7"}})}, "load_N");
   expect_refusal({write_case({{"= 1.0", "= -1"}})}, "load_N");
@@ -171,14 +173,18 @@ TEST_F(FemProgram, TakesAnArrayOfProblems) {
   json bad = good;
   bad["name"] = "bad";
   bad["load_N"] = -1;
-  const auto problems = folder.write("problems.json", json::array({good, bad, good}).dump());
+  json nameless = good;
+  nameless["name"] = 5;
+  const auto problems =
+      folder.write("problems.json", json::array({good, bad, good, nameless}).dump());
   const fs::path out = folder.path() / "answers";
   const std::string command = std::string(SOFTFINGER_FEM) + " " + problems.string() + " > " +
                               out.string() + " 2> " + (folder.path() / "log").string();
   const int status = std::system(command.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 2);
   const auto answers = lines(file_text(out));
-  ASSERT_EQ(answers.size(), 3u);
+  ASSERT_EQ(answers.size(), 4u);
+  EXPECT_EQ(json::parse(answers[3])["exit_status"], 2) << "a name that is no text";
   const json first = json::parse(answers[0]), failed = json::parse(answers[1]),
              last = json::parse(answers[2]);
   EXPECT_EQ(failed["name"], "bad");
