@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "comparisons/simulation/shape.h"
+
+/// What a simulation leaves: poses and contacts over time, for files and for the page.
+namespace softfinger::simulation {
+
+struct RecordedBody {
+  std::string name;
+  bool movable = true;        ///< false: fixed to the world
+  std::vector<Shape> shapes;  ///< may be empty
+};
+
+/// A contact at the end of a step. Forces and torque act on body `b`; -them on body `a`.
+struct RecordedContact {
+  int a = -1, b = -1;  ///< bodies; a fixed one may be among them
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  /// Columns: first tangent (along the long axis), second tangent, normal from `a` to `b`.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  double semi_axis_a_m = 0, semi_axis_b_m = 0;  ///< of the contact ellipse; 0: a point contact
+  double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
+  double friction_coefficient = 0;
+  double eccentricity_m = 0;  ///< e_n that was used; 0: carries no torque
+  double pressure_exponent = 0.5;  ///< n of the exact limit surface
+  /// Of the friction ellipsoid, sqrt(f² + (tau/e_n)²)/(mu P): 1 at the limit.
+  double utilisation = 0;
+  bool slides = false;
+  std::string model;  ///< "rigid", or the pressure model
+};
+
+struct Frame {
+  double time_s = 0;
+  std::vector<Eigen::Isometry3d> poses;  ///< of every body
+  std::vector<Eigen::Vector3d> velocities_m_per_s, angular_velocities_rad_per_s;  ///< of the same
+  std::vector<RecordedContact> contacts;
+};
+
+struct Recording {
+  std::string scene, question;
+  double time_step_s = 0;
+  std::vector<RecordedBody> bodies;
+  std::vector<Frame> frames;  ///< one per step, the first one at the start
+};
+
+}  // namespace softfinger::simulation
