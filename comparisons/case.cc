@@ -1,138 +1,21 @@
 #include "comparisons/case.h"
 
-#define TOML_HEADER_ONLY 1
-#define TOML_ENABLE_UNRELEASED_FEATURES 0
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "comparisons/files.h"
 #include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
+#include "comparisons/toml_reader.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
-/// A value as the user wrote it: 0.6 and not the 0.59999999999999998 of a binary fraction.
-std::string typed_value(const toml::node& node) {
-  if (node.is_string()) return "\"" + node.value<std::string>().value() + "\"";
-  if (node.is_floating_point()) return fmt::format("{}", node.value<double>().value());
-  if (const toml::array* list = node.as_array()) {
-    std::vector<std::string> entries;
-    for (const toml::node& entry : *list) entries.push_back(typed_value(entry));
-    return "[" + joined(entries) + "]";
-  }
-  std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
-  return text.str();
-}
-
-std::string as_typed(const toml::node& node) {
-  std::string line = typed_value(node);
-  if (node.is_string()) return line;
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  return line.size() > 60 ? line.substr(0, 57) + "..." : line;
-}
-
-/// Reads values out of the tables and says precisely where one is wrong.
-class Reader {
- public:
-  explicit Reader(std::string file) : file_(std::move(file)) {}
-
-  std::string where(const toml::node& node) const {
-    return fmt::format("{}:{}", file_, node.source().begin.line);
-  }
-
-  [[noreturn]] void refuse(const toml::node& node, const std::string& field,
-                           const std::string& allowed) const {
-    throw InputError(where(node), field, as_typed(node), allowed);
-  }
-
-  [[noreturn]] void say(const toml::node& node, const std::string& sentence) const {
-    throw InputError(where(node), sentence, "", "");
-  }
-
-  void check_keys(const toml::table& table, const std::string& name,
-                  const std::vector<std::string>& known) const {
-    for (const auto& [key, value] : table) {
-      const std::string typed(key.str());
-      if (std::find(known.begin(), known.end(), typed) != known.end()) continue;
-      throw InputError(fmt::format("{}:{}", file_, key.source().begin.line),
-                       fmt::format("unknown key \"{}\"{}, did you mean \"{}\"?", typed,
-                                   name.empty() ? "" : " in " + name, nearest_name(typed, known)),
-                       "", joined(known));
-    }
-  }
-
-  const toml::node& required(const toml::table& table, const std::string& name,
-                             std::string_view key) const {
-    if (const toml::node* node = table.get(key)) return *node;
-    say(table, fmt::format("{} has no {}", name, key));
-  }
-
-  const toml::table& required_table(const toml::table& parent, std::string_view key) const {
-    const toml::node* node = parent.get(key);
-    if (!node) throw InputError(file_, fmt::format("the table [{}] is missing", key), "", "");
-    if (!node->is_table()) refuse(*node, std::string(key), "a table");
-    return *node->as_table();
-  }
-
-  /// Any number, NaN excepted; infinity only where it means something.
-  double number(const toml::node& node, const std::string& field, const std::string& allowed,
-                bool infinity_allowed = false) const {
-    if (!node.is_number()) refuse(node, field, allowed);
-    const double value = node.value<double>().value();
-    if (std::isnan(value) || (std::isinf(value) && !infinity_allowed)) refuse(node, field, allowed);
-    return value;
-  }
-
-  /// A number > 0, in SI. Checked after scaling, where a denormal may have become 0 or a huge value
-  /// infinite.
-  double positive(const toml::node& node, const std::string& field, double si_per_unit) const {
-    const std::string allowed = "a finite number > 0";
-    const double value = number(node, field, allowed) * si_per_unit;
-    if (!(value > 0) || !std::isfinite(value)) refuse(node, field, allowed);
-    return value;
-  }
-
-  std::string text(const toml::node& node, const std::string& field) const {
-    if (!node.is_string()) refuse(node, field, "a text in quotes");
-    return node.value<std::string>().value();
-  }
-
-  std::string choice(const toml::node& node, const std::string& field,
-                     const std::vector<std::string>& choices) const {
-    if (node.is_string()) {
-      const std::string typed = node.value<std::string>().value();
-      if (std::find(choices.begin(), choices.end(), typed) != choices.end()) return typed;
-    }
-    refuse(node, field, "\"" + joined(choices, "\" or \"") + "\"");
-  }
-
-  std::vector<double> numbers(const toml::node& node, const std::string& field, std::size_t count,
-                              const std::string& allowed, bool infinity_allowed = false) const {
-    if (!node.is_array() || node.as_array()->size() != count) refuse(node, field, allowed);
-    std::vector<double> values;
-    for (const toml::node& entry : *node.as_array()) {
-      if (!entry.is_number()) refuse(node, field, allowed);
-      values.push_back(number(entry, field, allowed, infinity_allowed));
-    }
-    return values;
-  }
-
- private:
-  std::string file_;
-};
-
-double checked_radius(const Reader& reader, const toml::node& node, const std::string& field,
+double checked_radius(const TomlReader& reader, const toml::node& node, const std::string& field,
                       double radius_mm) {
   const double radius_m = radius_mm * kMillimetre;
   if (radius_m == 0)
@@ -140,7 +23,7 @@ double checked_radius(const Reader& reader, const toml::node& node, const std::s
   return radius_m;
 }
 
-void read_finger_shape(const Reader& reader, const toml::table& table, QuadricBody& quadric) {
+void read_finger_shape(const TomlReader& reader, const toml::table& table, QuadricBody& quadric) {
   if (const toml::node* shape = table.get("shape")) {
     const std::string chosen =
         reader.choice(*shape, "finger.shape", {"paraboloid", "ellipsoid", "tapered"});
@@ -155,7 +38,7 @@ void read_finger_shape(const Reader& reader, const toml::table& table, QuadricBo
   }
 }
 
-CaseBody read_body(const Reader& reader, const toml::node& node, const std::string& name,
+CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::string& name,
                    const fs::path& folder) {
   if (!node.is_table())
     reader.refuse(node, name,
@@ -214,7 +97,8 @@ CaseBody read_body(const Reader& reader, const toml::node& node, const std::stri
   return mesh;
 }
 
-std::variant<RelativeRadii, BodyPair> read_geometry(const Reader& reader, const toml::table& table,
+std::variant<RelativeRadii, BodyPair> read_geometry(const TomlReader& reader,
+                                                    const toml::table& table,
                                                     const fs::path& folder) {
   reader.check_keys(table, "[geometry]", {"relative_radii_mm", "finger", "object", "angle_deg"});
   const bool relative = table.contains("relative_radii_mm");
@@ -256,22 +140,7 @@ std::variant<RelativeRadii, BodyPair> read_geometry(const Reader& reader, const 
   return pair;
 }
 
-ElasticLayer read_elastic_layer(const Reader& reader, const toml::table& table,
-                                const std::string& name) {
-  ElasticLayer layer;
-  layer.thickness_m =
-      reader.positive(reader.required(table, name, "thickness_mm"), "thickness_mm", kMillimetre);
-  layer.youngs_modulus_Pa = reader.positive(reader.required(table, name, "youngs_modulus_kPa"),
-                                            "youngs_modulus_kPa", 1e3);
-  const toml::node& poisson = reader.required(table, name, "poisson_ratio");
-  const std::string allowed = "a number from 0 to 0.5";
-  layer.poisson_ratio = reader.number(poisson, "poisson_ratio", allowed);
-  if (layer.poisson_ratio < 0 || layer.poisson_ratio > 0.5)
-    reader.refuse(poisson, "poisson_ratio", allowed);
-  return layer;
-}
-
-void read_winkler_modulus(const Reader& reader, const toml::table& table, Case& result) {
+void read_winkler_modulus(const TomlReader& reader, const toml::table& table, Case& result) {
   if (const toml::node* node = table.get("winkler_modulus"))
     result.options.winkler_modulus =
         reader.choice(*node, "winkler_modulus", {"oedometric", "youngs"}) == "youngs"
@@ -280,7 +149,7 @@ void read_winkler_modulus(const Reader& reader, const toml::table& table, Case& 
 }
 
 /// [layer] on the finger, [object_layer] on the object; at least one of them.
-void read_layers(const Reader& reader, const toml::table& root, Case& result) {
+void read_layers(const TomlReader& reader, const toml::table& root, Case& result) {
   const toml::node* on_object = root.get("object_layer");
   result.layer_on_object = on_object && !root.contains("layer");
   if (!result.layer_on_object) {
@@ -293,7 +162,7 @@ void read_layers(const Reader& reader, const toml::table& root, Case& result) {
         reader.refuse(*node, key,
                       "nothing here: it needs [fem] kinematics = \"finite\", which this version "
                       "does not have");
-    result.layer = read_elastic_layer(reader, table, "[layer]");
+    result.layer = reader.elastic_layer(table, "[layer]");
     read_winkler_modulus(reader, table, result);
   }
   if (!on_object) return;
@@ -303,11 +172,11 @@ void read_layers(const Reader& reader, const toml::table& root, Case& result) {
   if (result.layer_on_object) keys.push_back("winkler_modulus");
   reader.check_keys(table, "[object_layer]", keys);
   (result.layer_on_object ? result.layer : result.object_layer) =
-      read_elastic_layer(reader, table, "[object_layer]");
+      reader.elastic_layer(table, "[object_layer]");
   if (result.layer_on_object) read_winkler_modulus(reader, table, result);
 }
 
-void read_power_law(const Reader& reader, const toml::node& node, Case& result) {
+void read_power_law(const TomlReader& reader, const toml::node& node, Case& result) {
   if (!node.is_table()) reader.refuse(node, "power_law", "a table");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, "[power_law]",
@@ -353,7 +222,7 @@ void read_power_law(const Reader& reader, const toml::node& node, Case& result) 
     reader.refuse(exponent, "radius_exponent", allowed);
 }
 
-void read_contact(const Reader& reader, const toml::table& table, Case& result) {
+void read_contact(const TomlReader& reader, const toml::table& table, Case& result) {
   reader.check_keys(table, "[contact]", {"load_N", "friction_coefficient"});
   const toml::node& load = reader.required(table, "[contact]", "load_N");
   if (const toml::array* list = load.as_array()) {
@@ -371,7 +240,7 @@ void read_contact(const Reader& reader, const toml::table& table, Case& result) 
       reader.required(table, "[contact]", "friction_coefficient"), "friction_coefficient", 1);
 }
 
-void read_fem(const Reader& reader, const toml::node& node, Case& result) {
+void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
   if (!node.is_table()) reader.refuse(node, "fem", "a table");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics"});
@@ -398,16 +267,8 @@ void read_fem(const Reader& reader, const toml::node& node, Case& result) {
 }  // namespace
 
 Case parse_case(const std::string& text, const fs::path& file) {
-  toml::table root;
-  try {
-    root = toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    std::string reason(error.description());
-    std::replace(reason.begin(), reason.end(), '\n', ' ');
-    throw InputError(fmt::format("{}:{}", file.string(), error.source().begin.line),
-                     "not a TOML file: " + reason, "", "");
-  }
-  const Reader reader(file.string());
+  const toml::table root = parse_toml(text, file.string());
+  const TomlReader reader(file.string());
   reader.check_keys(
       root, "",
       {"id", "question", "geometry", "layer", "object_layer", "power_law", "contact", "fem"});
@@ -415,16 +276,7 @@ Case parse_case(const std::string& text, const fs::path& file) {
   Case result;
   result.file = file;
   result.text = text;
-  const toml::node* id = root.get("id");
-  if (!id)
-    throw InputError(file.string(), "id is missing", "", "id = \"a_name\" before the tables");
-  result.id = reader.text(*id, "id");
-  // The id becomes the name of a folder of results.
-  const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
-  if (result.id.empty() || result.id.size() > 64 || result.id[0] == '.' ||
-      result.id.find_first_not_of(letters) != std::string::npos)
-    reader.refuse(*id, "id",
-                  "1 to 64 letters, digits, \"_\", \"-\" and \".\", not starting with \".\"");
+  result.id = reader.id(root);
   if (const toml::node* question = root.get("question"))
     result.question = reader.text(*question, "question");
 

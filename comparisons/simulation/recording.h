@@ -25,7 +25,7 @@ struct RecordedContact {
   double semi_axis_a_m = 0, semi_axis_b_m = 0;  ///< of the contact ellipse; 0: a point contact
   double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
   double friction_coefficient = 0;
-  double eccentricity_m = 0;  ///< e_n that was used; 0: carries no torque
+  double eccentricity_m = 0;       ///< e_n that was used; 0: carries no torque
   double pressure_exponent = 0.5;  ///< n of the exact limit surface
   /// Of the friction ellipsoid, sqrt(f² + (tau/e_n)²)/(mu P): 1 at the limit.
   double utilisation = 0;
@@ -35,7 +35,7 @@ struct RecordedContact {
 
 struct Frame {
   double time_s = 0;
-  std::vector<Eigen::Isometry3d> poses;  ///< of every body
+  std::vector<Eigen::Isometry3d> poses;                                           ///< of every body
   std::vector<Eigen::Vector3d> velocities_m_per_s, angular_velocities_rad_per_s;  ///< of the same
   std::vector<RecordedContact> contacts;
 };

@@ -1,0 +1,434 @@
+#include "softfinger/dynamics/multibody.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+
+/// Angular part, and linear part at the reference point: of a motion (w, u) or a force (torque,
+/// force).
+struct Multibody::SpatialVector {
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero(), linear = Eigen::Vector3d::Zero();
+
+  SpatialVector& operator+=(const SpatialVector& other) {
+    angular += other.angular;
+    linear += other.linear;
+    return *this;
+  }
+  SpatialVector operator*(double factor) const { return {angular * factor, linear * factor}; }
+  double dot(const SpatialVector& other) const {
+    return angular.dot(other.angular) + linear.dot(other.linear);
+  }
+};
+
+struct Multibody::SpatialInertia {
+  double mass = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< mass times centre
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+
+  SpatialInertia& operator+=(const SpatialInertia& other) {
+    mass += other.mass;
+    moment += other.moment;
+    inertia += other.inertia;
+    return *this;
+  }
+  SpatialVector operator*(const SpatialVector& motion) const {
+    return {inertia * motion.angular + moment.cross(motion.linear),
+            mass * motion.linear + motion.angular.cross(moment)};
+  }
+};
+
+Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints)
+    : bodies_(std::move(bodies)),
+      joints_(std::move(joints)),
+      parent_joint_(bodies_.size(), -1),
+      last_dof_(bodies_.size(), -1),
+      tree_of_body_(bodies_.size(), -1),
+      joint_dofs_(joints_.size(), -1) {
+  for (const BodyDescription& body : bodies_) {
+    if (!body.fixed) require_physical(body.mass, "body \"" + body.name + "\"");
+    if (!body.pose.matrix().allFinite() || !body.velocity_m_per_s.allFinite() ||
+        !body.angular_velocity_rad_per_s.allFinite())
+      throw InputError("body \"" + body.name + "\"", "pose or velocity", "not finite",
+                       "finite numbers");
+    poses_.push_back(body.pose);
+  }
+  for (int j = 0; j < int(joints_.size()); ++j) {
+    check(j);
+    const JointDescription& joint = joints_[std::size_t(j)];
+    parent_joint_[std::size_t(joint.child)] = j;
+    const Eigen::Isometry3d parent =
+        joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
+    child_in_parent_.push_back(parent.inverse() * poses_[std::size_t(joint.child)]);
+    anchor_in_parent_.push_back(parent.inverse() * joint.anchor_m);
+    axis_in_parent_.push_back(parent.linear().transpose() * (joint.kind == JointKind::fixed
+                                                                 ? Eigen::Vector3d::UnitZ().eval()
+                                                                 : joint.axis.normalized()));
+    joint_positions_.push_back(joint.start);
+  }
+  build_trees();
+  velocity_.setZero(velocities());
+  place_children();
+  for (int b = 0; b < this->bodies(); ++b) {
+    const int last = last_dof_[std::size_t(b)];
+    if (last < 0 || dofs_[std::size_t(last)].kind != DofKind::free_angular) continue;
+    if (dofs_[std::size_t(last)].body != b) continue;
+    velocity_.segment<3>(last - 5) = bodies_[std::size_t(b)].velocity_m_per_s;
+    velocity_.segment<3>(last - 2) = bodies_[std::size_t(b)].angular_velocity_rad_per_s;
+  }
+}
+
+void Multibody::check(int j) const {
+  const JointDescription& joint = joints_[std::size_t(j)];
+  const std::string where = "joint \"" + joint.name + "\"";
+  const auto refuse = [&](const char* field, const std::string& value, const char* allowed) {
+    throw InputError(where, field, value, allowed);
+  };
+  if (joint.child < 0 || joint.child >= bodies()) refuse("child", "", "one of the bodies");
+  if (joint.parent < -1 || joint.parent >= bodies() || joint.parent == joint.child)
+    refuse("parent", "", "another body, or the world");
+  const std::string& child = bodies_[std::size_t(joint.child)].name;
+  if (bodies_[std::size_t(joint.child)].fixed)
+    refuse("child", child, "a body that is not fixed to the world");
+  if (parent_joint_[std::size_t(joint.child)] >= 0)
+    refuse("child", child, "a body without another parent: one joint holds it");
+  if (joint.kind == JointKind::fixed) return;
+  if (!(joint.axis.norm() > 0) || !joint.axis.allFinite() || !joint.anchor_m.allFinite())
+    refuse("axis", "", "a direction: three finite numbers, not all 0");
+  if (!(joint.lower <= joint.start && joint.start <= joint.upper) || !std::isfinite(joint.start))
+    refuse("limits", "", "lower <= start <= upper");
+}
+
+void Multibody::add_free_dofs(int body) {
+  for (const DofKind kind : {DofKind::free_linear, DofKind::free_angular})
+    for (int axis = 0; axis < 3; ++axis) {
+      Dof dof;
+      dof.kind = kind;
+      dof.parent = kind == DofKind::free_linear && axis == 0 ? -1 : velocities() - 1;
+      dof.body = body;
+      dof.axis = Eigen::Vector3d::Unit(axis);
+      dofs_.push_back(dof);
+      tree_of_dof_.push_back(int(trees_.size()) - 1);
+    }
+}
+
+void Multibody::build_trees() {
+  std::vector<std::vector<int>> joints_below(bodies_.size());
+  std::vector<int> joints_of_world;
+  for (int j = 0; j < joints(); ++j) {
+    const int parent = joints_[std::size_t(j)].parent;
+    (parent < 0 ? joints_of_world : joints_below[std::size_t(parent)]).push_back(j);
+  }
+  std::vector<int> waiting;
+  const auto follow = [&] {
+    while (!waiting.empty()) {
+      const int j = waiting.back();
+      waiting.pop_back();
+      order_.push_back(j);
+      const JointDescription& joint = joints_[std::size_t(j)];
+      const std::size_t child = std::size_t(joint.child);
+      const int above = joint.parent < 0 ? -1 : last_dof_[std::size_t(joint.parent)];
+      last_dof_[child] = above;
+      if (joint.kind != JointKind::fixed) {
+        Dof dof;
+        dof.kind = joint.kind == JointKind::revolute ? DofKind::revolute : DofKind::prismatic;
+        dof.parent = above;
+        dof.body = joint.child;
+        dof.joint = j;
+        joint_dofs_[std::size_t(j)] = last_dof_[child] = velocities();
+        dofs_.push_back(dof);
+        tree_of_dof_.push_back(int(trees_.size()) - 1);
+      }
+      if (last_dof_[child] >= 0) tree_of_body_[child] = tree_of_dof_[std::size_t(last_dof_[child])];
+      const std::vector<int>& below = joints_below[child];
+      waiting.insert(waiting.end(), below.rbegin(), below.rend());
+    }
+  };
+  const auto grow_from = [&](const std::vector<int>& roots, int free_body) {
+    const int first = velocities();
+    trees_.push_back({first, 0, false});
+    if (free_body >= 0) {
+      add_free_dofs(free_body);
+      last_dof_[std::size_t(free_body)] = velocities() - 1;
+      tree_of_body_[std::size_t(free_body)] = int(trees_.size()) - 1;
+    }
+    waiting.assign(roots.rbegin(), roots.rend());
+    follow();
+    trees_.back().count = velocities() - first;
+    trees_.back().single = free_body >= 0 && roots.empty();
+    if (trees_.back().count == 0) trees_.pop_back();
+  };
+  // What hangs on the world by different joints does not feel each other.
+  for (const int j : joints_of_world) grow_from({j}, -1);
+  for (int b = 0; b < bodies(); ++b) {
+    const auto& below = joints_below[std::size_t(b)];
+    if (bodies_[std::size_t(b)].fixed) {
+      for (const int j : below) grow_from({j}, -1);
+    } else if (parent_joint_[std::size_t(b)] < 0) {
+      grow_from(below, b);
+    }
+  }
+  if (int(order_.size()) == joints()) return;
+  for (int j = 0; j < joints(); ++j)
+    if (std::find(order_.begin(), order_.end(), j) == order_.end())
+      throw InputError("joint \"" + joints_[std::size_t(j)].name + "\"", "parent",
+                       bodies_[std::size_t(joints_[std::size_t(j)].parent)].name,
+                       "a body that does not hang on the joint's own child: joints in a ring");
+}
+
+bool Multibody::are_joined(int body, int other) const {
+  const auto holds = [this](int child, int parent) {
+    const int j = parent_joint_[std::size_t(child)];
+    return j >= 0 && joints_[std::size_t(j)].parent == parent;
+  };
+  return last_dof_[std::size_t(body)] == last_dof_[std::size_t(other)] || holds(body, other) ||
+         holds(other, body);
+}
+
+/// Poses of all that hang on joints, and the axes of all dofs, from the poses of the free bodies
+/// and the joints' positions.
+void Multibody::place_children() {
+  for (const int j : order_) {
+    const JointDescription& joint = joints_[std::size_t(j)];
+    const Eigen::Isometry3d parent =
+        joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
+    const Eigen::Vector3d& anchor = anchor_in_parent_[std::size_t(j)];
+    const Eigen::Vector3d& axis = axis_in_parent_[std::size_t(j)];
+    const double moved = joint_positions_[std::size_t(j)] - joint.start;
+    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+    if (joint.kind == JointKind::revolute)
+      motion = Eigen::Translation3d(anchor) * Eigen::AngleAxisd(moved, axis) *
+               Eigen::Translation3d(-anchor);
+    if (joint.kind == JointKind::prismatic) motion.translation() = moved * axis;
+    poses_[std::size_t(joint.child)] = parent * motion * child_in_parent_[std::size_t(j)];
+    if (joint_dofs_[std::size_t(j)] < 0) continue;
+    Dof& dof = dofs_[std::size_t(joint_dofs_[std::size_t(j)])];
+    dof.axis = parent.linear() * axis;
+    dof.origin_m = parent * anchor;
+  }
+  for (Dof& dof : dofs_)
+    if (dof.kind == DofKind::free_linear || dof.kind == DofKind::free_angular)
+      dof.origin_m = center_of_mass_m(dof.body);
+}
+
+Multibody::SpatialVector Multibody::motion(const Dof& dof, const Eigen::Vector3d& reference) const {
+  if (!is_angular(dof)) return {Eigen::Vector3d::Zero(), dof.axis};
+  return {dof.axis, dof.axis.cross(reference - dof.origin_m)};
+}
+
+Multibody::SpatialVector Multibody::spatial_velocity(int body,
+                                                     const Eigen::Vector3d& reference) const {
+  SpatialVector velocity;
+  for (int d = last_dof_[std::size_t(body)]; d >= 0; d = dofs_[std::size_t(d)].parent)
+    velocity += motion(dofs_[std::size_t(d)], reference) * velocity_[d];
+  return velocity;
+}
+
+Eigen::Vector3d Multibody::velocity_at(int body, const Eigen::Vector3d& point_m) const {
+  return spatial_velocity(body, point_m).linear;
+}
+
+Eigen::Vector3d Multibody::angular_velocity(int body) const {
+  return spatial_velocity(body, Eigen::Vector3d::Zero()).angular;
+}
+
+double Multibody::joint_velocity(int j) const {
+  const int dof = joint_dofs_[std::size_t(j)];
+  return dof < 0 ? 0 : velocity_[dof];
+}
+
+Eigen::Matrix3d Multibody::world_inertia(int body) const {
+  const Eigen::Matrix3d turn = poses_[std::size_t(body)].linear();
+  return turn * bodies_[std::size_t(body)].mass.inertia_kg_m2 * turn.transpose();
+}
+
+Multibody::SpatialInertia Multibody::inertia_about(int body,
+                                                   const Eigen::Vector3d& reference) const {
+  const double mass = bodies_[std::size_t(body)].mass.mass_kg;
+  const Eigen::Vector3d arm = center_of_mass_m(body) - reference;
+  SpatialInertia result;
+  result.mass = mass;
+  result.moment = mass * arm;
+  result.inertia = world_inertia(body) +
+                   mass * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+  return result;
+}
+
+void Multibody::mass_matrix(const Tree& tree, Eigen::Ref<Eigen::MatrixXd> matrix) const {
+  if (tree.single) {
+    const int body = dofs_[std::size_t(tree.first)].body;
+    matrix.setZero();
+    matrix.topLeftCorner<3, 3>().diagonal().setConstant(bodies_[std::size_t(body)].mass.mass_kg);
+    matrix.bottomRightCorner<3, 3>() = world_inertia(body);
+    return;
+  }
+  const Eigen::Vector3d reference = dofs_[std::size_t(tree.first)].origin_m;
+  std::vector<SpatialInertia> composite(std::size_t(tree.count));
+  for (int b = 0; b < bodies(); ++b)
+    if (tree_of_body_[std::size_t(b)] >= 0 &&
+        &trees_[std::size_t(tree_of_body_[std::size_t(b)])] == &tree)
+      composite[std::size_t(last_dof_[std::size_t(b)] - tree.first)] += inertia_about(b, reference);
+  matrix.setZero();
+  for (int i = tree.count - 1; i >= 0; --i) {
+    const Dof& dof = dofs_[std::size_t(tree.first + i)];
+    if (dof.parent >= 0)
+      composite[std::size_t(dof.parent - tree.first)] += composite[std::size_t(i)];
+    const SpatialVector force = composite[std::size_t(i)] * motion(dof, reference);
+    for (int d = tree.first + i; d >= 0; d = dofs_[std::size_t(d)].parent) {
+      const int other = d - tree.first;
+      matrix(i, other) = matrix(other, i) = motion(dofs_[std::size_t(d)], reference).dot(force);
+    }
+  }
+}
+
+void Multibody::passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_m_per_s2,
+                               Eigen::Ref<Eigen::VectorXd> forces) const {
+  if (tree.single) {
+    const int body = dofs_[std::size_t(tree.first)].body;
+    forces.head<3>() = bodies_[std::size_t(body)].mass.mass_kg * gravity_m_per_s2;
+    forces.tail<3>().setZero();
+    return;
+  }
+  const Eigen::Vector3d reference = dofs_[std::size_t(tree.first)].origin_m;
+  // Of what hangs on each dof: velocity, and the acceleration that the velocities alone make.
+  std::vector<SpatialVector> velocity(std::size_t(tree.count)), acceleration(velocity),
+      load(velocity);
+  for (int i = 0; i < tree.count; ++i) {
+    const Dof& dof = dofs_[std::size_t(tree.first + i)];
+    SpatialVector above;
+    if (dof.parent >= 0) {
+      above = velocity[std::size_t(dof.parent - tree.first)];
+      acceleration[std::size_t(i)] = acceleration[std::size_t(dof.parent - tree.first)];
+    }
+    const double speed = velocity_[tree.first + i];
+    SpatialVector change;  // of the motion that belongs to the dof
+    const Eigen::Vector3d arm = dof.origin_m - reference;
+    if (dof.kind == DofKind::free_angular) {
+      change.linear = -dof.axis.cross(velocity_.segment<3>(tree.first));
+    } else if (dof.kind != DofKind::free_linear) {
+      const Eigen::Vector3d turning = above.angular.cross(dof.axis);
+      if (dof.kind == DofKind::prismatic) {
+        change.linear = turning;
+      } else {
+        change.angular = turning;
+        change.linear =
+            -turning.cross(arm) - dof.axis.cross(above.linear + above.angular.cross(arm));
+      }
+    }
+    velocity[std::size_t(i)] = above;
+    velocity[std::size_t(i)] += motion(dof, reference) * speed;
+    acceleration[std::size_t(i)] += change * speed;
+  }
+  for (int b = 0; b < bodies(); ++b) {
+    if (tree_of_body_[std::size_t(b)] < 0 ||
+        &trees_[std::size_t(tree_of_body_[std::size_t(b)])] != &tree)
+      continue;
+    const std::size_t i = std::size_t(last_dof_[std::size_t(b)] - tree.first);
+    const SpatialInertia inertia = inertia_about(b, reference);
+    const SpatialVector momentum = inertia * velocity[i];
+    SpatialVector force = inertia * acceleration[i];
+    force.linear += velocity[i].angular.cross(momentum.linear);
+    force.angular +=
+        velocity[i].angular.cross(momentum.angular) + velocity[i].linear.cross(momentum.linear);
+    force.linear -= inertia.mass * gravity_m_per_s2;
+    force.angular -= inertia.moment.cross(gravity_m_per_s2);
+    load[i] += force;
+  }
+  for (int i = tree.count - 1; i >= 0; --i) {
+    const Dof& dof = dofs_[std::size_t(tree.first + i)];
+    forces[i] = -motion(dof, reference).dot(load[std::size_t(i)]);
+    if (dof.parent >= 0) load[std::size_t(dof.parent - tree.first)] += load[std::size_t(i)];
+  }
+}
+
+void Multibody::add_contact_jacobian(int body, const Eigen::Vector3d& point_m,
+                                     const Eigen::Matrix3d& axes, double sign,
+                                     Eigen::Ref<Eigen::MatrixXd> rows) const {
+  for (int d = last_dof_[std::size_t(body)]; d >= 0; d = dofs_[std::size_t(d)].parent) {
+    const Dof& dof = dofs_[std::size_t(d)];
+    const int column = d - trees_[std::size_t(tree_of_dof_[std::size_t(d)])].first;
+    const SpatialVector at_point = motion(dof, point_m);
+    rows(0, column) += sign * axes.col(2).dot(at_point.linear);
+    rows(1, column) += sign * axes.col(0).dot(at_point.linear);
+    rows(2, column) += sign * axes.col(1).dot(at_point.linear);
+    rows(3, column) += sign * axes.col(2).dot(at_point.angular);
+  }
+}
+
+void Multibody::add_force(int body, const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_N,
+                          const Eigen::Vector3d& torque_Nm,
+                          Eigen::Ref<Eigen::VectorXd> forces) const {
+  for (int d = last_dof_[std::size_t(body)]; d >= 0; d = dofs_[std::size_t(d)].parent) {
+    const Dof& dof = dofs_[std::size_t(d)];
+    forces[d - trees_[std::size_t(tree_of_dof_[std::size_t(d)])].first] +=
+        motion(dof, point_m).dot({torque_Nm, force_N});
+  }
+}
+
+void Multibody::integrate(double time_step_s) {
+  for (const Tree& tree : trees_) {
+    const Dof& root = dofs_[std::size_t(tree.first)];
+    if (root.kind != DofKind::free_linear) continue;
+    Eigen::Isometry3d& pose = poses_[std::size_t(root.body)];
+    const Eigen::Vector3d center = center_of_mass_m(root.body);
+    auto spin = velocity_.segment<3>(tree.first + 3);
+    const Eigen::Vector3d angular_momentum = world_inertia(root.body) * spin;
+    const double angle = time_step_s * spin.norm();
+    if (angle > 0) {
+      const Eigen::Quaterniond turned =
+          Eigen::AngleAxisd(angle, spin.normalized()) * Eigen::Quaterniond(pose.linear());
+      pose.linear() = turned.normalized().toRotationMatrix();
+    }
+    const Eigen::Vector3d moved = center + time_step_s * velocity_.segment<3>(tree.first);
+    pose.translation() = moved - pose.linear() * bodies_[std::size_t(root.body)].mass.center_m;
+    if (tree.single) spin = world_inertia(root.body).ldlt().solve(angular_momentum);
+  }
+  for (const int j : order_)
+    if (joint_dofs_[std::size_t(j)] >= 0)
+      joint_positions_[std::size_t(j)] += time_step_s * velocity_[joint_dofs_[std::size_t(j)]];
+  place_children();
+}
+
+double Multibody::kinetic_energy_J() const {
+  double energy = 0;
+  for (int b = 0; b < bodies(); ++b) {
+    if (!moves(b)) continue;
+    const SpatialVector velocity = spatial_velocity(b, center_of_mass_m(b));
+    energy += (bodies_[std::size_t(b)].mass.mass_kg * velocity.linear.squaredNorm() +
+               velocity.angular.dot(world_inertia(b) * velocity.angular)) /
+              2;
+  }
+  return energy;
+}
+
+double Multibody::potential_energy_J(const Eigen::Vector3d& gravity_m_per_s2) const {
+  double energy = 0;
+  for (int b = 0; b < bodies(); ++b)
+    if (moves(b))
+      energy -= bodies_[std::size_t(b)].mass.mass_kg * gravity_m_per_s2.dot(center_of_mass_m(b));
+  return energy;
+}
+
+Eigen::Vector3d Multibody::linear_momentum_N_s() const {
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+  for (int b = 0; b < bodies(); ++b)
+    if (moves(b))
+      momentum += bodies_[std::size_t(b)].mass.mass_kg * velocity_at(b, center_of_mass_m(b));
+  return momentum;
+}
+
+Eigen::Vector3d Multibody::angular_momentum_N_m_s() const {
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+  for (int b = 0; b < bodies(); ++b) {
+    if (!moves(b)) continue;
+    const Eigen::Vector3d center = center_of_mass_m(b);
+    const SpatialVector velocity = spatial_velocity(b, center);
+    momentum += world_inertia(b) * velocity.angular +
+                center.cross(bodies_[std::size_t(b)].mass.mass_kg * velocity.linear);
+  }
+  return momentum;
+}
+
+}  // namespace softfinger

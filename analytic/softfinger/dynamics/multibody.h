@@ -1,0 +1,152 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "softfinger/dynamics/mass_properties.h"
+
+namespace softfinger {
+
+/// A rigid body at the start.
+struct BodyDescription {
+  std::string name;
+  MassProperties mass;  ///< ignored for a fixed body
+  bool fixed = false;   ///< to the world
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  /// Of a free body: of its centre of mass, world axes. Bodies on joints move by their joints.
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
+};
+
+enum class JointKind { fixed, revolute, prismatic };
+
+/// Where the child hangs on its parent. Anchor and axis in world coordinates at the start, where
+/// the joint's position is `start`.
+struct JointDescription {
+  std::string name;
+  int parent = -1;  ///< a body, -1: the world
+  int child = -1;
+  JointKind kind = JointKind::fixed;
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();       ///< revolute only
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();          ///< any length
+  double start = 0;                                         ///< rad or m
+  double lower = -std::numeric_limits<double>::infinity();  ///< rad or m; lower <= start <= upper
+  double upper = std::numeric_limits<double>::infinity();
+};
+
+/// Rigid bodies, free, fixed, or in articulated chains and trees. State, kinematics, mass matrix.
+///
+/// Velocities are generalised: six of a free body (of its centre of mass, then angular, both along
+/// world axes), one of a revolute or prismatic joint. Bodies that move each other by joints make a
+/// tree, whose velocities are contiguous; its mass matrix is that of the composite bodies
+/// (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6), its bias forces come from the
+/// recursive Newton-Euler equations (chapter 5), all in world axes.
+///
+/// Linear and angular momentum of a single free body are kept to round-off by `integrate`, which
+/// turns it at constant angular momentum; those of a free tree to first order in the time step.
+class Multibody {
+ public:
+  /// @throws InputError for a body that is no body (require_physical), a joint between unknown
+  /// bodies, a body with two parents, joints in a ring, an axis without length, limits that exclude
+  /// the start.
+  Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints);
+
+  int bodies() const { return int(bodies_.size()); }
+  int joints() const { return int(joints_.size()); }
+  int velocities() const { return int(dofs_.size()); }
+  const BodyDescription& body(int b) const { return bodies_[std::size_t(b)]; }
+  const JointDescription& joint(int j) const { return joints_[std::size_t(j)]; }
+  bool moves(int body) const { return last_dof_[std::size_t(body)] >= 0; }
+  /// Whether a joint, or a chain of fixed ones, holds the two together: they never touch.
+  bool are_joined(int body, int other) const;
+
+  const Eigen::Isometry3d& pose(int body) const { return poses_[std::size_t(body)]; }
+  Eigen::Vector3d center_of_mass_m(int b) const {
+    return poses_[std::size_t(b)] * bodies_[std::size_t(b)].mass.center_m;
+  }
+  Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point_m) const;
+  Eigen::Vector3d angular_velocity(int body) const;
+  double joint_position(int j) const { return joint_positions_[std::size_t(j)]; }
+  double joint_velocity(int j) const;
+  /// Index of a joint's velocity, -1 for a fixed joint.
+  int velocity_of_joint(int j) const { return joint_dofs_[std::size_t(j)]; }
+
+  const Eigen::VectorXd& velocity() const { return velocity_; }
+  void set_velocity(const Eigen::VectorXd& velocity) { velocity_ = velocity; }
+
+  /// Bodies that feel each other through joints.
+  struct Tree {
+    int first = 0, count = 0;  ///< of its velocities
+    bool single = false;       ///< a free body without joints
+  };
+  const std::vector<Tree>& trees() const { return trees_; }
+  /// The tree that moves this body, -1 for a body that does not move.
+  int tree_of(int body) const { return tree_of_body_[std::size_t(body)]; }
+
+  /// M of one tree, symmetric positive definite, count x count, at the current pose.
+  void mass_matrix(const Tree& tree, Eigen::Ref<Eigen::MatrixXd> matrix) const;
+  /// Generalised forces that gravity and the current velocities exert on a tree: M dv/dt = this +
+  /// joint efforts + contacts.
+  void passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_m_per_s2,
+                      Eigen::Ref<Eigen::VectorXd> forces) const;
+
+  /// Adds `sign` times the Jacobian of the velocity at a point along three axes, and of the angular
+  /// velocity about the third, to four rows: (axis 3, axis 1, axis 2, about axis 3), columns of the
+  /// body's tree.
+  void add_contact_jacobian(int body, const Eigen::Vector3d& point_m, const Eigen::Matrix3d& axes,
+                            double sign, Eigen::Ref<Eigen::MatrixXd> rows) const;
+
+  /// Adds the generalised forces of a force at a point and a torque, world axes.
+  void add_force(int body, const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_N,
+                 const Eigen::Vector3d& torque_Nm, Eigen::Ref<Eigen::VectorXd> forces) const;
+
+  /// Moves all bodies by their velocities for a time.
+  void integrate(double time_step_s);
+
+  double kinetic_energy_J() const;
+  double potential_energy_J(const Eigen::Vector3d& gravity_m_per_s2) const;
+  Eigen::Vector3d linear_momentum_N_s() const;
+  Eigen::Vector3d angular_momentum_N_m_s() const;  ///< about the world's origin
+
+ private:
+  enum class DofKind { free_linear, free_angular, revolute, prismatic };
+  struct Dof {
+    DofKind kind;
+    int parent = -1;  ///< the next one towards the root
+    int body = -1;    ///< the first one that it moves
+    int joint = -1;
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero(), origin_m = Eigen::Vector3d::Zero();  ///< world
+  };
+  struct SpatialVector;
+  struct SpatialInertia;
+
+  bool is_angular(const Dof& dof) const {
+    return dof.kind == DofKind::revolute || dof.kind == DofKind::free_angular;
+  }
+  void check(int joint) const;
+  void build_trees();
+  void add_free_dofs(int body);
+  void place_children();
+  Eigen::Matrix3d world_inertia(int body) const;
+  SpatialVector motion(const Dof& dof, const Eigen::Vector3d& reference) const;
+  SpatialInertia inertia_about(int body, const Eigen::Vector3d& reference) const;
+  SpatialVector spatial_velocity(int body, const Eigen::Vector3d& reference) const;
+
+  std::vector<BodyDescription> bodies_;
+  std::vector<JointDescription> joints_;
+  std::vector<Eigen::Isometry3d> child_in_parent_;                  ///< per joint, at the start
+  std::vector<Eigen::Vector3d> anchor_in_parent_, axis_in_parent_;  ///< per joint
+  std::vector<int> order_;         ///< joints, parents before children
+  std::vector<int> parent_joint_;  ///< per body, -1: none
+  std::vector<Dof> dofs_;
+  std::vector<int> last_dof_, tree_of_body_, joint_dofs_, tree_of_dof_;
+  std::vector<Tree> trees_;
+  std::vector<Eigen::Isometry3d> poses_;
+  std::vector<double> joint_positions_;
+  Eigen::VectorXd velocity_;
+};
+
+}  // namespace softfinger

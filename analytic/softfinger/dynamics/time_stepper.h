@@ -1,0 +1,149 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/multibody.h"
+
+namespace softfinger {
+
+/// Where two bodies touch, or are about to.
+struct Contact {
+  int a = -1, b = -1;                                 ///< bodies
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< halfway between the surfaces
+  /// Columns: along the contact ellipse's long axis, its short axis, the normal from `a` to `b`.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  double gap_m = 0;  ///< negative: the bodies overlap
+  double friction_coefficient = 0;
+  double eccentricity_m = 0;
+  long id = -1;  ///< the same from step to step for as long as the contact lasts
+};
+
+/// Collision detection and contact geometry.
+class ContactFinder {
+ public:
+  virtual ~ContactFinder() = default;
+  /// Appends the contacts of the current poses. `time_step_s`: how far ahead they may be needed.
+  virtual void find(const Multibody& bodies, double time_step_s,
+                    std::vector<Contact>& contacts) = 0;
+};
+
+/// Drives a joint: effort = stiffness (target - position) + damping (target velocity - velocity) +
+/// feed-forward, within +-max_effort. Stiffness and damping act implicitly, at the end of the step:
+/// no stiffness makes a step unstable. N m or N, rad or m.
+struct Motor {
+  int joint = -1;
+  double stiffness = 0, damping = 0, feed_forward = 0;
+  double max_effort = std::numeric_limits<double>::infinity();
+  double target = 0, target_velocity = 0;
+};
+
+/// Pulls at a body from outside, world axes.
+struct AppliedForce {
+  int body = -1;
+  Eigen::Vector3d point_in_body_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_N = Eigen::Vector3d::Zero(), torque_Nm = Eigen::Vector3d::Zero();
+};
+
+struct ContactWrench {
+  double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
+};
+
+struct StepResult {
+  LcpResult lcp;
+  int contacts = 0;       ///< rows of joint limits not counted
+  int motor_changes = 0;  ///< motors that met or left their limits within the step
+  bool motors_agree = true;
+  double time_s = 0;  ///< at the end of the step
+  bool done() const { return lcp.status == LcpStatus::solved; }
+};
+
+/// Time stepping of rigid bodies with contacts, joint limits and motors (Anitescu, Potra, Nonlinear
+/// Dynamics 14, 1997): velocities and impulses at the end of a step solve one linear
+/// complementarity problem, whatever touches whatever,
+///
+///   M (v' - v) = dt (passive forces + motors) + J^T r,   0 <= P  compl.  n^T v' + gap/dt >= 0
+///
+/// with friction as in ContactLcp, then the bodies move by v' (Anitescu, Hart 2004: gap/dt lets
+/// them come as far as they touch). Joint limits are contacts without friction. Motors at their
+/// limits are found by exchanging them until all agree, one by one at the end, which terminates
+/// (Murty's principal pivoting on a positive definite problem).
+class TimeStepper {
+ public:
+  struct Options {
+    double time_step_s = 1e-3;
+    Eigen::Vector3d gravity_m_per_s2{0, 0, -9.81};
+    /// Overlaps are pushed apart no faster than that.
+    double correction_m_per_s = 0.1;
+    Eigen::Matrix3Xd friction_vertices;  ///< see ContactLcp::vertices
+  };
+
+  /// @throws InputError for a time step that is not positive.
+  TimeStepper(Multibody bodies, std::vector<Motor> motors, Options options);
+
+  /// One step. A step without solution moves nothing: bodies and time stay as they were.
+  StepResult step(ContactFinder& finder);
+
+  Multibody& bodies() { return bodies_; }
+  const Multibody& bodies() const { return bodies_; }
+  std::vector<Motor>& motors() { return motors_; }
+  std::vector<AppliedForce>& applied_forces() { return applied_forces_; }
+  void set_gravity(const Eigen::Vector3d& gravity_m_per_s2) {
+    options_.gravity_m_per_s2 = gravity_m_per_s2;
+  }
+  double motor_effort(int m) const { return motor_efforts_[std::size_t(m)]; }
+  double time_s() const { return double(steps_) * options_.time_step_s; }
+  long steps() const { return steps_; }
+  const Options& options() const { return options_; }
+
+  /// Of the last step: contacts, what they carry on body `b` (mean force over the step), and the
+  /// relative velocities at its end in the order of ContactLcp.
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  ContactWrench wrench(int contact) const;
+  Eigen::Vector4d contact_velocity(int contact) const;
+  /// The last problem, as solved; rows of joint limits come behind the contacts.
+  const ContactLcp& problem() const { return problem_; }
+  const ContactSolution& solution() const { return solution_; }
+
+ private:
+  struct Touching {  ///< a row block of the problem and the columns of one tree
+    int row = 0;
+    int body_a = -1, body_b = -1;  ///< those of the tree, -1: the other side
+    int joint = -1;                ///< a joint limit instead
+    double sign = 1;
+  };
+
+  void collect(ContactFinder& finder);
+  void factorise();
+  void assemble();
+  int update_motors(bool one_only);
+  double unlimited_effort(int m) const;
+
+  Multibody bodies_;
+  std::vector<Motor> motors_;
+  std::vector<AppliedForce> applied_forces_;
+  Options options_;
+  long steps_ = 0;
+  std::vector<int> motor_limits_;  ///< -1, 0, 1: which limit the motor is at
+  std::vector<double> motor_efforts_;
+  std::vector<Contact> contacts_;
+  struct Limit {
+    int joint;
+    double sign, gap;
+  };
+  std::vector<Limit> limits_;
+  std::vector<std::vector<Touching>> touching_;  ///< per tree
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
+  std::vector<Eigen::MatrixXd> jacobians_;
+  Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
+  std::vector<Eigen::MatrixXd> masses_;
+  ContactLcp problem_;
+  ContactSolution solution_;
+  ContactLcpSolver solver_;
+  int capacity_ = 0;
+};
+
+}  // namespace softfinger
