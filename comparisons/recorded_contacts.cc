@@ -1,5 +1,8 @@
 #include "comparisons/recorded_contacts.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -79,7 +82,7 @@ class Reader {
   }
   void read_jacobian() {
     if (contacts_ < 0 || bodies_ < 0) refuse("J", "", "nc and nb before it");
-    const int count = integer("J", 0, 24 * kMostContacts);
+    const int count = integer("J", 0, 24 * contacts_ * bodies_);
     jacobian_.setZero(4 * contacts_, 6 * bodies_);
     for (int i = 0; i < count; ++i) {
       if (!std::getline(text_, line_text_)) refuse("J", std::to_string(i), "as many lines as said");
@@ -143,5 +146,39 @@ class Reader {
 }  // namespace
 
 ContactLcp read_recorded_contacts(const std::filesystem::path& path) { return Reader(path).read(); }
+
+void write_recorded_contacts(const ContactLcp& problem, const Eigen::Matrix3Xd& vertices,
+                             const std::string& note, const std::filesystem::path& path) {
+  const int rows = 4 * problem.contacts(), bodies = (rows + 5) / 6;
+  // W = P^T L D L^T P; D of a semi-definite matrix may be a round-off below zero.
+  const Eigen::LDLT<Eigen::MatrixXd> factor(problem.delassus);
+  Eigen::MatrixXd jacobian = factor.matrixL();
+  jacobian *= factor.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal();
+  jacobian = factor.transpositionsP().transpose() * jacobian;
+
+  std::string text = fmt::format("softlcp 1\nnote {}\nnc {}\nu {}\nnb {}\n", note,
+                                 problem.contacts(), vertices.cols(), bodies);
+  const auto list = [&text](const char* key, const double* values, Eigen::Index count) {
+    text += fmt::format("{} {}", key, count);
+    for (Eigen::Index i = 0; i < count; ++i) text += fmt::format(" {:.17g}", values[i]);
+    text += '\n';
+  };
+  list("mu", problem.friction_coefficient.data(), problem.friction_coefficient.size());
+  list("en", problem.eccentricity_m.data(), problem.eccentricity_m.size());
+  list("V", vertices.data(), vertices.size());
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(6 * bodies);
+  list("minv", ones.data(), ones.size());
+  std::string entries;
+  int count = 0;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < rows; ++column)
+      if (jacobian(row, column) != 0) {
+        entries += fmt::format("{} {} {:.17g}\n", row, column, jacobian(row, column));
+        ++count;
+      }
+  text += fmt::format("J {}\n{}", count, entries);
+  list("q4", problem.free_velocity.data(), problem.free_velocity.size());
+  write_file_atomically(path, text);
+}
 
 }  // namespace softfinger

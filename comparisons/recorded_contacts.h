@@ -23,4 +23,10 @@ namespace softfinger {
 /// @throws InputError naming file, line and key
 ContactLcp read_recorded_contacts(const std::filesystem::path& path);
 
+/// Writes a problem with these friction vertices (those of exact friction rules too: the file knows
+/// facets only). J is a factor of W with minv = 1, as joints leave no diagonal mass matrix: the
+/// same W to round-off, not the bodies' own columns.
+void write_recorded_contacts(const ContactLcp& problem, const Eigen::Matrix3Xd& vertices,
+                             const std::string& note, const std::filesystem::path& path);
+
 }  // namespace softfinger

@@ -1,0 +1,37 @@
+#include "comparisons/simulation/contact_model.h"
+
+#include <string>
+
+namespace softfinger::simulation {
+
+const PressureModel* model_of_contact(const Scene& scene, int a, int b, const RelativeRadii& radii,
+                                      ContactProblem& problem) {
+  const ContactRule& rule = scene.rule(a, b);
+  const auto& layer_a = scene.bodies[std::size_t(a)].layer;
+  const auto& layer_b = scene.bodies[std::size_t(b)].layer;
+  if (rule.model == "rigid" || rule.model == "given" || (!layer_a && !layer_b)) return nullptr;
+  problem = {};
+  problem.radii = radii;
+  problem.layer = layer_a ? *layer_a : *layer_b;
+  if (layer_a && layer_b) problem.object_layer = *layer_b;
+  problem.load = {scene.nominal_load_N, rule.friction_coefficient};
+  if (rule.model != "auto") return find_pressure_model(rule.model);
+  // The bonded layer holds for every load and thickness at the price of a microsecond; the closed
+  // forms are cheaper, and right in places. Where it has no answer, one of them may.
+  const PressureModel* best = find_pressure_model("bonded_layer");
+  if (best->predict(problem).has_answer) return best;
+  for (const PressureModel* model : all_pressure_models())
+    if (model->card().hot_path && model->predict(problem).valid()) return model;
+  return find_pressure_model("hertz");
+}
+
+double predicted_area_m2(const Scene& scene, int a, int b, const RelativeRadii& radii) {
+  ContactProblem problem;
+  if (const PressureModel* model = model_of_contact(scene, a, b, radii, problem)) {
+    const Prediction prediction = model->predict(problem);
+    if (prediction.has_answer) return prediction.area_m2();
+  }
+  return 0;
+}
+
+}  // namespace softfinger::simulation

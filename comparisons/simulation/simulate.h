@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "comparisons/simulation/recording.h"
+#include "comparisons/simulation/scene.h"
+
+namespace softfinger::simulation {
+
+struct SimulationOptions {
+  /// Every complementarity problem of the simulation is written there; empty: none.
+  std::filesystem::path record_lcp;
+  /// Called before each step; returns false to stop, with what there is.
+  std::function<bool(int step)> go_on = [](int) { return true; };
+};
+
+struct Simulation {
+  Recording recording;  ///< a frame at the start and one per step done
+  int steps = 0;        ///< done
+  bool interrupted = false;
+  std::string failure;  ///< of a step without solution: time, bodies, contacts; else empty
+
+  std::vector<double> step_ms;  ///< wall time of each step: detection, fits, models, LCP, motion
+  double wall_s = 0;            ///< sum of these
+  int lcp_failures = 0;         ///< 0 or 1: the first failure ends the simulation
+  double max_residual = 0;
+  int most_contacts = 0;
+  int quadric_fits = 0;
+  /// e_n depends on the load, the load is part of the solution: how often they were brought to
+  /// agreement within a step, and how far they were apart at worst, relative.
+  int most_load_iterations = 0;
+  double max_load_disagreement = 0;
+  int motor_disagreements = 0;  ///< steps whose motors did not settle within their limits
+};
+
+/// Runs a scene from its start.
+/// @throws InputError when bodies overlap at the start.
+Simulation simulate(const Scene& scene, const SimulationOptions& options = {});
+
+/// The p-th part (0 to 1) of the values, by rank.
+double percentile(std::vector<double> values, double p);
+
+}  // namespace softfinger::simulation

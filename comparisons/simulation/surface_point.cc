@@ -1,0 +1,257 @@
+#include "comparisons/simulation/surface_point.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "softfinger/math/pi.h"
+
+namespace softfinger::simulation {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Below that part of a shape's size a point lies on the edge.
+constexpr double kOnEdge = 1e-9;
+
+Matrix3d tangential(const Vector3d& normal) {
+  return Matrix3d::Identity() - normal * normal.transpose();
+}
+
+/// Any direction stands for that of a vanishing vector.
+Vector3d direction_of(const Vector3d& vector, const Vector3d& otherwise) {
+  const double length = vector.norm();
+  return length > 0 ? Vector3d(vector / length) : otherwise;
+}
+
+SurfacePoint near(const Sphere& sphere, const Vector3d& point) {
+  SurfacePoint result;
+  result.normal = direction_of(point, Vector3d::UnitZ());
+  result.point_m = sphere.radius_m * result.normal;
+  result.curvature_per_m = tangential(result.normal) / sphere.radius_m;
+  return result;
+}
+
+SurfacePoint near(const Ellipsoid& ellipsoid, const Vector3d& point) {
+  const Vector3d weights = ellipsoid.semi_axes_m.cwiseAbs2().cwiseInverse();
+  const double level = std::sqrt(point.dot(weights.cwiseProduct(point)));
+  SurfacePoint result;
+  result.point_m =
+      level > 0 ? Vector3d(point / level) : Vector3d(ellipsoid.semi_axes_m.z() * Vector3d::UnitZ());
+  const Vector3d gradient = weights.cwiseProduct(result.point_m);
+  result.normal = gradient.normalized();
+  const Matrix3d plane = tangential(result.normal);
+  result.curvature_per_m = plane * weights.asDiagonal() * plane / gradient.norm();
+  return result;
+}
+
+SurfacePoint near(const Cylinder& cylinder, const Vector3d& point) {
+  const double r = cylinder.radius_m, half = cylinder.length_m / 2;
+  const double edge = kOnEdge * std::max(r, half);
+  const Vector3d across(point.x(), point.y(), 0);
+  const Vector3d outward = direction_of(across, Vector3d::UnitX());
+  const double past_side = across.norm() - r, past_end = std::abs(point.z()) - half;
+  const double end = point.z() < 0 ? -half : half;
+  SurfacePoint result;
+  if (past_side > edge && past_end > edge) {  // beyond the rim
+    result.point_m = r * outward + end * Vector3d::UnitZ();
+    result.normal = direction_of(point - result.point_m, outward);
+    result.smooth = false;
+  } else if (past_side > past_end) {
+    result.point_m = r * outward + point.z() * Vector3d::UnitZ();
+    result.normal = outward;
+    result.curvature_per_m =
+        (tangential(outward) - Vector3d::UnitZ() * Vector3d::UnitZ().transpose()) / r;
+    result.smooth = past_end < -edge;
+  } else {
+    result.point_m = across + end * Vector3d::UnitZ();
+    result.normal = Vector3d::UnitZ() * (end < 0 ? -1 : 1);
+    result.smooth = past_side < -edge;
+  }
+  return result;
+}
+
+SurfacePoint near(const Capsule& capsule, const Vector3d& point) {
+  const double half = capsule.length_m / 2;
+  const Vector3d core(0, 0, std::clamp(point.z(), -half, half));
+  SurfacePoint result = near(Sphere{capsule.radius_m}, point - core);
+  result.point_m += core;
+  if (std::abs(point.z()) < half)
+    result.curvature_per_m -= Vector3d::UnitZ() * Vector3d::UnitZ().transpose() / capsule.radius_m;
+  return result;
+}
+
+SurfacePoint near(const Box& box, const Vector3d& point) {
+  const Vector3d half = box.size_m / 2;
+  const double edge = kOnEdge * half.maxCoeff();
+  const Vector3d past = point.cwiseAbs() - half;
+  SurfacePoint result;
+  if ((past.array() > edge).count() > 1) {  // beyond an edge or a corner
+    result.point_m = point.cwiseMax(-half).cwiseMin(half);
+    result.normal = (point - result.point_m).normalized();
+    result.smooth = false;
+    return result;
+  }
+  int face = 0;
+  past.maxCoeff(&face);
+  const double side = point[face] < 0 ? -1 : 1;
+  result.point_m = point;
+  result.point_m[face] = side * half[face];
+  result.normal = side * Vector3d::Unit(face);
+  result.smooth = past[(face + 1) % 3] < -edge && past[(face + 2) % 3] < -edge;
+  return result;
+}
+
+SurfacePoint near(const HalfSpace&, const Vector3d& point) {
+  SurfacePoint result;
+  result.point_m = Vector3d(point.x(), point.y(), 0);
+  return result;
+}
+
+SurfacePoint near(const Mesh&, const Vector3d& point) {
+  SurfacePoint result;
+  result.point_m = point;
+  result.smooth = false;
+  return result;
+}
+
+Vector3d support(const Sphere& sphere, const Vector3d& direction) {
+  return sphere.radius_m * direction_of(direction, Vector3d::UnitZ());
+}
+Vector3d support(const Ellipsoid& ellipsoid, const Vector3d& direction) {
+  const Vector3d scaled = ellipsoid.semi_axes_m.cwiseProduct(direction);
+  return ellipsoid.semi_axes_m.cwiseProduct(direction_of(scaled, Vector3d::UnitZ()));
+}
+Vector3d support(const Cylinder& cylinder, const Vector3d& direction) {
+  const Vector3d across(direction.x(), direction.y(), 0);
+  return cylinder.radius_m * direction_of(across, Vector3d::Zero()) +
+         std::copysign(cylinder.length_m / 2, direction.z()) * Vector3d::UnitZ();
+}
+Vector3d support(const Capsule& capsule, const Vector3d& direction) {
+  return support(Sphere{capsule.radius_m}, direction) +
+         std::copysign(capsule.length_m / 2, direction.z()) * Vector3d::UnitZ();
+}
+Vector3d support(const Box& box, const Vector3d& direction) {
+  Vector3d corner = box.size_m / 2;
+  for (int i = 0; i < 3; ++i) corner[i] = std::copysign(corner[i], direction[i]);
+  return corner;
+}
+Vector3d support(const HalfSpace&, const Vector3d& direction) {
+  return std::numeric_limits<double>::infinity() * direction;
+}
+Vector3d support(const Mesh& mesh, const Vector3d& direction) {
+  const auto& vertices = mesh.surface->vertices_m;
+  return *std::max_element(vertices.begin(), vertices.end(),
+                           [&](const Vector3d& one, const Vector3d& other) {
+                             return one.dot(direction) < other.dot(direction);
+                           });
+}
+
+/// Six points of each rim: fixed to the body while it stands on its end, else counted from the
+/// lowest one, so that a rolling rim is round.
+std::vector<Vector3d> bearing(const Cylinder& cylinder, const Vector3d& direction, double) {
+  std::vector<Vector3d> points;
+  const Vector3d across(direction.x(), direction.y(), 0);
+  const double tilt = across.norm(), along = std::abs(direction.z());
+  constexpr double kUpright = 1e-6;
+  const double start = tilt > kUpright * along ? std::atan2(across.y(), across.x()) : 0;
+  for (const double end : {-0.5, 0.5}) {
+    if (end * direction.z() < 0 && tilt < kUpright * along) continue;
+    const bool stands = along > kUpright * tilt && end * direction.z() > 0;
+    for (int i = 0; i < (stands ? 6 : 1); ++i) {
+      const double angle = start + i * kPi / 3;
+      points.emplace_back(cylinder.radius_m * std::cos(angle), cylinder.radius_m * std::sin(angle),
+                          end * cylinder.length_m);
+    }
+  }
+  return points;
+}
+std::vector<Vector3d> bearing(const Capsule& capsule, const Vector3d& direction, double) {
+  const Vector3d low = support(Sphere{capsule.radius_m}, direction);
+  const Vector3d end(0, 0, capsule.length_m / 2);
+  return {low - end, low + end};
+}
+std::vector<Vector3d> bearing(const Box& box, const Vector3d&, double) {
+  std::vector<Vector3d> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.push_back(box.size_m.cwiseProduct(
+        Vector3d(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5)));
+  return corners;
+}
+std::vector<Vector3d> bearing(const Mesh& mesh, const Vector3d& direction, double reach_m) {
+  const double farthest = support(mesh, direction).dot(direction);
+  std::vector<Vector3d> near_plane;
+  for (const Vector3d& vertex : mesh.surface->vertices_m)
+    if (vertex.dot(direction) > farthest - reach_m) near_plane.push_back(vertex);
+  // Each the farthest from those before it.
+  std::vector<Vector3d> chosen = {support(mesh, direction)};
+  while (chosen.size() < 8 && chosen.size() < near_plane.size()) {
+    const Vector3d* best = nullptr;
+    double most = 0;
+    for (const Vector3d& vertex : near_plane) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const Vector3d& other : chosen) nearest = std::min(nearest, (vertex - other).norm());
+      if (nearest <= most) continue;
+      most = nearest;
+      best = &vertex;
+    }
+    if (!best || most < 1e-3 * reach_m) break;
+    chosen.push_back(*best);
+  }
+  return chosen;
+}
+std::vector<Vector3d> bearing(const HalfSpace&, const Vector3d&, double) { return {}; }
+template <class Round>
+std::vector<Vector3d> bearing(const Round& round, const Vector3d& direction, double) {
+  return {support(round, direction)};
+}
+
+}  // namespace
+
+SurfacePoint surface_near(const ShapeKind& kind, const Vector3d& point_m) {
+  return std::visit([&](const auto& shape) { return near(shape, point_m); }, kind);
+}
+
+SurfacePoint surface_near(const QuadricFit& fit, const Vector3d& point_m) {
+  const Vector3d y_axis = fit.normal.cross(fit.x_axis);
+  const Vector3d arm = point_m - fit.origin_m;
+  const double x = arm.dot(fit.x_axis), y = arm.dot(y_axis);
+  const Quadric& q = fit.quadric;
+  SurfacePoint result;
+  result.point_m = fit.origin_m + x * fit.x_axis + y * y_axis -
+                   (q.A_per_m * x * x + q.B_per_m * y * y + q.C_per_m * x * y) * fit.normal;
+  const Vector3d outward = fit.normal + (2 * q.A_per_m * x + q.C_per_m * y) * fit.x_axis +
+                           (2 * q.B_per_m * y + q.C_per_m * x) * y_axis;
+  result.normal = outward.normalized();
+  const Matrix3d second =
+      2 * q.A_per_m * fit.x_axis * fit.x_axis.transpose() +
+      2 * q.B_per_m * y_axis * y_axis.transpose() +
+      q.C_per_m * (fit.x_axis * y_axis.transpose() + y_axis * fit.x_axis.transpose());
+  const Matrix3d plane = tangential(result.normal);
+  result.curvature_per_m = plane * second * plane / outward.norm();
+  return result;
+}
+
+Vector3d support_point(const ShapeKind& kind, const Vector3d& direction) {
+  return std::visit([&](const auto& shape) { return support(shape, direction); }, kind);
+}
+
+std::vector<Vector3d> bearing_points(const ShapeKind& kind, const Vector3d& direction,
+                                     double reach_m) {
+  return std::visit([&](const auto& shape) { return bearing(shape, direction, reach_m); }, kind);
+}
+
+double bounding_radius_m(const ShapeKind& kind) {
+  if (std::holds_alternative<HalfSpace>(kind)) return std::numeric_limits<double>::infinity();
+  double square = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double reach = std::max(support_point(kind, Vector3d::Unit(i))[i],
+                                  -support_point(kind, -Vector3d::Unit(i))[i]);
+    square += reach * reach;
+  }
+  return std::sqrt(square);
+}
+
+}  // namespace softfinger::simulation

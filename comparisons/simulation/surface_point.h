@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "comparisons/simulation/shape.h"
+#include "softfinger/geometry/quadric_fit.h"
+
+/// Shapes as surfaces: positions, normals and curvatures in closed form.
+namespace softfinger::simulation {
+
+/// A surface near one of its points, to second order.
+struct SurfacePoint {
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward
+  /// Change of the normal per length, a symmetric tensor in the tangent plane: positive for convex.
+  Eigen::Matrix3d curvature_per_m = Eigen::Matrix3d::Zero();
+  bool smooth = true;  ///< false at edges and rims, where the curvature means nothing
+};
+
+/// A point of the shape's surface near `point_m`, both in the shape's frame: the nearest one, on an
+/// ellipsoid the one on the ray from its centre. Not for meshes.
+SurfacePoint surface_near(const ShapeKind& kind, const Eigen::Vector3d& point_m);
+
+/// A point of the quadric that was fitted to a mesh, above or below `point_m` along the fit's
+/// normal.
+SurfacePoint surface_near(const QuadricFit& fit, const Eigen::Vector3d& point_m);
+
+/// The farthest point in a direction; of a half-space that contains the direction, an infinite one.
+Eigen::Vector3d support_point(const ShapeKind& kind, const Eigen::Vector3d& direction);
+
+/// Points that together bear a flat contact in a direction: corners, points of a rim, ends of an
+/// edge. One for a round shape. At most eight; for a mesh those of its vertices within `reach_m` of
+/// the farthest, thinned out.
+std::vector<Eigen::Vector3d> bearing_points(const ShapeKind& kind, const Eigen::Vector3d& direction,
+                                            double reach_m);
+
+/// Half the diagonal of the box around the shape, about its frame's origin; infinite for a
+/// half-space.
+double bounding_radius_m(const ShapeKind& kind);
+
+}  // namespace softfinger::simulation
