@@ -26,8 +26,10 @@ set(hashes "")
 foreach(file IN LISTS files)
   file(RELATIVE_PATH package "${LICENCES}" "${file}")
   get_filename_component(package "${package}" DIRECTORY)
-  if(package MATCHES "^(commander|iconv-lite|rw|safer-buffer)$")
-    continue()  # used by d3's command-line tools only, not in the minified file
+  # d3's command-line tools use the first four, the build esbuild: they are in no page. three.js is in
+  # one page only, and its licence with it.
+  if(package MATCHES "^(commander|iconv-lite|rw|safer-buffer|three|@?esbuild.*)$")
+    continue()
   endif()
   file(SHA256 "${file}" hash)
   list(FIND hashes ${hash} known)

@@ -12,4 +12,9 @@ extern const std::string_view d3_js;
 extern const std::string_view plot_js;
 extern const std::string_view licences;  ///< of d3, Plot and all that is bundled in them
 
+extern const std::string_view motion_html;
+extern const std::string_view motion_css;
+extern const std::string_view motion_js;  ///< with what it imports of three.js
+extern const std::string_view three_licence;
+
 }  // namespace softfinger::comparisons::embedded

@@ -53,6 +53,23 @@ std::string escape(std::string_view text) {
   return out;
 }
 
+std::string filled(std::string_view skeleton,
+                   const std::map<std::string_view, std::string_view>& parts) {
+  std::size_t size = skeleton.size();
+  for (const auto& part : parts) size += part.second.size();
+  std::string page;
+  page.reserve(size);
+  for (std::size_t open; (open = skeleton.find("{{")) != std::string_view::npos;) {
+    const std::size_t close = skeleton.find("}}", open);
+    if (close == std::string_view::npos) break;
+    page += skeleton.substr(0, open);
+    page += parts.at(skeleton.substr(open + 2, close - open - 2));
+    skeleton.remove_prefix(close + 2);
+  }
+  page += skeleton;
+  return page;
+}
+
 std::string significant(double value, int digits) {
   if (!std::isfinite(value)) return kDash;
   if (value == 0) return "0";

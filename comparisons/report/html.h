@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -13,6 +14,11 @@ using Json = nlohmann::json;
 
 /// Text for element content and attribute values.
 std::string escape(std::string_view text);
+
+/// A page's skeleton with every {{key}} replaced by its part. What is inserted is never searched
+/// for keys. @throws std::out_of_range for a key without a part.
+std::string filled(std::string_view skeleton,
+                   const std::map<std::string_view, std::string_view>& parts);
 
 /// `digits` significant digits in plain decimal notation (`0.001706`, `12.30`, `48213`), powers of
 /// ten only outside 1e-4 to 1e7, a true minus sign. Not finite: a dash.

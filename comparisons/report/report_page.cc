@@ -252,26 +252,12 @@ std::string render_report(const nlohmann::json& report) {
     throw std::invalid_argument("report: no array \"cases\"; see comparisons/report/README.md");
   const std::string data = script_json(chart_data(report));
   const std::string content = body(report);
-  std::string page;
-  page.reserve(content.size() + data.size() + embedded::d3_js.size() + embedded::plot_js.size() +
-               100000);
-  // One pass over the template: text that is inserted is never searched for placeholders.
-  std::string_view rest = embedded::page_html;
-  for (std::size_t open; (open = rest.find("{{")) != std::string_view::npos;) {
-    const std::size_t close = rest.find("}}", open);
-    if (close == std::string_view::npos) break;
-    const std::string_view key = rest.substr(open + 2, close - open - 2);
-    page += rest.substr(0, open);
-    page += key == "css"    ? embedded::report_css
-            : key == "body" ? std::string_view(content)
-            : key == "data" ? std::string_view(data)
-            : key == "d3"   ? embedded::d3_js
-            : key == "plot" ? embedded::plot_js
-                            : embedded::report_js;
-    rest = rest.substr(close + 2);
-  }
-  page += rest;
-  return page;
+  return filled(embedded::page_html, {{"css", embedded::report_css},
+                                      {"body", content},
+                                      {"data", data},
+                                      {"d3", embedded::d3_js},
+                                      {"plot", embedded::plot_js},
+                                      {"js", embedded::report_js}});
 }
 
 }  // namespace softfinger::comparisons

@@ -1,0 +1,2 @@
+import {WebGLRenderer} from "three";
+document.documentElement.dataset.three = typeof WebGLRenderer;

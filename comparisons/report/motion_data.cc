@@ -1,0 +1,299 @@
+#include "comparisons/report/motion_data.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <tuple>
+#include <utility>
+#include <variant>
+
+#include "comparisons/simulation/base64.h"
+#include "comparisons/simulation/triangulate.h"
+#include "softfinger/friction/limit_surface.h"
+#include "softfinger/math/pi.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+using simulation::base64;
+using simulation::bytes_of;
+using simulation::Frame;
+using simulation::RecordedContact;
+using simulation::Recording;
+
+// Together they keep the page below 3 MB: a pose takes 40 bytes in it, a contact 110, a triangle
+// 16. 300 frames are a fluent motion.
+constexpr std::size_t kFrames = 300, kPoses = 15000, kContacts = 9000;
+constexpr std::size_t kTrianglesOfMesh = 8000, kTrianglesOfAllMeshes = 30000;
+
+/// Joins the vertices within each cell of a grid, the coarsest that is needed.
+TriangleSurface coarsened(const TriangleSurface& surface, std::size_t most_triangles) {
+  if (surface.triangles.size() <= most_triangles) return surface;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : surface.vertices_m) box.extend(vertex);
+  // Each attempt has three quarters of the cells per side, so this ends.
+  for (double cells = std::sqrt(static_cast<double>(most_triangles));; cells *= 0.75) {
+    const double cell_m = box.sizes().maxCoeff() / cells;
+    TriangleSurface coarse;
+    std::vector<int> joined, members;
+    std::map<std::array<long, 3>, int> vertex_of_cell;
+    for (const Eigen::Vector3d& vertex : surface.vertices_m) {
+      const Eigen::Vector3d place = (vertex - box.min()) / cell_m;
+      const std::array<long, 3> cell = {static_cast<long>(place.x()), static_cast<long>(place.y()),
+                                        static_cast<long>(place.z())};
+      const auto [entry, is_new] =
+          vertex_of_cell.emplace(cell, static_cast<int>(coarse.vertices_m.size()));
+      if (is_new) {
+        coarse.vertices_m.emplace_back(Eigen::Vector3d::Zero());
+        members.push_back(0);
+      }
+      joined.push_back(entry->second);
+      coarse.vertices_m[entry->second] += vertex;
+      ++members[entry->second];
+    }
+    for (std::size_t i = 0; i < members.size(); ++i) coarse.vertices_m[i] /= members[i];
+    for (const auto& [i, j, k] : surface.triangles)
+      if (joined[i] != joined[j] && joined[j] != joined[k] && joined[k] != joined[i])
+        coarse.triangles.push_back({joined[i], joined[j], joined[k]});
+    if (coarse.triangles.size() <= most_triangles) return coarse;
+  }
+}
+
+void append(std::vector<float>& numbers, const Eigen::Vector3d& vector) {
+  for (const double number : vector) numbers.push_back(static_cast<float>(number));
+}
+
+void append(std::vector<float>& numbers, const Eigen::Quaterniond& turn) {
+  for (const double number : turn.coeffs()) numbers.push_back(static_cast<float>(number));
+}
+
+/// x, y, z, then the quaternion x, y, z, w, as three.js has it.
+void append(std::vector<float>& numbers, const Eigen::Isometry3d& pose) {
+  append(numbers, pose.translation());
+  append(numbers, Eigen::Quaterniond(pose.linear()));
+}
+
+template <typename Number>
+std::string encoded(const std::vector<Number>& numbers) {
+  return base64(bytes_of(numbers));
+}
+
+Json geometry(const TriangleSurface& surface) {
+  std::vector<float> positions;
+  std::vector<std::uint32_t> indices;
+  for (const Eigen::Vector3d& vertex : surface.vertices_m) append(positions, vertex);
+  for (const std::array<int, 3>& triangle : surface.triangles)
+    indices.insert(indices.end(), triangle.begin(), triangle.end());
+  Json out = {{"positions", encoded(positions)}};
+  if (surface.vertices_m.size() <= 0x10000)
+    out["triangles16"] = encoded(std::vector<std::uint16_t>(indices.begin(), indices.end()));
+  else
+    out["triangles32"] = encoded(indices);
+  return out;
+}
+
+/// Bodies with their shapes; equal surfaces (five fingertips from one mesh) are kept once.
+std::pair<Json, Json> bodies_and_geometries(const Recording& recording) {
+  const double width_m = simulation::half_space_width_m(recording);
+  std::size_t meshes = 0;
+  for (const simulation::RecordedBody& body : recording.bodies)
+    for (const simulation::Shape& shape : body.shapes)
+      meshes += std::holds_alternative<simulation::Mesh>(shape.kind);
+  const std::size_t most_triangles =
+      std::min(kTrianglesOfMesh, kTrianglesOfAllMeshes / std::max<std::size_t>(1, meshes));
+
+  Json bodies = Json::array(), geometries = Json::array();
+  std::map<std::string, std::size_t> known;
+  for (const simulation::RecordedBody& body : recording.bodies) {
+    Json shapes = Json::array();
+    for (const simulation::Shape& shape : body.shapes) {
+      const bool is_plane = std::holds_alternative<simulation::HalfSpace>(shape.kind);
+      // The shape's pose is the page's business: it keeps equal surfaces equal.
+      Json drawn = geometry(
+          coarsened(simulation::triangulate({shape.kind, Eigen::Isometry3d::Identity()}, width_m),
+                    most_triangles));
+      const auto [entry, is_new] = known.emplace(drawn.dump(), geometries.size());
+      if (is_new) geometries.push_back(std::move(drawn));
+      std::vector<float> pose;
+      append(pose, shape.pose);
+      shapes.push_back(
+          {{"geometry", entry->second}, {"pose", encoded(pose)}, {"half_space", is_plane}});
+    }
+    bodies.push_back({{"name", body.name}, {"movable", body.movable}, {"shapes", shapes}});
+  }
+  return {std::move(bodies), std::move(geometries)};
+}
+
+/// Sections of limit surfaces by the plane of the tangential force, as radii in the plane of
+/// (f/(mu P), tau/(mu P e_n)), at equal angles from pure force to pure torque. The other quarters
+/// mirror this one. They depend on b/a, n and the direction of the force only, and little: equal
+/// ones after rounding to 0.02, 0.02 and 7.5 degrees are kept once.
+class Sections {
+ public:
+  /// Index of the section; -1 for a point contact.
+  int of(const RecordedContact& contact) {
+    const double a_m = contact.semi_axis_a_m, b_m = contact.semi_axis_b_m;
+    if (!(a_m > 0 && b_m > 0 && contact.eccentricity_m > 0)) return -1;
+    const double aspect = std::max(1., std::round(50 * b_m / a_m)) / 50;
+    const double exponent = std::round(50 * contact.pressure_exponent) / 50;
+    const double direction =
+        std::atan2(std::abs(contact.tangent_force_2_N), std::abs(contact.tangent_force_1_N));
+    const double step_rad = kPi / 24;
+    // A circle looks the same from everywhere.
+    const double direction_rad = aspect < 1 ? step_rad * std::round(direction / step_rad) : 0;
+    const auto [entry, is_new] = known_.emplace(std::tuple{aspect, exponent, direction_rad},
+                                                static_cast<int>(known_.size()));
+    if (is_new) {
+      const LimitSurface surface(1, aspect, exponent, 1);
+      const std::vector<LimitWrench> points =
+          surface.sample_section(direction_rad, 4 * (kPoints - 1));
+      for (int i = 0; i < kPoints; ++i)
+        radii_.push_back(
+            static_cast<float>(std::hypot(points[i].force_x_N, points[i].force_y_N,
+                                          points[i].torque_Nm / surface.eccentricity_m())));
+    }
+    return entry->second;
+  }
+
+  Json json() const { return {{"points", kPoints}, {"radii", encoded(radii_)}}; }
+
+ private:
+  static constexpr int kPoints = 17;
+  std::map<std::tuple<double, double, double>, int> known_;
+  std::vector<float> radii_;
+};
+
+/// e_n of the exact limit surface over the one that was used.
+double exact_eccentricity_ratio(const RecordedContact& contact) {
+  return LimitSurface(contact.semi_axis_a_m, contact.semi_axis_b_m, contact.pressure_exponent, 1)
+             .eccentricity_m() /
+         contact.eccentricity_m;
+}
+
+}  // namespace
+
+std::vector<ContactTrack> follow_contacts(const Recording& recording) {
+  std::vector<ContactTrack> tracks;
+  std::vector<Eigen::Vector3d> last_places_m;  // of each track, on body b
+  for (std::size_t frame = 0; frame < recording.frames.size(); ++frame) {
+    const std::vector<RecordedContact>& contacts = recording.frames[frame].contacts;
+    std::vector<Eigen::Vector3d> places_m;
+    std::vector<std::tuple<double, std::size_t, std::size_t>> candidates;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      places_m.push_back(recording.frames[frame].poses.at(contacts[i].b).inverse() *
+                         contacts[i].point_m);
+      for (std::size_t track = 0; track < tracks.size(); ++track)
+        if (tracks[track].a == contacts[i].a && tracks[track].b == contacts[i].b)
+          candidates.emplace_back((places_m[i] - last_places_m[track]).norm(), track, i);
+    }
+    std::sort(candidates.begin(), candidates.end());
+    std::vector<bool> followed(contacts.size(), false);
+    const auto follow = [&](std::size_t track, std::size_t i) {
+      tracks[track].contacts[frame] = i;
+      last_places_m[track] = places_m[i];
+      followed[i] = true;
+    };
+    for (const auto& [distance_m, track, i] : candidates)
+      if (!followed[i] && !tracks[track].contacts[frame]) follow(track, i);
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (followed[i]) continue;
+      const auto same_pair = [&](const ContactTrack& track) {
+        return track.a == contacts[i].a && track.b == contacts[i].b;
+      };
+      ContactTrack track;
+      track.a = contacts[i].a;
+      track.b = contacts[i].b;
+      track.ordinal = static_cast<int>(std::count_if(tracks.begin(), tracks.end(), same_pair));
+      track.contacts.resize(recording.frames.size());
+      tracks.push_back(std::move(track));
+      last_places_m.emplace_back();
+      follow(tracks.size() - 1, i);
+    }
+  }
+  return tracks;
+}
+
+std::string track_name(const Recording& recording, const std::vector<ContactTrack>& tracks,
+                       std::size_t track) {
+  const ContactTrack& named = tracks.at(track);
+  const bool is_single =
+      std::count_if(tracks.begin(), tracks.end(), [&](const ContactTrack& other) {
+        return other.a == named.a && other.b == named.b;
+      }) == 1;
+  return recording.bodies.at(named.a).name + " – " + recording.bodies.at(named.b).name +
+         (is_single ? "" : " " + std::to_string(named.ordinal + 1));
+}
+
+std::vector<std::size_t> shown_frames(const Recording& recording) {
+  const std::size_t count = recording.frames.size();
+  for (std::size_t stride = 1;; ++stride) {
+    std::vector<std::size_t> shown;
+    std::size_t contacts = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if (i % stride == 0 || i + 1 == count) {
+        shown.push_back(i);
+        contacts += recording.frames[i].contacts.size();
+      }
+    // Two frames are shown whatever is in them.
+    if (shown.size() <= 2 || (shown.size() <= kFrames && contacts <= kContacts &&
+                              shown.size() * recording.bodies.size() <= kPoses))
+      return shown;
+  }
+}
+
+Json motion_data(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+  std::vector<float> times_s, poses, contacts;
+  std::vector<std::uint32_t> contact_offsets = {0};
+  Sections sections;
+  for (const std::size_t shown : shown_frames(recording)) {
+    const Frame& frame = recording.frames[shown];
+    times_s.push_back(static_cast<float>(frame.time_s));
+    for (std::size_t body = 0; body < recording.bodies.size(); ++body)
+      append(poses, frame.poses.at(body));
+    for (std::size_t track = 0; track < tracks.size(); ++track) {
+      if (!tracks[track].contacts[shown]) continue;
+      const RecordedContact& contact = frame.contacts[*tracks[track].contacts[shown]];
+      // The order is that of `columns` below.
+      contacts.push_back(static_cast<float>(track));
+      append(contacts, contact.point_m);
+      append(contacts, Eigen::Quaterniond(contact.axes));
+      const int section = sections.of(contact);
+      for (const double number :
+           {contact.semi_axis_a_m, contact.semi_axis_b_m, contact.normal_force_N,
+            contact.tangent_force_1_N, contact.tangent_force_2_N, contact.torque_Nm,
+            contact.friction_coefficient, contact.eccentricity_m, contact.utilisation,
+            contact.slides ? 1. : 0., static_cast<double>(section),
+            section < 0 ? 1 : exact_eccentricity_ratio(contact)})
+        contacts.push_back(static_cast<float>(number));
+    }
+    contact_offsets.push_back(static_cast<std::uint32_t>(contacts.size()));
+  }
+  const Json columns = {"track", "x",   "y",   "z",      "qx",      "qy",         "qz",
+                        "qw",    "a",   "b",   "P",      "f1",      "f2",         "tau",
+                        "mu",    "e_n", "use", "slides", "section", "exact_ratio"};
+  Json drawn_tracks = Json::array();
+  for (std::size_t track = 0; track < tracks.size(); ++track)
+    drawn_tracks.push_back({{"a", tracks[track].a},
+                            {"b", tracks[track].b},
+                            {"name", track_name(recording, tracks, track)}});
+  const Eigen::AlignedBox3d extent = simulation::extent_of(recording);
+  auto [bodies, geometries] = bodies_and_geometries(recording);
+  const auto corner = [&](const Eigen::Vector3d& point_m) {
+    return std::vector<double>(point_m.begin(), point_m.end());
+  };
+  return {
+      {"bodies", std::move(bodies)},
+      {"geometries", std::move(geometries)},
+      {"extent_m", extent.isEmpty() ? Json() : Json{corner(extent.min()), corner(extent.max())}},
+      {"time_s", encoded(times_s)},
+      {"poses", encoded(poses)},
+      {"tracks", std::move(drawn_tracks)},
+      {"columns", columns},
+      {"contacts", encoded(contacts)},
+      {"contact_offsets", encoded(contact_offsets)},
+      {"sections", sections.json()}};
+}
+
+}  // namespace softfinger::comparisons

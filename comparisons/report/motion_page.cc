@@ -1,0 +1,207 @@
+#include "comparisons/report/motion_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "comparisons/report/chart_data.h"
+#include "comparisons/report/html.h"
+#include "comparisons/report/motion_data.h"
+#include "embedded.h"
+#include "softfinger/friction/limit_surface.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+using simulation::RecordedContact;
+using simulation::Recording;
+
+double tangential_force_N(const RecordedContact& contact) {
+  return std::hypot(contact.tangent_force_1_N, contact.tangent_force_2_N);
+}
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{}\u00a0{}", count, count == 1 ? one : many);
+}
+
+std::string summary(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+  if (recording.frames.empty()) return "<p class=\"lead\">Nothing was recorded.</p>\n";
+  const std::size_t movable =
+      std::count_if(recording.bodies.begin(), recording.bodies.end(),
+                    [](const simulation::RecordedBody& body) { return body.movable; });
+  const std::size_t shown = shown_frames(recording).size();
+  std::string text =
+      fmt::format("<p class=\"lead\">{} ({} of them movable), {} over {}\u00a0s, ",
+                  counted(recording.bodies.size(), "body", "bodies"), movable,
+                  counted(recording.frames.size() - 1, "step", "steps"),
+                  significant(recording.frames.back().time_s - recording.frames.front().time_s));
+  text += tracks.empty() ? "no contact." : counted(tracks.size(), "contact.", "contacts.");
+  if (shown < recording.frames.size())
+    text += fmt::format(
+        " The player and the charts show {} of the {} recorded instants; the tables are of all.",
+        shown, recording.frames.size());
+  return text + "</p>\n";
+}
+
+/// Empty places that motion.js fills; hidden without it.
+constexpr const char* kPlayer = R"(<section class="player" aria-label="Motion in 3-D">
+<div class="stage">
+<div class="view"><canvas id="view" aria-label="Bodies and contacts"></canvas><p class="scale" id="scale"></p></div>
+<div class="transport">
+<button type="button" id="play">Play</button>
+<input type="range" id="time" min="0" value="0" step="1" aria-label="Time">
+<output id="clock"></output>
+<label>speed <select id="speed"></select></label>
+</div>
+<div class="settings">
+<label>contacts <select id="colouring"><option value="state">stick or slip</option><option value="use">utilisation</option></select></label>
+<span id="colours"></span>
+<label>ellipses <select id="magnification"></select></label>
+<label>forces <select id="force_scale"></select></label>
+<label><input type="checkbox" id="see_through"> see through bodies</label>
+<button type="button" id="reset">Reset view</button>
+</div>
+<div class="contacts" id="contacts" role="group" aria-label="Contacts"></div>
+</div>
+<div class="selected" aria-live="off">
+<h2 id="selected"></h2>
+<p class="facts" id="state"></p>
+<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Tangential force over μP and torque over μP e<sub>n</sub>: inside it sticks.</figcaption><div class="plot"></div></figure>
+<figure data-chart="normal"><figcaption></figcaption><div class="plot"></div></figure>
+<figure data-chart="tangential"><figcaption></figcaption><div class="plot"></div></figure>
+<figure data-chart="torque"><figcaption></figcaption><div class="plot"></div></figure>
+<figure data-chart="use"><figcaption></figcaption><div class="plot"></div></figure>
+</div>
+</section>
+<noscript><p>The motion in 3-D and the charts need JavaScript; the tables below do not.</p></noscript>
+)";
+
+std::string table(const std::string& head, const std::string& rows) {
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
+}
+
+std::string heading(const char* name, const char* unit = "") {
+  return fmt::format("<th scope=\"col\">{}{}</th>", name,
+                     *unit ? fmt::format(" <span class=\"unit\">{}</span>", unit) : "");
+}
+
+std::string final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+  std::string out = "<h2 id=\"final\">Contacts at the end</h2>\n";
+  if (recording.frames.empty() || recording.frames.back().contacts.empty())
+    return out + "<p>At the end nothing touches.</p>\n";
+  std::string rows;
+  for (std::size_t track = 0; track < tracks.size(); ++track) {
+    const auto index = tracks[track].contacts.back();
+    if (!index) continue;
+    const RecordedContact& contact = recording.frames.back().contacts[*index];
+    const bool is_point = !(contact.semi_axis_a_m > 0);
+    const double max_force_N = contact.friction_coefficient * contact.normal_force_N;
+    const LimitSurface surface(contact.semi_axis_a_m, contact.semi_axis_b_m,
+                               contact.pressure_exponent, max_force_N);
+    const double exact_utilisation = surface.utilisation(
+        {contact.tangent_force_1_N, contact.tangent_force_2_N, contact.torque_Nm});
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+        "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td>"
+        "<td class=\"words\">{}</td></tr>\n",
+        escape(track_name(recording, tracks, track)), significant(contact.normal_force_N),
+        significant(tangential_force_N(contact)), significant(1e3 * contact.torque_Nm),
+        is_point ? "point" : significant(1e3 * contact.semi_axis_a_m, 3),
+        is_point ? "" : significant(1e3 * contact.semi_axis_b_m, 3),
+        significant(contact.friction_coefficient, 3), significant(1e3 * contact.eccentricity_m, 3),
+        significant(contact.utilisation, 3), is_point ? "–" : significant(exact_utilisation, 3),
+        contact.slides ? "slides" : "sticks", escape(contact.model));
+  }
+  return out +
+         "<p>Forces and torque act on the second body of a pair. Utilisation is that of the "
+         "friction ellipsoid with the e<sub>n</sub> of the table, and of the exact limit surface "
+         "of the ellipse; 1 is the limit.</p>\n" +
+         table(heading("contact") + heading("normal force P", "N") +
+                   heading("tangential force", "N") + heading("torque", "mN·m") +
+                   heading("a", "mm") + heading("b", "mm") + heading("μ") +
+                   heading("e<sub>n</sub>", "mm") + heading("utilisation") + heading("exact") +
+                   "<th scope=\"col\" class=\"words\">state</th>"
+                   "<th scope=\"col\" class=\"words\">pressure model</th>",
+               rows);
+}
+
+std::string contacts_over_time(const Recording& recording,
+                               const std::vector<ContactTrack>& tracks) {
+  if (tracks.empty()) return "";
+  std::string rows;
+  for (std::size_t track = 0; track < tracks.size(); ++track) {
+    std::size_t touching = 0, sliding = 0;
+    double first_s = 0, last_s = 0, largest_force_N = 0, largest_use = 0, largest_use_s = 0;
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+      if (!tracks[track].contacts[i]) continue;
+      const double time_s = recording.frames[i].time_s;
+      const RecordedContact& contact = recording.frames[i].contacts[*tracks[track].contacts[i]];
+      if (touching++ == 0) first_s = time_s;
+      last_s = time_s;
+      sliding += contact.slides;
+      largest_force_N = std::max(largest_force_N, contact.normal_force_N);
+      if (contact.utilisation > largest_use) {
+        largest_use = contact.utilisation;
+        largest_use_s = time_s;
+      }
+    }
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+        "<td>{}</td><td>{}</td></tr>\n",
+        escape(track_name(recording, tracks, track)), significant(first_s), significant(last_s),
+        touching, sliding, significant(largest_force_N), significant(largest_use, 3),
+        significant(largest_use_s));
+  }
+  return "<h2 id=\"contacts-over-time\">Contacts over the whole motion</h2>\n" +
+         table(heading("contact") + heading("first", "s") + heading("last", "s") +
+                   heading("instants in contact") + heading("of these sliding") +
+                   heading("largest normal force", "N") + heading("largest utilisation") +
+                   heading("at", "s"),
+               rows);
+}
+
+std::string provenance(const Recording& recording, const MotionPageOptions& options) {
+  std::string rows;
+  const auto row = [&](const char* name, const std::string& value) {
+    if (!value.empty()) rows += fmt::format("<dt>{}</dt><dd>{}</dd>", name, escape(value));
+  };
+  row("version", options.version);
+  row("date", options.date);
+  row("time step", recording.time_step_s > 0 ? duration(recording.time_step_s) : "");
+  std::string out = "<h2 id=\"provenance\">Where this comes from</h2>\n";
+  if (!rows.empty()) out += "<dl class=\"provenance\">" + rows + "</dl>\n";
+  if (!options.command.empty())
+    out += "<p>To repeat it:</p>\n<pre>" + escape(options.command) + "</pre>\n";
+  if (!options.scene_text.empty())
+    out += "<details open><summary>The scene</summary>\n<pre>" + escape(options.scene_text) +
+           "</pre></details>\n";
+  return out +
+         "<details><summary>Licences of the libraries in this file</summary>\n<pre>three.js\n\n" +
+         escape(embedded::three_licence) + "\n" + escape(embedded::licences) + "</pre></details>\n";
+}
+
+}  // namespace
+
+std::string motion_page(const Recording& recording, const MotionPageOptions& options) {
+  const std::vector<ContactTrack> tracks = follow_contacts(recording);
+  const std::string data = script_json(motion_data(recording, tracks));
+  const std::string title = escape(recording.scene);
+  const std::string body = "<header><h1>" + title + "</h1>\n<p class=\"subtitle\">" +
+                           escape(recording.question) + "</p>\n" + summary(recording, tracks) +
+                           "</header>\n" + (recording.frames.empty() ? "" : kPlayer) +
+                           final_contacts(recording, tracks) +
+                           contacts_over_time(recording, tracks) + provenance(recording, options);
+  return filled(embedded::motion_html, {{"title", title},
+                                        {"report_css", embedded::report_css},
+                                        {"css", embedded::motion_css},
+                                        {"body", body},
+                                        {"data", data},
+                                        {"d3", embedded::d3_js},
+                                        {"plot", embedded::plot_js},
+                                        {"js", embedded::motion_js}});
+}
+
+}  // namespace softfinger::comparisons
