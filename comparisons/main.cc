@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   commands::add_list(app, action);
   commands::add_explain(app, action);
   commands::add_lcp(app, action);
+  commands::add_simulate(app, action, command_line);
   try {
     // The parser would only say that a subcommand is missing.
     if (!arguments.empty() && arguments[0].rfind('-', 0) != 0) {

@@ -35,33 +35,45 @@ fs::path fem_program() {
   return program;
 }
 
-std::vector<fs::path> builtin_case_files() {
+namespace {
+
+std::vector<fs::path> builtin_files(const char* folder) {
   std::vector<fs::path> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(share_folder() / "cases", error))
+  for (const auto& entry : fs::directory_iterator(share_folder() / folder, error))
     if (entry.path().extension() == ".toml") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
 
-fs::path find_case_file(const std::string& typed) {
+fs::path find_builtin(const std::string& typed, const char* folder, const char* kind) {
   std::error_code error;
   if (fs::exists(typed, error)) return typed;
-  // Only a bare name can mean a built-in case: a path that does not exist is a mistake to report.
+  // Only a bare name can mean a built-in file: a path that does not exist is a mistake to report.
   if (typed.find('/') == std::string::npos && !typed.empty()) {
     for (const std::string& name : {typed, typed + ".toml"}) {
-      const fs::path builtin = share_folder() / "cases" / name;
+      const fs::path builtin = share_folder() / folder / name;
       if (fs::is_regular_file(builtin, error)) return builtin;
     }
     std::vector<std::string> names;
-    for (const fs::path& file : builtin_case_files()) names.push_back(file.stem().string());
+    for (const fs::path& file : builtin_files(folder)) names.push_back(file.stem().string());
     if (!names.empty())
       throw InputError(typed,
-                       "neither a file nor a built-in case, did you mean \"" +
+                       std::string("neither a file nor a built-in ") + kind + ", did you mean \"" +
                            nearest_name(fs::path(typed).stem().string(), names) + "\"?",
                        "", "");
   }
   return typed;
+}
+
+}  // namespace
+
+std::vector<fs::path> builtin_case_files() { return builtin_files("cases"); }
+std::vector<fs::path> builtin_scene_files() { return builtin_files("scenes"); }
+
+fs::path find_case_file(const std::string& typed) { return find_builtin(typed, "cases", "case"); }
+fs::path find_scene_file(const std::string& typed) {
+  return find_builtin(typed, "scenes", "scene");
 }
 
 fs::path find_mesh_file(const std::string& typed, const fs::path& folder) {

@@ -27,6 +27,10 @@ std::vector<std::filesystem::path> builtin_case_files();
 /// A case file as typed on the command line: a path, or the name of a built-in case.
 std::filesystem::path find_case_file(const std::string& typed);
 
+/// The same for scenes.
+std::vector<std::filesystem::path> builtin_scene_files();
+std::filesystem::path find_scene_file(const std::string& typed);
+
 /// A mesh file: relative to `folder` (empty: the working directory), else a built-in mesh of that
 /// name.
 std::filesystem::path find_mesh_file(const std::string& typed, const std::filesystem::path& folder);

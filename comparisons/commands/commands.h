@@ -17,6 +17,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
 void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
 void add_lcp(CLI::App& app, Action& action);
+void add_simulate(CLI::App& app, Action& action, const std::string& command_line);
 
 /// Messages to the user that are no result: standard error, one line.
 void remark(const std::string& line);

@@ -7,6 +7,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/files.h"
 #include "comparisons/program_paths.h"
+#include "comparisons/simulation/scene.h"
 #include "comparisons/verdict.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -28,6 +29,9 @@ std::vector<Entry> entries(const std::string& kind) {
       found.push_back({file.stem().string(), fmt::format("{} ({})", contact_case.question,
                                                          load_list(contact_case.loads_N))});
     }
+  if (kind == "scenes")
+    for (const auto& file : builtin_scene_files())
+      found.push_back({file.stem().string(), simulation::read_scene(file).question});
   return found;
 }
 

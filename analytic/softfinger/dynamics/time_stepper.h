@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/eccentricity_law.h"
 #include "softfinger/dynamics/multibody.h"
 
 namespace softfinger {
@@ -18,7 +19,8 @@ struct Contact {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   double gap_m = 0;  ///< negative: the bodies overlap
   double friction_coefficient = 0;
-  double eccentricity_m = 0;
+  double eccentricity_m = 0;                          ///< e_n, unless there is a law
+  const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   long id = -1;  ///< the same from step to step for as long as the contact lasts
 };
 
@@ -57,7 +59,9 @@ struct StepResult {
   int contacts = 0;       ///< rows of joint limits not counted
   int motor_changes = 0;  ///< motors that met or left their limits within the step
   bool motors_agree = true;
-  double time_s = 0;  ///< at the end of the step
+  int load_iterations = 0;       ///< of e_n(P) and P to agreement
+  double load_disagreement = 0;  ///< of them at the end, relative
+  double time_s = 0;             ///< at the end of the step
   bool done() const { return lcp.status == LcpStatus::solved; }
 };
 
@@ -78,7 +82,8 @@ class TimeStepper {
     Eigen::Vector3d gravity_m_per_s2{0, 0, -9.81};
     /// Overlaps are pushed apart no faster than that.
     double correction_m_per_s = 0.1;
-    Eigen::Matrix3Xd friction_vertices;  ///< see ContactLcp::vertices
+    FrictionRule friction_rule = FrictionRule::ellipsoid;
+    Eigen::Matrix3Xd friction_vertices;  ///< of FrictionRule::facets, see ContactLcp::vertices
   };
 
   /// @throws InputError for a time step that is not positive.
@@ -104,6 +109,7 @@ class TimeStepper {
   const std::vector<Contact>& contacts() const { return contacts_; }
   ContactWrench wrench(int contact) const;
   Eigen::Vector4d contact_velocity(int contact) const;
+  double eccentricity_m(int contact) const { return problem_.eccentricity_m[contact]; }
   /// The last problem, as solved; rows of joint limits come behind the contacts.
   const ContactLcp& problem() const { return problem_; }
   const ContactSolution& solution() const { return solution_; }

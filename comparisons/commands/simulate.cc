@@ -1,0 +1,195 @@
+#include "comparisons/simulation/simulate.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/files.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/progress.h"
+#include "comparisons/report/motion_page.h"
+#include "comparisons/simulation/trajectory_files.h"
+
+namespace softfinger::commands {
+namespace {
+
+using namespace simulation;
+
+struct Options {
+  std::string scene_file, output, record_lcp, command_line;
+  int vtu_every = 0;
+  bool json = false;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+nlohmann::json vector_json(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+nlohmann::json to_json(const Simulation& run, const Scene& scene) {
+  const Recording& recording = run.recording;
+  const Frame& last = recording.frames.back();
+  nlohmann::json bodies = nlohmann::json::array(), contacts = nlohmann::json::array();
+  for (std::size_t b = 0; b < recording.bodies.size(); ++b) {
+    Eigen::Quaterniond turn(last.poses[b].linear());
+    if (turn.w() < 0) turn.coeffs() *= -1;
+    bodies.push_back(
+        {{"name", recording.bodies[b].name},
+         {"position_m", vector_json(last.poses[b].translation())},
+         {"quaternion_wxyz", {turn.w(), turn.x(), turn.y(), turn.z()}},
+         {"velocity_m_per_s", vector_json(last.velocities_m_per_s[b])},
+         {"angular_velocity_rad_per_s", vector_json(last.angular_velocities_rad_per_s[b])}});
+  }
+  for (const RecordedContact& contact : last.contacts) {
+    const Eigen::Vector3d force =
+        contact.axes * Eigen::Vector3d(contact.tangent_force_1_N, contact.tangent_force_2_N,
+                                       contact.normal_force_N);
+    contacts.push_back({{"bodies",
+                         {recording.bodies[std::size_t(contact.a)].name,
+                          recording.bodies[std::size_t(contact.b)].name}},
+                        {"point_m", vector_json(contact.point_m)},
+                        {"normal", vector_json(contact.axes.col(2))},
+                        {"force_N", vector_json(force)},
+                        {"normal_force_N", contact.normal_force_N},
+                        {"torque_Nm", contact.torque_Nm},
+                        {"semi_axes_m", {contact.semi_axis_a_m, contact.semi_axis_b_m}},
+                        {"eccentricity_m", contact.eccentricity_m},
+                        {"utilisation", contact.utilisation},
+                        {"slides", contact.slides},
+                        {"model", contact.model}});
+  }
+  return {{"scene", scene.id},
+          {"steps", run.steps},
+          {"simulated_s", last.time_s},
+          {"wall_s", run.wall_s},
+          {"steps_per_s", run.wall_s > 0 ? double(run.step_ms.size()) / run.wall_s : 0},
+          {"step_ms_p50", percentile(run.step_ms, 0.5)},
+          {"step_ms_p99", percentile(run.step_ms, 0.99)},
+          {"lcp_failures", run.lcp_failures},
+          {"max_residual", run.max_residual},
+          {"most_contacts", run.most_contacts},
+          {"quadric_fits", run.quadric_fits},
+          {"load_iterations", run.most_load_iterations},
+          {"load_disagreement", run.max_load_disagreement},
+          {"motor_disagreements", run.motor_disagreements},
+          {"failure", run.failure.empty() ? nlohmann::json() : nlohmann::json(run.failure)},
+          {"bodies", bodies},
+          {"contacts", contacts}};
+}
+
+std::string summary(const nlohmann::json& result) {
+  const auto number = [&](const char* key) { return result.at(key).get<double>(); };
+  std::string text = fmt::format(
+      "{}: {} steps, {:.4g} s simulated in {:.3g} s: {:.0f} steps/s (median {:.3g} ms, 99 % below "
+      "{:.3g} ms)\n"
+      "  largest residual {:.1e}; up to {} contacts; e_n and load agree to {:.1e} after at most {} "
+      "rounds; {} quadric fits\n",
+      result["scene"].get<std::string>(), result["steps"].get<int>(), number("simulated_s"),
+      number("wall_s"), number("steps_per_s"), number("step_ms_p50"), number("step_ms_p99"),
+      number("max_residual"), result["most_contacts"].get<int>(), number("load_disagreement"),
+      result["load_iterations"].get<int>(), result["quadric_fits"].get<int>());
+  text += fmt::format("\n  {:<32}{:>10}{:>14}{:>14}{:>10}  {}\n", "contacts at the end", "P (N)",
+                      "tangential (N)", "torque (mN·m)", "of limit", "model");
+  for (const auto& contact : result["contacts"]) {
+    const double normal = contact["normal_force_N"].get<double>();
+    double square = -normal * normal;
+    for (const auto& part : contact["force_N"]) square += part.get<double>() * part.get<double>();
+    text += fmt::format(
+        "  {:<32}{:>10.4g}{:>14.4g}{:>14.4g}{:>8.1f} %  {}{}\n",
+        contact["bodies"][0].get<std::string>() + " / " + contact["bodies"][1].get<std::string>(),
+        normal, std::sqrt(std::max(0., square)), 1e3 * contact["torque_Nm"].get<double>(),
+        100 * contact["utilisation"].get<double>(), contact["model"].get<std::string>(),
+        contact["slides"].get<bool>() ? ", slides" : "");
+  }
+  return text;
+}
+
+void write_results(const Options& options, const Scene& scene, const Simulation& run) {
+  const std::filesystem::path folder = options.output;
+  write_trajectory(run.recording, folder);
+  const int every = options.vtu_every > 0 ? options.vtu_every
+                                          : std::max(1, int(run.recording.frames.size() / 150));
+  write_vtu(run.recording, folder, every);
+  comparisons::MotionPageOptions page;
+  page.scene_text = scene.text;
+  page.version = program_version();
+  page.command = options.command_line;
+  write_file_atomically(folder / "motion.html", comparisons::motion_page(run.recording, page));
+  write_file_atomically(folder / "simulation.json", to_json(run, scene).dump(2) + "\n");
+  remark("results in " + options.output +
+         ": motion.html, trajectory.csv, contacts.csv, trajectory.json, motion.pvd");
+}
+
+int run(const Options& options) {
+  const Scene scene = read_scene(find_scene_file(options.scene_file));
+  if (!options.output.empty()) make_writable_folder(options.output);
+  SimulationOptions settings;
+  if (!options.record_lcp.empty()) {
+    make_writable_folder(options.record_lcp);
+    settings.record_lcp = options.record_lcp;
+  }
+  Simulation run;
+  {
+    Progress progress;
+    std::signal(SIGINT, [](int) { interrupted = 1; });
+    settings.go_on = [&](int step) {
+      if (step % 100 == 0)
+        progress.show(fmt::format("{}: step {} of {}", scene.id, step, scene.steps()));
+      return !interrupted;
+    };
+    run = simulate(scene, settings);
+    std::signal(SIGINT, SIG_DFL);
+  }
+  if (!options.output.empty()) write_results(options, scene, run);
+  const nlohmann::json result = to_json(run, scene);
+  if (options.json)
+    write_to_stdout(result.dump(2) + "\n");
+  else
+    write_to_stdout(summary(result));
+  if (run.interrupted)
+    remark(fmt::format("interrupted after {} of {} steps", run.steps, scene.steps()));
+  if (!run.failure.empty()) remark("error: " + run.failure);
+  return run.failure.empty() && !run.interrupted ? 0 : 3;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Action& action, const std::string& command_line) {
+  auto options = std::make_shared<Options>();
+  options->command_line = command_line;
+  CLI::App* command = app.add_subcommand(
+      "simulate",
+      "Time stepping of a scene: rigid bodies, joints, motors, soft and rigid contacts in one\n"
+      "complementarity problem per step. Exit status 3 when a step has no solution; everything up "
+      "to it is written");
+  command
+      ->add_option("SCENE", options->scene_file,
+                   "scene file (TOML), or the name of a built-in scene")
+      ->required();
+  command->add_option("--output", options->output,
+                      "folder for motion.html, trajectory.csv, contacts.csv, trajectory.json, "
+                      "simulation.json and motion.pvd with its VTU files");
+  command
+      ->add_option("--vtu-every", options->vtu_every,
+                   "VTU files of each N-th step, 1 to 1000000; default: about 150 in all")
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--record-lcp", options->record_lcp,
+                      "folder for the contact problem of each step, for softfinger lcp");
+  command->add_flag(
+      "--json", options->json,
+      "one JSON object on standard output: SI units; the end state, times, residuals");
+  command->footer(
+      "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[motor]], [[force]] "
+      "and [[contact]];\nsee the built-in ones and README.md.\n"
+      "Samples:\n"
+      "  softfinger list scenes\n"
+      "  softfinger simulate pinch\n"
+      "  softfinger simulate lift_box --output results/lift_box --json");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace softfinger::commands
