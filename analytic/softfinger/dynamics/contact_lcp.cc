@@ -6,322 +6,26 @@
 #include <limits>
 #include <string>
 
+#include "softfinger/dynamics/contact_system.h"
 #include "softfinger/dynamics/covering.h"
-#include "softfinger/dynamics/lemke_path.h"
+#include "softfinger/dynamics/exact_newton.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
 namespace {
 
-using internal::Blocking;
+using internal::ContactSystem;
+using internal::Motion;
 using internal::PathEnd;
 
 constexpr int kMostAttempts = 24;
 /// A solution is one below the first; below the second, no other covering vector is tried.
 constexpr double kTolerance = 1e-10, kGood = 1e-12;
 constexpr int kAttemptsForGood = 4;
+/// Vertices of its own that a contact may get under exact friction.
+constexpr int kOwnVertices = 40;
 
-/// What w is made of, per contact, along the path or along a direction.
-struct Motion {
-  explicit Motion(int contacts)
-      : impulse(4 * contacts), velocity(4 * contacts), slip(contacts), slack(contacts) {}
-  Eigen::VectorXd impulse, velocity, slip, slack;
-  double z0 = 0;
-};
-
-/// The matrix of the contact problem, never formed. Pairs: P_i is i, lambda_i is nc + i, beta_ij is
-/// 2 nc + u i + j. Everything scaled.
-class ContactSystem {
- public:
-  ContactSystem(int capacity, int vertex_capacity)
-      : delassus(4 * capacity, 4 * capacity),
-        free_velocity(4 * capacity),
-        vertices(3, vertex_capacity),
-        normal_cover(capacity),
-        slip_cover(capacity),
-        slack_cover(capacity),
-        vertex_cover(vertex_capacity),
-        natural_sizes(capacity),
-        has_friction(std::size_t(capacity)),
-        state_(capacity),
-        direction_(capacity),
-        neighbours_(std::size_t(capacity) * std::size_t(capacity)),
-        neighbour_end_(std::size_t(capacity)),
-        in_use_(std::size_t(capacity) * std::size_t(vertex_capacity)),
-        in_use_end_(std::size_t(capacity)),
-        is_used_(in_use_.size()),
-        uncovered_(std::size_t(capacity) * std::size_t(vertex_capacity + 2)) {}
-
-  int contacts = 0, count = 0;  ///< count: vertices per contact
-  Eigen::MatrixXd delassus;
-  Eigen::VectorXd free_velocity;
-  Eigen::Matrix3Xd vertices;
-  /// d of rows P and lambda, and of rows beta: slip_cover_i vertex_cover_j, with the smallest
-  /// vertex_cover 1.
-  Eigen::VectorXd normal_cover, slip_cover, slack_cover, vertex_cover;
-  /// Of the velocities and impulses of a contact: where all feel the same velocity, heavy ones have
-  /// 1 and light ones less.
-  Eigen::VectorXd natural_sizes;
-  std::vector<char> has_friction;
-  double vertex_radius = 1;  ///< of the longest vertex
-
-  int pairs() const { return contacts * (count + 2); }
-
-  /// Contacts without a common movable body do not feel each other.
-  void find_neighbours() {
-    for (int j = 0; j < contacts; ++j) {
-      int end = j * contacts;
-      for (int i = 0; i < contacts; ++i)
-        if (delassus.block<4, 4>(4 * i, 4 * j).cwiseAbs().maxCoeff() > 0)
-          neighbours_[std::size_t(end++)] = i;
-      neighbour_end_[std::size_t(j)] = end;
-    }
-  }
-
-  void column(int j, const int* rows, int k, double* out) const {
-    const Pair of = pair(j);
-    for (int p = 0; p < k; ++p) {
-      const Pair to = pair(rows[p]);
-      out[p] = entry(to, of);
-    }
-  }
-  void row(int i, const int* columns, int k, double* out) const {
-    const Pair to = pair(i);
-    for (int p = 0; p < k; ++p) {
-      if (columns[p] == pairs()) {
-        out[p] = cover(i);
-        continue;
-      }
-      const Pair of = pair(columns[p]);
-      out[p] = entry(to, of);
-    }
-  }
-  double cover(int i) const {
-    if (uncovered_[std::size_t(i)]) return 0;
-    const Pair p = pair(i);
-    if (p.kind == Kind::normal) return normal_cover[p.contact];
-    if (p.kind == Kind::slip) return slack_cover[p.contact];
-    return slip_cover[p.contact] * vertex_cover[p.vertex];
-  }
-  double natural_size(int i) const { return i == pairs() ? 1 : natural_sizes[pair(i).contact]; }
-  void cover_all_but(const int* rows, int k) {
-    std::fill(uncovered_.begin(), uncovered_.begin() + pairs(), char(false));
-    for (int p = 0; p < k; ++p) uncovered_[std::size_t(rows[p])] = char(true);
-    all_covered_ = k == 0;
-  }
-  template <class IsActive>
-  int first_row(const IsActive& is_active) const {
-    int best = -1;
-    double least = 0;
-    const auto take = [&](int row) {
-      if (is_active(row)) return;
-      const double value = state(row);
-      if (value >= least * cover(row)) return;
-      least = value / cover(row);
-      best = row;
-    };
-    for (int i = 0; i < contacts; ++i) {
-      take(i);
-      if (!has_friction[std::size_t(i)]) continue;
-      take(contacts + i);
-      for (int n = i * count; n < in_use_end_[std::size_t(i)]; ++n)
-        take(2 * contacts + i * count + in_use_[std::size_t(n)]);
-    }
-    return best;
-  }
-
-  /// Which vertices take part: none, then those that the caller adds.
-  void use_no_vertices() {
-    std::fill(is_used_.begin(), is_used_.begin() + contacts * count, char(false));
-    for (int i = 0; i < contacts; ++i) in_use_end_[std::size_t(i)] = i * count;
-  }
-  void use_vertex(int contact, int vertex) {
-    char& used = is_used_[std::size_t(contact * count + vertex)];
-    if (used) return;
-    used = char(true);
-    in_use_[std::size_t(in_use_end_[std::size_t(contact)]++)] = vertex;
-  }
-  /// Of each contact, takes the most violated vertex into use; returns whether there was one.
-  bool use_violated_vertices(double tolerance) {
-    bool found = false;
-    for (int i = 0; i < contacts; ++i) {
-      if (!has_friction[std::size_t(i)]) continue;
-      const Eigen::Vector3d velocity = state_.velocity.segment<3>(4 * i + 1);
-      if (vertex_radius * velocity.norm() <= state_.slip[i]) continue;
-      int worst = -1;
-      double least = -tolerance * natural_sizes[i] - state_.slip[i];
-      for (int j = 0; j < count; ++j) {
-        const double along = vertices.col(j).dot(velocity);
-        if (along >= least || is_used_[std::size_t(i * count + j)]) continue;
-        least = along;
-        worst = j;
-      }
-      if (worst < 0) continue;
-      use_vertex(i, worst);
-      found = true;
-    }
-    return found;
-  }
-
-  void set_state(const int* columns, const double* z, int k) {
-    clear(state_);
-    for (int p = 0; p < k; ++p) add(columns[p], z[p], state_);
-    find_velocity(state_);
-    state_.velocity.head(4 * contacts) += free_velocity.head(4 * contacts);
-  }
-  void set_direction(const int* columns, const double* dz, int k, int entering) {
-    clear(direction_);
-    for (int p = 0; p < k; ++p) add(columns[p], dz[p], direction_);
-    if (entering >= 0) add(entering, 1, direction_);
-    find_velocity(direction_);
-  }
-  double state(int i) const { return w(state_, i); }
-  double direction(int i) const { return w(direction_, i); }
-  const Motion& current() const { return state_; }
-  const Motion& current_direction() const { return direction_; }
-
-  template <class IsActive>
-  void bound(const IsActive& is_active, double least, double tolerance, Blocking& blocking) const {
-    for_stored_rows(is_active, [&](int row, double value, double slope) {
-      blocking.bound(value, slope, least, tolerance * natural_size(row));
-    });
-    for (int i = 0; i < contacts; ++i)
-      for_blocking_vertices(i, blocking.theta, is_active, [&](int, double value, double slope) {
-        blocking.bound(value, slope, least, tolerance * natural_sizes[i]);
-      });
-  }
-  template <class IsActive>
-  void choose(const IsActive& is_active, double least, Blocking& blocking) const {
-    const auto take = [&](int row, double value, double slope) {
-      if (!blocking.prefers(value, slope, least)) return;
-      blocking.pivot = -slope;
-      blocking.row = row;
-    };
-    for_stored_rows(is_active, take);
-    for (int i = 0; i < contacts; ++i) for_blocking_vertices(i, blocking.theta, is_active, take);
-  }
-
- private:
-  enum class Kind { normal, slip, vertex };
-  struct Pair {
-    Kind kind;
-    int contact, vertex;
-  };
-
-  Pair pair(int index) const {
-    if (index < contacts) return {Kind::normal, index, 0};
-    if (index < 2 * contacts) return {Kind::slip, index - contacts, 0};
-    const int rest = index - 2 * contacts;
-    return {Kind::vertex, rest / count, rest % count};
-  }
-
-  double entry(const Pair& to, const Pair& of) const {
-    if (to.kind == Kind::slip) {
-      if (to.contact != of.contact || of.kind == Kind::slip) return 0;
-      return of.kind == Kind::normal ? 1 : -1;
-    }
-    if (of.kind == Kind::slip) return to.kind == Kind::vertex && to.contact == of.contact ? 1 : 0;
-    const int a = 4 * to.contact, b = 4 * of.contact;
-    if (to.kind == Kind::normal)
-      return of.kind == Kind::normal
-                 ? delassus(a, b)
-                 : delassus.block<1, 3>(a, b + 1).dot(vertices.col(of.vertex).transpose());
-    const auto left = vertices.col(to.vertex);
-    if (of.kind == Kind::normal) return left.dot(delassus.block<3, 1>(a + 1, b));
-    return left.dot(delassus.block<3, 3>(a + 1, b + 1) * vertices.col(of.vertex));
-  }
-
-  void clear(Motion& motion) const {
-    motion.impulse.head(4 * contacts).setZero();
-    motion.slip.head(contacts).setZero();
-    motion.slack.head(contacts).setZero();
-    motion.z0 = 0;
-  }
-  void add(int index, double value, Motion& motion) const {
-    if (index == pairs()) {
-      motion.z0 += value;
-      return;
-    }
-    const Pair p = pair(index);
-    if (p.kind == Kind::normal) {
-      motion.impulse[4 * p.contact] += value;
-      motion.slack[p.contact] += value;
-    } else if (p.kind == Kind::slip) {
-      motion.slip[p.contact] += value;
-    } else {
-      motion.impulse.segment<3>(4 * p.contact + 1) += value * vertices.col(p.vertex);
-      motion.slack[p.contact] -= value;
-    }
-  }
-  void find_velocity(Motion& motion) const {
-    motion.velocity.head(4 * contacts).setZero();
-    for (int j = 0; j < contacts; ++j) {
-      const Eigen::Vector4d impulse = motion.impulse.segment<4>(4 * j);
-      if (impulse.isZero(0)) continue;
-      for (int n = j * contacts; n < neighbour_end_[std::size_t(j)]; ++n) {
-        const int i = 4 * neighbours_[std::size_t(n)];
-        motion.velocity.segment<4>(i).noalias() += delassus.block<4, 4>(i, 4 * j) * impulse;
-      }
-    }
-  }
-
-  double w(const Motion& motion, int row) const {
-    const Pair p = pair(row);
-    const int i = p.contact;
-    const double covered = motion.z0 != 0 ? cover(row) * motion.z0 : 0;
-    if (p.kind == Kind::normal) return motion.velocity[4 * i] + covered;
-    if (p.kind == Kind::slip) return motion.slack[i] + covered;
-    return vertices.col(p.vertex).dot(motion.velocity.segment<3>(4 * i + 1)) + motion.slip[i] +
-           covered;
-  }
-
-  template <class IsActive, class Take>
-  void for_stored_rows(const IsActive& is_active, const Take& take) const {
-    for (int i = 0; i < contacts; ++i) {
-      if (!is_active(i)) take(i, w(state_, i), w(direction_, i));
-      if (has_friction[std::size_t(i)] && !is_active(contacts + i))
-        take(contacts + i, state(contacts + i), direction(contacts + i));
-    }
-  }
-
-  /// Vertices lie on the unit sphere: where v_t is shorter than lambda + d z0 at the end of the
-  /// step, none of them can have blocked before.
-  template <class IsActive, class Take>
-  void for_blocking_vertices(int i, double theta, const IsActive& is_active,
-                             const Take& take) const {
-    if (!has_friction[std::size_t(i)]) return;
-    const Eigen::Vector3d value = state_.velocity.segment<3>(4 * i + 1),
-                          slope = direction_.velocity.segment<3>(4 * i + 1);
-    if (std::isfinite(theta)) {
-      const double z0 = state_.z0 + theta * direction_.z0;
-      const double least = state_.slip[i] + theta * direction_.slip[i] +
-                           (all_covered_ ? slip_cover[i] * std::max(z0, 0.) : 0);
-      const double longest = vertex_radius * (value + theta * slope).norm();
-      if (longest < least) return;
-    }
-    const double value_z0 = slip_cover[i] * state_.z0, slope_z0 = slip_cover[i] * direction_.z0;
-    const int first_row = 2 * contacts + i * count;
-    for (int n = i * count; n < in_use_end_[std::size_t(i)]; ++n) {
-      const int j = in_use_[std::size_t(n)], row = first_row + j;
-      const double covered = uncovered_[std::size_t(row)] ? 0 : vertex_cover[j];
-      const auto vertex = vertices.col(j);
-      const double b = vertex.dot(slope) + direction_.slip[i] + covered * slope_z0;
-      if (b >= 0 || is_active(row)) continue;
-      take(row, vertex.dot(value) + state_.slip[i] + covered * value_z0, b);
-    }
-  }
-
-  Motion state_, direction_;
-  std::vector<int> neighbours_, neighbour_end_;
-  /// Vertices of contact i in use: in_use_[count i] up to in_use_end_[i].
-  std::vector<int> in_use_, in_use_end_;
-  std::vector<char> is_used_, uncovered_;
-  bool all_covered_ = true;
-};
-
-}  // namespace
-
-namespace {
+bool is_exact(const ContactLcp& problem) { return problem.friction_rule != FrictionRule::facets; }
 
 /// D_j^T v_t
 double slip_along(const ContactLcp& problem, const ContactSolution& solution, int contact,
@@ -346,34 +50,70 @@ struct ContactLcpSolver::Workspace {
   Workspace(int contacts, int vertices)
       : system(contacts, vertices),
         path(contacts * (vertices + 2), 6 * contacts + 3),
+        newton(contacts),
         contact_capacity(contacts),
         vertex_capacity(vertices),
         impulse_scale(4 * contacts),
         velocity_scale(4 * contacts),
-        kept_friction(std::size_t(contacts)) {}
+        kept_friction(std::size_t(contacts)),
+        exact_impulse(4 * contacts),
+        best_impulse(4 * contacts),
+        continues_as(std::size_t(contacts)) {
+    last.impulse.resize(4 * contacts);
+    last.basis.reserve(std::size_t(6 * contacts + 3));
+    basis.reserve(std::size_t(6 * contacts + 3));
+  }
 
   void check(const ContactLcp& problem) const;
+  void check_continued(const ContactLcp& problem, const std::vector<int>& continued) const;
   void scale(const ContactLcp& problem);
   void cover(int attempt);
   void choose_first_vertices();
-  PathEnd follow_adding_vertices(int attempt, const internal::PathOptions& options,
-                                 LcpResult& result);
+  internal::PathOptions options() const;
+  void use_first_vertices(const ContactLcp& problem, bool all);
+  PathEnd go_on_adding_vertices(PathEnd end, const ContactLcp& problem, ContactSolution& solution,
+                                const internal::PathOptions& options, LcpResult& result);
+  bool continue_last(const ContactLcp& problem, ContactSolution& solution,
+                     const std::vector<int>& continued, LcpResult& result);
+  bool use_last_basis(const ContactLcp& problem);
+  void remember_basis();
+  void remember(const ContactLcp& problem, const ContactSolution& solution);
   bool is_solved_by_zero() const;
   void find_unused_slip(const ContactLcp& problem, ContactSolution& solution) const;
   bool infeasible_without_friction(const ContactLcp& problem, ContactSolution& solution,
                                    LcpResult& result);
   double extract(const ContactLcp& problem, ContactSolution& solution);
+  double polish(const ContactLcp& problem, ContactSolution& solution, LcpResult& result);
+  double polish_from_impulse(const ContactLcp& problem, ContactSolution& solution,
+                             LcpResult& result);
+  double extract_exact(const ContactLcp& problem, ContactSolution& solution) const;
   RayProof check_ray(const ContactLcp& problem, ContactSolution& solution);
   LcpResult follow_paths(const ContactLcp& problem, ContactSolution& solution);
 
   ContactSystem system;
   internal::LemkePath<ContactSystem> path;
+  internal::ExactNewton newton;
   int contact_capacity, vertex_capacity;
   /// Impulse = impulse_scale * scaled impulse * velocity_unit, velocity = scaled velocity *
   /// velocity_unit / velocity_scale.
   Eigen::VectorXd impulse_scale, velocity_scale;
   double velocity_unit = 1;
   std::vector<char> kept_friction;
+  Eigen::VectorXd exact_impulse, best_impulse;  ///< scaled
+  double best_residual = 0;
+  /// What the last problem leaves to the next one.
+  struct Memory {
+    struct Entry {
+      ContactSystem::Pair pair;
+      Eigen::Vector3d corner;  ///< the vertex itself
+    };
+    int contacts = -1, count = 0;  ///< -1: nothing yet
+    FrictionRule rule = FrictionRule::facets;
+    Eigen::VectorXd impulse;  ///< as solved
+    std::vector<Entry> basis;
+  };
+  Memory last;
+  std::vector<int> continues_as, basis;
   static constexpr std::size_t kFirstVertices = 6;
   std::array<int, kFirstVertices> first_vertices{};  ///< -1: none
 };
@@ -385,14 +125,17 @@ void ContactLcpSolver::Workspace::check(const ContactLcp& problem) const {
   const int nc = problem.contacts(), u = int(problem.vertices.cols());
   if (nc > contact_capacity)
     refuse("contacts", std::to_string(nc), "at most " + std::to_string(contact_capacity));
-  if (u > vertex_capacity)
+  const bool exact = is_exact(problem);
+  if (!exact && u > vertex_capacity)
     refuse("vertices", std::to_string(u), "at most " + std::to_string(vertex_capacity));
   if (problem.delassus.rows() != 4 * nc || problem.delassus.cols() != 4 * nc ||
       problem.free_velocity.size() != 4 * nc || problem.eccentricity_m.size() != nc)
     refuse("size", "", "4 rows per contact and one friction coefficient, one e_n");
   if (!problem.delassus.allFinite()) refuse("W", "", "finite numbers");
   if (!problem.free_velocity.allFinite()) refuse("free velocity", "", "finite numbers");
-  if (!problem.vertices.allFinite()) refuse("V", "", "finite numbers");
+  if (!exact && !problem.vertices.allFinite()) refuse("V", "", "finite numbers");
+  if (problem.friction_rule == FrictionRule::limit_surface && int(problem.shapes.size()) != nc)
+    refuse("shapes", std::to_string(problem.shapes.size()), "one per contact");
   for (int i = 0; i < nc; ++i) {
     const double mu = problem.friction_coefficient[i], arm_m = problem.eccentricity_m[i];
     const double inverse_mass = problem.delassus(4 * i, 4 * i);
@@ -406,12 +149,28 @@ void ContactLcpSolver::Workspace::check(const ContactLcp& problem) const {
   }
 }
 
+void ContactLcpSolver::Workspace::check_continued(const ContactLcp& problem,
+                                                  const std::vector<int>& continued) const {
+  if (int(continued.size()) != problem.contacts())
+    throw InputError("contact problem", "continued", std::to_string(continued.size()),
+                     "one per contact");
+  for (const int contact : continued)
+    if (contact < -1 || contact >= last.contacts)
+      throw InputError("contact problem", "continued", std::to_string(contact),
+                       "a contact of the last problem, or -1");
+}
+
 void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
-  const int nc = problem.contacts(), u = int(problem.vertices.cols());
+  const bool exact = is_exact(problem);
+  const int nc = problem.contacts(), u = exact ? kOwnVertices : int(problem.vertices.cols());
   system.contacts = nc;
   system.count = u;
-  system.vertices.leftCols(u) = problem.vertices;
-  system.vertex_radius = u > 0 ? problem.vertices.colwise().norm().maxCoeff() : 0;
+  system.own_vertices = exact;
+  system.vertex_radius = 0;
+  if (!exact && u > 0) {
+    system.vertices.leftCols(u) = problem.vertices;
+    system.vertex_radius = problem.vertices.colwise().norm().maxCoeff();
+  }
   for (int i = 0; i < nc; ++i) {
     const double mu = problem.friction_coefficient[i], arm_m = problem.eccentricity_m[i];
     const Eigen::Vector3d arms(1, 1, arm_m);
@@ -421,7 +180,13 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
     // A long arm on a light body: the row about the normal would outweigh all others.
     const double largest = std::max(normal, tangential.diagonal().maxCoeff());
     const double scale = 1 / std::sqrt(normal);
-    system.has_friction[std::size_t(i)] = mu > 0 && u > 0;
+    const bool moves = tangential.diagonal().maxCoeff() > 0 ||
+                       !problem.free_velocity.segment<3>(4 * i + 1).cwiseProduct(arms).isZero(0);
+    system.has_friction[std::size_t(i)] = mu > 0 && u > 0 && moves;
+    system.shapes[std::size_t(i)] =
+        problem.friction_rule == FrictionRule::limit_surface && arm_m > 0
+            ? problem.shapes[std::size_t(i)]
+            : nullptr;
     impulse_scale[4 * i] = velocity_scale[4 * i] = scale;
     impulse_scale.segment<3>(4 * i + 1) = (mu > 0 ? mu : 1) * scale * arms;
     velocity_scale.segment<3>(4 * i + 1) = normal / largest * scale * arms;
@@ -437,7 +202,7 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
     system.natural_sizes[i] =
         std::min(1., velocity_scale[4 * i + 1] * largest_velocity / velocity_unit);
   system.find_neighbours();
-  choose_first_vertices();
+  if (!exact) choose_first_vertices();
 }
 
 void ContactLcpSolver::Workspace::cover(int attempt) {
@@ -466,6 +231,12 @@ void ContactLcpSolver::Workspace::find_unused_slip(const ContactLcp& problem,
   for (int i = 0; i < system.contacts; ++i) {
     if (system.has_friction[std::size_t(i)] && solution.impulse[4 * i] > 0) continue;
     solution.slip[i] = 0;
+    if (is_exact(problem)) {
+      const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
+      const Eigen::Vector3d slip = arms.cwiseProduct(solution.velocity.segment<3>(4 * i + 1));
+      if (slip.squaredNorm() > 0) solution.slip[i] = slip.dot(system.boundary_point(i, slip));
+      continue;
+    }
     for (int j = 0; j < system.count; ++j)
       solution.slip[i] = std::max(solution.slip[i], -slip_along(problem, solution, i, j));
   }
@@ -478,9 +249,7 @@ bool ContactLcpSolver::Workspace::infeasible_without_friction(const ContactLcp& 
                                                               LcpResult& result) {
   kept_friction = system.has_friction;
   std::fill(system.has_friction.begin(), system.has_friction.end(), char(false));
-  internal::PathOptions options;
-  options.most_pivots = 100 * system.contacts + 200;
-  const PathEnd end = path.follow(system, options);
+  const PathEnd end = path.follow(system, options());
   result.pivots += path.pivots();
   const bool infeasible =
       end == PathEnd::ray && check_ray(problem, solution) == RayProof::infeasible;
@@ -540,24 +309,48 @@ RayProof ContactLcpSolver::Workspace::check_ray(const ContactLcp& problem,
   return with_friction ? RayProof::ray_only : RayProof::infeasible;
 }
 
-/// Solves the problem with few vertices, adds those that the solution violates, and goes on from
-/// its basis; from z = 0 where that path ends elsewhere. Every other attempt has all vertices from
-/// the start.
-PathEnd ContactLcpSolver::Workspace::follow_adding_vertices(int attempt,
-                                                            const internal::PathOptions& options,
-                                                            LcpResult& result) {
-  constexpr double kTolerated = 1e-13;
+internal::PathOptions ContactLcpSolver::Workspace::options() const {
+  internal::PathOptions result;
+  result.tolerance = 1e-12;
+  result.most_pivots = 100 * system.contacts + 200;
+  return result;
+}
+
+/// What each contact's friction starts with: vertices far apart, or all; under the exact rules,
+/// pure forces and torques.
+void ContactLcpSolver::Workspace::use_first_vertices(const ContactLcp& problem, bool all) {
   system.use_no_vertices();
-  const bool all = attempt % 2 == 1;
-  for (int i = 0; i < system.contacts; ++i)
-    if (all)
+  for (int i = 0; i < system.contacts; ++i) {
+    if (!system.has_friction[std::size_t(i)]) continue;
+    if (is_exact(problem)) {
+      const int axes = problem.eccentricity_m[i] > 0 ? 3 : 2;
+      for (int axis = 0; axis < axes; ++axis)
+        for (const double sign : {1., -1.})
+          system.add_own_vertex(i, system.boundary_point(i, sign * Eigen::Vector3d::Unit(axis)));
+    } else if (all) {
       for (int j = 0; j < system.count; ++j) system.use_vertex(i, j);
-    else
+    } else {
       for (const int j : first_vertices)
         if (j >= 0) system.use_vertex(i, j);
-  PathEnd end = path.follow(system, options);
+    }
+  }
+}
+
+/// Adds vertices that the last solution violates, under the exact rules points that its slip and
+/// load ask for, and goes on from its basis, until none is violated or Newton's method arrives from
+/// there. Where a path ends elsewhere, it starts again from z = 0 with all vertices found so far.
+PathEnd ContactLcpSolver::Workspace::go_on_adding_vertices(PathEnd end, const ContactLcp& problem,
+                                                           ContactSolution& solution,
+                                                           const internal::PathOptions& options,
+                                                           LcpResult& result) {
+  constexpr double kTolerated = 1e-13;
   result.pivots += path.pivots();
-  while (end == PathEnd::solved && system.use_violated_vertices(kTolerated)) {
+  while (end == PathEnd::solved) {
+    remember_basis();
+    const bool more = is_exact(problem) ? polish(problem, solution, result) > kGood &&
+                                              system.add_violated_points(kTolerated)
+                                        : system.use_violated_vertices(kTolerated);
+    if (!more) break;
     end = path.follow(system, options, true);
     result.pivots += path.pivots();
     if (end == PathEnd::solved) continue;
@@ -565,6 +358,131 @@ PathEnd ContactLcpSolver::Workspace::follow_adding_vertices(int attempt,
     result.pivots += path.pivots();
   }
   return end;
+}
+
+void ContactLcpSolver::Workspace::remember_basis() {
+  last.basis.clear();
+  for (int p = 0; p < path.basis_size(); ++p) {
+    const ContactSystem::Pair pair = system.pair(path.basis_column(p));
+    Eigen::Vector3d corner = Eigen::Vector3d::Zero();
+    if (pair.kind == ContactSystem::Kind::vertex) corner = system.vertex(pair.contact, pair.vertex);
+    last.basis.push_back({pair, corner});
+  }
+}
+
+void ContactLcpSolver::Workspace::remember(const ContactLcp& problem,
+                                           const ContactSolution& solution) {
+  last.contacts = system.contacts;
+  last.count = system.count;
+  last.rule = problem.friction_rule;
+  last.impulse.head(4 * system.contacts) = solution.impulse;
+}
+
+/// The last problem's basis in terms of this one's contacts, and its vertices in use.
+bool ContactLcpSolver::Workspace::use_last_basis(const ContactLcp& problem) {
+  use_first_vertices(problem, false);
+  basis.clear();
+  for (const Memory::Entry& entry : last.basis) {
+    ContactSystem::Pair pair = entry.pair;
+    const int i = pair.contact;
+    if (pair.kind != ContactSystem::Kind::normal && !system.has_friction[std::size_t(i)]) continue;
+    if (pair.kind == ContactSystem::Kind::vertex && is_exact(problem)) {
+      // On the limit as it is now.
+      const double gauge = friction_gauge(system.shapes[std::size_t(i)], entry.corner);
+      pair.vertex = system.find_or_add_own_vertex(i, entry.corner / gauge);
+      if (pair.vertex < 0) return false;
+    } else if (pair.kind == ContactSystem::Kind::vertex) {
+      system.use_vertex(i, pair.vertex);
+    }
+    basis.push_back(system.index(pair));
+  }
+  return true;
+}
+
+/// From the last solution: its impulses, where friction is exact, then its basis.
+bool ContactLcpSolver::Workspace::continue_last(const ContactLcp& problem,
+                                                ContactSolution& solution,
+                                                const std::vector<int>& continued,
+                                                LcpResult& result) {
+  const int nc = system.contacts;
+  best_residual = std::numeric_limits<double>::infinity();
+  result.residual = best_residual;
+  std::fill(continues_as.begin(), continues_as.end(), -1);
+  for (int i = 0; i < nc; ++i)
+    if (continued[std::size_t(i)] >= 0) continues_as[std::size_t(continued[std::size_t(i)])] = i;
+  std::size_t kept = 0;
+  for (Memory::Entry& entry : last.basis) {
+    const int contact = continues_as[std::size_t(entry.pair.contact)];
+    if (contact < 0) continue;
+    entry.pair.contact = contact;
+    last.basis[kept++] = entry;
+  }
+  last.basis.resize(kept);
+
+  if (is_exact(problem)) {
+    for (int i = 0; i < nc; ++i) {
+      exact_impulse.segment<4>(4 * i).setZero();
+      const int before = continued[std::size_t(i)];
+      if (before < 0) continue;
+      for (int row = 0; row < (system.has_friction[std::size_t(i)] ? 4 : 1); ++row)
+        if (impulse_scale[4 * i + row] > 0)
+          exact_impulse[4 * i + row] =
+              last.impulse[4 * before + row] / (velocity_unit * impulse_scale[4 * i + row]);
+    }
+    result.residual = polish_from_impulse(problem, solution, result);
+    if (result.residual <= kGood) return true;
+  }
+  cover(0);
+  if (!use_last_basis(problem)) return false;
+  const PathEnd end = path.follow_from(system, options(), basis.data(), int(basis.size()));
+  if (go_on_adding_vertices(end, problem, solution, options(), result) != PathEnd::solved)
+    return false;
+  result.residual = is_exact(problem) ? best_residual : extract(problem, solution);
+  return result.residual <= kGood;
+}
+
+/// From the path's point to exact friction; keeps the best point so far. Returns its residual.
+double ContactLcpSolver::Workspace::polish(const ContactLcp& problem, ContactSolution& solution,
+                                           LcpResult& result) {
+  const int n = 4 * system.contacts;
+  exact_impulse.head(n) = system.current().impulse.head(n);
+  return polish_from_impulse(problem, solution, result);
+}
+
+double ContactLcpSolver::Workspace::polish_from_impulse(const ContactLcp& problem,
+                                                        ContactSolution& solution,
+                                                        LcpResult& result) {
+  const int n = 4 * system.contacts;
+  newton.solve(system, exact_impulse);
+  result.newton_iterations += newton.iterations();
+  const double reached = extract_exact(problem, solution);
+  if (reached < best_residual) {
+    best_residual = reached;
+    best_impulse.head(n) = exact_impulse.head(n);
+  }
+  return best_residual;
+}
+
+/// Writes `exact_impulse` in the problem's units; returns its residual.
+double ContactLcpSolver::Workspace::extract_exact(const ContactLcp& problem,
+                                                  ContactSolution& solution) const {
+  const int nc = system.contacts, n = 4 * nc;
+  for (int i = 0; i < nc; ++i) {
+    solution.impulse.segment<4>(4 * i) =
+        velocity_unit *
+        impulse_scale.segment<4>(4 * i).cwiseProduct(exact_impulse.segment<4>(4 * i));
+    // Newton's values are zero to round-off only.
+    double& normal = solution.impulse[4 * i];
+    if (!(normal > 0)) solution.impulse.segment<4>(4 * i).setZero();
+  }
+  solution.velocity.head(n) = problem.free_velocity;
+  solution.velocity.noalias() += problem.delassus * solution.impulse;
+  for (int i = 0; i < nc; ++i) {
+    const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
+    const Eigen::Vector3d slip = arms.cwiseProduct(solution.velocity.segment<3>(4 * i + 1));
+    solution.slip[i] = slip.squaredNorm() > 0 ? slip.dot(system.boundary_point(i, slip)) : 0;
+  }
+  return exact_contact_residual(problem, solution);
 }
 
 /// Some vertices far apart, the first one among them.
@@ -592,14 +510,17 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
                                                     ContactSolution& solution) {
   LcpResult result;
   result.residual = std::numeric_limits<double>::infinity();
-  internal::PathOptions options;
-  options.most_pivots = 100 * system.contacts + 200;
+  internal::PathOptions path_options = options();
   int best_attempt = 0;
+  const bool exact = is_exact(problem);
+  best_residual = std::numeric_limits<double>::infinity();
   const auto follow = [&](int attempt) {
-    options.tolerance = attempt % 2 == 0 ? 1e-12 : 1e-11;
+    path_options.tolerance = attempt % 2 == 0 ? 1e-12 : 1e-11;
     cover(attempt);
     ++result.attempts;
-    return follow_adding_vertices(attempt, options, result);
+    use_first_vertices(problem, attempt % 2 == 1);
+    return go_on_adding_vertices(path.follow(system, path_options), problem, solution, path_options,
+                                 result);
   };
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     if (follow(attempt) == PathEnd::ray) {
@@ -612,7 +533,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
       }
       continue;
     }
-    const double reached = extract(problem, solution);
+    const double reached = exact ? best_residual : extract(problem, solution);
     if (reached < result.residual) {
       result.residual = reached;
       best_attempt = attempt;
@@ -621,7 +542,10 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
       break;
   }
   if (std::isfinite(result.residual) && result.proof != RayProof::infeasible) {
-    if (best_attempt != result.attempts - 1) {
+    if (exact) {
+      exact_impulse = best_impulse;
+      extract_exact(problem, solution);
+    } else if (best_attempt != result.attempts - 1) {
       follow(best_attempt);
       extract(problem, solution);
     }
@@ -640,24 +564,43 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
 
 ContactLcpSolver::ContactLcpSolver(int largest_contacts, int largest_vertices)
     : workspace_(std::make_unique<Workspace>(std::max(largest_contacts, 0),
-                                             std::max(largest_vertices, 0))) {}
+                                             std::max(largest_vertices, kOwnVertices))) {}
 ContactLcpSolver::~ContactLcpSolver() = default;
 ContactLcpSolver::ContactLcpSolver(ContactLcpSolver&&) noexcept = default;
 ContactLcpSolver& ContactLcpSolver::operator=(ContactLcpSolver&&) noexcept = default;
 
-LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& solution) {
-  workspace_->check(problem);
+LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& solution,
+                                  const std::vector<int>* continued) {
+  Workspace& work = *workspace_;
+  work.check(problem);
+  if (continued) work.check_continued(problem, *continued);
   solution.resize(problem.contacts());
-  workspace_->scale(problem);
-  if (workspace_->is_solved_by_zero()) {
-    LcpResult result;
+  work.scale(problem);
+  LcpResult result;
+  const bool zero = work.is_solved_by_zero();
+  if (zero) {
     result.status = LcpStatus::solved;
     solution.velocity = problem.free_velocity;
-    workspace_->find_unused_slip(problem, solution);
-    result.residual = contact_residual(problem, solution);
-    return result;
+    work.find_unused_slip(problem, solution);
+    result.residual = is_exact(problem) ? exact_contact_residual(problem, solution)
+                                        : contact_residual(problem, solution);
+    work.last.basis.clear();
+  } else if (continued && work.last.rule == problem.friction_rule &&
+             work.last.count == work.system.count &&
+             work.continue_last(problem, solution, *continued, result)) {
+    result.status = LcpStatus::solved;
+    result.warm = true;
+  } else {
+    const LcpResult cold = work.follow_paths(problem, solution);
+    result.status = cold.status;
+    result.residual = cold.residual;
+    result.proof = cold.proof;
+    result.attempts = cold.attempts;
+    result.pivots += cold.pivots;
+    result.newton_iterations += cold.newton_iterations;
   }
-  return workspace_->follow_paths(problem, solution);
+  work.remember(problem, solution);
+  return result;
 }
 
 double contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
@@ -687,6 +630,46 @@ double contact_residual(const ContactLcp& problem, const ContactSolution& soluti
     add(over(std::min(diagonal * weight.value,
                       solution.slip[i] + slip_along(problem, solution, i, weight.vertex)),
              velocity_unit));
+  }
+  return worst;
+}
+
+double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  const int nc = problem.contacts();
+  const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
+  const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
+  double worst = 0;
+  const auto add = [&worst](double value, double unit) {
+    worst = std::max(worst, std::abs(unit > 0 ? value / unit : value));
+    if (std::isnan(value)) worst = std::numeric_limits<double>::infinity();
+  };
+  for (int i = 0; i < nc; ++i) {
+    const Eigen::Vector4d velocity = problem.free_velocity.segment<4>(4 * i) +
+                                     problem.delassus.middleRows<4>(4 * i) * solution.impulse;
+    const double normal = solution.impulse[4 * i], own = problem.delassus(4 * i, 4 * i);
+    const double arm_m = problem.eccentricity_m[i];
+    add(std::min(own * normal, velocity[0]), velocity_unit);
+    const Eigen::Vector3d arms(1, 1, arm_m);
+    const Eigen::Vector3d slip = arms.cwiseProduct(velocity.tail<3>());
+    Eigen::Vector3d wrench = solution.impulse.segment<3>(4 * i + 1);
+    if (arm_m > 0)
+      wrench.z() /= arm_m;
+    else
+      add(wrench.z(), impulse_unit);
+    if (!(arm_m > 0)) wrench.z() = 0;
+    const double limit = problem.friction_coefficient[i] * std::max(normal, 0.);
+    const FrictionShape* shape = problem.friction_rule == FrictionRule::limit_surface && arm_m > 0
+                                     ? problem.shapes[std::size_t(i)]
+                                     : nullptr;
+    add(std::max(0., friction_gauge(shape, wrench) - limit), impulse_unit);
+    if (!(problem.friction_coefficient[i] > 0)) continue;
+    const Eigen::Matrix3d tangential =
+        arms.asDiagonal() * problem.delassus.block<3, 3>(4 * i + 1, 4 * i + 1) * arms.asDiagonal();
+    const double largest = tangential.diagonal().maxCoeff();
+    const double step = largest > 0 ? largest : own;
+    const FrictionExcess excess =
+        friction_excess(shape, step * wrench - slip, limit, Eigen::Vector3d::Constant(step));
+    add((slip + excess.excess).lpNorm<Eigen::Infinity>(), velocity_unit);
   }
   return worst;
 }

@@ -5,8 +5,16 @@
 #include <vector>
 
 #include "softfinger/dynamics/lemke.h"
+#include "softfinger/friction/friction_shape.h"
 
 namespace softfinger {
+
+/// What bounds the friction wrench (f_x, f_y, tau/e_n) of a contact, in units of mu P.
+enum class FrictionRule {
+  facets,        ///< the convex hull of the given vertices, eq. 2
+  ellipsoid,     ///< the friction ellipsoid, eq. 1: f² + tau²/e_n² <= (mu P)²
+  limit_surface  ///< the shape given for each contact, e.g. its exact limit surface
+};
 
 /// All contacts of one time step as a linear complementarity problem in impulses (Ciocarlie,
 /// Lackner, Allen, World Haptics 2007, eq. 2-5; Anitescu, Potra, Nonlinear Dynamics 14, 1997):
@@ -18,13 +26,26 @@ namespace softfinger {
 ///
 /// Rows and impulses come in fours per contact: along the normal, along the two tangents, about the
 /// normal. Impulses in N s and N m s, velocities in m/s and rad/s.
+///
+/// Under the exact rules, with the scaled wrench s_i = (f, tau/e_i) and slip u_i = (v_t1, v_t2, e_i
+/// omega), the last two lines become maximum dissipation over a convex set K_i of support function
+/// h_i, the unit ball or the contact's shape:
+///   s_i in mu_i P_i K_i,   and  s_i = -mu_i P_i grad h_i(u_i)  where u_i is not zero.
+///
+/// mu_i = 0 is a frictionless unilateral row, such as a joint's limit: its tangential rows of W may
+/// be zero.
 struct ContactLcp {
   Eigen::MatrixXd delassus;  ///< W = J M^-1 J^T, 4 nc x 4 nc, symmetric, positive semi-definite
   Eigen::VectorXd free_velocity;         ///< 4 nc: without contact impulses
   Eigen::VectorXd friction_coefficient;  ///< nc, >= 0
   Eigen::VectorXd eccentricity_m;        ///< nc, >= 0: e_n of the friction ellipsoid, eq. 6
   /// V, 3 x u: points of the unit sphere (f_x, f_y, tau/e_n)/(mu P), eq. 2. See LinearisedFriction.
+  /// Of FrictionRule::facets alone.
   Eigen::Matrix3Xd vertices;
+  FrictionRule friction_rule = FrictionRule::facets;
+  /// Of FrictionRule::limit_surface: nc, not owned; null: the unit ball. The first tangent of the
+  /// contact is the shape's x axis.
+  std::vector<const FrictionShape*> shapes;
 
   int contacts() const { return int(friction_coefficient.size()); }
 };
@@ -32,12 +53,14 @@ struct ContactLcp {
 struct ContactSolution {
   Eigen::VectorXd impulse;   ///< r, 4 nc
   Eigen::VectorXd velocity;  ///< v = W r + v_free, 4 nc
-  Eigen::VectorXd slip;      ///< lambda, nc: how fast a sliding contact slides
+  /// lambda, nc: how fast a sliding contact slides. Under the exact rules h(u), for the ellipsoid
+  /// the speed sqrt(v_t1² + v_t2² + e_n² omega²).
+  Eigen::VectorXd slip;
   struct Weight {
     int contact, vertex;
     double value;
   };
-  std::vector<Weight> weights;  ///< the beta that are not zero, at most four per contact
+  std::vector<Weight> weights;  ///< of facets: the beta that are not zero, at most four per contact
   /// After an infeasible problem: impulses within the friction cones that move nothing, W y = 0,
   /// and that the prescribed motion would do work on without bound, y^T v_free < 0.
   Eigen::VectorXd ray;
@@ -71,17 +94,28 @@ class ContactLcpSolver {
   /// `residual` of the result is that of `contact_residual`. @throws InputError for sizes that do
   /// not fit each other or the solver, for values that are not finite or negative where they cannot
   /// be, and for a contact with W_nn <= 0: bodies that cannot move.
-  LcpResult solve(const ContactLcp& problem, ContactSolution& solution);
+  /// @param continued  null: from the start. Else, per contact, which contact of the last problem
+  ///   solved by this object it continues, -1: a new one. Solves from the basis that the last
+  ///   problem ended in, and from the start where that fails. Does not change which problems are
+  ///   solved; of several solutions it may find another one.
+  LcpResult solve(const ContactLcp& problem, ContactSolution& solution,
+                  const std::vector<int>* continued = nullptr);
 
  private:
   struct Workspace;
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Natural residual max |min(z, w)| without unit: rows of P and beta have their z multiplied by
-/// their own diagonal of W and are divided by max |v_free|; rows of lambda, lambda by max |v_free|
-/// and the rest of the cone by the largest impulse. Velocities are computed again from the impulses
-/// of P and beta. Allocates.
+/// Of the facets. Natural residual max |min(z, w)| without unit: rows of P and beta have their z
+/// multiplied by their own diagonal of W and are divided by max |v_free|; rows of lambda, lambda by
+/// max |v_free| and the rest of the cone by the largest impulse. Velocities are computed again from
+/// the impulses of P and beta. Allocates.
 double contact_residual(const ContactLcp& problem, const ContactSolution& solution);
+
+/// Of the exact rules (of the facets: `contact_residual`). Natural residual without unit, the
+/// largest of |min(W_nn P, v_n)| and |a s - proj(a s - u)|, proj onto a mu P K, a the largest
+/// diagonal element of W for s and u, over max |v_free|; and of how far s lies outside of mu P K,
+/// over the largest impulse. Computed from the impulses alone, velocities included. No allocation.
+double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution);
 
 }  // namespace softfinger

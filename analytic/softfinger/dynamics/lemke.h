@@ -31,6 +31,9 @@ struct LcpResult {
   int pivots = 0;    ///< of all attempts
   int attempts = 0;  ///< covering vectors tried
   RayProof proof = RayProof::none;
+  // Of contact problems:
+  int newton_iterations = 0;  ///< of exact friction
+  bool warm = false;          ///< found from the previous basis
 };
 
 /// Linear complementarity problem w = M z + q, w, z >= 0, w^T z = 0 by Lemke's algorithm (Cottle,

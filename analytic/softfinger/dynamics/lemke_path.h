@@ -3,10 +3,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "softfinger/dynamics/basis_inverse.h"
+#include "softfinger/dynamics/covering.h"
 
 /// Internal: the path that Lemke's algorithm follows, for any matrix that can answer a few
 /// questions.
@@ -79,12 +81,64 @@ class LemkePath {
   /// that has since got more rows: where these are violated, z0 covers them, and no other basic
   /// variable feels it. A resumed path may end in a ray that means nothing.
   PathEnd follow(System& system, const PathOptions& options, bool resume = false) {
+    begin(system);
+    const int row = start(resume);
+    return row < 0 ? PathEnd::solved : go_on(options, row, true);
+  }
+
+  /// From any complementary basis, the z of which are `basic`: z0 takes along what is negative of
+  /// them and covers the w that are. A path may then end in a ray that means nothing. `numerical`
+  /// when the basis is singular.
+  /// `System` then also has
+  /// - double cover_entry(int i): d_i - (M shift)_i, which `row` has as entry n
+  /// - void set_shift(const int* columns, const double* shift, int k): from now on the column of z0
+  ///   is d - M shift; until the next cover_all_but
+  PathEnd follow_from(System& system, const PathOptions& options, const int* basic, int k) {
+    begin(system);
+    if (k >= basis_.capacity()) return PathEnd::numerical;
+    forget_basis();
+    for (int p = 0; p < k; ++p) {
+      set_column(p, basic[p]);
+      set_row(p, basic[p]);
+    }
+    system.cover_all_but(rows_.data(), k);
+    if (k > 0 && !invert_again(k)) return PathEnd::numerical;
+    z_.head(k).setZero();
+    if (!refresh()) return PathEnd::numerical;
+    int entering = -1;
+    bool entering_is_z = true;
+    if (!start_shifted(options, entering, entering_is_z)) {
+      refine();
+      return PathEnd::solved;
+    }
+    return go_on(options, entering, entering_is_z);
+  }
+
+  int pivots() const { return pivots_; }
+  /// The basic z, without z0 once solved.
+  int basis_size() const { return basis_.size(); }
+  int basis_column(int p) const { return columns_[std::size_t(p)]; }
+  double basis_value(int p) const { return z_[p]; }
+
+  /// After a ray: the direction's component of that basic z, and which z enters (-1: a w does).
+  double ray_value(int p) const { return dz_[p]; }
+  int ray_entering() const { return entering_is_z_ ? entering_ : -1; }
+
+ private:
+  void begin(System& system) {
     system_ = &system;
     pairs_ = system.pairs();
     pivots_ = 0;
-    int entering = start(resume);
-    if (entering < 0) return PathEnd::solved;
-    bool entering_is_z = true;
+  }
+
+  void forget_basis() {
+    basis_.clear();
+    std::fill(column_position_.begin(), column_position_.begin() + pairs_ + 1, -1);
+    std::fill(row_position_.begin(), row_position_.begin() + pairs_, -1);
+  }
+
+  PathEnd go_on(const PathOptions& options, int entering, bool entering_is_z) {
+    System& system = *system_;
     for (; pivots_ < options.most_pivots; ++pivots_) {
       if (!find_direction(entering_is_z, entering)) return PathEnd::numerical;
       const int k = basis_.size();
@@ -136,24 +190,9 @@ class LemkePath {
     return PathEnd::limit;
   }
 
-  int pivots() const { return pivots_; }
-  /// The basic z, without z0 once solved.
-  int basis_size() const { return basis_.size(); }
-  int basis_column(int p) const { return columns_[std::size_t(p)]; }
-  double basis_value(int p) const { return z_[p]; }
-
-  /// After a ray: the direction's component of that basic z, and which z enters (-1: a w does).
-  double ray_value(int p) const { return dz_[p]; }
-  int ray_entering() const { return entering_is_z_ ? entering_ : -1; }
-
- private:
   /// Lets z0 enter until all w >= 0; returns the row that is then zero, or -1 if all were.
   int start(bool resume) {
-    if (!resume) {
-      basis_.clear();
-      std::fill(column_position_.begin(), column_position_.end(), -1);
-      std::fill(row_position_.begin(), row_position_.end(), -1);
-    }
+    if (!resume) forget_basis();
     const int k = basis_.size();
     if (k == basis_.capacity()) return -1;
     system_->cover_all_but(rows_.data(), k);
@@ -170,6 +209,52 @@ class LemkePath {
     z_[k] = -system_->state(row) / system_->cover(row);
     system_->set_state(columns_.data(), z_.data(), k + 1);
     return row;
+  }
+
+  /// Lets z0 enter until the basic z and all w are >= 0; what enters next is the complement of the
+  /// one that is then zero. False if nothing was negative.
+  bool start_shifted(const PathOptions& options, int& entering, bool& entering_is_z) {
+    const int k = basis_.size();
+    Eigen::VectorXd& shift = first_;
+    double z0 = 0;
+    int lowest = -1;
+    for (int p = 0; p < k; ++p) {
+      const int column = columns_[std::size_t(p)];
+      const double size = system_->natural_size(column);
+      shift[p] = 0;
+      if (z_[p] >= -options.tolerance * size) continue;
+      shift[p] = size * (1 + hash_to_unit(3, std::uint64_t(column)));
+      if (-z_[p] <= z0 * shift[p]) continue;
+      z0 = -z_[p] / shift[p];
+      lowest = p;
+    }
+    const int row =
+        system_->first_row([this](int other) { return row_position_[std::size_t(other)] >= 0; });
+    if (row < 0 && lowest < 0) return false;
+    system_->set_shift(columns_.data(), shift.data(), k);
+    const bool row_is_first =
+        row >= 0 && (lowest < 0 || -system_->state(row) > z0 * system_->cover(row));
+    if (row_is_first) z0 = -system_->state(row) / system_->cover(row);
+    z_.head(k) += z0 * shift.head(k);
+    dz_.head(k) = -shift.head(k);  // A^-1 times the column of z0
+    if (row_is_first) {
+      system_->row(row, columns_.data(), k, first_.data());
+      basis_.solve_transposed(first_.data(), second_.data());
+      basis_.grow(dz_.data(), second_.data(), system_->cover(row));
+      set_column(k, pairs_);
+      set_row(k, row);
+      z_[k] = z0;
+      entering = row;
+    } else {
+      entering = columns_[std::size_t(lowest)];
+      basis_.replace_column(lowest, dz_.data());
+      column_position_[std::size_t(entering)] = -1;
+      set_column(lowest, pairs_);
+      z_[lowest] = z0;
+    }
+    entering_is_z = row_is_first;
+    system_->set_state(columns_.data(), z_.data(), basis_.size());
+    return true;
   }
 
   /// How the basic z change while the entering variable grows by one. The rows of w = 0 must stay
@@ -199,13 +284,12 @@ class LemkePath {
         basis_.solve(first_.data(), second_.data());
         dz_.head(k) -= second_.head(k);
       }
-      if (attempt == 0 && !invert_again()) return false;
+      if (attempt == 0 && !invert_again(basis_.size())) return false;
     }
     return false;
   }
 
-  bool invert_again() {
-    const int k = basis_.size();
+  bool invert_again(int k) {
     for (int p = 0; p < k; ++p) {
       system_->row(rows_[std::size_t(p)], columns_.data(), k, first_.data());
       matrix_.row(p).head(k) = first_.head(k);
@@ -226,7 +310,7 @@ class LemkePath {
       const double size = k > 0 ? std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>()) : 1;
       if (error <= 1e-14 * size) return true;
       if (correction == 3) return error <= 1e-9 * size;
-      if (correction == 2 && error > 1e-11 * size && !invert_again()) return false;
+      if (correction == 2 && error > 1e-11 * size && !invert_again(k)) return false;
       basis_.solve(first_.data(), second_.data());
       z_.head(k) -= second_.head(k);
     }

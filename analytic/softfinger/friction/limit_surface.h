@@ -105,11 +105,13 @@ class LimitSurface {
   /// softfinger::sample_section for the ellipsoid.
   std::vector<LimitWrench> sample_section(double direction_rad, int count) const;
 
- private:
   /// Wrench in the scaled space (f/(mu P), tau/(mu P e_n)) for a twist in (v, e_n omega) and, if
-  /// `hessian` is given, its derivative with respect to that twist.
+  /// `hessian` is given, its derivative with respect to that twist. Without units: mu P and the
+  /// size of the ellipse do not matter.
   Eigen::Vector3d scaled_wrench(const Eigen::Vector3d& twist,
                                 Eigen::Matrix3d* hessian) const noexcept;
+
+ private:
   struct Motion;
   struct Integrals;
   bool carries_torque() const noexcept { return eccentricity_m_ > 0; }

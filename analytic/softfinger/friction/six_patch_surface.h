@@ -46,10 +46,10 @@ class SixPatchSurface {
   bool contains(const LimitWrench& wrench) const noexcept { return utilisation(wrench) <= 1; }
   LimitWrench project(const LimitWrench& wrench) const noexcept;
 
- private:
   Eigen::Vector3d scaled_wrench(const Eigen::Vector3d& twist,
                                 Eigen::Matrix3d* hessian) const noexcept;
 
+ private:
   std::array<Patch, 6> patches_{};
   double max_force_N_ = 0, eccentricity_m_ = 0;
 };

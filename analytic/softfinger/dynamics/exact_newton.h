@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "softfinger/dynamics/contact_system.h"
+#include "softfinger/friction/friction_shape.h"
+
+/// Internal: contact impulses with exact friction, from a point close to them.
+namespace softfinger::internal {
+
+/// Semi-smooth Newton's method (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991) on the
+/// natural map of the scaled problem, where friction is |s| in P times a set K of support function
+/// h, without unit:
+///   F_n = min(P, v_n),   F_t = u + nu,   nu + A P grad h(nu) = A s - u,   u = v_t,
+/// nu = 0 where A s - u lies in A P K: the contact sticks. For A = 1, F_t is s - proj_{P K}(s - u).
+/// A = diag(W_tt), so that a contact alone is solved in one step however small its e_n. Impulses of
+/// redundant contacts are not unique: each step is a proximal one, which leaves what moves nothing
+/// as it was.
+class ExactNewton {
+ public:
+  explicit ExactNewton(int contacts);
+
+  /// Improves `impulse`; returns the largest |F| without unit (velocities over the largest of the
+  /// free ones). No allocation.
+  double solve(const ContactSystem& system, Eigen::VectorXd& impulse);
+
+  int iterations() const { return iterations_; }  ///< of the last solve
+
+ private:
+  struct Contact {
+    bool touches = false;                              ///< P may be positive
+    Eigen::Vector3d metric = Eigen::Vector3d::Ones();  ///< A
+    FrictionExcess excess;
+  };
+
+  double evaluate(const ContactSystem& system, const Eigen::VectorXd& impulse);
+  bool find_step(const ContactSystem& system, const Eigen::VectorXd& impulse);
+  bool eliminate(int size);
+
+  std::vector<Contact> contacts_;
+  std::vector<int> first_;  ///< unknown of each contact, -1: none
+  Eigen::VectorXd velocity_, map_, trial_, step_, right_;
+  Eigen::MatrixXd matrix_;
+  int iterations_ = 0;
+};
+
+}  // namespace softfinger::internal

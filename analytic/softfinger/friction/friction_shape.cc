@@ -1,0 +1,88 @@
+#include "softfinger/friction/friction_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/friction/limit_surface_newton.h"
+
+namespace softfinger {
+namespace {
+
+/// Largest kappa with sum (target_i/(kappa + radius_i))² = 1, where that sum is above 1 at 0: the
+/// length of the excess of a ball. 1/sqrt of the sum is increasing and concave in kappa, so that
+/// Newton's iteration comes from below and does not overshoot.
+double excess_length(const Eigen::Vector3d& target, const Eigen::Vector3d& radii) noexcept {
+  constexpr int kMostIterations = 60;
+  double kappa = std::max(0., target.stableNorm() - radii.maxCoeff());
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    const Eigen::Vector3d sum = radii.array() + kappa;
+    const Eigen::Vector3d ratio = target.cwiseQuotient(sum);
+    const double length = ratio.stableNorm();
+    const double slope = ratio.cwiseAbs2().cwiseQuotient(sum).sum();
+    const double step = (length - 1) * length * length / slope;
+    if (!(step > 1e-16 * kappa)) break;
+    kappa += step;
+  }
+  return kappa;
+}
+
+}  // namespace
+
+FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d& target,
+                               double radius, const Eigen::Vector3d& metric) noexcept {
+  FrictionExcess result;
+  if (!(target.squaredNorm() > 0)) return result;
+  const Eigen::Vector3d radii = radius * metric;
+  if (!shape) {
+    if (radius > 0 && target.cwiseQuotient(radii).stableNorm() <= 1) return result;
+    const double length = excess_length(target, radii);
+    if (!(length > 0)) return result;
+    result.boundary = target.cwiseQuotient((radii.array() + length).matrix()).stableNormalized();
+    result.excess = length * result.boundary;
+    result.hessian =
+        (Eigen::Matrix3d::Identity() - result.boundary * result.boundary.transpose()) / length;
+    return result;
+  }
+  // With x = A^(1/2) s the distance is the usual one, and the set's support function h(A^(1/2) t).
+  using namespace limit_surface_newton;
+  const Eigen::Vector3d root = metric.cwiseSqrt();
+  const auto evaluate = [&](const Eigen::Vector3d& t, Eigen::Matrix3d* hessian) {
+    const Eigen::Vector3d point = shape->boundary(root.cwiseProduct(t), hessian);
+    if (hessian) *hessian = root.asDiagonal() * *hessian * root.asDiagonal();
+    return Eigen::Vector3d(root.cwiseProduct(point));
+  };
+  const Eigen::Vector3d reach = target.cwiseQuotient(root);
+  Eigen::Vector3d direction = reach;
+  // Far outside, distances would be differences of large numbers for nothing.
+  constexpr double kFar = 1e9;
+  if (radius > 0 && reach.norm() < kFar * radius * root.maxCoeff()) {
+    const Eigen::Vector3d scaled = reach / radius, load = scaled.cwiseQuotient(root);
+    // Shapes contain the double cone |f| + |tau| <= 1.
+    if (std::hypot(load.x(), load.y()) + std::abs(load.z()) <= 1 ||
+        friction_gauge(shape, load) <= 1)
+      return result;
+    gauge(scaled, evaluate, &direction);
+    direction = maximise<Question::distance>(scaled, direction, evaluate);
+    const double distance = direction.dot(scaled - evaluate(direction, nullptr));
+    if (!(distance > 0)) return result;
+    direction *= radius * distance;
+  } else {
+    direction -= radius * evaluate(direction, nullptr);
+  }
+  result.excess = root.cwiseProduct(direction);
+  result.boundary = shape->boundary(result.excess, &result.hessian);
+  return result;
+}
+
+double friction_gauge(const FrictionShape* shape, const Eigen::Vector3d& wrench) noexcept {
+  const double size = wrench.stableNorm();
+  if (!shape || !(size > 0)) return size;
+  // A gauge scales with the wrench.
+  return size *
+         limit_surface_newton::gauge(Eigen::Vector3d(wrench / size),
+                                     [shape](const Eigen::Vector3d& t, Eigen::Matrix3d* hessian) {
+                                       return shape->boundary(t, hessian);
+                                     });
+}
+
+}  // namespace softfinger
