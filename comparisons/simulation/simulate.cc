@@ -188,7 +188,8 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
   SceneContacts finder(scene);
   finder.detector().require_no_overlap(stepper.bodies());
   for (const ForceOverTime& force : scene.forces)
-    stepper.applied_forces().push_back({force.body, force.point_in_body_m, {}, {}});
+    stepper.applied_forces().push_back(
+        {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
 
   Recording& recording = result.recording;
   recording.scene = scene.id;

@@ -17,8 +17,7 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
       touching_(bodies_.trees().size()),
       factors_(bodies_.trees().size()),
       jacobians_(bodies_.trees().size()),
-      masses_(bodies_.trees().size()),
-      solver_(0, 0) {
+      masses_(bodies_.trees().size()) {
   if (!(options_.time_step_s > 0) || !std::isfinite(options_.time_step_s)) {
     char value[32];
     std::snprintf(value, sizeof value, "%g", options_.time_step_s);
@@ -124,16 +123,11 @@ void TimeStepper::assemble() {
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
   problem_.delassus.setZero(4 * rows, 4 * rows);
   problem_.free_velocity.setZero(4 * rows);
-  problem_.friction_coefficient.setZero(rows);
-  problem_.eccentricity_m.setZero(rows);
-  problem_.vertices = options_.friction_vertices;
   const auto approach = [&](double gap_m) {
     return std::max(gap_m / dt, -options_.correction_m_per_s);
   };
   for (int i = 0; i < nc; ++i) {
     const Contact& contact = contacts_[std::size_t(i)];
-    problem_.friction_coefficient[i] = contact.friction_coefficient;
-    problem_.eccentricity_m[i] = contact.eccentricity_m;
     problem_.free_velocity[4 * i] = approach(contact.gap_m);
   }
   for (int i = nc; i < rows; ++i)
@@ -157,6 +151,182 @@ void TimeStepper::assemble() {
       }
     }
   }
+}
+
+/// What a contact resists sliding with; the e_n that depend on the load come later.
+void TimeStepper::describe_friction() {
+  const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
+  problem_.friction_coefficient.setZero(rows);
+  problem_.eccentricity_m.setZero(rows);
+  problem_.shapes.assign(std::size_t(rows), nullptr);
+  problem_.friction_rule = options_.friction_rule;
+  problem_.vertices = options_.friction_vertices;
+  for (int i = 0; i < nc; ++i) {
+    const Contact& contact = contacts_[std::size_t(i)];
+    problem_.friction_coefficient[i] = contact.friction_coefficient;
+    if (!contact.eccentricity_law) problem_.eccentricity_m[i] = contact.eccentricity_m;
+    problem_.shapes[std::size_t(i)] = contact.shape;
+  }
+}
+
+/// Trees that a row joins, and all that they are joined to, are one island.
+void TimeStepper::find_islands() {
+  const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
+  island_of_tree_.resize(bodies_.trees().size());
+  for (std::size_t t = 0; t < island_of_tree_.size(); ++t) island_of_tree_[t] = int(t);
+  const auto root = [this](int tree) {
+    while (island_of_tree_[std::size_t(tree)] != tree) tree = island_of_tree_[std::size_t(tree)];
+    return tree;
+  };
+  const auto tree_of_row = [&](int row) {
+    if (row >= nc)
+      return bodies_.tree_of(bodies_.joint(limits_[std::size_t(row - nc)].joint).child);
+    const Contact& contact = contacts_[std::size_t(row)];
+    const int a = bodies_.tree_of(contact.a);
+    return a >= 0 ? a : bodies_.tree_of(contact.b);
+  };
+  for (const Contact& contact : contacts_) {
+    const int a = bodies_.tree_of(contact.a), b = bodies_.tree_of(contact.b);
+    if (a >= 0 && b >= 0) island_of_tree_[std::size_t(root(a))] = root(b);
+  }
+  ids_.clear();
+  for (const Contact& contact : contacts_) ids_.push_back(contact.id);
+  for (const Limit& limit : limits_) ids_.push_back(-2 - 2 * long(limit.joint) - (limit.sign > 0));
+
+  std::vector<Island> last;
+  last.swap(islands_);
+  std::vector<int> island_of_root(island_of_tree_.size(), -1);
+  for (int row = 0; row < rows; ++row) {
+    int& index = island_of_root[std::size_t(root(tree_of_row(row)))];
+    if (index < 0) {
+      index = int(islands_.size());
+      islands_.emplace_back();
+    }
+    islands_[std::size_t(index)].rows.push_back(row);
+  }
+  continue_islands(last);
+}
+
+/// Each island takes over the solver, and e_n, of a last one with which it shares a row.
+void TimeStepper::continue_islands(std::vector<Island>& last) {
+  for (Island& island : islands_) {
+    for (const int row : island.rows) island.ids.push_back(ids_[std::size_t(row)]);
+    const std::size_t count = island.rows.size();
+    island.continued.assign(count, -1);
+    for (Island& before : last) {
+      if (before.capacity < int(count)) continue;
+      const auto position = [&](long id) {
+        const auto found = std::find(before.ids.begin(), before.ids.end(), id);
+        return id == -1 || found == before.ids.end() ? -1 : int(found - before.ids.begin());
+      };
+      bool shares = false;
+      for (const long id : island.ids) shares = shares || position(id) >= 0;
+      if (!shares) continue;
+      for (std::size_t i = 0; i < count; ++i) {
+        island.continued[i] = position(island.ids[i]);
+        const int row = island.rows[i];
+        if (island.continued[i] < 0 || row >= int(contacts_.size())) continue;
+        if (contacts_[std::size_t(row)].eccentricity_law)
+          problem_.eccentricity_m[row] = before.problem.eccentricity_m[island.continued[i]];
+      }
+      island.solver = std::move(before.solver);
+      island.capacity = before.capacity;
+      island.solved = before.solved;
+      before.capacity = -1;  // taken
+      break;
+    }
+    if (island.capacity > 0) continue;
+    island.capacity = int(count) + int(count) / 2 + 1;
+    island.solver = ContactLcpSolver(island.capacity, int(options_.friction_vertices.cols()));
+  }
+}
+
+/// The island's part of the problem.
+void TimeStepper::extract(Island& island) {
+  const int count = int(island.rows.size());
+  ContactLcp& part = island.problem;
+  part.delassus.resize(4 * count, 4 * count);
+  part.free_velocity.resize(4 * count);
+  part.friction_coefficient.resize(count);
+  part.eccentricity_m.resize(count);
+  part.vertices = problem_.vertices;
+  part.friction_rule = problem_.friction_rule;
+  part.shapes.resize(std::size_t(count));
+  for (int i = 0; i < count; ++i) {
+    const int row = island.rows[std::size_t(i)];
+    part.free_velocity.segment<4>(4 * i) = problem_.free_velocity.segment<4>(4 * row);
+    part.friction_coefficient[i] = problem_.friction_coefficient[row];
+    part.eccentricity_m[i] = problem_.eccentricity_m[row];
+    part.shapes[std::size_t(i)] = problem_.shapes[std::size_t(row)];
+    for (int j = 0; j < count; ++j)
+      part.delassus.block<4, 4>(4 * i, 4 * j) =
+          problem_.delassus.block<4, 4>(4 * row, 4 * island.rows[std::size_t(j)]);
+  }
+}
+
+/// Solves an island until each e_n is that of its own load.
+LcpResult TimeStepper::solve(Island& island, StepResult& result) {
+  constexpr int kMostRounds = 30;
+  constexpr double kAgreement = 1e-9;
+  LcpResult solved;
+  int pivots = 0;
+  for (int round = 1; round <= kMostRounds; ++round) {
+    solved = island.solver.solve(island.problem, island.solution,
+                                 island.solved ? &island.continued : nullptr);
+    pivots += solved.pivots;
+    solved.pivots = pivots;
+    island.solved = solved.status == LcpStatus::solved;
+    if (!island.solved) return solved;
+    double disagreement = 0;
+    bool agrees = true;
+    for (std::size_t i = 0; i < island.rows.size(); ++i) {
+      island.continued[i] = int(i);
+      const int row = island.rows[i];
+      if (row >= int(contacts_.size())) continue;
+      const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
+      const double load_N = island.solution.impulse[4 * int(i)] / options_.time_step_s;
+      if (!law || !(load_N > 0)) continue;
+      result.load_iterations = std::max(result.load_iterations, round);
+      double& used_m = island.problem.eccentricity_m[int(i)];
+      const double wanted_m = law->eccentricity_m(load_N);
+      const double apart =
+          std::abs(wanted_m - used_m) / std::max(wanted_m, std::numeric_limits<double>::min());
+      disagreement = std::max(disagreement, apart);
+      if (apart <= kAgreement || round == kMostRounds) continue;
+      agrees = false;
+      used_m = wanted_m;
+    }
+    if (!agrees) continue;
+    result.load_disagreement = std::max(result.load_disagreement, disagreement);
+    break;
+  }
+  return solved;
+}
+
+LcpResult TimeStepper::solve_islands(StepResult& result) {
+  LcpResult all;
+  all.status = LcpStatus::solved;
+  solution_.resize(int(ids_.size()));
+  for (Island& island : islands_) {
+    extract(island);
+    const LcpResult solved = solve(island, result);
+    all.pivots += solved.pivots;
+    all.attempts = std::max(all.attempts, solved.attempts);
+    all.residual = std::max(all.residual, solved.residual);
+    for (std::size_t i = 0; i < island.rows.size(); ++i) {
+      const int row = island.rows[i], own = int(i);
+      solution_.impulse.segment<4>(4 * row) = island.solution.impulse.segment<4>(4 * own);
+      solution_.velocity.segment<4>(4 * row) = island.solution.velocity.segment<4>(4 * own);
+      solution_.slip[row] = island.solution.slip[own];
+      solution_.ray.segment<4>(4 * row) = island.solution.ray.segment<4>(4 * own);
+      problem_.eccentricity_m[row] = island.problem.eccentricity_m[own];
+    }
+    if (solved.status == LcpStatus::solved) continue;
+    all.status = solved.status;
+    all.proof = solved.proof;
+    break;
+  }
+  return all;
 }
 
 double TimeStepper::unlimited_effort(int m) const {
@@ -208,10 +378,8 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   collect(finder);
   result.contacts = int(contacts_.size());
   const int rows = int(contacts_.size() + limits_.size());
-  if (rows > capacity_) {
-    capacity_ = std::max(rows, 2 * capacity_);
-    solver_ = ContactLcpSolver(capacity_, int(options_.friction_vertices.cols()));
-  }
+  describe_friction();
+  find_islands();
   // Changes of many motors at once usually agree at once; one at a time always does.
   constexpr int kAtOnce = 8;
   const int most_changes = kAtOnce + 20 * int(motors_.size());
@@ -220,7 +388,7 @@ StepResult TimeStepper::step(ContactFinder& finder) {
     assemble();
     new_velocity_ = free_velocity_;
     if (rows > 0) {
-      const LcpResult solved = solver_.solve(problem_, solution_);
+      const LcpResult solved = solve_islands(result);
       const int pivots = result.lcp.pivots + solved.pivots;
       result.lcp = solved;
       result.lcp.pivots = pivots;

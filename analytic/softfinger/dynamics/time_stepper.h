@@ -21,6 +21,7 @@ struct Contact {
   double friction_coefficient = 0;
   double eccentricity_m = 0;                          ///< e_n, unless there is a law
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
+  const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
   long id = -1;  ///< the same from step to step for as long as the contact lasts
 };
 
@@ -72,7 +73,8 @@ struct StepResult {
 ///   M (v' - v) = dt (passive forces + motors) + J^T r,   0 <= P  compl.  n^T v' + gap/dt >= 0
 ///
 /// with friction as in ContactLcp, then the bodies move by v' (Anitescu, Hart 2004: gap/dt lets
-/// them come as far as they touch). Joint limits are contacts without friction. Motors at their
+/// them come as far as they touch). Bodies that do not feel each other, through contacts or joints,
+/// are separate problems. Joint limits are contacts without friction. Motors at their
 /// limits are found by exchanging them until all agree, one by one at the end, which terminates
 /// (Murty's principal pivoting on a positive definite problem).
 class TimeStepper {
@@ -115,6 +117,7 @@ class TimeStepper {
   const ContactSolution& solution() const { return solution_; }
 
  private:
+  struct Island;
   struct Touching {  ///< a row block of the problem and the columns of one tree
     int row = 0;
     int body_a = -1, body_b = -1;  ///< those of the tree, -1: the other side
@@ -125,6 +128,12 @@ class TimeStepper {
   void collect(ContactFinder& finder);
   void factorise();
   void assemble();
+  void describe_friction();
+  void find_islands();
+  void continue_islands(std::vector<Island>& last);
+  void extract(Island& island);
+  LcpResult solve(Island& island, StepResult& result);
+  LcpResult solve_islands(StepResult& result);
   int update_motors(bool one_only);
   double unlimited_effort(int m) const;
 
@@ -148,8 +157,20 @@ class TimeStepper {
   std::vector<Eigen::MatrixXd> masses_;
   ContactLcp problem_;
   ContactSolution solution_;
-  ContactLcpSolver solver_;
-  int capacity_ = 0;
+  std::vector<long> ids_;  ///< per row: contacts by their id, limits by -2 and less
+  /// Rows that feel each other: a problem of its own, which remembers how it was solved.
+  struct Island {
+    std::vector<int> rows;
+    std::vector<long> ids;
+    ContactLcp problem;
+    ContactSolution solution;
+    ContactLcpSolver solver{0, 0};
+    int capacity = 0;
+    bool solved = false;         ///< the last problem given to `solver`
+    std::vector<int> continued;  ///< see ContactLcpSolver::solve
+  };
+  std::vector<Island> islands_;
+  std::vector<int> island_of_tree_;
 };
 
 }  // namespace softfinger
