@@ -275,6 +275,9 @@ LcpResult TimeStepper::solve(Island& island, StepResult& result) {
                                  island.solved ? &island.continued : nullptr);
     pivots += solved.pivots;
     solved.pivots = pivots;
+    if (solved.status == LcpStatus::iteration_limit &&
+        solved.residual <= options_.accepted_residual)
+      solved.status = LcpStatus::solved;
     island.solved = solved.status == LcpStatus::solved;
     if (!island.solved) return solved;
     double disagreement = 0;
