@@ -168,7 +168,8 @@ class TimeStepper {
     std::vector<long> ids;
     ContactLcp problem;
     ContactSolution solution;
-    ContactLcpSolver solver{0, 0};
+    std::vector<const EccentricityLaw*> laws;
+    ConsistentContactSolver solver{0, 0};
     int capacity = 0;
     bool solved = false;         ///< the last problem given to `solver`
     std::vector<int> continued;  ///< see ContactLcpSolver::solve
