@@ -35,8 +35,7 @@ struct Contact {
     mesh.b = 0.7;
     mesh.elements_per_semi_axis = 4;
     mesh.patch = 1.3;
-    ModelCache models;
-    pressed = press_on(mesh, pressing, models);
+    pressed = press_on(make_layer(mesh, pressing), pressing);
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
     whole = surface_compliance(*quarters, Invariance::none);
