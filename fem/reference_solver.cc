@@ -69,9 +69,10 @@ void check(const Problem& problem) {
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   const FrictionRequest& friction = problem.friction;
-  if (problem.fingertip && (friction.any() || !problem.compliance_file.empty()))
-    throw InputError(problem.name, "torsion, limit surface or compliance", "",
-                     "geometry = \"flat\"; on a curved layer the torque is int mu p r dA");
+  if (problem.fingertip && !problem.compliance_file.empty())
+    throw InputError(
+        problem.name, "compliance_file", problem.compliance_file,
+        "geometry = \"flat\": a curved layer's compliance has other normals at each point");
   if (friction.torsion && (friction.increments < 1 || friction.increments > 1000))
     throw InputError(problem.name, "torsion_increments", std::to_string(friction.increments),
                      "1 to 1000");
@@ -137,16 +138,23 @@ Measured measure(const Pressed& pressed, const Pressing& pressing, const Problem
   return measured;
 }
 
-PressedContact pressed_contact(const Pressed& pressed, const LevelResult& measured,
+PressedContact pressed_contact(const Pressed& pressed, const ContactShape& shape,
                                const Problem& problem) {
-  const double h = problem.contact.layer.thickness_m;
-  return {*pressed.model,
-          pressed.gap,
-          pressed.contact.force,
-          measured.a_m / h,
-          measured.b_m / h,
-          pressed.load(),
-          problem.contact.load.friction_coefficient};
+  PressedContact contact{*pressed.model,
+                         pressed.gap,
+                         pressed.contact.force,
+                         shape.block_a,
+                         shape.block_b,
+                         pressed.load(),
+                         problem.contact.load.friction_coefficient};
+  if (pressed.model->whole()) {
+    const auto& nodes = pressed.model->nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (contact.force[static_cast<Eigen::Index>(i)] > 0)
+        contact.edge =
+            std::max(contact.edge, std::hypot(nodes[i].x / contact.a, nodes[i].y / contact.b));
+  }
+  return contact;
 }
 
 /// To one part in a thousand, so that contacts of one size ask for the very same mesh: far below a
@@ -420,6 +428,7 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
   SurfaceSeries surface_series(problem);
   std::optional<FrictionPlan> plan;
   std::vector<FrictionOfLevel> friction;
+  ContactShape finest_shape;
   for (const int i : {0, 1}) {
     const int level = problem.level - 1 + i;
     if (stop()) {
@@ -448,12 +457,13 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
                              "the contact outgrew the patch on refinement");
     const Measured measurement = measure(pressed, pressing, problem, level);
     LevelResult measured = measurement.result;
+    finest_shape = measurement.shape;
     if (reuses)
       measured.oversize =
           oversize(model->discretisation(), measurement.shape.block_a, measurement.shape.block_b);
     if (problem.friction.any()) {
-      friction.push_back(friction_on(pressed_contact(pressed, measured, problem), problem, plan,
-                                     progress, surface_series.of(level)));
+      friction.push_back(friction_on(pressed_contact(pressed, measurement.shape, problem), problem,
+                                     plan, progress, surface_series.of(level)));
     }
     measured.wall_s = watch.seconds();
     if (level > 0) fit_mesh_to(measurement.shape);
@@ -502,7 +512,7 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
     result.pvd_file = surface_series.finish();
   }
   if (!problem.compliance_file.empty()) {
-    const PressedContact start = pressed_contact(pressed, fine, problem);
+    const PressedContact start = pressed_contact(pressed, finest_shape, problem);
     write_compliance(
         problem.compliance_file,
         surface_compliance(friction_compliances(start, Invariance::none), Invariance::none), h,
