@@ -18,7 +18,6 @@
 #include "comparisons/files.h"
 #include "comparisons/local_geometry.h"
 #include "comparisons/predict.h"
-#include "comparisons/process_pool.h"
 #include "comparisons/program_paths.h"
 #include "comparisons/progress.h"
 #include "comparisons/report/report_page.h"
@@ -70,11 +69,9 @@ json finished_result(const LoadRun& run, const std::string& identity) {
   if (!saved.is_object() || saved.value("program", json()) != json(identity) ||
       saved.value("problem", json()) != run.problem || !saved.contains("result"))
     return nullptr;
-  ProcessOutcome outcome;
-  outcome.exit_status = 0;
-  outcome.output = saved["result"].dump();
-  const json result = interpret_fem(outcome).result;
-  if (result.is_object() && result.contains("vtu") && result["vtu"].is_string()) {
+  const json& result = saved["result"];
+  if (!is_complete_fem_result(result)) return nullptr;
+  if (result.contains("vtu") && result["vtu"].is_string()) {
     std::error_code error;
     if (!fs::exists(run.folder / fs::path(result["vtu"].get<std::string>()).filename(), error))
       return nullptr;
@@ -93,12 +90,12 @@ std::string summary(const json& fem) {
 }
 
 /// Runs what is not finished yet. @returns 0 or the signal that interrupted.
-int run_fem(std::vector<LoadRun>& runs, const CompareOptions& options, Progress& progress) {
+int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options, Progress& progress) {
   const std::string program = fem_program().string();
   const std::string identity = program_identity(program);
-  std::vector<ProcessJob> jobs;
-  std::vector<LoadRun*> pending;
-  std::size_t done = 0;
+  // A case's loads share their process, the largest contact first, whose mesh may serve the others.
+  std::vector<std::vector<LoadRun*>> pending;
+  std::size_t done = 0, pending_count = 0;
   for (LoadRun& run : runs) {
     run.fem = finished_result(run, identity);
     run.reused = !run.fem.is_null();
@@ -111,29 +108,41 @@ int run_fem(std::vector<LoadRun>& runs, const CompareOptions& options, Progress&
     // claim them.
     std::error_code ignored;
     fs::remove(run.folder / "result.json", ignored);
-    jobs.push_back(fem_job(program, run.problem, run.folder.string(), options.jobs > 1));
-    pending.push_back(&run);
+    if (pending.empty() || pending.back().front()->contact_case != run.contact_case)
+      pending.emplace_back();
+    pending.back().push_back(&run);
+    ++pending_count;
+  }
+  std::vector<FemBatch> batches;
+  for (auto& of_case : pending) {
+    std::stable_sort(of_case.begin(), of_case.end(), [](const LoadRun* left, const LoadRun* right) {
+      return left->load_N > right->load_N;
+    });
+    FemBatch batch;
+    batch.single_thread = options.jobs > 1;
+    for (const LoadRun* run : of_case) {
+      batch.problems.push_back(run->problem);
+      batch.problems.back()["output_directory"] = run->folder.string();
+    }
+    batches.push_back(std::move(batch));
   }
 
   const auto start = Clock::now();
   const auto remaining = [&](std::size_t finished) {
-    if (finished == 0 || finished == pending.size()) return std::string();
+    if (finished == 0 || finished == pending_count) return std::string();
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
     return fmt::format("; about {:.0f} s left",
-                       elapsed_s / finished * static_cast<double>(pending.size() - finished));
+                       elapsed_s / finished * static_cast<double>(pending_count - finished));
   };
   std::size_t finished = 0;
-  ProcessCallbacks callbacks;
-  callbacks.on_start = [&](std::size_t job) {
-    progress.show(fmt::format("[{}/{}] {}: started", done, runs.size(), pending[job]->title()));
-  };
-  callbacks.on_line = [&](std::size_t job, const std::string& line) {
-    progress.show(fmt::format("[{}/{}] {}: {}{}", done, runs.size(), pending[job]->title(), line,
+  FemCallbacks callbacks;
+  callbacks.on_line = [&](FemIndex index, const std::string& line) {
+    progress.show(fmt::format("[{}/{}] {}: {}{}", done, runs.size(),
+                              pending[index.batch][index.problem]->title(), line,
                               remaining(finished)));
   };
-  callbacks.on_finish = [&](std::size_t job, const ProcessOutcome& outcome) {
-    LoadRun& run = *pending[job];
-    FemAnswer answer = interpret_fem(outcome);
+  callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
+    LoadRun& run = *pending[index.batch][index.problem];
     ++done, ++finished;
     if (answer.result.is_null()) {
       run.failure = answer.failure;
@@ -148,7 +157,7 @@ int run_fem(std::vector<LoadRun>& runs, const CompareOptions& options, Progress&
     progress.say(fmt::format("[{}/{}] {}: {}{}", done, runs.size(), run.title(), summary(run.fem),
                              remaining(finished)));
   };
-  const int signal = run_processes(jobs, options.jobs, callbacks);
+  const int signal = run_fem(program, batches, options.jobs, callbacks);
   if (signal != 0)
     progress.say(
         fmt::format("softfinger: interrupted: {} of {} FEM results are finished in {}; the same "
@@ -421,7 +430,7 @@ int compare(const CompareOptions& options) {
   for (const Case& contact_case : cases)
     for (const std::string& remark : power_law_remarks(contact_case))
       progress.say("softfinger: " + contact_case.id + ": " + remark);
-  if (const int signal = run_fem(runs, options, progress)) return 128 + signal;
+  if (const int signal = run_pending(runs, options, progress)) return 128 + signal;
 
   json report = {{"tolerance", kTolerance}, {"models", model_cards()}, {"cases", json::array()}};
   std::string answer;

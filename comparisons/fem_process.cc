@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <optional>
@@ -93,48 +95,105 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
   return problem;
 }
 
-ProcessJob fem_job(const std::string& program, nlohmann::json problem,
-                   const std::string& output_directory, bool single_thread) {
-  problem["output_directory"] =
-      output_directory.empty() ? nlohmann::json() : nlohmann::json(output_directory);
-  ProcessJob job;
-  job.command = {program, "-"};
-  job.input = problem.dump() + "\n";
-  if (single_thread)
-    job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "DEAL_II_NUM_THREADS=1"};
-  return job;
+bool is_complete_fem_result(const nlohmann::json& result) {
+  if (!result.is_object()) return false;
+  for (const char* key :
+       {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"})
+    if (!result.contains(key) || !result[key].is_number()) return false;
+  return result.contains("error") && result["error"].is_object();
 }
 
-FemAnswer interpret_fem(const ProcessOutcome& outcome) {
+namespace {
+
+/// The line that a process writes for each of its problems.
+FemAnswer answer_of(const std::string& line) {
+  const nlohmann::json written = nlohmann::json::parse(line, nullptr, false);
+  if (is_complete_fem_result(written)) return {written, "", 0};
+  if (!written.is_object() || !written.contains("failure"))
+    return {nullptr, "softfinger-fem ended without a complete result", 3};
   FemAnswer answer;
-  const std::string said = outcome.last_line.empty() ? "it did not say why" : outcome.last_line;
+  answer.failure = written.value("failure", "");
+  if (answer.failure.rfind("error: ", 0) == 0) answer.failure.erase(0, std::strlen("error: "));
+  answer.exit_status = written.value("exit_status", 3);
+  return answer;
+}
+
+/// For the problem that a process was at when it ended before its time.
+FemAnswer failure_of(const ProcessOutcome& outcome) {
+  FemAnswer answer;
+  // Whatever else a crashed program returns, for the user the numerics failed.
+  answer.exit_status = outcome.exit_status == 2 ? 2 : 3;
   if (outcome.signal != 0) {
-    answer.exit_status = 3;
     answer.failure = fmt::format(
         "softfinger-fem was killed by signal {} ({}){}", outcome.signal, strsignal(outcome.signal),
         outcome.signal == 9 ? "; often this means that memory ran out" : "");
-  } else if (outcome.exit_status != 0) {
-    // Whatever else a crashed program returns, for the user the numerics failed.
-    answer.exit_status = outcome.exit_status == 2 ? 2 : 3;
-    answer.failure = said;
+  } else if (outcome.exit_status == 0) {
+    answer.failure = "softfinger-fem ended without a complete result";
+  } else {
+    answer.failure = outcome.last_line.empty() ? "it did not say why" : outcome.last_line;
     for (const char* prefix : {"softfinger-fem: ", "error: "})
       if (answer.failure.rfind(prefix, 0) == 0) answer.failure.erase(0, std::strlen(prefix));
-  } else {
-    answer.result = nlohmann::json::parse(outcome.output, nullptr, false);
-    const auto complete = [&] {
-      if (!answer.result.is_object()) return false;
-      for (const char* key :
-           {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"})
-        if (!answer.result.contains(key) || !answer.result[key].is_number()) return false;
-      return answer.result.contains("error") && answer.result["error"].is_object();
-    };
-    if (!complete()) {
-      answer.result = nullptr;
-      answer.exit_status = 3;
-      answer.failure = "softfinger-fem ended without a complete result";
-    }
   }
   return answer;
+}
+
+/// "fem: 2/3: text" is about the second of three problems. @returns its text
+std::string text_of(const std::string& line, std::size_t& problem) {
+  std::size_t number = 0;
+  int length = 0;
+  if (std::sscanf(line.c_str(), "fem: %zu/%*u: %n", &number, &length) != 1 || length == 0)
+    return line;
+  problem += number - 1;
+  return line.substr(static_cast<std::size_t>(length));
+}
+
+}  // namespace
+
+int run_fem(const std::string& program, const std::vector<FemBatch>& batches, int parallel,
+            const FemCallbacks& callbacks, OnInterrupt on_interrupt) {
+  std::vector<std::size_t> answered(batches.size(), 0);
+  // A crash ends its process: the problems behind it go to a new one.
+  while (true) {
+    std::vector<ProcessJob> jobs;
+    std::vector<std::size_t> batch_of, first;
+    for (std::size_t batch = 0; batch < batches.size(); ++batch) {
+      const auto& problems = batches[batch].problems;
+      if (answered[batch] == problems.size()) continue;
+      nlohmann::json left = nlohmann::json::array();
+      for (std::size_t i = answered[batch]; i < problems.size(); ++i) left.push_back(problems[i]);
+      ProcessJob job{{program, "-"}, left.dump() + "\n", {}};
+      if (batches[batch].single_thread)
+        job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "DEAL_II_NUM_THREADS=1"};
+      jobs.push_back(std::move(job));
+      batch_of.push_back(batch);
+      first.push_back(answered[batch]);
+    }
+    if (jobs.empty()) return 0;
+    const auto answer = [&](std::size_t job, FemAnswer given) {
+      const std::size_t batch = batch_of[job];
+      if (answered[batch] == batches[batch].problems.size()) return;  // nobody asked
+      callbacks.on_answer({batch, answered[batch]++}, std::move(given));
+    };
+    bool stopping = false;
+    ProcessCallbacks processes;
+    processes.on_line = [&](std::size_t job, const std::string& line) {
+      FemIndex index{batch_of[job], first[job]};
+      const std::string text = text_of(line, index.problem);
+      if (index.problem < batches[index.batch].problems.size()) callbacks.on_line(index, text);
+    };
+    processes.on_output = [&](std::size_t job, const std::string& line) {
+      answer(job, answer_of(line));
+    };
+    processes.on_finish = [&](std::size_t job, const ProcessOutcome& outcome) {
+      // Interrupted, it leaves out what it has not begun.
+      if (outcome.exit_status == 128 + SIGINT) stopping = true;
+      const std::size_t batch = batch_of[job];
+      if (!stopping && answered[batch] < batches[batch].problems.size())
+        answer(job, failure_of(outcome));
+    };
+    if (const int signal = run_processes(jobs, parallel, processes, on_interrupt)) return signal;
+    if (stopping) return SIGINT;
+  }
 }
 
 bool fem_is_trusted(const nlohmann::json& result) {

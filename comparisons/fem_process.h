@@ -1,14 +1,16 @@
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "comparisons/case.h"
 #include "comparisons/local_geometry.h"
 #include "comparisons/process_pool.h"
 
-/// The finite-element program as seen from here: a process that takes a problem and gives a result,
-/// both JSON (fem/README.md).
+/// The finite-element program as seen from here: a process that takes problems and gives a result
+/// for each, all JSON (fem/README.md).
 namespace softfinger {
 
 /// The problem without its output directory: what decides the answer, and nothing else.
@@ -16,18 +18,40 @@ namespace softfinger {
 nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geometry, double load_N,
                            int level);
 
-/// @param output_directory  for the VTU files; empty: none. It must exist.
-/// @param single_thread     for several processes side by side: linear algebra on one thread each
-ProcessJob fem_job(const std::string& program, nlohmann::json problem,
-                   const std::string& output_directory, bool single_thread);
+/// Solved by one process, one after the other, which lets contacts share meshes: the largest first.
+struct FemBatch {
+  std::vector<nlohmann::json> problems;
+  bool single_thread = true;  ///< linear algebra on one thread: with several processes side by side
+};
 
-/// A process that ended well gave its result, any other says why in one line.
+/// A result, or in one line why there is none.
 struct FemAnswer {
   nlohmann::json result;  ///< null when it failed
   std::string failure;
   int exit_status = 0;  ///< 0, 2 bad input, 3 no convergence or a crash
 };
-FemAnswer interpret_fem(const ProcessOutcome& outcome);
+
+/// Which problem of which batch something is about.
+struct FemIndex {
+  std::size_t batch = 0, problem = 0;
+};
+
+struct FemCallbacks {
+  /// What a process says about its progress.
+  std::function<void(FemIndex, const std::string& line)> on_line = [](auto, const auto&) {};
+  /// As each answer comes. May throw: all processes are then stopped and the exception goes on.
+  std::function<void(FemIndex, FemAnswer)> on_answer = [](auto, auto&&) {};
+};
+
+/// Solves the batches, at most `parallel` side by side. A problem that fails, or even crashes its
+/// process, leaves the rest of its batch to be solved.
+/// @returns 0, or the signal that interrupted
+/// @throws InputError when the program cannot be started
+int run_fem(const std::string& program, const std::vector<FemBatch>& batches, int parallel,
+            const FemCallbacks& callbacks, OnInterrupt on_interrupt = OnInterrupt::stop);
+
+/// Whether a result holds every number that a report needs.
+bool is_complete_fem_result(const nlohmann::json& result);
 
 /// Whether the stated errors are small enough to judge models by: 2 % in a and b, 1 % in
 /// indentation and torque.

@@ -94,7 +94,11 @@ class Child {
  public:
   Child(std::size_t job_index, const ProcessJob& job) : index(job_index), start_(Clock::now()) {
     Pipe input, output, errors, failure;
-    // The input fits into the pipe's buffer: nothing has to be fed later, nothing can block.
+    // The input fits into the pipe's buffer: nothing has to be fed later, nothing can block. A
+    // buffer is grown only, and up to the size that the system grants to anyone.
+    constexpr std::size_t usual_buffer = 1 << 16;
+    if (job.input.size() > usual_buffer)
+      fcntl(input.write_end.get(), F_SETPIPE_SZ, static_cast<int>(job.input.size()));
     fcntl(input.write_end.get(), F_SETFL, O_NONBLOCK);
     if (write(input.write_end.get(), job.input.data(), job.input.size()) !=
         static_cast<ssize_t>(job.input.size()))
@@ -158,13 +162,20 @@ class Child {
   int errors_descriptor() const { return errors_.get(); }
   bool closed() const { return output_.get() < 0 && errors_.get() < 0; }
 
-  void read_output() {
+  /// Passes complete lines on.
+  template <class OnLine>
+  void read_output(const OnLine& on_line) {
     char buffer[1 << 16];
     const ssize_t count = read(output_.get(), buffer, sizeof buffer);
     if (count > 0)
       outcome.output.append(buffer, static_cast<std::size_t>(count));
     else if (count == 0 || errno != EINTR)
       output_.reset();
+    for (std::size_t end; (end = outcome.output.find('\n', passed_on_)) != std::string::npos;) {
+      const std::string line = outcome.output.substr(passed_on_, end - passed_on_);
+      passed_on_ = end + 1;
+      on_line(index, line);
+    }
   }
 
   /// Passes complete lines on; the last one also when its end is missing.
@@ -234,6 +245,7 @@ class Child {
   pid_t process_ = -1;
   Descriptor output_, errors_;
   std::string pending_;
+  std::size_t passed_on_ = 0;  ///< of the output
 };
 
 }  // namespace
@@ -272,8 +284,8 @@ int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
       return number;
     }
     for (std::size_t i = 0; i < children.size(); ++i) {
-      if (waiting[1 + 2 * i].revents) children[i]->read_output();
       if (waiting[2 + 2 * i].revents) children[i]->read_errors(callbacks.on_line);
+      if (waiting[1 + 2 * i].revents) children[i]->read_output(callbacks.on_output);
     }
     for (std::size_t i = 0; i < children.size();) {
       if (!children[i]->closed()) {

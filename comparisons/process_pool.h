@@ -9,7 +9,7 @@ namespace softfinger {
 
 struct ProcessJob {
   std::vector<std::string> command;      ///< program and arguments
-  std::string input;                     ///< standard input, at most 60 kB
+  std::string input;                     ///< standard input, at most 1 MB
   std::vector<std::string> environment;  ///< "NAME=value", on top of this process's own
 };
 
@@ -26,8 +26,11 @@ struct ProcessOutcome {
 struct ProcessCallbacks {
   /// A line on a child's standard error.
   std::function<void(std::size_t job, const std::string& line)> on_line = [](auto, const auto&) {};
+  /// A whole line on a child's standard output, after those that it wrote on standard error before.
+  /// Like `on_finish`, it may throw: all children are then stopped and the exception goes on.
+  std::function<void(std::size_t job, const std::string& line)> on_output = [](auto, const auto&) {
+  };
   std::function<void(std::size_t job)> on_start = [](auto) {};
-  /// May throw: the other children are then stopped and the exception goes on.
   std::function<void(std::size_t job, const ProcessOutcome&)> on_finish = [](auto, const auto&) {};
 };
 

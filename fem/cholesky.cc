@@ -80,9 +80,9 @@ void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& m
   const double available_MB = available_memory_MB();
   if (needed_MB <= available_MB) return;
   const auto text = [](double value) { return std::to_string(std::lround(value)); };
-  throw InputError("finite elements", "memory",
-                   text(needed_MB) + " MB for " + std::to_string(matrix.size) + " unknowns",
-                   "at most the " + text(available_MB) + " MB available; use a lower level");
+  throw NotEnoughMemory("finite elements", "memory",
+                        text(needed_MB) + " MB for " + std::to_string(matrix.size) + " unknowns",
+                        "at most the " + text(available_MB) + " MB available; use a lower level");
 }
 
 }  // namespace

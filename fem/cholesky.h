@@ -4,6 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "softfinger/input/errors.h"
+
 namespace softfinger::fem {
 
 /// A sparse symmetric positive definite matrix: lower triangle, compressed columns, rows ascending.
@@ -12,6 +14,12 @@ struct SparseSymmetricMatrix {
   std::vector<int> column_begin;  ///< size + 1
   std::vector<int> row;
   std::vector<double> value;
+};
+
+/// A factorisation that would not fit, refused before it is made.
+class NotEnoughMemory : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 /// An ordering of the unknowns that keeps the fill low, by nested dissection of the whole graph.
@@ -25,7 +33,7 @@ class CholeskyFactor {
  public:
   /// @param dissection  of the matrix, or of one with nearly its graph
   /// @param last        unknowns to eliminate last
-  /// @throws InputError, before the factorisation, when its memory would not be available;
+  /// @throws NotEnoughMemory, before the factorisation, when its memory would not be available;
   /// ConvergenceError when the matrix is not positive definite.
   CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
                  const std::vector<int>& last);

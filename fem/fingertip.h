@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "fem/layer_model.h"
 
@@ -18,6 +19,7 @@ struct Fingertip {
   std::shared_ptr<const meshes::PadSurface> pad;
   std::shared_ptr<const meshes::ObjectSurface> object;
   bool symmetric_object = false;  ///< about x = 0 and y = 0
+  std::string pad_name;           ///< pads of one name are one surface
 
   explicit operator bool() const { return pad != nullptr; }
 };

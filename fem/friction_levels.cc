@@ -22,8 +22,8 @@ double torque_of_pressure(const PressedContact& contact) {
   double sum = 0;
   const auto& nodes = contact.model.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    sum += contact.force[static_cast<Eigen::Index>(i)] * std::hypot(nodes[i].x, nodes[i].y);
-  return 4 * contact.friction_coefficient * sum;
+    sum += contact.force[static_cast<Eigen::Index>(i)] * nodes[i].position.head<2>().norm();
+  return copies(contact) * contact.friction_coefficient * sum;
 }
 
 Wrench in_newtons(const FrictionWrench& wrench, const Problem& problem) {
@@ -87,14 +87,14 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   const FrictionRequest& request = problem.friction;
   FrictionOfLevel result;
   const bool central = turns_about_centre(request);
-  const bool half_is_enough = request.limit_surface == 0 && central;
+  const bool symmetric = !contact.model.whole();
+  const Invariance of_twist = symmetric && central ? Invariance::half_turn : Invariance::none;
   const QuarterCompliances quarters =
-      friction_compliances(contact, half_is_enough ? Invariance::half_turn : Invariance::none);
+      friction_compliances(contact, request.limit_surface == 0 ? of_twist : Invariance::none);
   result.stiffness = stuck_torsional_stiffness(contact, quarters);
   if (!plan) plan = plan_friction(contact, result.stiffness, problem);
   if (request.torsion) {
-    const SurfaceCompliance surface =
-        surface_compliance(quarters, central ? Invariance::half_turn : Invariance::none);
+    const SurfaceCompliance surface = surface_compliance(quarters, of_twist);
     progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, " +
              std::to_string(surface.size() * surface.copies) + " contact points");
     result.twist = move_through(contact, surface, plan->twist, on_state);
@@ -132,10 +132,11 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
                             const OnState& on_state) {
   // A cell is enough for nearly every contact, and each node more costs.
   const LayerDiscretisation& mesh = contact.model.discretisation();
-  const double all = (mesh.patch - 1) * mesh.elements_per_semi_axis;
+  const double all = (mesh.patch - contact.edge) * mesh.elements_per_semi_axis;
   if (plan)
     contact.margin =
-        std::clamp((plan->edge - 1) * mesh.elements_per_semi_axis + spare_margin, 1.0, all);
+        std::max(1.0, (plan->edge - contact.edge) * mesh.elements_per_semi_axis + spare_margin);
+  contact.margin = std::min(contact.margin, all);
   try {
     return friction_within_margin(contact, problem, plan, progress, on_state);
   } catch (const EdgeLeftMargin&) {

@@ -18,13 +18,13 @@ double relative_radius(const PressedContact& contact, double x, double y) {
 }
 
 double rim(const PressedContact& contact) {
-  return 1 + contact.margin / contact.model.discretisation().elements_per_semi_axis;
+  return contact.edge + contact.margin / contact.model.discretisation().elements_per_semi_axis;
 }
 
 FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& surface) {
   Eigen::VectorXd gap(surface.size());
   for (Index i = 0; i < surface.size(); ++i)
-    gap[i] = contact.gap[surface.quarter_node[static_cast<std::size_t>(i)]];
+    gap[i] = contact.gap[surface.model_node[static_cast<std::size_t>(i)]];
   return {surface, gap, contact.load, contact.friction_coefficient};
 }
 
@@ -36,7 +36,7 @@ double edge_of(const PressedContact& contact, const SurfaceCompliance& surface,
   double edge = 0;
   for (Index i = 0; i < surface.size(); ++i) {
     if (state.normal_force()[i] <= 0) continue;
-    const double radius = relative_radius(contact, surface.position(0, i), surface.position(1, i));
+    const double radius = relative_radius(contact, surface.in_block(0, i), surface.in_block(1, i));
     edge = std::max(edge, radius);
     if (radius > allowed)
       throw EdgeLeftMargin("size of the frictional contact", static_cast<int>(i), radius,
@@ -59,14 +59,14 @@ QuarterCompliances friction_compliances(const PressedContact& contact, Invarianc
 
 double stuck_torsional_stiffness(const PressedContact& contact,
                                  const QuarterCompliances& quarters) {
-  // A turn is odd in x and in y: one quarter problem. The contact also holds the surface down.
-  const Eigen::MatrixXd& odd = quarters.by_parity[1];
+  // One quarter problem serves. The contact also holds the surface down.
+  const Eigen::MatrixXd& odd = quarters.of_turn();
   std::vector<Index> stuck;
   std::vector<double> turn;
   for (std::size_t i = 0; i < quarters.nodes.size(); ++i) {
     if (contact.force[quarters.nodes[i]] <= 0) continue;
     const SurfaceNode& node = contact.model.nodes()[static_cast<std::size_t>(quarters.nodes[i])];
-    const double displacement[] = {-node.y, node.x, 0};
+    const double displacement[] = {-node.position.y(), node.position.x(), 0};
     for (Index c = 0; c < 3; ++c) {
       const Index row = static_cast<Index>(3 * i) + c;
       if (odd(row, row) <= 0) continue;  // fixed by the symmetry
@@ -76,7 +76,7 @@ double stuck_torsional_stiffness(const PressedContact& contact,
   }
   const Eigen::Map<const Eigen::VectorXd> target(turn.data(), static_cast<Index>(turn.size()));
   const Eigen::MatrixXd compliance = odd(stuck, stuck);
-  return 4 * target.dot(compliance.llt().solve(target));
+  return copies(contact) * target.dot(compliance.llt().solve(target));
 }
 
 std::vector<FrictionState> move_through(const PressedContact& contact,

@@ -14,14 +14,18 @@ namespace softfinger::fem {
 /// Where friction starts from.
 struct PressedContact {
   const LayerModel& model;
-  Eigen::VectorXd gap;    ///< per node of the quarter model
-  Eigen::VectorXd force;  ///< frictionless normal force, per node of the quarter model
-  double a = 0, b = 0;    ///< semi-axes
+  Eigen::VectorXd gap;    ///< per node of the model
+  Eigen::VectorXd force;  ///< frictionless, along the load, per node of the model
+  double a = 0, b = 0;    ///< semi-axes along the surface
   double load = 0;        ///< of the whole contact
   double friction_coefficient = 0;
+  double edge = 1;  ///< relative radius of the frictionless contact's edge, where it is no ellipse
   /// How far the edge may move while friction moves the pressure, in cells of the refined patch.
   double margin = 1;
 };
+
+/// Sums over the model's nodes times this are sums over the contact.
+inline int copies(const PressedContact& contact) { return contact.model.whole() ? 1 : 4; }
 
 /// The outermost part of the margin, in cells, is there to see that it is not needed.
 constexpr double spare_margin = 0.3;

@@ -489,6 +489,7 @@ const LayerDiscretisation& LayerModel::discretisation() const {
 const std::vector<SurfaceNode>& LayerModel::nodes() const { return implementation_->nodes; }
 const std::vector<SurfaceFace>& LayerModel::faces() const { return implementation_->faces; }
 long LayerModel::unknowns() const { return implementation_->even.count; }
+bool LayerModel::whole() const { return implementation_->whole; }
 const Eigen::MatrixXd& LayerModel::compliance() const { return implementation_->compliance; }
 
 void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force,

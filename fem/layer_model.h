@@ -87,14 +87,18 @@ class LayerModel {
   const std::vector<SurfaceNode>& nodes() const;
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
+  /// All of the layer instead of a quarter.
+  bool whole() const;
 
   /// Displacement into the layer along the surface's normal per unit force along it, n x n; of a
   /// quarter, for fields even in x and y.
   const Eigen::MatrixXd& compliance() const;
 
   /// Displacement per unit force on the quarter model, fields of the given parity, for some of the
-  /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. Rows and columns of
-  /// components that the parity fixes are zero. Each call factorises.
+  /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. On a bent layer they
+  /// are along each node's normal and the tangents that the smallest rotation makes of x and y.
+  /// Rows and columns of components that the parity fixes are zero; a whole layer has no planes
+  /// that would fix any. Each call factorises.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
 
   /// Displacement, stress and contact pressure of the quarter in SI units, atomically.

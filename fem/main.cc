@@ -66,6 +66,7 @@ fem::Fingertip read_fingertip(const json& input) {
   {
     const json& pad = input.at("pad");
     const std::string shape = shape_of(pad);
+    fingertip.pad_name = pad.dump();
     const double x = radius(pad.at("radii_m").at(0)), y = radius(pad.at("radii_m").at(1));
     const double turn_rad = pad.value("turn_rad", 0.0);
     if (shape == "paraboloid")
@@ -201,6 +202,7 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
                       {"load_residual", level.load_residual},
                       {"complementarity_residual", level.complementarity_residual},
                       {"fit_residual", level.fit_residual},
+                      {"oversize", level.oversize},
                       {"wall_s", level.wall_s}});
   json output = {
       {"model", "fem"},
@@ -290,13 +292,17 @@ void answer(const json& input, const std::string& prefix, fem::ModelCache& model
 
 /// One line per problem, as it is done. A problem that fails does not end the run.
 int answer_all(const json& inputs) {
-  fem::ModelCache models;
+  // A single problem has no use for what it would leave behind.
+  fem::ModelCache models(inputs.size() > 1 ? 2 : 0);
   int exit_status = 0;
-  for (const json& input : inputs) {
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const json& input = inputs[i];
     const bool is_named =
         input.is_object() && input.contains("name") && input.at("name").is_string();
     const std::string name = is_named ? input.at("name").get<std::string>() : "problem";
-    const auto failure = failure_of([&] { answer(input, "fem: " + name + ": ", models); });
+    const std::string prefix =
+        "fem: " + std::to_string(i + 1) + "/" + std::to_string(inputs.size()) + ": ";
+    const auto failure = failure_of([&] { answer(input, prefix, models); });
     if (!failure) continue;
     exit_status = std::max(exit_status, failure->exit_status);
     if (failure->exit_status == interrupted) break;
@@ -306,8 +312,6 @@ int answer_all(const json& inputs) {
                      .dump()
               << std::endl;
   }
-  std::cerr << "fem: " << models.hits() << " of the meshes served more than one problem"
-            << std::endl;
   return exit_status;
 }
 

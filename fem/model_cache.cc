@@ -3,32 +3,24 @@
 #include <algorithm>
 
 namespace softfinger::fem {
-namespace {
 
-bool same(const LayerDiscretisation& left, const LayerDiscretisation& right) {
-  return left.a == right.a && left.b == right.b &&
-         left.elements_per_semi_axis == right.elements_per_semi_axis && left.patch == right.patch &&
-         left.extent == right.extent;
+std::vector<MeshPair> ModelCache::of(const LayerIdentity& layer) const {
+  std::vector<MeshPair> result;
+  for (const Entry& entry : entries_)
+    if (entry.layer == layer) result.push_back(entry.meshes);
+  return result;
 }
 
-}  // namespace
-
-std::shared_ptr<const LayerModel> ModelCache::flat_layer(const LayerDiscretisation& discretisation,
-                                                         double poisson_ratio) {
-  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.poisson_ratio == poisson_ratio &&
-           same(entry.model->discretisation(), discretisation);
-  });
+void ModelCache::keep(const LayerIdentity& layer, const MeshPair& meshes) {
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& entry) { return entry.meshes == meshes; });
   if (found != entries_.end()) {
     entries_.splice(entries_.begin(), entries_, found);
     ++hits_;
-    return entries_.front().model;
+    return;
   }
-  // Room first: the old model's memory serves the new one.
-  while (!entries_.empty() && entries_.size() >= capacity_) entries_.pop_back();
-  auto model = std::make_shared<const LayerModel>(discretisation, poisson_ratio);
-  if (capacity_ > 0) entries_.push_front({poisson_ratio, model});
-  return model;
+  entries_.push_front({layer, meshes});
+  if (entries_.size() > capacity_) entries_.pop_back();
 }
 
 }  // namespace softfinger::fem

@@ -1,32 +1,56 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <list>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "fem/layer_model.h"
 
 namespace softfinger::fem {
 
-/// Models of flat layers made in one run, so that contacts that differ in modulus, friction, scale,
-/// or in load and radii at one size, share a factorisation. It keeps the latest used ones.
+/// What has to agree for one contact to be answered on another one's meshes.
+struct LayerIdentity {
+  double poisson_ratio = 0;
+  std::string fingertip;  ///< tells bent layers, in units of h, apart; empty: flat
+  bool whole = false;
+  int level = 2;  ///< as in `Problem`
+
+  bool operator==(const LayerIdentity& other) const {
+    return poisson_ratio == other.poisson_ratio && fingertip == other.fingertip &&
+           whole == other.whole && level == other.level;
+  }
+};
+
+/// The coarse and the fine mesh of an answer.
+using MeshPair = std::array<std::shared_ptr<const LayerModel>, 2>;
+
+/// The meshes of the latest contacts of a run with their factorisations: they serve further
+/// contacts of any load, radii, modulus and friction whose size suits them.
 class ModelCache {
  public:
-  /// @param capacity  models; one of 20 000 unknowns holds about 100 MB
-  explicit ModelCache(std::size_t capacity = 4) : capacity_(capacity) {}
+  /// @param capacity  pairs; one of 25 000 unknowns holds about 150 MB
+  explicit ModelCache(std::size_t capacity = 2) : capacity_(capacity) {}
 
-  /// The model of this very mesh and Poisson's ratio: kept, or made now.
-  /// @throws what LayerModel's constructor throws
-  std::shared_ptr<const LayerModel> flat_layer(const LayerDiscretisation& discretisation,
-                                               double poisson_ratio);
+  /// All that are kept of this layer, the latest used first.
+  std::vector<MeshPair> of(const LayerIdentity& layer) const;
 
-  /// How often a kept model served.
+  /// Keeps a pair that has served; the one that has not for longest makes room.
+  void keep(const LayerIdentity& layer, const MeshPair& meshes);
+
+  std::size_t capacity() const { return capacity_; }
+  bool empty() const { return entries_.empty(); }
+  void clear() { entries_.clear(); }
+
+  /// How often a kept pair served again.
   int hits() const { return hits_; }
 
  private:
   struct Entry {
-    double poisson_ratio;
-    std::shared_ptr<const LayerModel> model;
+    LayerIdentity layer;
+    MeshPair meshes;
   };
   std::size_t capacity_;
   std::list<Entry> entries_;  ///< the latest used first

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "fem/pressure_ellipse.h"
 #include "meshes/generation/object_surface.h"
@@ -84,16 +85,17 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
   mesh.patch = std::max(1.25, 1 + 1.2 / mesh.elements_per_semi_axis);
 }
 
-Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing,
-                 ModelCache& cache) {
+std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
+                                             const Pressing& pressing) {
+  return std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
+                                            pressing.bent.shape, pressing.whole());
+}
+
+Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {
   Pressed pressed;
-  const bool whole = pressing.whole();
-  pressed.copies = whole ? 1 : 4;
-  if (pressing.fingertip)
-    pressed.model = std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
-                                                       pressing.bent.shape, whole);
-  else
-    pressed.model = cache.flat_layer(discretisation, pressing.poisson_ratio);
+  pressed.copies = pressing.whole() ? 1 : 4;
+  pressed.model = std::move(model);
+  const LayerDiscretisation& discretisation = pressed.model->discretisation();
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   pressed.gap.resize(count);

@@ -5,7 +5,6 @@
 
 #include "fem/fingertip.h"
 #include "fem/layer_model.h"
-#include "fem/model_cache.h"
 #include "fem/normal_contact.h"
 
 /// Pressing without friction, on one mesh, in units of h and E.
@@ -55,10 +54,14 @@ LayerDiscretisation first_guess(const Pressing& pressing);
 /// Elements and patch of the solver's levels; level 0 is that of the trial meshes.
 void choose_elements(LayerDiscretisation& mesh, int level);
 
-/// @param cache  of the models of flat layers
+/// The layer of a contact on one mesh, factorised.
+/// @throws what LayerModel's constructor throws
+std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
+                                             const Pressing& pressing);
+
+/// @param model  of the pressing's own layer
 /// @throws InputError, ConvergenceError
-Pressed press_on(const LayerDiscretisation& discretisation, const Pressing& pressing,
-                 ModelCache& cache);
+Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing);
 
 /// The contact's shape as measured on one mesh.
 struct ContactShape {

@@ -6,9 +6,11 @@
 #include <cstdio>
 #include <memory>
 
+#include "fem/cholesky.h"
 #include "fem/friction_levels.h"
 #include "fem/layer_model.h"
 #include "fem/memory.h"
+#include "fem/model_cache.h"
 #include "fem/pressing.h"
 #include "fem/surface_series.h"
 #include "fem/write_compliance.h"
@@ -67,9 +69,10 @@ void check(const Problem& problem) {
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   const FrictionRequest& friction = problem.friction;
-  if (problem.fingertip && (friction.any() || !problem.compliance_file.empty()))
-    throw InputError(problem.name, "torsion, limit surface or compliance", "",
-                     "geometry = \"flat\"; on a curved layer the torque is int mu p r dA");
+  if (problem.fingertip && !problem.compliance_file.empty())
+    throw InputError(
+        problem.name, "compliance_file", problem.compliance_file,
+        "geometry = \"flat\": a curved layer's compliance has other normals at each point");
   if (friction.torsion && (friction.increments < 1 || friction.increments > 1000))
     throw InputError(problem.name, "torsion_increments", std::to_string(friction.increments),
                      "1 to 1000");
@@ -135,16 +138,23 @@ Measured measure(const Pressed& pressed, const Pressing& pressing, const Problem
   return measured;
 }
 
-PressedContact pressed_contact(const Pressed& pressed, const LevelResult& measured,
+PressedContact pressed_contact(const Pressed& pressed, const ContactShape& shape,
                                const Problem& problem) {
-  const double h = problem.contact.layer.thickness_m;
-  return {*pressed.model,
-          pressed.gap,
-          pressed.contact.force,
-          measured.a_m / h,
-          measured.b_m / h,
-          pressed.load(),
-          problem.contact.load.friction_coefficient};
+  PressedContact contact{*pressed.model,
+                         pressed.gap,
+                         pressed.contact.force,
+                         shape.block_a,
+                         shape.block_b,
+                         pressed.load(),
+                         problem.contact.load.friction_coefficient};
+  if (pressed.model->whole()) {
+    const auto& nodes = pressed.model->nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (contact.force[static_cast<Eigen::Index>(i)] > 0)
+        contact.edge =
+            std::max(contact.edge, std::hypot(nodes[i].x / contact.a, nodes[i].y / contact.b));
+  }
+  return contact;
 }
 
 /// To one part in a thousand, so that contacts of one size ask for the very same mesh: far below a
@@ -169,28 +179,43 @@ void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
 }
 
 /// What is stated for the finer of two meshes: their difference, extrapolated with a cautious
-/// order, plus what refinement of the contact does not show (`fem/README.md` has the measurements).
+/// order, plus what their difference does not show (`fem/README.md` has the measurements).
 struct ErrorModel {
   double order;
-  double common;
+  double common;  ///< on every mesh
+  double across;  ///< where the edge lies across cells of an eighth of the semi-axis
 };
 // Approach and torque are integrals: observed order 2 to 3. In common: the mesh away from the
 // contact.
-constexpr ErrorModel integral_error{1.6, 1e-4};
+constexpr ErrorModel integral_error{1.6, 1e-4, 2e-4};
 // The edge is found to a fraction of a cell: observed order 1 to 2, not always of one sign. In
 // common: the shape that is fitted to the pressure.
-constexpr ErrorModel edge_error{1.0, 1e-3};
-constexpr ErrorModel peak_error{1.0, 2e-3};
+constexpr ErrorModel edge_error{1.0, 1e-3, 1.5e-3};
+constexpr ErrorModel peak_error{1.0, 2e-3, 2e-3};
 
-double stated_error(double coarse, double fine, double refinement, const ErrorModel& model) {
-  return std::abs(coarse / fine - 1) / (std::pow(refinement, model.order) - 1) + model.common;
+/// Relative: a cell is an eighth of the contact, and meshes are made for sizes rounded to 0.1 %.
+constexpr double edge_on_cells = 2e-3;
+
+/// Cells that the contact's edge crosses, against an eighth of the semi-axis, squared: to the
+/// second order they are missed. 0 on the contact's own mesh.
+double crossed_cells(const LevelResult& level) {
+  if (std::abs(std::log(level.oversize)) <= edge_on_cells) return 0;
+  const double cell = 8 * level.oversize / level.elements_per_semi_axis;
+  return cell * cell;
+}
+
+double stated_error(double coarse, double fine, double refinement, double crossed,
+                    const ErrorModel& model) {
+  return std::abs(coarse / fine - 1) / (std::pow(refinement, model.order) - 1) + model.common +
+         model.across * crossed;
 }
 
 /// What a, b lose where cells are not small against the thickness: the pressure falls to its edge
 /// within about h, and both levels may miss that. Measured on thin layers: 0.3 % at cells of 0.8 h,
 /// b = 20 h.
 double unresolved_edge(const LevelResult& fine, double thickness_m) {
-  const double b = fine.b_m / thickness_m, cell = b / fine.elements_per_semi_axis;
+  const double b = fine.b_m / thickness_m;
+  const double cell = fine.oversize * b / fine.elements_per_semi_axis;
   return 0.2 * cell * cell * cell / b;
 }
 
@@ -198,20 +223,34 @@ RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine,
                              double thickness_m) {
   const double refinement =
       static_cast<double>(fine.elements_per_semi_axis) / coarse.elements_per_semi_axis;
+  const double crossed = crossed_cells(fine);
   const auto error = [&](double LevelResult::*quantity, const ErrorModel& model) {
-    return stated_error(coarse.*quantity, fine.*quantity, refinement, model);
+    return stated_error(coarse.*quantity, fine.*quantity, refinement, crossed, model);
   };
   const double edge = unresolved_edge(fine, thickness_m);
   RelativeError result;
   result.a = error(&LevelResult::a_m, edge_error) + edge;
   result.b = error(&LevelResult::b_m, edge_error) + edge;
   result.area =
-      stated_error(coarse.a_m * coarse.b_m, fine.a_m * fine.b_m, refinement, edge_error) + 2 * edge;
+      stated_error(coarse.a_m * coarse.b_m, fine.a_m * fine.b_m, refinement, crossed, edge_error) +
+      2 * edge;
   result.peak_pressure = error(&LevelResult::peak_pressure_Pa, peak_error);
   result.indentation = error(&LevelResult::indentation_m, integral_error);
   result.load = error(&LevelResult::load_N, integral_error);
   result.max_torque = error(&LevelResult::max_torque_Nm, integral_error);
   return result;
+}
+
+/// Whether an answer on a larger contact's meshes is worth having: a and b known to an eighth of
+/// the cells that the contact would have on its own, approach and torque five times as well.
+bool is_useful(const RelativeError& error, const LevelResult& fine, double thickness_m) {
+  LayerDiscretisation own;
+  own.a = fine.a_m / thickness_m;
+  own.b = fine.b_m / thickness_m;
+  choose_elements(own, fine.level);
+  const double known = 1.0 / (8 * own.elements_per_semi_axis);
+  return std::max(error.a, error.b) <= known &&
+         std::max(error.indentation, error.max_torque) <= known / 5;
 }
 
 /// Expected from the level before: cells fourfold, and the factorisation's cost grows a little
@@ -235,14 +274,8 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace
-
-Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop,
-             ModelCache* cache) {
-  check(problem);
-  ModelCache none(0);
-  ModelCache& models = cache ? *cache : none;
-  const Stopwatch total;
+/// The problem in the units of its layer.
+Pressing pressing_of(const Problem& problem) {
   const RelativeRadii& radii = problem.contact.radii;
   const ElasticLayer& layer = problem.contact.layer;
   const double h = layer.thickness_m;
@@ -262,41 +295,54 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     pressing.fingertip = problem.fingertip;
     pressing.bent = shape_fingertip(problem.fingertip, h);
   }
+  return pressing;
+}
 
-  const auto sensible = [&](const Pressed& pressed) {
-    if (pressed.contact.approach >= 1)
-      throw InputError(problem.name, driver(problem), driver_value(problem),
-                       "less: the approach reaches the layer's thickness (" +
-                           text("%.3g", pressed.contact.approach) +
-                           " times it), far outside linear elasticity");
-    if (pressed.moment_b > 50 || pressed.moment_a > 300 || pressed.moment_b < 1e-4)
-      throw InputError(problem.name, "contact",
-                       text("b/h %.3g", pressed.moment_b) + text(", a/h %.3g", pressed.moment_a),
-                       "semi-axes b/h from 1e-4 to 50, a/h to 300 for finite elements");
-    if (std::isfinite(pressing.sphere) && pressed.moment_a > 0.95 * pressing.sphere)
-      throw InputError(problem.name, driver(problem), driver_value(problem),
-                       "less: the contact is as wide as the sphere");
-  };
+void check_sensible(const Pressed& pressed, const Pressing& pressing, const Problem& problem) {
+  if (pressed.contact.approach >= 1)
+    throw InputError(problem.name, driver(problem), driver_value(problem),
+                     "less: the approach reaches the layer's thickness (" +
+                         text("%.3g", pressed.contact.approach) +
+                         " times it), far outside linear elasticity");
+  if (pressed.moment_b > 50 || pressed.moment_a > 300 || pressed.moment_b < 1e-4)
+    throw InputError(problem.name, "contact",
+                     text("b/h %.3g", pressed.moment_b) + text(", a/h %.3g", pressed.moment_a),
+                     "semi-axes b/h from 1e-4 to 50, a/h to 300 for finite elements");
+  if (std::isfinite(pressing.sphere) && pressed.moment_a > 0.95 * pressing.sphere)
+    throw InputError(problem.name, driver(problem), driver_value(problem),
+                     "less: the contact is as wide as the sphere");
+}
 
-  // Coarse meshes until mesh and contact agree in size.
+void check_twist_axis(const Problem& problem, const LevelResult& trial) {
+  const FrictionRequest& request = problem.friction;
+  const double axis =
+      std::hypot(request.twist_axis_x_m / trial.a_m, request.twist_axis_y_m / trial.b_m);
+  if (axis < 1) return;
+  throw InputError(problem.name, "twist_axis_m",
+                   text("%.4g", request.twist_axis_x_m) + text(", %.4g", request.twist_axis_y_m),
+                   "a point of the contact, whose semi-axes are " + text("%.4g", trial.a_m) +
+                       text(" and %.4g m", trial.b_m));
+}
+
+/// Coarse meshes until mesh and contact agree in size.
+Pressed find_size(const Pressing& pressing, const Problem& problem, const Progress& progress,
+                  const StopRequested& stop) {
   LayerDiscretisation mesh = first_guess(pressing);
   mesh.b = rounded(std::clamp(mesh.b, 1e-4, 60.0));
   mesh.a = rounded(std::clamp(mesh.a, mesh.b, 300.0));
   constexpr int limit = 15;
-  Pressed pressed;
   for (int attempt = 1;; ++attempt) {
     choose_elements(mesh, 0);
     check_reach(mesh, problem);
-    pressed.model.reset();
-    pressed = press_on(mesh, pressing, models);
-    sensible(pressed);
+    Pressed pressed = press_on(make_layer(mesh, pressing), pressing);
+    check_sensible(pressed, pressing, problem);
     const double change = std::max(std::abs(std::log(pressed.moment_a / mesh.a)),
                                    std::abs(std::log(pressed.moment_b / mesh.b)));
     progress("mesh " + std::to_string(attempt) + text(": a/h %.4g", pressed.moment_a) +
              text(", b/h %.4g", pressed.moment_b) + ", unknowns " +
              std::to_string(pressed.model->unknowns()) +
              (pressed.reaches_rim ? ", contact at the rim" : ""));
-    if (!pressed.reaches_rim && change < 0.08) break;
+    if (!pressed.reaches_rim && change < 0.08) return pressed;
     if (attempt == limit)
       throw ConvergenceError("size of the refined patch", limit, change,
                              "the contact's size depends on the mesh; is the contact elliptic?");
@@ -306,54 +352,118 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     mesh.a = rounded(growth * pressed.moment_a);
     mesh.b = rounded(growth * pressed.moment_b);
   }
+}
+
+/// How much larger the contact is that a mesh was made for: 1 where the contact's edge lies on cell
+/// edges.
+double oversize(const LayerDiscretisation& mesh, double a, double b) {
+  return std::max(mesh.a / a, mesh.b / b);
+}
+
+/// Of a larger contact's mesh, against those that a contact would have on its own: with these, a
+/// and b are still found to 0.9 % on level 2, d and torque to 0.1 %.
+constexpr double largest_cells = 1.6;
+
+/// Meshes of an earlier contact of the run that suit this one; null where there are none.
+MeshPair suitable_meshes(const ModelCache& models, const LayerIdentity& layer,
+                         const Pressing& pressing, const Problem& problem) {
+  for (const MeshPair& meshes : models.of(layer)) {
+    const LayerDiscretisation& mesh = meshes.front()->discretisation();
+    const Pressed pressed = press_on(meshes.front(), pressing);
+    if (pressed.reaches_rim) continue;
+    LayerDiscretisation own;
+    own.a = pressed.moment_a;
+    own.b = pressed.moment_b;
+    choose_elements(own, layer.level - 1);
+    if (oversize(mesh, own.a, own.b) * own.elements_per_semi_axis >
+        largest_cells * mesh.elements_per_semi_axis)
+      continue;
+    // Friction is singular at the contact's edge: stuck tractions want it on cell edges.
+    if (problem.friction.any()) {
+      const ContactShape shape = measure_shape(pressed, pressing);
+      if (std::abs(std::log(mesh.a / shape.block_a)) > edge_on_cells ||
+          std::abs(std::log(mesh.b / shape.block_b)) > edge_on_cells)
+        continue;
+    }
+    return meshes;
+  }
+  return {};
+}
+
+enum class Meshes { own, any };
+
+Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
+                  const Progress& progress, const StopRequested& stop) {
+  check(problem);
+  const Stopwatch total;
+  const ElasticLayer& layer = problem.contact.layer;
+  const double h = layer.thickness_m;
+  const Pressing pressing = pressing_of(problem);
+  LayerIdentity identity{pressing.poisson_ratio, "", pressing.whole(), problem.level};
+  if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + text(", h %.17g", h);
+
+  if (stop()) throw Interrupted();
+  MeshPair meshes;
+  if (allowed == Meshes::any) meshes = suitable_meshes(models, identity, pressing, problem);
+  const bool reuses = meshes.front() != nullptr;
+  Pressed pressed =
+      reuses ? press_on(meshes.front(), pressing) : find_size(pressing, problem, progress, stop);
+  check_sensible(pressed, pressing, problem);
+  const Measured first = measure(pressed, pressing, problem, 0);
+  check_twist_axis(problem, first.result);
+  LayerDiscretisation mesh = pressed.model->discretisation();
   const auto fit_mesh_to = [&](const ContactShape& shape) {
     mesh.a = rounded(shape.block_a);
     mesh.b = rounded(shape.block_b);
   };
-  const Measured first = measure(pressed, pressing, problem, 0);
-  const LevelResult& trial = first.result;
-  const FrictionRequest& friction_request = problem.friction;
-  const double axis = std::hypot(friction_request.twist_axis_x_m / trial.a_m,
-                                 friction_request.twist_axis_y_m / trial.b_m);
-  if (!(axis < 1))
-    throw InputError(problem.name, "twist_axis_m",
-                     text("%.4g", friction_request.twist_axis_x_m) +
-                         text(", %.4g", friction_request.twist_axis_y_m),
-                     "a point of the contact, whose semi-axes are " + text("%.4g", trial.a_m) +
-                         text(" and %.4g m", trial.b_m));
   fit_mesh_to(first.shape);
+  if (reuses)
+    progress("meshes of an earlier contact, " +
+             text("%.3g times as large", oversize(pressed.model->discretisation(),
+                                                  first.shape.block_a, first.shape.block_b)));
 
-  // The contact's edge lies on cell edges along both axes: it does so on every level, which makes
-  // them comparable.
+  // On meshes of its own the contact's edge lies on cell edges along both axes: it does so on every
+  // level, which makes them comparable.
   Result result;
   SurfaceSeries surface_series(problem);
   std::optional<FrictionPlan> plan;
   std::vector<FrictionOfLevel> friction;
-  for (int level = problem.level - 1; level <= problem.level; ++level) {
+  ContactShape finest_shape;
+  for (const int i : {0, 1}) {
+    const int level = problem.level - 1 + i;
     if (stop()) {
-      if (result.levels.empty()) throw Interrupted();
+      // A single level says nothing of its error; the trial mesh may take the coarser one's place.
+      if (result.levels.empty() || reuses) throw Interrupted();
       result.interrupted = true;
       progress("stopped: the answer is that of level " + std::to_string(level - 1));
       break;
     }
     const Stopwatch watch;
-    if (level > 0) {  // level 0 is the last of the trial meshes
+    auto& model = meshes[static_cast<std::size_t>(i)];
+    if (!model && level == 0) model = pressed.model;
+    if (!model) {
       choose_elements(mesh, level);
       progress("level " + std::to_string(level) + ": " +
                std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis" +
                time_to_go(result.levels, mesh.elements_per_semi_axis));
       check_reach(mesh, problem);
       pressed.model.reset();  // before the next one takes its memory
-      pressed = press_on(mesh, pressing, models);
-      if (pressed.reaches_rim)
-        throw ConvergenceError("size of the refined patch", level, pressed.moment_a / mesh.a,
-                               "the contact outgrew the patch on refinement");
+      if (models.capacity() == 0) meshes.front().reset();
+      model = make_layer(mesh, pressing);
     }
+    pressed = press_on(model, pressing);
+    if (pressed.reaches_rim)
+      throw ConvergenceError("size of the refined patch", level, pressed.moment_a / mesh.a,
+                             "the contact outgrew the patch on refinement");
     const Measured measurement = measure(pressed, pressing, problem, level);
     LevelResult measured = measurement.result;
+    finest_shape = measurement.shape;
+    if (reuses)
+      measured.oversize =
+          oversize(model->discretisation(), measurement.shape.block_a, measurement.shape.block_b);
     if (problem.friction.any()) {
-      friction.push_back(friction_on(pressed_contact(pressed, measured, problem), problem, plan,
-                                     progress, surface_series.of(level)));
+      friction.push_back(friction_on(pressed_contact(pressed, measurement.shape, problem), problem,
+                                     plan, progress, surface_series.of(level)));
     }
     measured.wall_s = watch.seconds();
     if (level > 0) fit_mesh_to(measurement.shape);
@@ -369,10 +479,15 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     result.levels.push_back(measured);
   }
   // Interrupted after the first level: the trial mesh takes the coarser level's place.
-  if (result.levels.size() == 1) result.levels.insert(result.levels.begin(), trial);
+  if (result.levels.size() == 1) result.levels.insert(result.levels.begin(), first.result);
   const LevelResult &coarse = result.levels.front(), &fine = result.levels.back();
   result.finest = fine;
   result.error = estimate_error(coarse, fine, h);
+  if (crossed_cells(fine) > 0 && !is_useful(result.error, fine, h)) {
+    progress(text("a to %.2g %% only: meshes of its own", 100 * result.error.a));
+    return solve_with(models, Meshes::own, problem, progress, stop);
+  }
+  if (!result.interrupted && models.capacity() > 0) models.keep(identity, meshes);
   (problem.approach_m > 0 ? result.error.indentation : result.error.load) = 0;  // as given
   if (pressing.whole()) {
     // Second moments do not know the edge: their ellipse and the fitted one differ by up to this on
@@ -397,7 +512,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     result.pvd_file = surface_series.finish();
   }
   if (!problem.compliance_file.empty()) {
-    const PressedContact start = pressed_contact(pressed, fine, problem);
+    const PressedContact start = pressed_contact(pressed, finest_shape, problem);
     write_compliance(
         problem.compliance_file,
         surface_compliance(friction_compliances(start, Invariance::none), Invariance::none), h,
@@ -406,6 +521,22 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   result.wall_s = total.seconds();
   result.peak_memory_MB = peak_memory_MB();
   return result;
+}
+
+}  // namespace
+
+Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop,
+             ModelCache* cache) {
+  ModelCache none(0);
+  ModelCache& models = cache ? *cache : none;
+  try {
+    return solve_with(models, Meshes::any, problem, progress, stop);
+  } catch (const NotEnoughMemory&) {
+    if (models.empty()) throw;
+    progress("the meshes of earlier contacts make room");
+    models.clear();
+    return solve_with(none, Meshes::own, problem, progress, stop);
+  }
 }
 
 }  // namespace softfinger::fem

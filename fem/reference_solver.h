@@ -59,6 +59,9 @@ struct LevelResult {
       0;  ///< worst penetration or tension, relative to d and to the peak pressure
   double fit_residual =
       0;  ///< rms of the pressure fit that gives a, b, relative to the mean pressure
+  /// Of the contact that the mesh was made for, relative to this one: 1, but where it reuses the
+  /// meshes of an earlier contact.
+  double oversize = 1;
   double wall_s = 0;
 };
 

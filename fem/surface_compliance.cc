@@ -2,7 +2,11 @@
 
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
+
+#include "fem/cholesky.h"
+#include "fem/memory.h"
 
 namespace softfinger::fem {
 namespace {
@@ -35,12 +39,25 @@ Eigen::Vector3d signs(Image image, Parity parity) {
   return result;
 }
 
+/// For the blocks of the compliance and the factors that friction makes of them.
+void require_memory(std::size_t points) {
+  constexpr double bytes_per_MB = 1024 * 1024, matrices = 16;  // of points x points
+  const auto count = static_cast<double>(points);
+  const double needed_MB = matrices * 8 * count * count / bytes_per_MB;
+  const double available_MB = available_memory_MB();
+  if (needed_MB <= available_MB) return;
+  const auto text = [](double value) { return std::to_string(std::lround(value)); };
+  throw NotEnoughMemory("friction", "memory",
+                        text(needed_MB) + " MB for " + std::to_string(points) + " contact points",
+                        "at most the " + text(available_MB) + " MB available; use a lower level");
+}
+
 }  // namespace
 
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest) {
   QuarterCompliances result{model, std::move(nodes), {}};
-  const std::size_t problems = fewest == Invariance::half_turn ? 2 : 4;
+  const std::size_t problems = model.whole() ? 1 : fewest == Invariance::half_turn ? 2 : 4;
   for (std::size_t problem = 0; problem < problems; ++problem)
     result.by_parity.push_back(model.vector_compliance(parities[problem], result.nodes));
   return result;
@@ -50,11 +67,16 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
                                      Blocks blocks) {
   const LayerModel& model = quarters.model;
   const std::vector<int>& nodes = quarters.nodes;
-  const bool half_turn = invariance == Invariance::half_turn;
+  const bool half_turn = invariance == Invariance::half_turn, whole = model.whole();
   std::vector<Point> points;
   std::vector<double> share;  // 1 / number of the group's rotations that leave the point in place
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const SurfaceNode& node = model.nodes()[static_cast<std::size_t>(nodes[i])];
+    if (whole) {
+      points.push_back({static_cast<int>(i), {}});
+      share.push_back(1);
+      continue;
+    }
     constexpr double on_plane = 1e-9;
     const bool on_x = node.x < on_plane, on_y = node.y < on_plane;
     for (const Image image : images) {
@@ -68,21 +90,29 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   }
 
   const auto count = static_cast<Eigen::Index>(points.size());
+  require_memory(points.size());
   SurfaceCompliance result;
   result.copies = half_turn ? 2 : 1;
   result.position.resize(2, count);
+  result.height.resize(count);
+  result.in_block.resize(2, count);
   result.area.resize(count);
-  result.quarter_node.resize(points.size());
+  result.model_node.resize(points.size());
+  Eigen::VectorXd cosine(count);  // of the surface's slope
   for (Eigen::Index p = 0; p < count; ++p) {
     const Point& point = points[static_cast<std::size_t>(p)];
-    const int quarter = nodes[static_cast<std::size_t>(point.index)];
-    const SurfaceNode& node = model.nodes()[static_cast<std::size_t>(quarter)];
-    result.quarter_node[static_cast<std::size_t>(p)] = quarter;
-    result.position.col(p) << (point.image.mirror_x ? -node.x : node.x),
-        (point.image.mirror_y ? -node.y : node.y);
+    const int index = nodes[static_cast<std::size_t>(point.index)];
+    const SurfaceNode& node = model.nodes()[static_cast<std::size_t>(index)];
+    result.model_node[static_cast<std::size_t>(p)] = index;
+    const Eigen::Vector2d mirror(point.image.mirror_x ? -1 : 1, point.image.mirror_y ? -1 : 1);
+    result.position.col(p) = mirror.cwiseProduct(node.position.head<2>());
+    result.height[p] = node.position.z();
+    result.in_block.col(p) = mirror.cwiseProduct(Eigen::Vector2d(node.x, node.y));
+    cosine[p] = node.normal.z();
     // The quarter's weight counts a mirror plane's nodes by the part that lies in the quarter.
-    const double parts = (node.x < 1e-9 ? 2 : 1) * (node.y < 1e-9 ? 2 : 1);
-    result.area[p] = node.weight * parts * share[static_cast<std::size_t>(p)];
+    const double parts = whole ? 1 : (node.x < 1e-9 ? 2 : 1) * (node.y < 1e-9 ? 2 : 1);
+    result.area[p] =
+        node.weight * node.area_ratio * cosine[p] * parts * share[static_cast<std::size_t>(p)];
   }
 
   const bool tangential = blocks == Blocks::all;
@@ -90,8 +120,8 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   result.normal = Eigen::MatrixXd::Zero(count, count);
   result.normal_tangential = Eigen::MatrixXd::Zero(count, 2 * count);
   // A force on a point and its copies has in each parity a quarter force of copies / 4 of it.
-  const double scale = result.copies / 4.0;
-  const std::size_t problems = half_turn ? 2 : 4;
+  const double scale = whole ? 1 : result.copies / 4.0;
+  const std::size_t problems = whole ? 1 : half_turn ? 2 : 4;
   for (std::size_t problem = 0; problem < problems; ++problem) {
     const Parity parity = parities[problem];
     const Eigen::MatrixXd& quarter = quarters.by_parity[problem];
@@ -109,6 +139,9 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
       }
     }
   }
+  const auto sinking = cosine.cwiseInverse().asDiagonal();
+  result.normal = sinking * result.normal * sinking;
+  result.normal_tangential = sinking * result.normal_tangential;
   return result;
 }
 

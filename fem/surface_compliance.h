@@ -16,13 +16,17 @@ enum class Invariance {
 /// Compliances of the quarter problems among some nodes, by parity. They serve every invariance.
 struct QuarterCompliances {
   const LayerModel& model;
-  std::vector<int> nodes;  ///< of the quarter model
-  /// Even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in y.
+  std::vector<int> nodes;  ///< of the model
+  /// Even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in y. Of a whole
+  /// layer there is one, of all fields.
   std::vector<Eigen::MatrixXd> by_parity;
+
+  /// That of a turn about the normal: odd in x and in y.
+  const Eigen::MatrixXd& of_turn() const { return by_parity[model.whole() ? 0 : 1]; }
 };
 
 /// @param nodes  those that may come into contact
-/// Factorises two problems if only a half turn's are needed, else four.
+/// Factorises two problems if only a half turn's are needed, else four; on a whole layer one.
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest);
 
@@ -31,20 +35,30 @@ enum class Blocks { all, without_tangential };
 
 /// The surface's compliance among the points of a whole contact, composed of quarter problems.
 ///
+/// On a bent layer the contact lies in the object's plane, square to the load, as the pressed layer
+/// does: a point's normal force is the component along the load, its displacement what its surface
+/// sinks by along the load; its tangential forces and displacements are those along its own
+/// tangents, turned into that plane by the smallest rotation. So mu P bounds the force of friction,
+/// and the torque at full slip is that of the pressure.
+///
 /// Where a rotation maps a point to itself (the centre), `force` below is its force divided by the
 /// number of such rotations: that keeps the compliance symmetric and every sum simple.
 struct SurfaceCompliance {
-  Eigen::Matrix2Xd position;          ///< of each point, in h
+  Eigen::Matrix2Xd position;          ///< of each point, in h, seen along the load
+  Eigen::VectorXd height;             ///< of each point along the load, in h
+  Eigen::Matrix2Xd in_block;          ///< its place on the lattice of the flat block
   Eigen::VectorXd area;               ///< its share of the surface, in h²; scaled like `force`
   Eigen::MatrixXd normal;             ///< n x n, into the layer
   Eigen::MatrixXd tangential;         ///< 2n x 2n, blocks in the order x, y; empty if left out
   Eigen::MatrixXd normal_tangential;  ///< n x 2n: displacement into the layer by tangential force
-  std::vector<int> quarter_node;      ///< of the model, for each point
+  std::vector<int> model_node;        ///< for each point
   int copies = 1;                     ///< sums over points times this are sums over the contact
 
   Eigen::Index size() const { return position.cols(); }
 };
 
+/// @param invariance  of a whole layer's contact: none
+/// @throws NotEnoughMemory
 SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invariance invariance,
                                      Blocks blocks = Blocks::all);
 

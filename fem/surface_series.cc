@@ -34,9 +34,9 @@ void data_array(std::ostream& out, const char* name, int components,
   out << "</DataArray>\n";
 }
 
-std::string vector_text(double x, double y) {
+std::string vector_text(double x, double y, double z = 0) {
   char text[80];
-  std::snprintf(text, sizeof text, "%.9g %.9g 0", x, y);
+  std::snprintf(text, sizeof text, "%.9g %.9g %.9g", x, y, z);
   return text;
 }
 
@@ -61,13 +61,13 @@ void SurfaceSeries::write(const FrictionalContact& contact, const FrictionState&
     places.push_back({i, 1});
     if (surface.copies == 2 && surface.position.col(i).norm() > 1e-9) places.push_back({i, -1});
     for (auto [component, spacing] : {std::pair{0, &spacing_x}, std::pair{1, &spacing_y}})
-      if (const double distance = std::abs(surface.position(component, i)); distance > 1e-9)
+      if (const double distance = std::abs(surface.in_block(component, i)); distance > 1e-9)
         *spacing = std::min(*spacing, distance);
   }
   // The nodes lie on a regular lattice: quadrilaterals join four neighbours.
   std::map<std::pair<long, long>, std::size_t> at;
   const auto lattice = [&](const Place& place) {
-    const Eigen::Vector2d x = place.sign * surface.position.col(place.point);
+    const Eigen::Vector2d x = place.sign * surface.in_block.col(place.point);
     return std::pair{std::lround(x.x() / spacing_x), std::lround(x.y() / spacing_y)};
   };
   for (std::size_t i = 0; i < places.size(); ++i) at[lattice(places[i])] = i;
@@ -89,7 +89,8 @@ void SurfaceSeries::write(const FrictionalContact& contact, const FrictionState&
             << places.size() << "\" NumberOfCells=\"" << cells.size() << "\">\n<Points>\n";
         data_array(out, "position_m", 3, places, [&](const Place& p) {
           return vector_text(p.sign * h * surface.position(0, p.point),
-                             p.sign * h * surface.position(1, p.point));
+                             p.sign * h * surface.position(1, p.point),
+                             h * surface.height[p.point]);
         });
         out << "</Points>\n<PointData>\n";
         data_array(out, "contact_pressure_Pa", 1, places,

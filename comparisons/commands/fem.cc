@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/fem_process.h"
@@ -107,20 +109,28 @@ int run(const Options& options) {
   if (by_approach) loads_N.resize(1);
   std::vector<LocalGeometry> geometries;
   for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
-  std::vector<ProcessJob> jobs;
-  for (std::size_t i = 0; i < geometries.size(); ++i) {
+  // One process for all: the largest contact first, whose mesh may serve the others.
+  std::vector<std::size_t> order(loads_N.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
+    return loads_N[left] > loads_N[right];
+  });
+  FemBatch batch;
+  // Threads help large factorisations only; on small ones their waiting costs more than it saves.
+  batch.single_thread = level <= 2;
+  for (const std::size_t i : order) {
     const double load_N = loads_N[i];
-    std::string folder;
-    if (!options.output.empty()) {
-      folder = (std::filesystem::path(options.output) /
-                (by_approach ? fmt::format("{}_{:g}mm", contact_case.id, options.approach_mm)
-                             : load_folder(contact_case.id, load_N)))
-                   .string();
-      make_writable_folder(folder);
-    }
     nlohmann::json problem = fem_problem(contact_case, geometries[i], load_N, level);
     if (by_approach) problem["approach_m"] = 1e-3 * options.approach_mm;
     problem["friction"] = friction_request(options);
+    if (!options.output.empty()) {
+      const auto folder =
+          std::filesystem::path(options.output) /
+          (by_approach ? fmt::format("{}_{:g}mm", contact_case.id, options.approach_mm)
+                       : load_folder(contact_case.id, load_N));
+      make_writable_folder(folder);
+      problem["output_directory"] = folder.string();
+    }
     if (!options.compliance.empty()) {
       if (loads_N.size() > 1)
         throw InputError(
@@ -128,38 +138,28 @@ int run(const Options& options) {
             "a case with one load: the mesh, and with it the compliance, fits its contact");
       problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
     }
-    // Threads help large factorisations only; on small ones their waiting costs more than it saves.
-    jobs.push_back(fem_job(program, std::move(problem), folder, level <= 2));
+    batch.problems.push_back(std::move(problem));
   }
 
   Progress progress;
-  std::string
-      held;  // the last line may be the reason of a failure, which is said once, as an error
-  const auto title = [&](std::size_t job) {
+  const auto title = [&](std::size_t load) {
     return by_approach ? fmt::format("{} {} mm: ", contact_case.id, options.approach_mm)
-                       : fmt::format("{} {} N: ", contact_case.id, loads_N[job]);
+                       : fmt::format("{} {} N: ", contact_case.id, loads_N[load]);
   };
-  nlohmann::json results = nlohmann::json::array();
-  int interrupted = 0;
-  std::string text = describe(contact_case) + "\n";
-  FemAnswer failure;
-  ProcessCallbacks callbacks;
-  callbacks.on_line = [&](std::size_t job, const std::string& line) {
-    if (!held.empty()) progress.say(held);
-    held = title(job) + line;
-    progress.show(held);
+  struct Failed {
+    int exit_status;
+    std::string message;
   };
-  callbacks.on_finish = [&](std::size_t job, const ProcessOutcome& outcome) {
-    FemAnswer answer = interpret_fem(outcome);
-    if (answer.result.is_null()) {
-      answer.failure = title(job) + answer.failure;
-      failure = answer;
-      held.clear();
-      return;
-    }
-    if (!held.empty()) progress.say(held);
-    held.clear();
-    if (!by_approach) answer.result["load_N"] = loads_N[job];
+  std::vector<nlohmann::json> result_of_load(loads_N.size());
+  FemCallbacks callbacks;
+  callbacks.on_line = [&](FemIndex index, const std::string& line) {
+    progress.say(title(order[index.problem]) + line);
+  };
+  callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
+    const std::size_t load = order[index.problem];
+    // A failure ends the rest.
+    if (answer.result.is_null()) throw Failed{answer.exit_status, title(load) + answer.failure};
+    if (!by_approach) answer.result["load_N"] = loads_N[load];
     answer.result["model"] = "fem";
     // The keys that `predict` has, so that one reader serves both.
     answer.result["torque_rule"] = "exact";
@@ -169,31 +169,31 @@ int run(const Options& options) {
     answer.result["cost_ns"] = nullptr;
     if (const auto& wall_s = answer.result["wall_s"]; wall_s.is_number())
       answer.result["cost_ns"] = 1e9 * wall_s.get<double>();
-    text += fmt::format("\n{:g} N: {}\n", answer.result["load_N"].get<double>(),
-                        describe(geometries[job])) +
-            table_row(answer.result) + friction_table(answer.result);
-    if (answer.result.value("coarse", false))
-      text += "  (stopped early: a coarser level than was asked for)\n";
-    results.push_back(std::move(answer.result));
+    result_of_load[load] = std::move(answer.result);
   };
-  for (std::size_t job = 0; job < jobs.size(); ++job) {
-    // One after the other: a failure ends the rest.
-    ProcessCallbacks one = callbacks;
-    one.on_line = [&, job](std::size_t, const std::string& line) { callbacks.on_line(job, line); };
-    one.on_finish = [&, job](std::size_t, const ProcessOutcome& outcome) {
-      callbacks.on_finish(job, outcome);
-    };
+  int interrupted = 0;
+  try {
     // The finite-element program ends with what it has: a coarser level is a result.
-    interrupted = run_processes({jobs[job]}, 1, one, OnInterrupt::finish);
-    if (interrupted != 0) {
-      progress.say("softfinger: interrupted");
-      if (results.empty()) return 128 + interrupted;
-      break;
-    }
-    if (failure.exit_status != 0) {
-      progress.say("softfinger: error: " + failure.failure);
-      return failure.exit_status;
-    }
+    interrupted = run_fem(program, {batch}, 1, callbacks, OnInterrupt::finish);
+  } catch (const Failed& failed) {
+    progress.say("softfinger: error: " + failed.message);
+    return failed.exit_status;
+  }
+  nlohmann::json results = nlohmann::json::array();
+  std::string text = describe(contact_case) + "\n";
+  for (std::size_t load = 0; load < loads_N.size(); ++load) {
+    nlohmann::json& result = result_of_load[load];
+    if (result.is_null()) continue;  // interrupted before
+    text +=
+        fmt::format("\n{:g} N: {}\n", result["load_N"].get<double>(), describe(geometries[load])) +
+        table_row(result) + friction_table(result);
+    if (result.value("coarse", false))
+      text += "  (stopped early: a coarser level than was asked for)\n";
+    results.push_back(std::move(result));
+  }
+  if (interrupted != 0) {
+    progress.say("softfinger: interrupted");
+    if (results.empty()) return 128 + interrupted;
   }
   if (options.json)
     write_to_stdout(nlohmann::json({{"case", contact_case.id}, {"results", results}}).dump(2) +

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
+
+#include "fem/model_cache.h"
 
 namespace softfinger::fem::verification {
 namespace {
@@ -85,8 +88,9 @@ Expected expected_of(const CircularLayer& layer) {
 
 const Residuals& residuals_so_far() { return residuals(); }
 
-Result solve_quietly(const Problem& problem) {
-  Result result = solve(problem, quiet);
+Result solve_quietly(const Problem& problem, ModelCache* models) {
+  Result result = solve(
+      problem, quiet, [] { return false; }, models);
   Residuals& all = residuals();
   ++all.contacts;
   for (const LevelResult& level : result.levels) {
@@ -96,9 +100,10 @@ Result solve_quietly(const Problem& problem) {
   return result;
 }
 
+namespace {
+
 Checks compare(const std::string& group, const std::string& name, const Problem& problem,
-               const Expected& expected) {
-  const Result result = solve_quietly(problem);
+               const Expected& expected, const Result& result) {
   Checks checks;
   const auto add = [&](const char* quantity, double value, double measured, double stated,
                        double reference_error) {
@@ -118,6 +123,26 @@ Checks compare(const std::string& group, const std::string& name, const Problem&
     add("peak pressure, Pa", expected.peak_pressure_Pa, finest.peak_pressure_Pa,
         result.error.peak_pressure, expected.edge_reference_error);
   return checks;
+}
+
+}  // namespace
+
+Checks compare(const std::string& group, const std::string& name, const Problem& problem,
+               const Expected& expected) {
+  return compare(group, name, problem, expected, solve_quietly(problem));
+}
+
+Checks compare_reused(const std::string& group, const std::string& name, const Problem& problem,
+                      const Expected& expected, double larger_load) {
+  ModelCache models;
+  Problem first = problem;
+  first.contact.load.normal_force_N *= larger_load;
+  solve_quietly(first, &models);
+  const Result result = solve_quietly(problem, &models);
+  if (models.hits() == 0) return {};
+  char larger[40];
+  std::snprintf(larger, sizeof larger, ", meshes %.2f as large", result.finest.oversize);
+  return compare(group, name + larger, problem, expected, result);
 }
 
 Pressing pressing_of(const Problem& problem) {
@@ -142,8 +167,8 @@ Pressed press_at_level(const Problem& problem, double a_m, double b_m, int level
   mesh.a = a_m / h;
   mesh.b = b_m / h;
   choose_elements(mesh, level);
-  ModelCache models;
-  return press_on(mesh, pressing_of(problem), models);
+  const Pressing pressing = pressing_of(problem);
+  return press_on(make_layer(mesh, pressing), pressing);
 }
 
 PressedContact friction_start(const Pressed& pressed, const Problem& problem, double a_m,

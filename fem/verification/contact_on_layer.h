@@ -39,11 +39,15 @@ struct Residuals {
 const Residuals& residuals_so_far();
 
 /// Solves without a word and keeps the residuals.
-Result solve_quietly(const Problem& problem);
+Result solve_quietly(const Problem& problem, ModelCache* models = nullptr);
 
 /// d, torque, a, b (and peak pressure) against what is expected, each with its stated error.
 Checks compare(const std::string& group, const std::string& name, const Problem& problem,
                const Expected& expected);
+
+/// The same on the meshes of a contact that a larger load made before; none where they do not suit.
+Checks compare_reused(const std::string& group, const std::string& name, const Problem& problem,
+                      const Expected& expected, double larger_load);
 
 /// Friction on two meshes of a contact whose size is known, following a plan of one's own, and the
 /// result as the solver states it.

@@ -8,6 +8,8 @@
 #include "fem/verification/contact_on_layer.h"
 #include "fem/verification/groups.h"
 #include "fem/verification/torsion_reference.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/generation/pad_surface.h"
 
 namespace softfinger::fem::verification {
 namespace {
@@ -257,6 +259,84 @@ Checks check_mindlin() {
   return checks;
 }
 
+/// The problem with its layer on a sphere and a plane in place of the relative radii.
+Problem on_sphere(Problem problem) {
+  problem.fingertip.pad = meshes::sphere_pad(problem.contact.radii.major_m);
+  problem.fingertip.object = meshes::plane_object();
+  problem.fingertip.symmetric_object = true;
+  problem.friction.torsion = true;
+  problem.friction.increments = 4;
+  return problem;
+}
+
+/// On a layer bent to a third of its radius, a contact far smaller than both is that of a
+/// half-space.
+Checks check_bent_half_space() {
+  const HalfSpaceContact contact = half_space_contact(1, 0.3);
+  const Problem problem = on_sphere(contact.problem);
+  const Torsion torsion = *solve_quietly(problem).torsion;
+  const double a = contact.a_m, slope = a / problem.contact.radii.major_m;
+  const double shear_Pa = problem.contact.layer.shear_modulus_Pa();
+  const std::string name = "curved layer, h/R 1/3, a/h 0.05";
+  const double neglected = base_effect + slope * slope;
+  const std::string reference = "(a/h)³ of the base, (a/R)²";
+  return {stated_check(group, name, "stiffness / (16 G a³/3)", 1,
+                       torsion.stiffness_Nm_per_rad / (16.0 / 3 * shear_Pa * a * a * a),
+                       torsion.stiffness_error, 3 * neglected, reference),
+          stated_check(group, name, "full slip / (mu P a)", 3 * M_PI / 16,
+                       torsion.full_slip_Nm / (force_limit_N(problem) * a), torsion.full_slip_error,
+                       neglected, reference)};
+}
+
+/// A layer bent slightly is the flat one; bending changes lengths by h/R through the thickness.
+Checks check_bent_slightly() {
+  constexpr double bending = 0.01;
+  Problem flat;
+  flat.contact = {{thickness_m / bending, thickness_m / bending, 0},
+                  {thickness_m, youngs_modulus_Pa, 0.45},
+                  {0.02, friction_coefficient}};
+  Problem bent = on_sphere(flat);
+  flat.friction = bent.friction;
+  const Result of_flat = solve_quietly(flat), of_bent = solve_quietly(bent);
+  const std::string name = "curved layer, h/R 0.01, against the flat one";
+  const std::string reference = "stated of the flat one, 2 h/R";
+  return {stated_check(group, name, "stiffness, N m/rad", of_flat.torsion->stiffness_Nm_per_rad,
+                       of_bent.torsion->stiffness_Nm_per_rad, of_bent.torsion->stiffness_error,
+                       of_flat.torsion->stiffness_error + 2 * bending, reference),
+          stated_check(group, name, "full slip, N m", of_flat.torsion->full_slip_Nm,
+                       of_bent.torsion->full_slip_Nm, of_bent.torsion->full_slip_error,
+                       of_flat.torsion->full_slip_error + 2 * bending, reference)};
+}
+
+/// Twist and pressure give one torque, but for what shear does to the pressure.
+Checks check_bent_levels() {
+  Problem problem;
+  problem.contact = {{10e-3, 6e-3, 0}, {thickness_m, youngs_modulus_Pa, 0.49}, {0.3, 0.5}};
+  problem.fingertip.pad = meshes::ellipsoid_pad(10e-3, 6e-3);
+  problem.fingertip.object = meshes::plane_object();
+  problem.fingertip.symmetric_object = true;
+  problem.friction.torsion = true;
+  problem.friction.limit_surface = 6;
+  const Result result = solve_quietly(problem);
+  const std::string name = "curved layer, h/R 1/4, nu 0.49, ellipsoid on a plane";
+  // Measured on flat layers to 0.5 %; nearly incompressible ones have less.
+  constexpr double coupling = 5e-3;
+  Checks checks{stated_check(group, name, "full slip / int mu p r dA", 1,
+                             result.torsion->full_slip_Nm / result.finest.max_torque_Nm,
+                             result.torsion->full_slip_error + result.error.max_torque, coupling,
+                             "shear moves the pressure")};
+  double largest = 0;
+  for (const LimitPoint& point : result.limit_surface)
+    largest = std::max(largest, std::hypot(point.wrench.force_x_N, point.wrench.force_y_N) /
+                                    force_limit_N(problem));
+  Check bound{group, name, "largest tangential force / (mu P)", 1, largest};
+  bound.expected = 1 + result.limit_surface_error;
+  bound.relation = Relation::at_most;
+  bound.reason = "Coulomb's law";
+  checks.push_back(bound);
+  return checks;
+}
+
 }  // namespace
 
 Checks check_friction(bool quick) {
@@ -277,6 +357,9 @@ Checks check_friction(bool quick) {
   add(check_limit_surface(1));
   add(check_limit_surface(2));
   add(check_mindlin());
+  add(check_bent_half_space());
+  add(check_bent_slightly());
+  add(check_bent_levels());
   return checks;
 }
 

@@ -48,7 +48,13 @@ const EllipticLayer elliptic_layers[] = {
      80639.51686740966, 86.06451488267554},
 };
 
-Checks check_elliptic(const EllipticLayer& layer) {
+struct EllipticContact {
+  Problem problem;
+  Expected expected;
+  std::string name;
+};
+
+EllipticContact elliptic_contact(const EllipticLayer& layer) {
   const double h = 2e-3, E = 3e5, mu = 0.1, R = 60 * layer.a * h;
   const double modulus = E / (1 - layer.nu * layer.nu);
   Problem problem;
@@ -64,8 +70,39 @@ Checks check_elliptic(const EllipticLayer& layer) {
   expected.reference_error = 1e-5;
   expected.edge_reference_error = layer.a > 5 || layer.ratio > 5 ? 2.3e-4 : 2e-5;
   expected.reference = "the spectral solution's";
-  return compare(group, named("elliptic, nu %.4g, R'/R'' %.3g", layer.nu, layer.ratio), problem,
-                 expected);
+  return {problem, expected, named("elliptic, nu %.4g, R'/R'' %.3g", layer.nu, layer.ratio)};
+}
+
+/// Contacts on the meshes of larger ones, as they come in a run of several loads: cells up to 1.6
+/// times as large, and the contact's edge anywhere among them.
+Checks check_reused(bool quick) {
+  Checks checks;
+  const double larger_loads[] = {1.3, 2.2, 3.5};
+  int contacts = 0, served = 0;
+  const auto add = [&](const std::string& name, const Problem& problem, const Expected& expected) {
+    const Checks more =
+        compare_reused(group, name, problem, expected, larger_loads[contacts++ % 3]);
+    served += !more.empty();
+    checks.insert(checks.end(), more.begin(), more.end());
+  };
+  for (const CircularLayer& layer : circular_layers()) {
+    if (layer.nu == 0.45 || layer.s < 0.1 || layer.s == 0.2 || layer.s > 5) continue;
+    if (quick && !(layer.nu == 0.3 && layer.s == 1)) continue;
+    add(named("circular, nu %.4g, a/h %.3g", layer.nu, layer.s), circular_problem(layer),
+        expected_of(layer));
+  }
+  for (const EllipticLayer& layer : elliptic_layers) {
+    if (quick || layer.ratio > 5 || layer.a > 5) continue;
+    const EllipticContact contact = elliptic_contact(layer);
+    add(contact.name, contact.problem, contact.expected);
+  }
+  Check share{group,
+              "meshes of " + std::to_string(contacts) + " larger contacts, loads 1.3 to 3.5 times",
+              "share of the contacts that they serve", 0.5, static_cast<double>(served) / contacts};
+  share.relation = Relation::at_least;
+  share.reason = "one factorisation serves many loads";
+  checks.push_back(share);
+  return checks;
 }
 
 /// At given load a nearly incompressible layer approaches the incompressible one linearly.
@@ -130,8 +167,12 @@ Checks check_layer(bool quick) {
       add(compare(group, named("circular, nu %.4g, a/h %.3g", layer.nu, layer.s),
                   circular_problem(layer), expected_of(layer)));
   }
-  for (const EllipticLayer& layer : elliptic_layers)
-    if (!quick || (layer.nu == 0.3 && layer.ratio == 2)) add(check_elliptic(layer));
+  for (const EllipticLayer& layer : elliptic_layers) {
+    if (quick && !(layer.nu == 0.3 && layer.ratio == 2)) continue;
+    const EllipticContact contact = elliptic_contact(layer);
+    add(compare(group, contact.name, contact.problem, contact.expected));
+  }
+  add(check_reused(quick));
   if (quick) return checks;
   add({nearly_incompressible()});
   add({thin_incompressible()});

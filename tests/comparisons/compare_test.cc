@@ -120,12 +120,12 @@ TEST_F(Compare, SaysWhichCasesAReportWillLoseThatIsThereAlready) {
 class InterruptedCompare : public Compare, public testing::WithParamInterface<int> {};
 
 TEST_P(InterruptedCompare, KeepsFinishedResultsAndContinues) {
-  start.environment.push_back("FAKE_FEM_LINGER_N=5");
+  start.environment.push_back("FAKE_FEM_LINGER_N=1");
   const pid_t process = start_softfinger(
       start, {"compare", two_loads.string(), "--output", output.string(), "--jobs", "1"});
   // Until the first result is there and the second solve has begun.
   for (int i = 0;
-       i < 1000 && (solves() < 2 || !fs::exists(output / "fem" / "two_1N" / "result.json")); ++i)
+       i < 1000 && (solves() < 2 || !fs::exists(output / "fem" / "two_5N" / "result.json")); ++i)
     usleep(10000);
   ASSERT_EQ(solves(), 2);
   kill(process, GetParam());
@@ -151,7 +151,7 @@ TEST_P(InterruptedCompare, KeepsFinishedResultsAndContinues) {
   start.environment.pop_back();
   const ProgramRun resumed = compare();
   EXPECT_EQ(resumed.status, 0) << resumed.err;
-  EXPECT_NE(resumed.err.find("two 1 N: reused"), std::string::npos) << resumed.err;
+  EXPECT_NE(resumed.err.find("two 5 N: reused"), std::string::npos) << resumed.err;
   EXPECT_EQ(solves(), 3);
 }
 
@@ -167,6 +167,32 @@ TEST_F(Compare, ReportsAFailedSolveAndFallsShort) {
   EXPECT_EQ(entry["loads"][0]["fem_failure"], "the fake fails as it was told");
   start.environment.pop_back();
   EXPECT_EQ(compare().status, 0) << "a failure is not kept";
+}
+
+TEST_F(Compare, SolvesTheLoadsOfACaseInOneProcessTheLargestFirst) {
+  ASSERT_EQ(compare().status, 0);
+  std::string name, pid, other_pid;
+  double load_N = 0, other_load_N = 0;
+  const auto solved = lines(file_text(log));
+  ASSERT_EQ(solved.size(), 2u);
+  std::istringstream(solved[0]) >> name >> load_N >> pid;
+  std::istringstream(solved[1]) >> name >> other_load_N >> other_pid;
+  EXPECT_EQ(pid, other_pid);
+  EXPECT_EQ(load_N, 5);
+  EXPECT_EQ(other_load_N, 1);
+}
+
+TEST_F(Compare, LosesOnlyTheLoadThatCrashes) {
+  two_loads = folder.write("two.toml", case_text("three", "[1.0, 3.0, 5.0]"));
+  start.environment.push_back("FAKE_FEM_CRASH_N=3");
+  EXPECT_EQ(compare().status, 1);
+  const json report = json::parse(file_text(output / "report.json"));
+  const json& loads = report["cases"][0]["loads"];
+  EXPECT_TRUE(loads[0]["fem"].is_object());
+  EXPECT_TRUE(loads[1]["fem"].is_null());
+  EXPECT_NE(loads[1]["fem_failure"].get<std::string>().find("signal 9"), std::string::npos);
+  EXPECT_TRUE(loads[2]["fem"].is_object());
+  EXPECT_EQ(solves(), 3);
 }
 
 TEST_F(Compare, FallsShortWhenTheReferenceIsNotTrusted) {

@@ -1,7 +1,7 @@
 // Stands in for softfinger-fem in tests. Answers with half-space Hertz numbers at once; the
-// environment asks for other behaviour: FAKE_FEM_LOG=file appends a line "name load pid" per run;
-// FAKE_FEM_LINGER_N=load sleeps a minute at that load; FAKE_FEM_EXIT=status fails; FAKE_FEM_CRASH=1
-// dies by a signal; FAKE_FEM_ERROR=rel states that error.
+// environment asks for other behaviour: FAKE_FEM_LOG=file appends a line "name load pid" per load;
+// FAKE_FEM_LINGER_N=load sleeps a minute at that load; FAKE_FEM_EXIT=status fails; FAKE_FEM_CRASH_N
+// =load dies by a signal at that load; FAKE_FEM_ERROR=rel states that error.
 
 #include <unistd.h>
 
@@ -14,23 +14,27 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-int main() {
-  const nlohmann::json problem = nlohmann::json::parse(std::cin);
+namespace {
+
+std::string option(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+nlohmann::json answer(const nlohmann::json& problem) {
   const double load_N = problem["load_N"];
-  const auto option = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value ? value : "");
-  };
   if (!option("FAKE_FEM_LOG").empty())
     std::ofstream(option("FAKE_FEM_LOG"), std::ios::app)
         << problem["name"].get<std::string>() << " " << load_N << " " << getpid() << std::endl;
   std::fprintf(stderr, "level 1: 1000 unknowns, residual 1e-9\n");
-  if (!option("FAKE_FEM_LINGER_N").empty() && std::stod(option("FAKE_FEM_LINGER_N")) == load_N)
-    sleep(60);
-  if (!option("FAKE_FEM_CRASH").empty()) std::raise(SIGKILL);
+  const auto is_load_of = [&](const char* name) {
+    return !option(name).empty() && std::stod(option(name)) == load_N;
+  };
+  if (is_load_of("FAKE_FEM_LINGER_N")) sleep(60);
+  if (is_load_of("FAKE_FEM_CRASH_N")) std::raise(SIGKILL);
   if (!option("FAKE_FEM_EXIT").empty()) {
     std::fprintf(stderr, "softfinger-fem: error: the fake fails as it was told\n");
-    return std::stoi(option("FAKE_FEM_EXIT"));
+    std::exit(std::stoi(option("FAKE_FEM_EXIT")));
   }
 
   const double nu = problem["layer"]["poisson_ratio"];
@@ -42,7 +46,7 @@ int main() {
   const double error =
       option("FAKE_FEM_ERROR").empty() ? 1e-3 : std::stod(option("FAKE_FEM_ERROR"));
   nlohmann::json vtu;
-  if (problem["output_directory"].is_string()) {
+  if (problem.contains("output_directory")) {
     vtu = problem["output_directory"].get<std::string>() + "/solution.vtu";
     std::ofstream(vtu.get<std::string>()) << "<VTKFile/>\n";
   }
@@ -76,6 +80,12 @@ int main() {
                  {"profile_x", profile},
                  {"profile_y", profile},
                  {"vtu", vtu}});
-  std::cout << result.dump() << std::endl;
-  return 0;
+  return result;
+}
+
+}  // namespace
+
+int main() {
+  for (const nlohmann::json& problem : nlohmann::json::parse(std::cin))
+    std::cout << answer(problem).dump() << std::endl;
 }

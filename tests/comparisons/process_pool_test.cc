@@ -44,6 +44,24 @@ TEST(ProcessPool, TakesOutputThatIsLargerThanAPipe) {
   EXPECT_EQ(result.at(0).output.size(), 3000000u);
 }
 
+TEST(ProcessPool, TakesInputThatIsLargerThanAUsualPipe) {
+  const auto result = outcomes({shell("wc -c", std::string(500000, 'x'))}, 1);
+  EXPECT_EQ(std::stoi(result.at(0).output), 500000);
+}
+
+TEST(ProcessPool, PassesLinesOfOutputOnAsTheyCome) {
+  std::vector<std::string> seen;
+  ProcessCallbacks callbacks;
+  callbacks.on_output = [&](std::size_t, const std::string& line) {
+    seen.push_back(line);
+    if (line == "first") throw std::runtime_error("stop");
+  };
+  // The process would go on for half a minute: its first line comes before its end.
+  EXPECT_THROW(run_processes({shell("echo first; sleep 30; echo second")}, 1, callbacks),
+               std::runtime_error);
+  EXPECT_EQ(seen, std::vector<std::string>{"first"});
+}
+
 TEST(ProcessPool, RunsNoMoreAtOnceThanAsked) {
   std::size_t running = 0, most = 0;
   ProcessCallbacks callbacks;

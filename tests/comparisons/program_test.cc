@@ -407,7 +407,7 @@ TEST_F(Program, PassesTheFiniteElementsFailureOn) {
     EXPECT_NE(result.err.find("softfinger: error: example 5 N: the fake fails"), std::string::npos)
         << result.err;
   }
-  start.environment = {"FAKE_FEM_CRASH=1"};
+  start.environment = {"FAKE_FEM_CRASH_N=5"};
   const ProgramRun crashed = run({"fem", file.string()});
   EXPECT_EQ(crashed.status, 3);
   EXPECT_NE(crashed.err.find("signal 9"), std::string::npos) << crashed.err;

@@ -14,6 +14,8 @@
 #include "fem/pressing.h"
 #include "fem/surface_compliance.h"
 #include "fem/write_compliance.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -35,8 +37,7 @@ struct Contact {
     mesh.b = 0.7;
     mesh.elements_per_semi_axis = 4;
     mesh.patch = 1.3;
-    ModelCache models;
-    pressed = press_on(mesh, pressing, models);
+    pressed = press_on(make_layer(mesh, pressing), pressing);
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
     whole = surface_compliance(*quarters, Invariance::none);
@@ -50,7 +51,7 @@ struct Contact {
   FrictionalContact on(const SurfaceCompliance& surface) const {
     Eigen::VectorXd gap(surface.size());
     for (Index i = 0; i < gap.size(); ++i)
-      gap[i] = pressed.gap[surface.quarter_node[static_cast<std::size_t>(i)]];
+      gap[i] = pressed.gap[surface.model_node[static_cast<std::size_t>(i)]];
     return {surface, gap, load, mu};
   }
 
@@ -88,13 +89,13 @@ TEST(SurfaceCompliance, OfASymmetricForceIsThatOfTheQuarter) {
     const double x = std::abs(surface.position(0, i)), y = std::abs(surface.position(1, i));
     force[i] = 1 + x - 0.5 * y;
     // On a plane of symmetry the quarter has half of the point's force.
-    of_quarter[surface.quarter_node[static_cast<std::size_t>(i)]] =
+    of_quarter[surface.model_node[static_cast<std::size_t>(i)]] =
         force[i] / ((x < 1e-9 ? 2 : 1) * (y < 1e-9 ? 2 : 1));
   }
   const Eigen::VectorXd displacement = surface.normal * force;
   const Eigen::VectorXd expected = contact().pressed.model->compliance() * of_quarter;
   for (Index i = 0; i < surface.size(); ++i)
-    EXPECT_NEAR(displacement[i], expected[surface.quarter_node[static_cast<std::size_t>(i)]],
+    EXPECT_NEAR(displacement[i], expected[surface.model_node[static_cast<std::size_t>(i)]],
                 round_off * expected.cwiseAbs().maxCoeff());
 }
 
@@ -156,6 +157,108 @@ TEST(FrictionalContact, KeepsItsLoadAndSlidesAgainstTheFullForce) {
   FrictionalContact back = contact().on(contact().whole);
   back.slide({-1, 0, 0});
   EXPECT_NEAR(back.wrench().force_x, -force, settled * force);
+}
+
+/// An ellipsoidal fingertip on a plane, by a quarter and as a whole, on one mesh.
+struct BentContact {
+  explicit BentContact(bool whole, double radius_x = 8, double radius_y = 5) {
+    Pressing pressing;
+    pressing.load = load;
+    pressing.poisson_ratio = 0.4;
+    pressing.fingertip.pad = meshes::ellipsoid_pad(radius_x, radius_y);
+    pressing.fingertip.object = meshes::plane_object();
+    pressing.fingertip.symmetric_object = !whole;
+    pressing.bent = shape_fingertip(pressing.fingertip, 1);
+    LayerDiscretisation mesh;
+    mesh.a = 1.3;
+    mesh.b = 1.0;
+    mesh.elements_per_semi_axis = 3;
+    mesh.patch = 1.4;
+    mesh.reach_x = pressing.bent.reach_x;
+    mesh.reach_y = pressing.bent.reach_y;
+    pressed = press_on(make_layer(mesh, pressing), pressing);
+    quarters =
+        std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
+    surface = surface_compliance(*quarters, Invariance::none);
+  }
+  PressedContact start() const {
+    return {*pressed.model, pressed.gap, pressed.contact.force, 1.3, 1.0, load, mu};
+  }
+  FrictionalContact contact() const {
+    Eigen::VectorXd gap(surface.size());
+    for (Index i = 0; i < gap.size(); ++i)
+      gap[i] = pressed.gap[surface.model_node[static_cast<std::size_t>(i)]];
+    return {surface, gap, load, mu};
+  }
+
+  double load = 0.15, mu = 0.5;
+  Pressed pressed;
+  std::unique_ptr<QuarterCompliances> quarters;
+  SurfaceCompliance surface;
+};
+
+TEST(BentFrictionalContact, IsTheSameByAQuarterAndAsAWhole) {
+  const BentContact quarter(false), whole(true);
+  ASSERT_EQ(quarter.surface.size(), whole.surface.size());
+  EXPECT_NEAR(quarter.surface.area.sum() / whole.surface.area.sum(), 1, round_off);
+  EXPECT_NEAR(stuck_torsional_stiffness(quarter.start(), *quarter.quarters) /
+                  stuck_torsional_stiffness(whole.start(), *whole.quarters),
+              1, 1e-8);
+  FrictionalContact one = quarter.contact(), other = whole.contact();
+  EXPECT_NEAR(one.approach() / quarter.pressed.contact.approach, 1, 1e-8)
+      << "the composed compliance is the one that it was pressed on";
+  const double force = quarter.mu * quarter.load;
+  for (const PlaneMotion motion : {PlaneMotion{0.02, 0.01, 0.005}, PlaneMotion{0.1, 0.05, 0.3}}) {
+    one.move_to(motion);
+    other.move_to(motion);
+    EXPECT_NEAR(one.wrench().force_x, other.wrench().force_x, settled * force);
+    EXPECT_NEAR(one.wrench().force_y, other.wrench().force_y, settled * force);
+    EXPECT_NEAR(one.wrench().torque, other.wrench().torque, settled * force);
+  }
+}
+
+TEST(BentFrictionalContact, HoldsMuPAndTheTorqueOfItsPressureAtFullSlip) {
+  const BentContact bent(false);
+  FrictionalContact state = bent.contact();
+  const double force = bent.mu * bent.load;
+  for (const double angle : {0.0, 0.7, M_PI / 2}) {
+    state.slide({std::cos(angle), std::sin(angle), 0});
+    EXPECT_NEAR(std::hypot(state.wrench().force_x, state.wrench().force_y), force, settled * force);
+  }
+  state.slide({0, 0, 1});
+  EXPECT_NEAR(state.wrench().torque, state.torque_of_pressure(), settled * force);
+  EXPECT_NEAR(state.normal_force().sum(), bent.load, round_off);
+}
+
+TEST(BentFrictionalContact, OnASphereKnowsNoDirection) {
+  const BentContact bent(true, 6, 6);
+  FrictionalContact along_x = bent.contact(), along_y = bent.contact();
+  along_x.move_to({0.02, 0, 0});
+  along_y.move_to({0, 0.02, 0});
+  // The mesh's cells are oblong: as far as they know the contact's edge, a cell of a third.
+  EXPECT_NEAR(along_y.wrench().force_y / along_x.wrench().force_x, 1, 0.02);
+  EXPECT_NEAR(along_x.wrench().force_y, 0, settled * bent.mu * bent.load);
+}
+
+TEST(BentFrictionalContact, DissipatesAndStores) {
+  const BentContact bent(false);
+  FrictionalContact state = bent.contact();
+  double work = 0, dissipated = 0, turn = 0, torque = 0;
+  Eigen::VectorXd slip = state.slip();
+  for (const double angle : {0.01, 0.02, 0.04, 0.08, 0.04, 0.0, -0.04}) {
+    state.move_to({0, 0, angle});
+    work += 0.5 * (torque + state.wrench().torque) * (angle - turn);
+    const double lost = state.tangential_force().dot(state.slip() - slip);
+    EXPECT_GE(lost, -round_off);
+    dissipated += lost;
+    slip = state.slip();
+    turn = angle;
+    torque = state.wrench().torque;
+  }
+  EXPECT_GT(dissipated, 0);
+  EXPECT_GT(work, 0);
+  const Eigen::VectorXd& force = state.tangential_force();
+  EXPECT_GT(force.dot(bent.surface.tangential * force), 0);
 }
 
 TEST(WriteCompliance, IsReadBackAsItWas) {

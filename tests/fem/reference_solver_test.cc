@@ -191,30 +191,94 @@ TEST(ReferenceSolver, LoadAndApproachAreTwoWaysToTheSameContact) {
   EXPECT_GT(approached.error.load, 0);
 }
 
-TEST(ReferenceSolver, ContactsOfOneSizeShareTheirModels) {
-  Problem problem;
-  problem.level = 1;
-  problem.contact = {{0.02, 0.02, 0}, {2e-3, 3e5, 0.4}, {1, 0.8}};
-  ModelCache models;
-  const auto with_cache = [&](const Problem& one) {
+class SharedMeshes : public testing::Test {
+ protected:
+  SharedMeshes() {
+    problem.level = 1;
+    problem.contact = {{0.02, 0.02, 0}, {2e-3, 3e5, 0.4}, {1, 0.8}};
+  }
+  Result solve_in_run(const Problem& one) {
     return solve(
         one, quiet, [] { return false; }, &models);
-  };
-  const Result alone = solve(problem, quiet), first = with_cache(problem);
+  }
+  Problem problem;
+  ModelCache models;
+};
+
+TEST_F(SharedMeshes, ServeContactsOfOneSizeAsIfTheyWereTheirOwn) {
+  const Result alone = solve(problem, quiet), first = solve_in_run(problem);
   EXPECT_EQ(models.hits(), 0);
   EXPECT_EQ(first.finest.a_m, alone.finest.a_m);
   Problem stiffer = problem;  // by a power of two: not a bit of the scaled problem changes
   stiffer.contact.layer.youngs_modulus_Pa *= 4;
   stiffer.contact.load.normal_force_N *= 4;
   stiffer.contact.load.friction_coefficient = 0.2;
-  const Result second = with_cache(stiffer);
-  EXPECT_GE(models.hits(), 2);
+  const Result second = solve_in_run(stiffer);
+  EXPECT_EQ(models.hits(), 1);
   EXPECT_EQ(second.finest.a_m, first.finest.a_m);
+  EXPECT_EQ(second.error.a, first.error.a);
   EXPECT_NEAR(second.finest.max_torque_Nm, first.finest.max_torque_Nm,
               1e-12 * first.finest.max_torque_Nm);
-  Problem larger = problem;
-  larger.contact.load.normal_force_N *= 3;
-  EXPECT_EQ(with_cache(larger).finest.a_m, solve(larger, quiet).finest.a_m);
+}
+
+TEST_F(SharedMeshes, ServeSmallerContactsInsideTheirStatedErrors) {
+  solve_in_run(problem);
+  Problem smaller = problem;
+  smaller.contact.load.normal_force_N = 0.4;
+  smaller.contact.radii = {0.02, 0.018, 0};
+  const Result shared = solve_in_run(smaller), alone = solve(smaller, quiet);
+  EXPECT_EQ(models.hits(), 1);
+  EXPECT_GT(shared.finest.oversize, 1.1);
+  EXPECT_EQ(shared.finest.unknowns, solve_in_run(problem).finest.unknowns);
+  const auto agree = [&](double LevelResult::*quantity, double RelativeError::*error) {
+    EXPECT_NEAR(shared.finest.*quantity / (alone.finest.*quantity), 1,
+                shared.error.*error + alone.error.*error);
+    EXPECT_GT(shared.error.*error, 0);
+  };
+  agree(&LevelResult::a_m, &RelativeError::a);
+  agree(&LevelResult::b_m, &RelativeError::b);
+  agree(&LevelResult::indentation_m, &RelativeError::indentation);
+  agree(&LevelResult::max_torque_Nm, &RelativeError::max_torque);
+  agree(&LevelResult::peak_pressure_Pa, &RelativeError::peak_pressure);
+}
+
+TEST_F(SharedMeshes, DoNotServeWhatTheyDoNotSuit) {
+  solve_in_run(problem);
+  const auto needs_its_own = [&](const Problem& other) {
+    const Result shared = solve_in_run(other), alone = solve(other, quiet);
+    EXPECT_EQ(models.hits(), 0);
+    EXPECT_EQ(shared.finest.a_m, alone.finest.a_m);
+  };
+  Problem other = problem;
+  other.contact.load.normal_force_N *= 3;  // too large for the patch
+  needs_its_own(other);
+  other.contact.load.normal_force_N /= 30;  // too small for the cells
+  needs_its_own(other);
+  other = problem;
+  other.contact.layer.poisson_ratio = 0.3;
+  needs_its_own(other);
+  other = problem;
+  other.level = 2;
+  needs_its_own(other);
+  other = problem;
+  other.contact.radii = {0.08, 0.005, 0};  // longer and narrower
+  needs_its_own(other);
+}
+
+TEST_F(SharedMeshes, WithFrictionServeContactsOfOneSizeOnly) {
+  problem.friction.torsion = true;
+  problem.friction.increments = 2;
+  const Result first = solve_in_run(problem);
+  Problem rougher = problem;
+  rougher.contact.load.friction_coefficient *= 2;
+  const Result second = solve_in_run(rougher);
+  EXPECT_EQ(models.hits(), 1);
+  EXPECT_EQ(second.torsion->stiffness_Nm_per_rad, first.torsion->stiffness_Nm_per_rad);
+  Problem smaller = problem;
+  smaller.contact.load.normal_force_N = 0.7;
+  EXPECT_EQ(solve_in_run(smaller).torsion->stiffness_Nm_per_rad,
+            solve(smaller, quiet).torsion->stiffness_Nm_per_rad);
+  EXPECT_EQ(models.hits(), 1);
 }
 
 TEST(ReferenceSolver, ReportsProgress) {
