@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 #include <variant>
@@ -25,8 +26,7 @@ using simulation::Recording;
 
 // Together they keep the page below 3 MB: a pose takes 40 bytes in it, a contact 110, a triangle
 // 16. 300 frames are a fluent motion.
-constexpr std::size_t kFrames = 300, kPoses = 15000, kContacts = 9000;
-constexpr std::size_t kTrianglesOfMesh = 8000, kTrianglesOfAllMeshes = 30000;
+constexpr std::size_t kFrames = 300, kPoses = 12000, kContacts = 6000, kTriangles = 32000;
 
 /// Joins the vertices within each cell of a grid, the coarsest that is needed.
 TriangleSurface coarsened(const TriangleSurface& surface, std::size_t most_triangles) {
@@ -59,6 +59,38 @@ TriangleSurface coarsened(const TriangleSurface& surface, std::size_t most_trian
         coarse.triangles.push_back({joined[i], joined[j], joined[k]});
     if (coarse.triangles.size() <= most_triangles) return coarse;
   }
+}
+
+/// Vertices of their own for the two sides of a sharp edge, so that shading with vertex normals
+/// leaves edges of boxes sharp and fingertips smooth.
+TriangleSurface split_at_edges(const TriangleSurface& surface) {
+  constexpr double kSharp_rad = 0.6;
+  struct Copy {
+    Eigen::Vector3d normal;
+    int vertex;
+  };
+  std::vector<std::vector<Copy>> copies(surface.vertices_m.size());
+  TriangleSurface split;
+  for (std::array<int, 3> triangle : surface.triangles) {
+    const auto& [i, j, k] = triangle;
+    const Eigen::Vector3d normal = (surface.vertices_m[j] - surface.vertices_m[i])
+                                       .cross(surface.vertices_m[k] - surface.vertices_m[i])
+                                       .normalized();
+    for (int& vertex : triangle) {
+      std::vector<Copy>& known = copies[vertex];
+      auto copy = std::find_if(known.begin(), known.end(), [&](const Copy& candidate) {
+        return candidate.normal.dot(normal) > std::cos(kSharp_rad);
+      });
+      if (copy == known.end()) {
+        split.vertices_m.push_back(surface.vertices_m[vertex]);
+        known.push_back({normal, static_cast<int>(split.vertices_m.size()) - 1});
+        copy = known.end() - 1;
+      }
+      vertex = copy->vertex;
+    }
+    split.triangles.push_back(triangle);
+  }
+  return split;
 }
 
 void append(std::vector<float>& numbers, const Eigen::Vector3d& vector) {
@@ -94,15 +126,29 @@ Json geometry(const TriangleSurface& surface) {
   return out;
 }
 
+/// Shares the triangles among the distinct meshes: what a small one leaves is for the larger ones.
+std::size_t most_triangles_of_a_mesh(const Recording& recording) {
+  std::set<const TriangleSurface*> meshes;
+  for (const simulation::RecordedBody& body : recording.bodies)
+    for (const simulation::Shape& shape : body.shapes)
+      if (const auto* mesh = std::get_if<simulation::Mesh>(&shape.kind); mesh && mesh->surface)
+        meshes.insert(mesh->surface.get());
+  std::vector<std::size_t> counts;
+  for (const TriangleSurface* mesh : meshes) counts.push_back(mesh->triangles.size());
+  std::sort(counts.begin(), counts.end());
+  std::size_t left = kTriangles;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::size_t share = left / (counts.size() - i);
+    if (counts[i] > share) return share;
+    left -= counts[i];
+  }
+  return kTriangles;
+}
+
 /// Bodies with their shapes; equal surfaces (five fingertips from one mesh) are kept once.
 std::pair<Json, Json> bodies_and_geometries(const Recording& recording) {
   const double width_m = simulation::half_space_width_m(recording);
-  std::size_t meshes = 0;
-  for (const simulation::RecordedBody& body : recording.bodies)
-    for (const simulation::Shape& shape : body.shapes)
-      meshes += std::holds_alternative<simulation::Mesh>(shape.kind);
-  const std::size_t most_triangles =
-      std::min(kTrianglesOfMesh, kTrianglesOfAllMeshes / std::max<std::size_t>(1, meshes));
+  const std::size_t most_triangles = most_triangles_of_a_mesh(recording);
 
   Json bodies = Json::array(), geometries = Json::array();
   std::map<std::string, std::size_t> known;
@@ -111,9 +157,9 @@ std::pair<Json, Json> bodies_and_geometries(const Recording& recording) {
     for (const simulation::Shape& shape : body.shapes) {
       const bool is_plane = std::holds_alternative<simulation::HalfSpace>(shape.kind);
       // The shape's pose is the page's business: it keeps equal surfaces equal.
-      Json drawn = geometry(
-          coarsened(simulation::triangulate({shape.kind, Eigen::Isometry3d::Identity()}, width_m),
-                    most_triangles));
+      const TriangleSurface surface =
+          simulation::triangulate({shape.kind, Eigen::Isometry3d::Identity()}, width_m);
+      Json drawn = geometry(split_at_edges(coarsened(surface, most_triangles)));
       const auto [entry, is_new] = known.emplace(drawn.dump(), geometries.size());
       if (is_new) geometries.push_back(std::move(drawn));
       std::vector<float> pose;
@@ -160,7 +206,7 @@ class Sections {
   Json json() const { return {{"points", kPoints}, {"radii", encoded(radii_)}}; }
 
  private:
-  static constexpr int kPoints = 17;
+  static constexpr int kPoints = 25;
   std::map<std::tuple<double, double, double>, int> known_;
   std::vector<float> radii_;
 };

@@ -36,7 +36,7 @@ std::string summary(const Recording& recording, const std::vector<ContactTrack>&
       fmt::format("<p class=\"lead\">{} ({} of them movable), {} over {}\u00a0s, ",
                   counted(recording.bodies.size(), "body", "bodies"), movable,
                   counted(recording.frames.size() - 1, "step", "steps"),
-                  significant(recording.frames.back().time_s - recording.frames.front().time_s));
+                  plain(recording.frames.back().time_s - recording.frames.front().time_s));
   text += tracks.empty() ? "no contact." : counted(tracks.size(), "contact.", "contacts.");
   if (shown < recording.frames.size())
     text += fmt::format(
@@ -55,20 +55,24 @@ constexpr const char* kPlayer = R"(<section class="player" aria-label="Motion in
 <output id="clock"></output>
 <label>speed <select id="speed"></select></label>
 </div>
-<div class="settings">
+<div class="settings of_contacts">
 <label>contacts <select id="colouring"><option value="state">stick or slip</option><option value="use">utilisation</option></select></label>
 <span id="colours"></span>
 <label>ellipses <select id="magnification"></select></label>
-<label>forces <select id="force_scale"></select></label>
+</div>
+<div class="settings">
+<label class="of_contacts">forces <select id="force_scale"></select></label>
+<span class="of_contacts"><i class="arrow normal"></i> normal <i class="arrow tangential"></i> tangential</span>
 <label><input type="checkbox" id="see_through"> see through bodies</label>
 <button type="button" id="reset">Reset view</button>
 </div>
-<div class="contacts" id="contacts" role="group" aria-label="Contacts"></div>
+<p class="contacts_head of_contacts">Contacts, with their normal force and utilisation now:</p>
+<div class="contacts of_contacts" id="contacts" role="group" aria-label="Contacts"></div>
 </div>
-<div class="selected" aria-live="off">
+<div class="selected of_contacts" aria-live="off">
 <h2 id="selected"></h2>
 <p class="facts" id="state"></p>
-<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Tangential force over μP and torque over μP e<sub>n</sub>: inside it sticks.</figcaption><div class="plot"></div></figure>
+<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force; thin: the way there.</figcaption><div class="plot"></div></figure>
 <figure data-chart="normal"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="tangential"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="torque"><figcaption></figcaption><div class="plot"></div></figure>
@@ -122,7 +126,8 @@ std::string final_contacts(const Recording& recording, const std::vector<Contact
          table(heading("contact") + heading("normal force P", "N") +
                    heading("tangential force", "N") + heading("torque", "mN·m") +
                    heading("a", "mm") + heading("b", "mm") + heading("μ") +
-                   heading("e<sub>n</sub>", "mm") + heading("utilisation") + heading("exact") +
+                   heading("e<sub>n</sub>", "mm") + heading("utilisation") +
+                   heading("exact utilisation") +
                    "<th scope=\"col\" class=\"words\">state</th>"
                    "<th scope=\"col\" class=\"words\">pressure model</th>",
                rows);

@@ -74,6 +74,27 @@ struct PairMemory {
   std::array<std::optional<QuadricFit>, 2> fits;  ///< of meshes, in the shape's frame
 };
 
+/// Distance and nearest points of two shapes that do not overlap. FCL 0.7 names the mesh's point
+/// first, whatever the order of the call, and for some pairs gives the points in the shapes' own
+/// frames.
+double fcl_distance(const Part& a, const Isometry3d& pose_a, const Part& b,
+                    const Isometry3d& pose_b, const fcl::DistanceRequestd& request, Vector3d& on_a,
+                    Vector3d& on_b) {
+  if (b.is_mesh() && !a.is_mesh()) return fcl_distance(b, pose_b, a, pose_a, request, on_b, on_a);
+  fcl::DistanceResultd found;
+  const double distance =
+      fcl::distance(a.object->collisionGeometry().get(), pose_a,
+                    b.object->collisionGeometry().get(), pose_b, request, found);
+  on_a = found.nearest_points[0];
+  on_b = found.nearest_points[1];
+  const double rounding = 1e-6 * std::min(a.radius_m, b.radius_m);
+  if (distance > 0 && std::abs((on_b - on_a).norm() - distance) > rounding) {
+    on_a = pose_a * on_a;
+    on_b = pose_b * on_b;
+  }
+  return distance;
+}
+
 SurfacePoint in_world(const SurfacePoint& local, const Isometry3d& pose) {
   const Matrix3d turn = pose.linear();
   return {pose * local.point_m, turn * local.normal,
@@ -237,18 +258,16 @@ Nearest CollisionDetector::Implementation::nearest(const Part& a, const Part& b,
   for (int round = 0; round < most; ++round) {
     Isometry3d moved = b.pose;
     moved.translation() += shift_m * normal;
-    fcl::DistanceResultd found;
-    const double distance =
-        fcl::distance(a.object->collisionGeometry().get(), a.pose,
-                      b.object->collisionGeometry().get(), moved, request, found);
+    Vector3d on_a, on_b;
+    const double distance = fcl_distance(a, a.pose, b, moved, request, on_a, on_b);
     if (!(distance > 1e-3 * shift_m)) {  // deeper than expected
       shift_m *= 2;
       continue;
     }
-    const Vector3d across = found.nearest_points[1] - found.nearest_points[0];
+    const Vector3d across = on_b - on_a;
     const Vector3d direction = across.normalized();
-    result.on_a = found.nearest_points[0];
-    result.on_b = found.nearest_points[1] - shift_m * normal;
+    result.on_a = on_a;
+    result.on_b = on_b - shift_m * normal;
     result.gap_m = across.norm() - shift_m * normal.dot(direction);
     const double turned = (direction - normal).norm();
     normal = direction;
@@ -290,6 +309,10 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
         const auto* mesh = std::get_if<Mesh>(&both[side]->shape->kind);
         if (!mesh) continue;
         memory.fits[side] = fit_quadric(*mesh->surface, points[side], nullptr, radius_m);
+        // The quadric tells normal and curvature; where the surface lies, its nearest point does.
+        QuadricFit& fit = *memory.fits[side];
+        const double aside = fit.normal.dot(points[side] - surface_near(fit, points[side]).point_m);
+        fit.origin_m += aside * fit.normal;
         ++fits;
       }
     } catch (const std::exception&) {  // too few vertices, or too strongly curved
@@ -482,8 +505,9 @@ void CollisionDetector::require_no_overlap(const Multibody& bodies) {
   for (const TouchingPoint& point : points) {
     double smaller_m = std::numeric_limits<double>::infinity();
     for (const Part& part : implementation_->parts)
-      if (part.body == point.a || part.body == point.b)
+      if (part.body == point.a || part.body == point.b) {
         smaller_m = std::min(smaller_m, part.radius_m);
+      }
     if (point.gap_m >= -1e-4 * smaller_m) continue;
     throw InputError(implementation_->scene.file.string(),
                      fmt::format("overlap of \"{}\" and \"{}\" at the start, in mm",

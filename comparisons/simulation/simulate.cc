@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 
+#include "comparisons/predict.h"
 #include "comparisons/recorded_contacts.h"
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
@@ -49,6 +50,7 @@ class SceneContacts final : public ContactFinder {
     points_.clear();
     laws_.clear();
     law_of_point_.clear();
+    shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
     for (const TouchingPoint& point : points_) {
       const ContactRule& rule = scene_.rule(point.a, point.b);
@@ -68,6 +70,14 @@ class SceneContacts final : public ContactFinder {
       if (model) {
         laws_.emplace_back(*model, problem);
         contact.eccentricity_law = &laws_.back();
+        if (scene_.friction.rule == FrictionSettings::Rule::limit_surface) {
+          // The shape changes little with the load: that of the nominal one.
+          const Prediction nominal = laws_.back().predict(scene_.nominal_load_N);
+          if (nominal.has_answer) {
+            shapes_.emplace_back(nominal.b_m / nominal.a_m, equivalent_exponent(nominal));
+            contact.shape = &shapes_.back();
+          }
+        }
       }
       law_of_point_.push_back(model ? &laws_.back() : nullptr);
       contacts.push_back(contact);
@@ -85,7 +95,8 @@ class SceneContacts final : public ContactFinder {
   const Scene& scene_;
   CollisionDetector detector_;
   std::vector<TouchingPoint> points_;
-  std::deque<ModelEccentricity> laws_;  ///< a deque: contacts point into it
+  std::deque<ModelEccentricity> laws_;  ///< deques: contacts point into them
+  std::deque<LimitSurfaceShape> shapes_;
   std::vector<const ModelEccentricity*> law_of_point_;
 };
 
@@ -123,6 +134,7 @@ Frame frame(const TimeStepper& stepper, const Scene& scene, const SceneContacts&
       const Prediction prediction = law->predict(wrench.normal_force_N);
       recorded.semi_axis_a_m = prediction.a_m;
       recorded.semi_axis_b_m = prediction.b_m;
+      recorded.pressure_exponent = equivalent_exponent(prediction);
       recorded.model = std::string(law->model().card().name);
     }
     const FrictionEllipsoid ellipsoid{contact.friction_coefficient * wrench.normal_force_N,

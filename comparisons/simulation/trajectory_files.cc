@@ -119,13 +119,13 @@ class UnstructuredGrid {
   void add_point(const Eigen::Vector3d& point_m) {
     coordinates_m_.insert(coordinates_m_.end(), point_m.begin(), point_m.end());
   }
-  std::int64_t points() const { return static_cast<std::int64_t>(coordinates_m_.size() / 3); }
-  void add_cell(std::uint8_t vtk_type, std::initializer_list<std::int64_t> point_indices) {
-    add_cell(vtk_type, std::vector<std::int64_t>(point_indices));
+  std::int32_t points() const { return static_cast<std::int32_t>(coordinates_m_.size() / 3); }
+  void add_cell(std::uint8_t vtk_type, std::initializer_list<std::int32_t> point_indices) {
+    add_cell(vtk_type, std::vector<std::int32_t>(point_indices));
   }
-  void add_cell(std::uint8_t vtk_type, const std::vector<std::int64_t>& point_indices) {
+  void add_cell(std::uint8_t vtk_type, const std::vector<std::int32_t>& point_indices) {
     connectivity_.insert(connectivity_.end(), point_indices.begin(), point_indices.end());
-    offsets_.push_back(static_cast<std::int64_t>(connectivity_.size()));
+    offsets_.push_back(static_cast<std::int32_t>(connectivity_.size()));
     types_.push_back(vtk_type);
   }
   template <typename Number>
@@ -152,7 +152,7 @@ class UnstructuredGrid {
 
  private:
   static const char* type_name(double) { return "Float64"; }
-  static const char* type_name(std::int64_t) { return "Int64"; }
+  static const char* type_name(std::int32_t) { return "Int32"; }
   static const char* type_name(std::uint8_t) { return "UInt8"; }
 
   template <typename Number>
@@ -167,7 +167,7 @@ class UnstructuredGrid {
   }
 
   std::vector<double> coordinates_m_;
-  std::vector<std::int64_t> connectivity_, offsets_;
+  std::vector<std::int32_t> connectivity_, offsets_;
   std::vector<std::uint8_t> types_;
   std::string point_data_, cell_data_;
 };
@@ -182,12 +182,12 @@ void append(std::vector<double>& numbers, const Eigen::Vector3d& vector) {
 std::string bodies_vtu(const Frame& frame,
                        const std::vector<std::vector<TriangleSurface>>& surfaces) {
   UnstructuredGrid grid;
-  std::vector<std::int64_t> body_of_cell;
+  std::vector<std::int32_t> body_of_cell;
   std::vector<double> velocities;
   for (std::size_t body = 0; body < surfaces.size(); ++body) {
     const Eigen::Isometry3d& pose = frame.poses.at(body);
     for (const TriangleSurface& surface : surfaces[body]) {
-      const std::int64_t first = grid.points();
+      const std::int32_t first = grid.points();
       for (const Eigen::Vector3d& vertex : surface.vertices_m) {
         const Eigen::Vector3d point = pose * vertex;
         grid.add_point(point);
@@ -197,7 +197,7 @@ std::string bodies_vtu(const Frame& frame,
       }
       for (const auto& [i, j, k] : surface.triangles) {
         grid.add_cell(kTriangle, {first + i, first + j, first + k});
-        body_of_cell.push_back(static_cast<std::int64_t>(body));
+        body_of_cell.push_back(static_cast<std::int32_t>(body));
       }
     }
   }
@@ -209,7 +209,7 @@ std::string bodies_vtu(const Frame& frame,
 /// What is said of each contact, for its point and for its ellipse.
 struct ContactColumns {
   std::vector<double> normal_forces_N, tangential_forces_N, torques_Nm, semi_axes_m, utilisations;
-  std::vector<std::int64_t> bodies;
+  std::vector<std::int32_t> bodies;
   std::vector<std::uint8_t> slides;
 
   void append(const RecordedContact& contact) {
@@ -251,7 +251,7 @@ std::string ellipses_vtu(const Frame& frame) {
   ContactColumns columns;
   for (const RecordedContact& contact : frame.contacts) {
     if (!(contact.semi_axis_a_m > 0 && contact.semi_axis_b_m > 0)) continue;
-    std::vector<std::int64_t> corners;
+    std::vector<std::int32_t> corners;
     for (int i = 0; i < kCorners; ++i) {
       const double angle = 2 * kPi * i / kCorners;
       corners.push_back(grid.points());

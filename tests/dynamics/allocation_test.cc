@@ -3,6 +3,7 @@
 // compiled once more here, with Eigen's own check (it aborts).
 #include <gtest/gtest.h>
 
+#include "softfinger/dynamics/eccentricity_law.h"
 #include "tests/allocation_counter.h"
 #include "tests/dynamics/random_scene.h"
 
@@ -55,6 +56,50 @@ TEST(LcpAllocation, ContactLcpDoesNotAllocateOnceSized) {
     }
     EXPECT_EQ(result.status, LcpStatus::solved) << trial;
   }
+}
+
+TEST(LcpAllocation, ExactFrictionAndWarmStartsDoNotAllocateOnceSized) {
+  tests::RandomScenes scenes(16);
+  const SixPatchShape shape(0.5, 0.5);
+  ContactLcpSolver solver(10, 16);
+  for (const FrictionRule rule :
+       {FrictionRule::facets, FrictionRule::ellipsoid, FrictionRule::limit_surface})
+    for (int trial = 0; trial < 20; ++trial) {
+      ContactLcp problem = scenes.next(1 + trial % 10, 16);
+      problem.friction_rule = rule;
+      problem.shapes.assign(std::size_t(problem.contacts()), &shape);
+      std::vector<int> continued(std::size_t(problem.contacts()), -1);
+      for (int i = 0; i < problem.contacts(); ++i) continued[std::size_t(i)] = i;
+      ContactSolution solution;
+      solution.resize(problem.contacts());
+      for (int step = 0; step < 4; ++step) {
+        LcpResult result;
+        {
+          const NoAllocation watch;
+          result = solver.solve(problem, solution, step > 0 ? &continued : nullptr);
+        }
+        EXPECT_EQ(result.status, LcpStatus::solved) << trial;
+        scenes.step(problem, solution, 0.05);
+      }
+    }
+}
+
+TEST(LcpAllocation, ConsistentEccentricityDoesNotAllocateOnceSized) {
+  tests::RandomScenes scenes(17);
+  const PowerEccentricity law(0.002, 1.0 / 3);
+  ContactLcp problem = tests::separate_contacts(scenes, 6);
+  problem.friction_rule = FrictionRule::ellipsoid;
+  const std::vector<const EccentricityLaw*> laws(6, &law);
+  ConsistentContactSolver solver(6, 16);
+  ContactSolution solution;
+  solution.resize(6);
+  ConsistentResult result;
+  {
+    const NoAllocation watch;
+    result = solver.solve(problem, laws, 1e-3, solution, {});
+  }
+  EXPECT_EQ(result.lcp.status, LcpStatus::solved);
+  EXPECT_LE(result.inconsistency, 1e-9);
 }
 
 }  // namespace

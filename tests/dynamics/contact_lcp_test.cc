@@ -97,6 +97,39 @@ TEST(ContactLcp, ProvesThatClosingWallsCannotBeWithstood) {
   EXPECT_EQ(solve(problem, solution).status, LcpStatus::solved);
 }
 
+TEST(ContactLcp, SaysThatFrictionJamsWhatCouldEscapeWithoutIt) {
+  // A slider on a rail, pushed by a wall whose normal is 60 degrees off the rail. Without friction
+  // it gives way; with mu > cot 60 it cannot slide up the wall while the wall does not move
+  // sideways.
+  const double angle = 60 * kPi / 180, mass_kg = 2;
+  const Eigen::Vector4d along(std::cos(angle), std::sin(angle), 0, 0);
+  ContactLcp problem;
+  problem.delassus = along * along.transpose() / mass_kg;
+  problem.free_velocity = Eigen::Vector4d(-0.1, 0, 0, 0);
+  problem.eccentricity_m.setConstant(1, 0.01);
+  problem.vertices = tests::friction_vertices(32);
+  for (const FrictionRule rule : {FrictionRule::facets, FrictionRule::ellipsoid}) {
+    problem.friction_rule = rule;
+    problem.friction_coefficient.setConstant(1, 1);
+    ContactSolution solution;
+    const LcpResult result = solve(problem, solution);
+    ASSERT_EQ(result.status, LcpStatus::infeasible_or_ray);
+    EXPECT_EQ(result.proof, RayProof::ray_only);
+    const Eigen::VectorXd& ray = solution.ray;
+    EXPECT_LE((problem.delassus * ray).norm(), kRoundOff * ray.norm());
+    EXPECT_LT(ray.dot(problem.free_velocity), 0);
+    EXPECT_GT(ray[0], 0);
+    EXPECT_LE(std::hypot(ray[1], ray[2], ray[3] / 0.01), ray[0] * (1 + kRoundOff));
+    // Slippery enough: v_t = 0.1 tan 60 and m x = P (cos - mu sin), x = 0.1/cos.
+    problem.friction_coefficient.setConstant(1, 0.25);
+    ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
+    EXPECT_NEAR(solution.velocity[1], 0.1 * std::tan(angle), kRoundOff);
+    if (rule == FrictionRule::facets) continue;
+    EXPECT_NEAR(solution.impulse[0] * (std::cos(angle) - 0.25 * std::sin(angle)),
+                mass_kg * 0.1 / std::cos(angle), kRoundOff);
+  }
+}
+
 TEST(ContactLcp, IsTheSameProblemAsTheRawOne) {
   // The whole matrix of nc (u + 2) unknowns: the residual of the structured solution in it.
   tests::RandomScenes scenes(11);

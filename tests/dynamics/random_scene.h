@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <vector>
 
 #include "softfinger/dynamics/contact_lcp.h"
 #include "softfinger/friction/linearised_friction.h"
@@ -36,8 +37,8 @@ class RandomScenes {
     problem.eccentricity_m.resize(contacts);
 
     const double decades = uniform(0, 6);
-    Eigen::MatrixXd inverse_mass = Eigen::MatrixXd::Zero(6 * bodies, 6 * bodies);
-    Eigen::VectorXd velocity(6 * bodies);
+    inverse_mass_.setZero(6 * bodies, 6 * bodies);
+    velocity_.resize(6 * bodies);
     std::vector<double> radius_m;
     for (int b = 0; b < bodies; ++b) {
       const double mass_kg = 0.1 * std::pow(10, uniform(0, decades));
@@ -46,18 +47,18 @@ class RandomScenes {
       const Eigen::Vector3d inertia_kg_m2 =
           mass_kg * radius_m.back() * radius_m.back() *
           Eigen::Vector3d(uniform(0.2, 0.6), uniform(0.3, 0.6), uniform(0.3, 0.6));
-      inverse_mass.block<3, 3>(6 * b, 6 * b).diagonal().setConstant(1 / mass_kg);
-      inverse_mass.block<3, 3>(6 * b + 3, 6 * b + 3) =
+      inverse_mass_.block<3, 3>(6 * b, 6 * b).diagonal().setConstant(1 / mass_kg);
+      inverse_mass_.block<3, 3>(6 * b + 3, 6 * b + 3) =
           axes * inertia_kg_m2.cwiseInverse().asDiagonal() * axes.transpose();
-      velocity.segment<3>(6 * b) = uniform(0, 1) * direction() - Eigen::Vector3d(0, 0, 0.0981);
-      velocity.segment<3>(6 * b + 3) = uniform(0, 10) * direction();
+      velocity_.segment<3>(6 * b) = uniform(0, 1) * direction() - Eigen::Vector3d(0, 0, 0.0981);
+      velocity_.segment<3>(6 * b + 3) = uniform(0, 10) * direction();
     }
     if (uniform(0, 1) < 0.3) {  // at rest under gravity: many ties
-      velocity.setZero();
-      for (int b = 0; b < bodies; ++b) velocity[6 * b + 2] = -0.0981;
+      velocity_.setZero();
+      for (int b = 0; b < bodies; ++b) velocity_[6 * b + 2] = -0.0981;
     }
 
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(4 * contacts, 6 * bodies);
+    touches_.clear();
     int first = 0, second = -1;
     Eigen::Vector3d normal, arm_m;
     for (int i = 0; i < contacts; ++i) {
@@ -71,16 +72,28 @@ class RandomScenes {
       } else if (kind < 0.9) {
         arm_m += 0.5 * radius_m[std::size_t(first)] * direction().cross(normal);
       }
-      const Eigen::Matrix3d frame = contact_frame(normal);
-      add_body(jacobian, i, first, frame, arm_m, 1);
-      if (second >= 0)
-        add_body(jacobian, i, second, frame, radius_m[std::size_t(second)] * normal, -1);
+      touches_.push_back({first, second, contact_frame(normal), arm_m,
+                          second < 0 ? Eigen::Vector3d::Zero()
+                                     : Eigen::Vector3d(radius_m[std::size_t(second)] * normal)});
       problem.friction_coefficient[i] = uniform(0, 1) < 0.05 ? 0 : uniform(0.05, 1.5);
       problem.eccentricity_m[i] = std::pow(10, uniform(-6, 0));
     }
-    problem.delassus = jacobian * inverse_mass * jacobian.transpose();
-    problem.free_velocity = jacobian * velocity;
+    assemble(problem);
     return problem;
+  }
+
+  /// The next time step of the scene of `problem`, the last one made, after `solution`: gravity for
+  /// 0.01 s, and each contact moved by `amount` of its arm and turned by `amount` rad, at random.
+  void step(ContactLcp& problem, const ContactSolution& solution, double amount) {
+    velocity_ += inverse_mass_ * jacobian_.transpose() * solution.impulse;
+    for (Eigen::Index row = 2; row < velocity_.size(); row += 6) velocity_[row] -= 0.0981;
+    for (Touch& touch : touches_) {
+      const Eigen::Vector3d shift = amount * direction(), axis = direction();
+      touch.first_arm_m += touch.first_arm_m.norm() * shift;
+      touch.second_arm_m += touch.first_arm_m.norm() * shift;
+      touch.frame = Eigen::AngleAxisd(amount, axis) * touch.frame;
+    }
+    assemble(problem);
   }
 
   double uniform(double lowest, double highest) {
@@ -103,17 +116,53 @@ class RandomScenes {
     frame.col(2) = normal.cross(frame.col(1));
     return frame;
   }
-  static void add_body(Eigen::MatrixXd& jacobian, int contact, int body,
-                       const Eigen::Matrix3d& frame, const Eigen::Vector3d& arm_m, double sign) {
+  struct Touch {
+    int first, second;      ///< bodies; second < 0: the world
+    Eigen::Matrix3d frame;  ///< columns: normal, tangents
+    Eigen::Vector3d first_arm_m, second_arm_m;
+  };
+
+  void assemble(ContactLcp& problem) {
+    const int contacts = int(touches_.size());
+    jacobian_.setZero(4 * contacts, velocity_.size());
+    for (int i = 0; i < contacts; ++i) {
+      const Touch& touch = touches_[std::size_t(i)];
+      add_body(i, touch.first, touch.frame, touch.first_arm_m, 1);
+      if (touch.second >= 0) add_body(i, touch.second, touch.frame, touch.second_arm_m, -1);
+    }
+    problem.delassus = jacobian_ * inverse_mass_ * jacobian_.transpose();
+    problem.free_velocity = jacobian_ * velocity_;
+  }
+  void add_body(int contact, int body, const Eigen::Matrix3d& frame, const Eigen::Vector3d& arm_m,
+                double sign) {
     for (int row = 0; row < 3; ++row) {
-      jacobian.block<1, 3>(4 * contact + row, 6 * body) += sign * frame.col(row).transpose();
-      jacobian.block<1, 3>(4 * contact + row, 6 * body + 3) +=
+      jacobian_.block<1, 3>(4 * contact + row, 6 * body) += sign * frame.col(row).transpose();
+      jacobian_.block<1, 3>(4 * contact + row, 6 * body + 3) +=
           sign * arm_m.cross(frame.col(row)).transpose();
     }
-    jacobian.block<1, 3>(4 * contact + 3, 6 * body + 3) += sign * frame.col(0).transpose();
+    jacobian_.block<1, 3>(4 * contact + 3, 6 * body + 3) += sign * frame.col(0).transpose();
   }
 
   std::mt19937_64 random_;
+  std::vector<Touch> touches_;
+  Eigen::MatrixXd jacobian_, inverse_mass_;
+  Eigen::VectorXd velocity_;
 };
+
+/// Contacts of which each can be moved by itself, with little friction: W is well-conditioned, so
+/// that velocities are unique.
+inline ContactLcp separate_contacts(RandomScenes& scenes, int contacts) {
+  ContactLcp problem;
+  const int n = 4 * contacts;
+  const auto random = [&scenes] { return scenes.uniform(-1, 1); };
+  const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(n, n, random);
+  problem.delassus = root * root.transpose() / n + Eigen::MatrixXd::Identity(n, n);
+  problem.free_velocity = Eigen::VectorXd::NullaryExpr(n, random);
+  problem.friction_coefficient =
+      Eigen::VectorXd::NullaryExpr(contacts, [&scenes] { return scenes.uniform(0.05, 0.3); });
+  problem.eccentricity_m =
+      Eigen::VectorXd::NullaryExpr(contacts, [&scenes] { return scenes.uniform(0.1, 1); });
+  return problem;
+}
 
 }  // namespace softfinger::tests

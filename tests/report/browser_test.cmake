@@ -1,4 +1,9 @@
-# Draws a sample page in headless Chromium and reads what report.js says about itself.
+# Draws a sample page in headless Chromium and reads what its script says about itself.
+#   WRITER SAMPLE DEVICE FOLDER   the page: WRITER leaves SAMPLE_DEVICE.html in FOLDER
+#   FLAGS                         more of Chromium's, separated by commas
+#   EXPECTED                      what the page must state, as attribute=value,...
+string(REPLACE "," ";" FLAGS "${FLAGS}")
+string(REPLACE "," ";" EXPECTED "${EXPECTED}")
 find_program(CHROMIUM NAMES chromium chromium-browser google-chrome)
 if(NOT CHROMIUM)
   message(FATAL_ERROR "chromium is missing: the report's charts are tested in it. "
@@ -8,10 +13,10 @@ file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 execute_process(COMMAND "${WRITER}" "${FOLDER}" RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
-  message(FATAL_ERROR "write_samples failed: ${status}")
+  message(FATAL_ERROR "${WRITER} failed: ${status}")
 endif()
 execute_process(
-  COMMAND "${CHROMIUM}" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run
+  COMMAND "${CHROMIUM}" --headless --no-sandbox ${FLAGS} --disable-quic --no-first-run
           --disable-dev-shm-usage --disable-background-networking --disable-component-update
           --disable-sync --user-data-dir=${FOLDER}/profile --window-size=1280,900
           --virtual-time-budget=20000 --dump-dom "file://${FOLDER}/${SAMPLE}_${DEVICE}.html"
@@ -28,13 +33,22 @@ function(attribute name result)
   set(${result} "${CMAKE_MATCH_1}" PARENT_SCOPE)
 endfunction()
 attribute(script-errors errors)
-attribute(charts-drawn drawn)
-attribute(charts-expected expected)
-attribute(overflow overflow)
 if(NOT errors STREQUAL "0")
   message(FATAL_ERROR "${errors} script errors\n${messages}")
 endif()
-if(expected LESS 1 OR NOT drawn STREQUAL expected)
+foreach(pair IN LISTS EXPECTED)
+  string(REGEX MATCH "^(.*)=(.*)$" pair "${pair}")
+  set(name "${CMAKE_MATCH_1}")
+  set(value "${CMAKE_MATCH_2}")
+  attribute(${name} stated)
+  if(NOT stated STREQUAL value)
+    message(FATAL_ERROR "the page states ${name}=${stated}, not ${value}\n${messages}")
+  endif()
+endforeach()
+attribute(charts-drawn drawn)
+attribute(charts-expected expected)
+attribute(overflow overflow)
+if(NOT drawn STREQUAL expected)
   message(FATAL_ERROR "${drawn} of ${expected} charts drawn")
 endif()
 if(NOT overflow STREQUAL "false")

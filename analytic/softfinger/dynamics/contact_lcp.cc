@@ -72,7 +72,8 @@ struct ContactLcpSolver::Workspace {
   internal::PathOptions options() const;
   void use_first_vertices(const ContactLcp& problem, bool all);
   PathEnd go_on_adding_vertices(PathEnd end, const ContactLcp& problem, ContactSolution& solution,
-                                const internal::PathOptions& options, LcpResult& result);
+                                const internal::PathOptions& options, LcpResult& result,
+                                bool is_warm = false);
   bool continue_last(const ContactLcp& problem, ContactSolution& solution,
                      const std::vector<int>& continued, LcpResult& result);
   bool use_last_basis(const ContactLcp& problem);
@@ -101,6 +102,7 @@ struct ContactLcpSolver::Workspace {
   std::vector<char> kept_friction;
   Eigen::VectorXd exact_impulse, best_impulse;  ///< scaled
   double best_residual = 0;
+  int newton_passes = 1;
   /// What the last problem leaves to the next one.
   struct Memory {
     struct Entry {
@@ -304,7 +306,9 @@ RayProof ContactLcpSolver::Workspace::check_ray(const ContactLcp& problem,
   }
   solution.ray = impulse_scale.head(n).cwiseProduct(ray.impulse.head(n)) / size;
   const double work = solution.ray.dot(problem.free_velocity);
-  const double natural = solution.ray.cwiseAbs().dot(problem.free_velocity.cwiseAbs());
+  // Of the whole ray: with round-off in few rows of it, work would be found where there is none.
+  const double natural =
+      solution.ray.lpNorm<Eigen::Infinity>() * problem.free_velocity.lpNorm<Eigen::Infinity>();
   if (!(work < -kRoundOff * natural)) return RayProof::none;
   return with_friction ? RayProof::ray_only : RayProof::infeasible;
 }
@@ -338,11 +342,12 @@ void ContactLcpSolver::Workspace::use_first_vertices(const ContactLcp& problem, 
 
 /// Adds vertices that the last solution violates, under the exact rules points that its slip and
 /// load ask for, and goes on from its basis, until none is violated or Newton's method arrives from
-/// there. Where a path ends elsewhere, it starts again from z = 0 with all vertices found so far.
+/// there. Where a path ends elsewhere, it starts again from z = 0 with all vertices found so far,
+/// unless it was a warm one.
 PathEnd ContactLcpSolver::Workspace::go_on_adding_vertices(PathEnd end, const ContactLcp& problem,
                                                            ContactSolution& solution,
                                                            const internal::PathOptions& options,
-                                                           LcpResult& result) {
+                                                           LcpResult& result, bool is_warm) {
   constexpr double kTolerated = 1e-13;
   result.pivots += path.pivots();
   while (end == PathEnd::solved) {
@@ -354,6 +359,7 @@ PathEnd ContactLcpSolver::Workspace::go_on_adding_vertices(PathEnd end, const Co
     end = path.follow(system, options, true);
     result.pivots += path.pivots();
     if (end == PathEnd::solved) continue;
+    if (is_warm) break;
     end = path.follow(system, options);
     result.pivots += path.pivots();
   }
@@ -429,13 +435,18 @@ bool ContactLcpSolver::Workspace::continue_last(const ContactLcp& problem,
           exact_impulse[4 * i + row] =
               last.impulse[4 * before + row] / (velocity_unit * impulse_scale[4 * i + row]);
     }
+    newton_passes = 1;
     result.residual = polish_from_impulse(problem, solution, result);
     if (result.residual <= kGood) return true;
   }
+  newton_passes = 2;
   cover(0);
   if (!use_last_basis(problem)) return false;
-  const PathEnd end = path.follow_from(system, options(), basis.data(), int(basis.size()));
-  if (go_on_adding_vertices(end, problem, solution, options(), result) != PathEnd::solved)
+  // More pivots than contacts have bounds are no gain over a cold start.
+  internal::PathOptions warm_options = options();
+  warm_options.most_pivots = 4 * nc + 10;
+  const PathEnd end = path.follow_from(system, warm_options, basis.data(), int(basis.size()));
+  if (go_on_adding_vertices(end, problem, solution, warm_options, result, true) != PathEnd::solved)
     return false;
   result.residual = is_exact(problem) ? best_residual : extract(problem, solution);
   return result.residual <= kGood;
@@ -453,7 +464,7 @@ double ContactLcpSolver::Workspace::polish_from_impulse(const ContactLcp& proble
                                                         ContactSolution& solution,
                                                         LcpResult& result) {
   const int n = 4 * system.contacts;
-  newton.solve(system, exact_impulse);
+  newton.solve(system, exact_impulse, newton_passes);
   result.newton_iterations += newton.iterations();
   const double reached = extract_exact(problem, solution);
   if (reached < best_residual) {
@@ -471,9 +482,15 @@ double ContactLcpSolver::Workspace::extract_exact(const ContactLcp& problem,
     solution.impulse.segment<4>(4 * i) =
         velocity_unit *
         impulse_scale.segment<4>(4 * i).cwiseProduct(exact_impulse.segment<4>(4 * i));
-    // Newton's values are zero to round-off only.
-    double& normal = solution.impulse[4 * i];
-    if (!(normal > 0)) solution.impulse.segment<4>(4 * i).setZero();
+    // Newton's values are within their bounds to round-off only.
+    if (!(exact_impulse[4 * i] > 0)) {
+      solution.impulse.segment<4>(4 * i).setZero();
+      continue;
+    }
+    const double gauge =
+        friction_gauge(system.shapes[std::size_t(i)], exact_impulse.segment<3>(4 * i + 1));
+    if (gauge > exact_impulse[4 * i])
+      solution.impulse.segment<3>(4 * i + 1) *= exact_impulse[4 * i] / gauge;
   }
   solution.velocity.head(n) = problem.free_velocity;
   solution.velocity.noalias() += problem.delassus * solution.impulse;
@@ -518,12 +535,16 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
     path_options.tolerance = attempt % 2 == 0 ? 1e-12 : 1e-11;
     cover(attempt);
     ++result.attempts;
+    newton_passes = attempt == 0 ? 2 : internal::ExactNewton::kMostPasses;
     use_first_vertices(problem, attempt % 2 == 1);
     return go_on_adding_vertices(path.follow(system, path_options), problem, solution, path_options,
                                  result);
   };
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-    if (follow(attempt) == PathEnd::ray) {
+    const PathEnd end = follow(attempt);
+    if (exact) result.residual = best_residual;
+    if (exact && best_residual <= kGood) break;
+    if (end == PathEnd::ray) {
       const RayProof proof = check_ray(problem, solution);
       if (proof == RayProof::none) continue;
       result.proof = proof;
@@ -541,19 +562,18 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
     if (reached <= kGood || (attempt + 1 >= kAttemptsForGood && result.residual <= kTolerance))
       break;
   }
-  if (std::isfinite(result.residual) && result.proof != RayProof::infeasible) {
-    if (exact) {
-      exact_impulse = best_impulse;
-      extract_exact(problem, solution);
-    } else if (best_attempt != result.attempts - 1) {
-      follow(best_attempt);
-      extract(problem, solution);
-    }
-    if (result.residual <= kTolerance) {
-      result.status = LcpStatus::solved;
-      result.proof = RayProof::none;
-      return result;
-    }
+  if (exact && std::isfinite(result.residual)) {
+    exact_impulse = best_impulse;
+    extract_exact(problem, solution);
+  } else if (std::isfinite(result.residual) && result.proof != RayProof::infeasible &&
+             best_attempt != result.attempts - 1) {
+    follow(best_attempt);
+    extract(problem, solution);
+  }
+  if (result.residual <= kTolerance) {
+    result.status = LcpStatus::solved;
+    result.proof = RayProof::none;
+    return result;
   }
   if (result.proof != RayProof::none) {
     result.status = LcpStatus::infeasible_or_ray;

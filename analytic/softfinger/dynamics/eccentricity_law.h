@@ -1,8 +1,88 @@
 #pragma once
+
+#include <vector>
+
+#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/input/contact_problem.h"
+#include "softfinger/pressure/pressure_model.h"
+
 namespace softfinger {
+
+/// e_n of a contact as its load P changes: the contact ellipse grows with it (Ciocarlie et al.
+/// 2007, eq. 6).
 class EccentricityLaw {
  public:
   virtual ~EccentricityLaw() = default;
+  /// Finite and >= 0 for every load_N >= 0, 0 included.
   virtual double eccentricity_m(double load_N) const noexcept = 0;
 };
+
+/// coefficient P^exponent, P in newtons: Hertz has exponent 1/3, Winkler 1/4, an empirical finger
+/// its gamma.
+class PowerEccentricity final : public EccentricityLaw {
+ public:
+  /// @param eccentricity_at_1N_m, exponent  >= 0, finite. @throws InputError
+  PowerEccentricity(double eccentricity_at_1N_m, double exponent);
+  double eccentricity_m(double load_N) const noexcept override;
+
+ private:
+  double coefficient_m_, exponent_;
+};
+
+/// Samples, linear in ln e_n over ln P; beyond them with the power law of the last two. A lookup is
+/// a division and an exponential.
+class SampledEccentricity final : public EccentricityLaw {
+ public:
+  /// Loads evenly spaced in ln P. @param eccentricity_m  at least two, > 0, at lowest_load_N,
+  /// ..., highest_load_N. @throws InputError
+  SampledEccentricity(double lowest_load_N, double highest_load_N,
+                      const std::vector<double>& eccentricity_m);
+
+  /// Of a pressure model: e_n is its exact torque arm. @param problem  its load does not matter.
+  /// @throws InputError where the model has no answer
+  static SampledEccentricity of_model(const PressureModel& model, ContactProblem problem,
+                                      double lowest_load_N, double highest_load_N, int count = 33);
+
+  double eccentricity_m(double load_N) const noexcept override;
+
+ private:
+  double log_lowest_, log_step_;
+  std::vector<double> log_eccentricity_;
+};
+
+struct ConsistentResult {
+  LcpResult lcp;       ///< of the last solve; pivots and Newton iterations of all
+  int iterations = 0;  ///< contact problems solved
+  /// Largest |law(P_i) - e_i|/max(law(P_i), e_i) of the loaded contacts, e_i what was solved with:
+  /// 0 is consistent. Contacts without load have no e_n to agree with.
+  double inconsistency = 0;
+};
+
+/// Contacts whose e_n belongs to the load that they find in the same time step: P = impulse over
+/// time step, e_n = law(P), iterated to agreement. Fixed-point steps, per contact by the secant of
+/// the last two where that is between a quarter and four times as long; halved when the
+/// inconsistency grows. The power laws of contact are weak (e_n ~ P^(1/3)), so that two or three
+/// solves are usual, all but the first one warm. No allocation once sized.
+class ConsistentContactSolver {
+ public:
+  struct Options {
+    double tolerance = 1e-9;  ///< of the inconsistency
+    int most_iterations = 20;
+  };
+
+  ConsistentContactSolver(int largest_contacts, int largest_vertices);
+
+  /// As ContactLcpSolver::solve. @param problem  its eccentricity_m is the first guess, and
+  /// afterwards what the solution was found with. @param laws  per contact; null: e_n stays.
+  /// @param time_step_s  > 0. @throws InputError
+  ConsistentResult solve(ContactLcp& problem, const std::vector<const EccentricityLaw*>& laws,
+                         double time_step_s, ContactSolution& solution, const Options& options,
+                         const std::vector<int>* continued = nullptr);
+
+ private:
+  ContactLcpSolver solver_;
+  std::vector<int> itself_;
+  Eigen::VectorXd last_eccentricity_m_, mismatch_m_, last_mismatch_m_;
+};
+
 }  // namespace softfinger

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <iterator>
 
 namespace softfinger::internal {
 
@@ -13,6 +14,8 @@ ExactNewton::ExactNewton(int contacts)
       trial_(4 * contacts),
       step_(4 * contacts),
       right_(4 * contacts),
+      start_(4 * contacts),
+      point_(4 * contacts),
       matrix_(4 * contacts, 4 * contacts) {}
 
 /// The natural map, and what its derivative is made of.
@@ -29,22 +32,28 @@ double ExactNewton::evaluate(const ContactSystem& system, const Eigen::VectorXd&
     map_.segment<3>(4 * i + 1).setZero();
     if (system.has_friction[std::size_t(i)]) {
       const Eigen::Vector3d slip = velocity_.segment<3>(4 * i + 1);
+      const double limit = std::max(pressure, 0.);
       contact.metric = system.friction_metric(i);
-      contact.excess =
-          friction_excess(system.shapes[std::size_t(i)],
-                          contact.metric.cwiseProduct(impulse.segment<3>(4 * i + 1)) - slip,
-                          std::max(pressure, 0.), contact.metric);
-      map_.segment<3>(4 * i + 1) = slip + contact.excess.excess;
+      contact.excess = friction_excess(
+          system.shapes[std::size_t(i)],
+          contact.metric.cwiseProduct(impulse.segment<3>(4 * i + 1)) - slip, limit, contact.metric);
+      const Eigen::Vector3d map = slip + contact.excess.excess;
+      map_.segment<3>(4 * i + 1) = map;
+      // Where an element of A is small, an error of the wrench would hide: as large as the
+      // projection by the largest element alone would make it.
+      const double length = contact.excess.excess.norm(), largest = contact.metric.maxCoeff();
+      Eigen::Array3d weight = Eigen::Array3d::Ones();
+      if (length > 0)
+        weight = (limit + length / contact.metric.array()) / (limit + length / largest);
+      worst = std::max(worst, (weight * map.array()).abs().maxCoeff() / system.natural_sizes[i]);
     }
-    worst =
-        std::max(worst, map_.segment<4>(4 * i).lpNorm<Eigen::Infinity>() / system.natural_sizes[i]);
+    worst = std::max(worst, std::abs(map_[4 * i]) / system.natural_sizes[i]);
   }
   return worst;
 }
 
-bool ExactNewton::find_step(const ContactSystem& system, const Eigen::VectorXd& impulse) {
-  // Proximal: where W is singular, it becomes this much times the unit matrix.
-  constexpr double kProximal = 1e-9;
+bool ExactNewton::find_step(const ContactSystem& system, const Eigen::VectorXd& impulse,
+                            double proximal) {
   const int nc = system.contacts;
   step_.head(4 * nc).setZero();
   int size = 0;
@@ -87,11 +96,11 @@ bool ExactNewton::find_step(const ContactSystem& system, const Eigen::VectorXd& 
           matrix_.block<3, 1>(row + 1, column).noalias() = sticking * block.block<3, 1>(1, 0);
       }
     }
-    matrix_(row, row) += kProximal;
+    matrix_(row, row) += proximal;
     right_[row] = -map_[4 * i] - trial_[4 * i];
     if (!rubs) continue;
     matrix_.block<3, 3>(row + 1, row + 1) += sliding * metric;
-    matrix_.block<3, 3>(row + 1, row + 1).diagonal() += kProximal * contact.metric;
+    matrix_.block<3, 3>(row + 1, row + 1).diagonal() += proximal * contact.metric;
     matrix_.block<3, 1>(row + 1, row) -= sliding * (metric * contact.excess.boundary);
     right_.segment<3>(row + 1) =
         -map_.segment<3>(4 * i + 1) - sticking * trial_.segment<3>(4 * i + 1);
@@ -135,29 +144,47 @@ bool ExactNewton::eliminate(int size) {
   return right_.head(size).allFinite();
 }
 
-double ExactNewton::solve(const ContactSystem& system, Eigen::VectorXd& impulse) {
+/// Follows `start_` with steps that are shortened until the map falls, or with full ones whatever
+/// it does; keeps the best point in `impulse`.
+double ExactNewton::descend(const ContactSystem& system, const Pass& pass, double best,
+                            Eigen::VectorXd& impulse) {
   constexpr int kMostIterations = 20, kMostHalvings = 6;
   constexpr double kConverged = 1e-15;
   const int n = 4 * system.contacts;
-  double residual = evaluate(system, impulse);
-  for (iterations_ = 0; iterations_ < kMostIterations && residual > kConverged; ++iterations_) {
-    if (!find_step(system, impulse)) break;
+  point_.head(n) = start_.head(n);
+  double residual = evaluate(system, point_);
+  for (int iteration = 0; iteration < kMostIterations && residual > kConverged; ++iteration) {
+    if (!find_step(system, point_, pass.proximal)) break;
+    ++iterations_;
+    right_.head(n) = point_.head(n);
     double fraction = 1, next = residual;
-    const auto old = right_.head(n);
-    right_.head(n) = impulse.head(n);
     for (int halving = 0; halving <= kMostHalvings; ++halving, fraction *= 0.5) {
-      impulse.head(n) = old + fraction * step_.head(n);
-      next = evaluate(system, impulse);
-      if (next < residual) break;
+      point_.head(n) = right_.head(n) + fraction * step_.head(n);
+      next = evaluate(system, point_);
+      if (next < residual || pass.full_steps) break;
     }
-    if (!(next < residual)) {
-      impulse.head(n) = old;
-      evaluate(system, impulse);
-      break;
-    }
+    if (!(next < residual) && !pass.full_steps) break;
     residual = next;
+    if (residual >= best) continue;
+    best = residual;
+    impulse.head(n) = point_.head(n);
   }
-  return residual;
+  return best;
+}
+
+double ExactNewton::solve(const ContactSystem& system, Eigen::VectorXd& impulse, int passes) {
+  constexpr double kGood = 1e-12;
+  // Full steps leave kinks behind that stop a descent; larger proximal terms still impulses of
+  // nearly redundant contacts.
+  constexpr double kProximals[] = {1e-10, 1e-8, 1e-6, 1e-4};
+  static_assert(2 * std::size(kProximals) == kMostPasses);
+  const int n = 4 * system.contacts;
+  start_.head(n) = impulse.head(n);
+  iterations_ = 0;
+  double best = evaluate(system, impulse);
+  for (int pass = 0; pass < passes && best > kGood; ++pass)
+    best = descend(system, {kProximals[pass / 2], pass % 2 == 1}, best, impulse);
+  return best;
 }
 
 }  // namespace softfinger::internal

@@ -21,9 +21,11 @@ class ExactNewton {
  public:
   explicit ExactNewton(int contacts);
 
+  static constexpr int kMostPasses = 8;
+
   /// Improves `impulse`; returns the largest |F| without unit (velocities over the largest of the
-  /// free ones). No allocation.
-  double solve(const ContactSystem& system, Eigen::VectorXd& impulse);
+  /// free ones). Up to `passes` attempts from the same point. No allocation.
+  double solve(const ContactSystem& system, Eigen::VectorXd& impulse, int passes);
 
   int iterations() const { return iterations_; }  ///< of the last solve
 
@@ -34,13 +36,20 @@ class ExactNewton {
     FrictionExcess excess;
   };
 
+  struct Pass {
+    double proximal;  ///< what is added to W, times its diagonal: where W is singular, it counts
+    bool full_steps;
+  };
+
+  double descend(const ContactSystem& system, const Pass& pass, double best,
+                 Eigen::VectorXd& impulse);
   double evaluate(const ContactSystem& system, const Eigen::VectorXd& impulse);
-  bool find_step(const ContactSystem& system, const Eigen::VectorXd& impulse);
+  bool find_step(const ContactSystem& system, const Eigen::VectorXd& impulse, double proximal);
   bool eliminate(int size);
 
   std::vector<Contact> contacts_;
   std::vector<int> first_;  ///< unknown of each contact, -1: none
-  Eigen::VectorXd velocity_, map_, trial_, step_, right_;
+  Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_;
   Eigen::MatrixXd matrix_;
   int iterations_ = 0;
 };

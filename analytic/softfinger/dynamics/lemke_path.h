@@ -142,7 +142,7 @@ class LemkePath {
     for (; pivots_ < options.most_pivots; ++pivots_) {
       if (!find_direction(entering_is_z, entering)) return PathEnd::numerical;
       const int k = basis_.size();
-      const double least = 1e-9 * std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
+      const double least = 1e-11 * std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
 
       Blocking blocking;
       for (int p = 0; p < k; ++p)

@@ -265,7 +265,8 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
     }
     if (island.capacity > 0) continue;
     island.capacity = int(count) + int(count) / 2 + 1;
-    island.solver = ContactLcpSolver(island.capacity, int(options_.friction_vertices.cols()));
+    island.solver =
+        ConsistentContactSolver(island.capacity, int(options_.friction_vertices.cols()));
   }
 }
 
@@ -280,54 +281,33 @@ void TimeStepper::extract(Island& island) {
   part.vertices = problem_.vertices;
   part.friction_rule = problem_.friction_rule;
   part.shapes.resize(std::size_t(count));
+  island.laws.assign(std::size_t(count), nullptr);
   for (int i = 0; i < count; ++i) {
     const int row = island.rows[std::size_t(i)];
     part.free_velocity.segment<4>(4 * i) = problem_.free_velocity.segment<4>(4 * row);
     part.friction_coefficient[i] = problem_.friction_coefficient[row];
     part.eccentricity_m[i] = problem_.eccentricity_m[row];
     part.shapes[std::size_t(i)] = problem_.shapes[std::size_t(row)];
+    if (row < int(contacts_.size()))
+      island.laws[std::size_t(i)] = contacts_[std::size_t(row)].eccentricity_law;
     for (int j = 0; j < count; ++j)
       part.delassus.block<4, 4>(4 * i, 4 * j) =
           problem_.delassus.block<4, 4>(4 * row, 4 * island.rows[std::size_t(j)]);
   }
 }
 
-/// Solves an island until each e_n is that of its own load.
+/// Solves an island, each e_n that of its own load.
 LcpResult TimeStepper::solve(Island& island, StepResult& result) {
-  constexpr int kMostRounds = 30;
-  constexpr double kAgreement = 1e-9;
-  LcpResult solved;
-  int pivots = 0;
-  for (int round = 1; round <= kMostRounds; ++round) {
-    solved = island.solver.solve(island.problem, island.solution,
-                                 island.solved ? &island.continued : nullptr);
-    pivots += solved.pivots;
-    solved.pivots = pivots;
-    island.solved = solved.status == LcpStatus::solved;
-    if (!island.solved) return solved;
-    double disagreement = 0;
-    bool agrees = true;
-    for (std::size_t i = 0; i < island.rows.size(); ++i) {
-      island.continued[i] = int(i);
-      const int row = island.rows[i];
-      if (row >= int(contacts_.size())) continue;
-      const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
-      const double load_N = island.solution.impulse[4 * int(i)] / options_.time_step_s;
-      if (!law || !(load_N > 0)) continue;
-      result.load_iterations = std::max(result.load_iterations, round);
-      double& used_m = island.problem.eccentricity_m[int(i)];
-      const double wanted_m = law->eccentricity_m(load_N);
-      const double apart =
-          std::abs(wanted_m - used_m) / std::max(wanted_m, std::numeric_limits<double>::min());
-      disagreement = std::max(disagreement, apart);
-      if (apart <= kAgreement || round == kMostRounds) continue;
-      agrees = false;
-      used_m = wanted_m;
-    }
-    if (!agrees) continue;
-    result.load_disagreement = std::max(result.load_disagreement, disagreement);
-    break;
-  }
+  const ConsistentResult consistent =
+      island.solver.solve(island.problem, island.laws, options_.time_step_s, island.solution, {},
+                          island.solved ? &island.continued : nullptr);
+  LcpResult solved = consistent.lcp;
+  if (solved.status == LcpStatus::iteration_limit && solved.residual <= options_.accepted_residual)
+    solved.status = LcpStatus::solved;
+  island.solved = solved.status == LcpStatus::solved;
+  for (std::size_t i = 0; i < island.continued.size(); ++i) island.continued[i] = int(i);
+  result.load_iterations = std::max(result.load_iterations, consistent.iterations);
+  result.load_disagreement = std::max(result.load_disagreement, consistent.inconsistency);
   return solved;
 }
 

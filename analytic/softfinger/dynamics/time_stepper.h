@@ -85,6 +85,10 @@ class TimeStepper {
     /// Overlaps are pushed apart no faster than that.
     double correction_m_per_s = 0.1;
     FrictionRule friction_rule = FrictionRule::ellipsoid;
+    /// A problem that the solver gives up on is taken as solved up to this residual (see
+    /// LcpResult), far below what a contact can feel: nearly redundant contacts of stiff joints do
+    /// that.
+    double accepted_residual = 1e-7;
     Eigen::Matrix3Xd friction_vertices;  ///< of FrictionRule::facets, see ContactLcp::vertices
   };
 
@@ -166,7 +170,8 @@ class TimeStepper {
     std::vector<long> ids;
     ContactLcp problem;
     ContactSolution solution;
-    ContactLcpSolver solver{0, 0};
+    std::vector<const EccentricityLaw*> laws;
+    ConsistentContactSolver solver{0, 0};
     int capacity = 0;
     bool solved = false;         ///< the last problem given to `solver`
     std::vector<int> continued;  ///< see ContactLcpSolver::solve

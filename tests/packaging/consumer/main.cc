@@ -1,10 +1,33 @@
 #include <cmath>
 #include <cstdio>
 
+#include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/pressure/pressure_model.h"
 
+namespace {
+
+struct NoContacts : softfinger::ContactFinder {
+  void find(const softfinger::Multibody&, double, std::vector<softfinger::Contact>&) override {}
+};
+
+/// A ball that falls for a second, at constant acceleration: v = g t.
+bool falls() {
+  softfinger::BodyDescription ball;
+  ball.name = "ball";
+  ball.mass = softfinger::with_mass(
+      softfinger::unit_mass_of_ellipsoid(Eigen::Vector3d::Constant(0.01)), 0.1);
+  softfinger::TimeStepper stepper(softfinger::Multibody({ball}, {}), {}, {});
+  NoContacts nothing;
+  for (int step = 0; step < 1000; ++step)
+    if (!stepper.step(nothing).done()) return false;
+  return std::abs(stepper.bodies().velocity()[2] + 9.81) < 1e-12 * 1000;
+}
+
+}  // namespace
+
 int main() {
+  if (!falls()) return 2;
   softfinger::ContactProblem problem;
   problem.radii = {0.01, 0.01};
   problem.layer = {0.1, 0.75e6, 0.5};  // E* = 1 MPa

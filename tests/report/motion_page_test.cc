@@ -1,0 +1,241 @@
+#include "comparisons/report/motion_page.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "comparisons/report/motion_data.h"
+#include "from_base64.h"
+#include "sample_motion.h"
+#include "softfinger/friction/limit_surface.h"
+#include "softfinger/math/pi.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+using simulation::Recording;
+using tests::from_base64;
+
+/// The page as a browser without JavaScript has it.
+std::string without_scripts(std::string page) {
+  for (const std::string element : {"script", "style"})
+    for (std::size_t from; (from = page.find("<" + element)) != std::string::npos;) {
+      const std::size_t to = page.find("</" + element + ">", from);
+      if (to == std::string::npos) throw std::runtime_error("unclosed " + element);
+      page.erase(from, to + element.size() + 3 - from);
+    }
+  return page;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(MotionPage, SaysWithoutScriptsWhatMovedAndWhatTouchesAtTheEnd) {
+  MotionPageOptions options;
+  options.scene_text = "[[body]]\nname = \"a <b> & c\"\n";
+  options.version = "1.2.3";
+  options.command = "softfinger simulate box.toml --output \"my folder\"";
+  const Recording recording = tests::sample_motion();
+  const std::string text = without_scripts(motion_page(recording, options));
+  for (const char* part :
+       {"<h1>box_in_pinch</h1>", "held off its centre", "4\u00a0bodies (3 of them movable)",
+        "400\u00a0steps over 2\u00a0s", "6\u00a0contacts", "thumb – box", "index finger – box",
+        "table – box 4", "[[body]]\nname = &quot;a &lt;b&gt; &amp; c&quot;", "1.2.3",
+        "softfinger simulate box.toml --output &quot;my folder&quot;", "three.js"})
+    EXPECT_TRUE(contains(text, part)) << part;
+  const std::string final_table =
+      text.substr(text.find("id=\"final\""),
+                  text.find("id=\"contacts-over-time\"") - text.find("id=\"final\""));
+  for (const char* part : {"thumb – box", "<td>4.000</td>", "<td>3.20</td>", "winkler", "sticks"})
+    EXPECT_TRUE(contains(final_table, part)) << part;
+  EXPECT_FALSE(contains(final_table, "table – box")) << "it has been lifted";
+}
+
+TEST(MotionPage, EscapesNamesInTextAndData) {
+  Recording recording = tests::sample_motion(10);
+  recording.scene = recording.bodies[0].name = "</script><script>alert(1)</script>";
+  const std::string page = motion_page(recording, {});
+  EXPECT_FALSE(contains(page, "<script>alert(1)"));
+  EXPECT_TRUE(contains(without_scripts(page), "&lt;script&gt;alert(1)"));
+}
+
+TEST(MotionPage, StaysBelowThreeMegabytes) {
+  EXPECT_LT(motion_page(tests::large_motion(), {}).size(), 3'000'000u);
+  // The stress scene: a hundred contacts. And meshes far finer than a picture needs.
+  Recording stress = tests::large_motion();
+  for (simulation::Frame& frame : stress.frames)
+    while (frame.contacts.size() < 100) frame.contacts.push_back(frame.contacts.front());
+  for (int i = 0; i < 5; ++i) {
+    simulation::Mesh& mesh =
+        std::get<simulation::Mesh>(stress.bodies[5 * i + 4].shapes.front().kind);
+    TriangleSurface own =
+        *std::get<simulation::Mesh>(stress.bodies[25].shapes.front().kind).surface;
+    for (Eigen::Vector3d& vertex : own.vertices_m) vertex *= 0.2 + 0.01 * i;
+    mesh.surface = std::make_shared<const TriangleSurface>(own);
+  }
+  EXPECT_LT(motion_page(stress, {}).size(), 3'000'000u);
+}
+
+TEST(MotionPage, NeedsNoNetwork) {
+  const std::string page = motion_page(tests::sample_motion(10), {});
+  EXPECT_FALSE(contains(page, "src=\"http"));
+  EXPECT_FALSE(contains(page, "<link"));
+  EXPECT_FALSE(contains(page, "{{"));
+}
+
+TEST(MotionPage, SurvivesWhatThereIsNotMuchOf) {
+  EXPECT_TRUE(contains(motion_page(tests::empty_motion(), {}), "Nothing was recorded."));
+  EXPECT_TRUE(contains(motion_page(tests::motion_without_contacts(), {}), "no contact."));
+  EXPECT_TRUE(
+      contains(motion_page(tests::motion_of_one_frame(), {}), "0\u00a0steps over 0\u00a0s"));
+  Recording shapeless = tests::sample_motion(10);
+  for (simulation::RecordedBody& body : shapeless.bodies) body.shapes.clear();
+  EXPECT_TRUE(contains(motion_page(shapeless, {}), "thumb – box"));
+}
+
+TEST(ShownFrames, AreAtMost300WithTheFirstAndTheLast) {
+  for (const int steps : {0, 1, 10, 298, 299, 300, 1000, 1799}) {
+    const std::vector<std::size_t> shown = shown_frames(tests::sample_motion(steps));
+    EXPECT_LE(shown.size(), 300u);
+    EXPECT_GE(2 * shown.size(), std::min(300, steps)) << "and not many fewer";
+    EXPECT_EQ(shown.front(), 0u);
+    EXPECT_EQ(shown.back(), static_cast<std::size_t>(steps));
+  }
+  EXPECT_TRUE(shown_frames(tests::empty_motion()).empty());
+}
+
+TEST(FollowContacts, DoesNotDependOnTheOrderWithinAFrame) {
+  const Recording recording = tests::sample_motion(100);
+  Recording shuffled = recording;
+  std::mt19937 random(1);
+  // The first frame numbers the tracks.
+  for (std::size_t i = 1; i < shuffled.frames.size(); ++i)
+    std::shuffle(shuffled.frames[i].contacts.begin(), shuffled.frames[i].contacts.end(), random);
+  const std::vector<ContactTrack> tracks = follow_contacts(recording);
+  const std::vector<ContactTrack> shuffled_tracks = follow_contacts(shuffled);
+  ASSERT_EQ(tracks.size(), 6u);
+  ASSERT_EQ(shuffled_tracks.size(), tracks.size());
+  for (std::size_t track = 0; track < tracks.size(); ++track)
+    for (std::size_t i = 0; i < recording.frames.size(); ++i) {
+      ASSERT_EQ(tracks[track].contacts[i].has_value(),
+                shuffled_tracks[track].contacts[i].has_value());
+      if (!tracks[track].contacts[i]) continue;
+      EXPECT_EQ(recording.frames[i].contacts[*tracks[track].contacts[i]].point_m,
+                shuffled.frames[i].contacts[*shuffled_tracks[track].contacts[i]].point_m);
+    }
+}
+
+TEST(FollowContacts, ContinuesATrackAfterAGap) {
+  Recording recording = tests::sample_motion(100);
+  for (int i = 20; i < 40; ++i) recording.frames[i].contacts.clear();
+  const std::vector<ContactTrack> tracks = follow_contacts(recording);
+  ASSERT_EQ(tracks.size(), 6u);
+  EXPECT_EQ(track_name(recording, tracks, 0), "thumb – box");
+  EXPECT_TRUE(tracks[0].contacts[19] && !tracks[0].contacts[30] && tracks[0].contacts[40]);
+}
+
+TEST(MotionData, HoldsPosesAndContactsOfEveryShownFrame) {
+  const Recording recording = tests::sample_motion(400);
+  const std::vector<ContactTrack> tracks = follow_contacts(recording);
+  const Json data = motion_data(recording, tracks);
+  const std::vector<std::size_t> shown = shown_frames(recording);
+  const auto times = from_base64<float>(data["time_s"]);
+  const auto poses = from_base64<float>(data["poses"]);
+  const auto contacts = from_base64<float>(data["contacts"]);
+  const auto offsets = from_base64<std::uint32_t>(data["contact_offsets"]);
+  ASSERT_EQ(times.size(), shown.size());
+  ASSERT_EQ(poses.size(), 7 * 4 * shown.size());
+  ASSERT_EQ(offsets.size(), shown.size() + 1);
+  ASSERT_EQ(offsets.back(), contacts.size());
+  const std::vector<std::string> columns = data["columns"];
+  const auto column = [&](const char* name) {
+    return std::find(columns.begin(), columns.end(), name) - columns.begin();
+  };
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const simulation::Frame& frame = recording.frames[shown[i]];
+    EXPECT_EQ(times[i], static_cast<float>(frame.time_s));
+    for (std::size_t body = 0; body < 4; ++body)
+      EXPECT_EQ(poses[7 * (4 * i + body) + 2],
+                static_cast<float>(frame.poses[body].translation().z()));
+    ASSERT_EQ(offsets[i + 1] - offsets[i], columns.size() * frame.contacts.size());
+    for (std::size_t at = offsets[i]; at < offsets[i + 1]; at += columns.size()) {
+      const auto track = static_cast<std::size_t>(contacts[at]);
+      const simulation::RecordedContact& contact =
+          frame.contacts[*tracks[track].contacts[shown[i]]];
+      EXPECT_EQ(contacts[at + column("P")], static_cast<float>(contact.normal_force_N));
+      EXPECT_EQ(contacts[at + column("e_n")], static_cast<float>(contact.eccentricity_m));
+      EXPECT_EQ(contacts[at + column("slides")], contact.slides ? 1 : 0);
+    }
+  }
+}
+
+TEST(MotionData, SectionsAreThoseOfTheLimitSurface) {
+  const Recording recording = tests::sample_motion(400);
+  const std::vector<ContactTrack> tracks = follow_contacts(recording);
+  const Json data = motion_data(recording, tracks);
+  const auto contacts = from_base64<float>(data["contacts"]);
+  const auto radii = from_base64<float>(data["sections"]["radii"]);
+  const int points = data["sections"]["points"];
+  const std::vector<std::string> columns = data["columns"];
+  const std::size_t section_column =
+      std::find(columns.begin(), columns.end(), "section") - columns.begin();
+  const std::vector<std::size_t> shown = shown_frames(recording);
+  std::size_t at = 0;
+  int checked = 0;
+  for (const std::size_t i : shown)
+    for (const ContactTrack& track : tracks) {
+      if (!track.contacts[i]) continue;
+      const simulation::RecordedContact& contact = recording.frames[i].contacts[*track.contacts[i]];
+      const int section = static_cast<int>(contacts[at + section_column]);
+      EXPECT_FLOAT_EQ(contacts[at + section_column + 1], 1) << "the sample uses the exact e_n";
+      at += columns.size();
+      if (contact.semi_axis_a_m == 0) {
+        EXPECT_EQ(section, -1) << "a point has no limit surface to draw";
+        continue;
+      }
+      const LimitSurface surface(contact.semi_axis_a_m, contact.semi_axis_b_m,
+                                 contact.pressure_exponent, 1);
+      const double direction = std::atan2(contact.tangent_force_2_N, contact.tangent_force_1_N);
+      for (const int k : {0, 5, 12, 20, points - 1}) {
+        const double angle = kPi / 2 * k / (points - 1);
+        const double radius = radii.at(section * points + k);
+        // Half a rounding step of aspect and direction moves the section by less than a pixel.
+        EXPECT_NEAR(surface.utilisation({radius * std::cos(angle) * std::cos(direction),
+                                         radius * std::cos(angle) * std::sin(direction),
+                                         radius * std::sin(angle) * surface.eccentricity_m()}),
+                    1, 0.004)
+            << "direction " << direction << ", angle " << angle;
+        ++checked;
+      }
+    }
+  EXPECT_GT(checked, 1000);
+}
+
+TEST(MotionData, EqualSurfacesAreKeptOnce) {
+  const Recording recording = tests::large_motion();
+  const Json data = motion_data(recording, follow_contacts(recording));
+  // 20 different links, one fingertip, the glass, the table.
+  EXPECT_EQ(data["geometries"].size(), 23u);
+  EXPECT_EQ(data["bodies"].size(), 27u);
+}
+
+TEST(MotionData, ABoxHasSharpEdgesAndASphereNone) {
+  Recording recording = tests::sample_motion(1);
+  const auto vertices = [&](const simulation::ShapeKind& kind) {
+    recording.bodies[0].shapes = {{kind, Eigen::Isometry3d::Identity()}};
+    const Json data = motion_data(recording, {});
+    return from_base64<float>(data["geometries"][0]["positions"]).size() / 3;
+  };
+  EXPECT_EQ(vertices(simulation::Box{{1, 2, 3}}), 24u);
+  EXPECT_EQ(vertices(simulation::Sphere{1}), 2u + 36 * 17);
+}
+
+}  // namespace
+}  // namespace softfinger::comparisons
