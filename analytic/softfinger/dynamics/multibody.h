@@ -45,8 +45,9 @@ struct JointDescription {
 /// (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6), its bias forces come from the
 /// recursive Newton-Euler equations (chapter 5), all in world axes.
 ///
-/// Linear and angular momentum of a single free body are kept to round-off by `integrate`, which
-/// turns it at constant angular momentum; those of a free tree to first order in the time step.
+/// Linear and angular momentum and energy of a single free body are kept to round-off by
+/// `integrate`, which turns it by an implicit rule of second order (less than a radian a step);
+/// those of a tree to first order in the time step.
 class Multibody {
  public:
   /// @throws InputError for a body that is no body (require_physical), a joint between unknown
@@ -131,6 +132,8 @@ class Multibody {
   void add_free_dofs(int body);
   void place_children();
   Eigen::Matrix3d world_inertia(int body) const;
+  Eigen::Vector3d middle_spin(int body, const Eigen::Vector3d& angular_momentum_N_m_s,
+                              double time_step_s) const;
   SpatialVector motion(const Dof& dof, const Eigen::Vector3d& reference) const;
   SpatialInertia inertia_about(int body, const Eigen::Vector3d& reference) const;
   SpatialVector spatial_velocity(int body, const Eigen::Vector3d& reference) const;

@@ -49,12 +49,40 @@ void TimeStepper::collect(ContactFinder& finder) {
     const int dof = bodies_.velocity_of_joint(j);
     if (dof < 0) continue;
     const JointDescription& joint = bodies_.joint(j);
-    // Two steps ahead: a motor can make a joint faster within one.
+    // Others join them when a step would break them, at the price of another solution.
     const double reach = std::max(2 * dt * std::abs(bodies_.velocity()[dof]), 1e-2);
     const double position = bodies_.joint_position(j);
     if (position - joint.lower < reach) limits_.push_back({j, 1, position - joint.lower});
     if (joint.upper - position < reach) limits_.push_back({j, -1, joint.upper - position});
   }
+  describe_rows();
+}
+
+/// Limits that the new velocities would break although they were thought far away: a stiff motor
+/// or a blow can take a joint across its whole range within a step.
+bool TimeStepper::add_broken_limits() {
+  bool added = false;
+  for (int j = 0; j < bodies_.joints(); ++j) {
+    const int dof = bodies_.velocity_of_joint(j);
+    if (dof < 0) continue;
+    const JointDescription& joint = bodies_.joint(j);
+    const double position = bodies_.joint_position(j);
+    const double next = position + options_.time_step_s * new_velocity_[dof];
+    for (const double sign : {1., -1.}) {
+      if (!(sign > 0 ? next < joint.lower : next > joint.upper)) continue;
+      const bool known = std::any_of(limits_.begin(), limits_.end(), [&](const Limit& limit) {
+        return limit.joint == j && limit.sign == sign;
+      });
+      if (known) continue;
+      limits_.push_back({j, sign, sign > 0 ? position - joint.lower : joint.upper - position});
+      added = true;
+    }
+  }
+  return added;
+}
+
+/// Which rows each tree feels, and their Jacobians.
+void TimeStepper::describe_rows() {
   for (auto& list : touching_) list.clear();
   const int nc = int(contacts_.size());
   for (int i = 0; i < nc; ++i) {
@@ -357,7 +385,6 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   }
   collect(finder);
   result.contacts = int(contacts_.size());
-  const int rows = int(contacts_.size() + limits_.size());
   describe_friction();
   find_islands();
   // Changes of many motors at once usually agree at once; one at a time always does.
@@ -367,7 +394,7 @@ StepResult TimeStepper::step(ContactFinder& finder) {
     factorise();
     assemble();
     new_velocity_ = free_velocity_;
-    if (rows > 0) {
+    if (!ids_.empty()) {
       const LcpResult solved = solve_islands(result);
       const int pivots = result.lcp.pivots + solved.pivots;
       result.lcp = solved;
@@ -385,6 +412,13 @@ StepResult TimeStepper::step(ContactFinder& finder) {
       }
     } else {
       result.lcp.status = LcpStatus::solved;
+    }
+    if (add_broken_limits()) {
+      describe_rows();
+      describe_friction();
+      find_islands();
+      --round;
+      continue;
     }
     const int changes = update_motors(round >= kAtOnce);
     if (changes == 0) break;

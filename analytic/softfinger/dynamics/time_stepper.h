@@ -130,6 +130,8 @@ class TimeStepper {
   };
 
   void collect(ContactFinder& finder);
+  bool add_broken_limits();
+  void describe_rows();
   void factorise();
   void assemble();
   void describe_friction();
