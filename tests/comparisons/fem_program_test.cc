@@ -74,24 +74,22 @@ TEST_F(FemProgram, PressesByApproach) {
 }
 
 TEST_F(FemProgram, AnswersEveryLoadInOrderOnSharedMeshes) {
-  const std::string file = write_case({{"= 1.0", "= [1.0, 0.6, 1.5, 0.1]"}});
-  const ProgramRun run = run_softfinger(start, {"fem", file, "--level", "1", "--json"});
+  const std::string file = write_case({{"= 1.0", "= [0.8, 1.0, 0.1]"}});
+  const ProgramRun run = run_softfinger(start, {"fem", file, "--level", "2", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json results = json::parse(run.out)["results"];
-  ASSERT_EQ(results.size(), 4u);
-  const double loads_N[] = {1.0, 0.6, 1.5, 0.1};
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(results[i]["load_N"], loads_N[i]);
-  // The mesh of 1.5 N serves 1 N and 0.6 N; 0.1 N is too small for its cells.
-  EXPECT_EQ(results[0]["unknowns"], results[2]["unknowns"]);
-  EXPECT_EQ(results[1]["unknowns"], results[2]["unknowns"]);
-  EXPECT_EQ(results[2]["levels"].back()["oversize"], 1);
-  EXPECT_GT(results[1]["levels"].back()["oversize"], 1.05);
-  EXPECT_EQ(results[3]["levels"].back()["oversize"], 1);
-  const json alone = solve({write_case()});
-  for (const auto& [key, error] :
-       {std::pair{"a_m", "a"}, {"indentation_m", "indentation"}, {"max_torque_Nm", "max_torque"}})
-    EXPECT_NEAR(results[0][key].get<double>() / alone[key].get<double>(), 1,
-                results[0]["error"][error].get<double>() + alone["error"][error].get<double>());
+  ASSERT_EQ(results.size(), 3u);
+  const double loads_N[] = {0.8, 1.0, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(results[i]["load_N"], loads_N[i]);
+  const auto oversize = [&](std::size_t i) {
+    return results[i]["levels"].back()["oversize"].get<double>();
+  };
+  // The mesh of 1 N serves 0.8 N; 0.1 N is too small for its cells.
+  EXPECT_EQ(oversize(1), 1);
+  EXPECT_GT(oversize(0), 1.03);
+  EXPECT_EQ(results[0]["unknowns"], results[1]["unknowns"]);
+  EXPECT_EQ(oversize(2), 1);
+  EXPECT_GT(results[0]["error"]["a"], 1.5e-3);
 }
 
 TEST_F(FemProgram, TwistsToFullSlipAndWritesEachState) {
