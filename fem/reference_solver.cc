@@ -70,7 +70,10 @@ void check(const Problem& problem) {
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   const FrictionRequest& friction = problem.friction;
-  if (problem.fingertip && !problem.compliance_file.empty())
+  if (problem.fingertip && problem.mesh)
+    throw InputError(problem.name, "mesh of the layer", problem.mesh_name,
+                     "a mesh or a curved finger, not both");
+  if ((problem.fingertip || problem.mesh) && !problem.compliance_file.empty())
     throw InputError(
         problem.name, "compliance_file", problem.compliance_file,
         "geometry = \"flat\": a curved layer's compliance has other normals at each point");
@@ -292,6 +295,7 @@ Pressing pressing_of(const Problem& problem) {
   // of the order of (ab/h²) 1e-8 (measured: 2e-5 in d at a/h = 20).
   pressing.poisson_ratio = std::min(layer.poisson_ratio, 0.5 - 1e-8);
   pressing.thickness_m = h;
+  pressing.mesh = problem.mesh;
   if (problem.fingertip) {
     pressing.fingertip = problem.fingertip;
     pressing.bent = shape_fingertip(problem.fingertip, h);
@@ -403,6 +407,7 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
   const double h = layer.thickness_m;
   const Pressing pressing = pressing_of(problem);
   LayerIdentity identity{pressing.poisson_ratio, "", pressing.whole(), problem.level};
+  if (problem.mesh) identity.fingertip = problem.mesh_name + text(", h %.17g", h);
   if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + text(", h %.17g", h);
 
   if (stop()) throw Interrupted();
@@ -446,6 +451,10 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
     if (!model && level == 0) model = pressed.model;
     if (!model) {
       choose_elements(mesh, level);
+      // A mesh from outside may be finer than the levels ask for: halved once more, it shows what
+      // its cells cost.
+      if (problem.mesh && !result.levels.empty())
+        mesh.elements_per_semi_axis = 2 * result.levels.back().elements_per_semi_axis;
       progress("level " + std::to_string(level) + ": " +
                std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis" +
                time_to_go(result.levels, mesh.elements_per_semi_axis));

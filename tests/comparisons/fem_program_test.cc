@@ -148,6 +148,54 @@ TEST_F(FemProgram, BendsTheLayerOntoTheFinger) {
   EXPECT_NEAR(curved["a_m"].get<double>() / flat["a_m"].get<double>(), 1, 0.1);
 }
 
+/// A flat layer of 16 x 16 x 2 mm in cubes, as gmsh would write it.
+std::string layer_mesh(const std::string& core) {
+  constexpr int count = 8, row = count + 1, plane = row * row;
+  std::ostringstream nodes, elements;
+  for (int i = 0; i < 2 * plane; ++i)
+    nodes << i + 1 << ' ' << 2 * (i % row) - count << ' ' << 2 * (i / row % row) - count << ' '
+          << (i < plane ? -2 : 0) << '\n';
+  int number = 0;
+  for (int j = 0; j < count; ++j)
+    for (int i = 0; i < count; ++i) {
+      const int first = 1 + i + row * j;
+      const int corners[] = {first, first + 1, first + row + 1, first + row};
+      std::ostringstream bottom, top;
+      for (const int corner : corners) {
+        bottom << ' ' << corner;
+        top << ' ' << corner + plane;
+      }
+      const auto add = [&](const char* kind, const std::string& corners_of) {
+        elements << ++number << kind << corners_of << '\n';
+      };
+      add(" 5 2 1 1", bottom.str() + top.str());
+      add(" 3 2 2 2", top.str());
+      add(" 3 2 3 3", bottom.str());
+    }
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n3 1 \"layer\"\n2 2 \"contact\"\n"
+         "2 3 \"" +
+         core + "\"\n$EndPhysicalNames\n$Nodes\n" + std::to_string(2 * plane) + "\n" + nodes.str() +
+         "$EndNodes\n$Elements\n" + std::to_string(number) + "\n" + elements.str() +
+         "$EndElements\n";
+}
+
+TEST_F(FemProgram, TakesAUsersMeshOfTheLayer) {
+  const std::string mu = "friction_coefficient = 0.8";
+  folder.write("layer.msh", layer_mesh("core"));
+  const json meshed =
+      solve({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\"\nmesh_unit = \"mm\""}})});
+  const json flat = solve({write_case()});
+  for (const auto& [key, error] : {std::pair{"a_m", "a"}, {"max_torque_Nm", "max_torque"}})
+    EXPECT_NEAR(meshed[key].get<double>() / flat[key].get<double>(), 1,
+                meshed["error"][error].get<double>() + flat["error"][error].get<double>() +
+                    2e-3)  // its side wall is only 2.5 thicknesses away
+        << key;
+  folder.write("layer.msh", layer_mesh("base"));
+  expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\""}})}, "\"core\" is missing");
+  expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"no.msh\""}})}, "no.msh");
+  expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh_unit = \"inch\""}})}, "mesh_unit");
+}
+
 TEST_F(FemProgram, RefusesBadInputInOneLine) {
   const std::string file = write_case();
   expect_refusal({file, "--level", "1", "--torsion", "--twist-axis-mm", "50,0"}, "twist_axis_m");
