@@ -243,7 +243,7 @@ void read_contact(const TomlReader& reader, const toml::table& table, Case& resu
 void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
   if (!node.is_table()) reader.refuse(node, "fem", "a table");
   const toml::table& table = *node.as_table();
-  reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics"});
+  reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics", "mesh", "mesh_unit"});
   if (const toml::node* level = table.get("level")) {
     const auto value = level->is_integer() ? level->value<std::int64_t>().value() : 0;
     if (value < 1 || value > 3) reader.refuse(*level, "level", "1, 2 or 3");
@@ -259,6 +259,16 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
                       "\"flat\" with [object_layer]: the curved layer is the finger's");
       result.fem_curved = true;
     }
+  if (const toml::node* mesh = table.get("mesh")) {
+    const std::string typed = reader.text(*mesh, "mesh");
+    if (typed.empty()) reader.refuse(*mesh, "mesh", "the name of a gmsh file (.msh) of the layer");
+    if (result.fem_curved)
+      reader.refuse(*mesh, "mesh", "geometry = \"flat\": the mesh is the layer, curved or not");
+    result.fem_mesh = find_mesh_file(typed, result.file.parent_path());
+  }
+  if (const toml::node* unit = table.get("mesh_unit"))
+    result.fem_mesh_metres_per_unit =
+        reader.choice(*unit, "mesh_unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
   if (const toml::node* kinematics = table.get("kinematics"))
     if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite")
       reader.refuse(*kinematics, "kinematics", "\"linear\"; finite strain is not in this version");

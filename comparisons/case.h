@@ -63,8 +63,10 @@ struct Case {
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
   std::vector<double> loads_N;               ///< all different
   double friction_coefficient = 0;
-  int fem_level = 2;        ///< 1 to 3
-  bool fem_curved = false;  ///< finite elements on the finger's own curved core
+  int fem_level = 2;               ///< 1 to 3
+  bool fem_curved = false;         ///< finite elements on the finger's own curved core
+  std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
+  double fem_mesh_metres_per_unit = 1e-3;
 
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
     return {radii, layer, {load_N, friction_coefficient}, object_layer, options};

@@ -83,6 +83,14 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
                             {"load_N", load_N},
                             {"friction_coefficient", contact_case.friction_coefficient},
                             {"level", level}};
+  if (!contact_case.fem_mesh.empty()) {
+    // A mesh that was written anew is another problem.
+    std::error_code ignored;
+    const auto written = std::filesystem::last_write_time(contact_case.fem_mesh, ignored);
+    problem["layer_mesh"] = {{"mesh", std::filesystem::absolute(contact_case.fem_mesh).string()},
+                             {"metres_per_unit", contact_case.fem_mesh_metres_per_unit},
+                             {"written", written.time_since_epoch().count()}};
+  }
   if (contact_case.fem_curved) {
     // A tapered finger tapers along its own x, wherever the contact's long axis lies.
     const auto* finger =

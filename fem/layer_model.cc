@@ -20,6 +20,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 
@@ -27,6 +28,7 @@
 #include "fem/element_stiffness.h"
 #include "fem/write_vtu.h"
 #include "meshes/generation/layer_block.h"
+#include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -141,6 +143,113 @@ void refine_towards_patch(const LayerDiscretisation& discretisation, int refinem
   }
 }
 
+/// Marks of the faces of a mesh from outside; all others are free.
+enum : dealii::types::boundary_id { contact_face = 1, core_face = 2 };
+
+void make_triangulation(const meshes::LayerMesh& mesh, double thickness,
+                        dealii::Triangulation<dim>& triangulation) {
+  std::vector<dealii::Point<dim>> vertices;
+  for (const auto& vertex : mesh.hexahedra.vertices)
+    vertices.emplace_back(vertex.x() / thickness, vertex.y() / thickness, vertex.z() / thickness);
+  std::vector<dealii::CellData<dim>> cells;
+  for (const auto& vertices_of : mesh.hexahedra.cells) {
+    cells.emplace_back();
+    for (std::size_t v = 0; v < 8; ++v) {
+      constexpr std::array<std::size_t, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
+      cells.back().vertices[v] = static_cast<unsigned int>(vertices_of[lexicographic[v]]);
+    }
+  }
+  dealii::SubCellData faces;
+  const auto mark = [&](const std::vector<std::array<int, 4>>& marked,
+                        dealii::types::boundary_id id) {
+    for (const auto& face : marked) {
+      faces.boundary_quads.emplace_back();
+      faces.boundary_quads.back().boundary_id = id;
+      for (std::size_t v = 0; v < 4; ++v) {
+        constexpr std::array<std::size_t, 4> lexicographic{0, 1, 3, 2};
+        faces.boundary_quads.back().vertices[v] = static_cast<unsigned int>(face[lexicographic[v]]);
+      }
+    }
+  };
+  mark(mesh.contact, contact_face);
+  mark(mesh.core, core_face);
+  dealii::GridTools::consistently_order_cells(cells);
+  triangulation.create_triangulation(vertices, cells, faces);
+}
+
+using Box = std::pair<dealii::Point<dim>, dealii::Point<dim>>;
+
+template <class Object>
+Box box_of(const Object& object) {
+  return object->bounding_box().get_boundary_points();
+}
+
+double distance(const Box& one, const Box& other) {
+  double squares = 0;
+  for (unsigned int c = 0; c < dim; ++c) {
+    const double apart =
+        std::max({0.0, one.first[c] - other.second[c], other.first[c] - one.second[c]});
+    squares += apart * apart;
+  }
+  return std::sqrt(squares);
+}
+
+/// Whether a face reaches into the ellipse where contact is possible, seen along the load.
+template <class Face>
+bool is_in_patch(const Face& face, const LayerDiscretisation& discretisation) {
+  const auto [low, high] = box_of(face);
+  const double x = std::max({0.0, low[0], -high[0]}) / (discretisation.patch * discretisation.a);
+  const double y = std::max({0.0, low[1], -high[1]}) / (discretisation.patch * discretisation.b);
+  return x * x + y * y < 1;
+}
+
+using Face = dealii::Triangulation<dim>::face_iterator;
+
+std::vector<Face> patch_faces(const LayerDiscretisation& discretisation,
+                              const dealii::Triangulation<dim>& triangulation) {
+  std::vector<Face> result;
+  for (const auto& cell : triangulation.active_cell_iterators())
+    for (const unsigned int f : cell->face_indices())
+      if (cell->face(f)->at_boundary() && cell->face(f)->boundary_id() == contact_face &&
+          is_in_patch(cell->face(f), discretisation))
+        result.push_back(cell->face(f));
+  return result;
+}
+
+double longest_side(const Face& face) {
+  double longest = 0;
+  for (unsigned int i = 0; i < 4; ++i) longest = std::max(longest, face->line(i)->diameter());
+  return longest;
+}
+
+/// Halves the cells near the patch like those of our own block, until its faces are small enough.
+/// @returns cells along b
+int refine_towards_patch(const LayerDiscretisation& discretisation,
+                         dealii::Triangulation<dim>& triangulation) {
+  constexpr int most_halvings = 12;
+  for (int step = 0;; ++step) {
+    const std::vector<Face> faces = patch_faces(discretisation, triangulation);
+    double size = 0;
+    for (const Face& face : faces) size = std::max(size, longest_side(face));
+    // Sizes that are meant to be equal differ by round-off.
+    const double cells = size > 0 ? discretisation.b / size : 0;
+    if (size == 0 || step == most_halvings ||
+        cells * (1 + 1e-6) >= discretisation.elements_per_semi_axis)
+      return static_cast<int>(cells * (1 + 1e-6));
+    std::vector<Box> patch;
+    for (const Face& face : faces) patch.push_back(box_of(face));
+    for (const auto& cell : triangulation.active_cell_iterators()) {
+      const Box box = box_of(cell);
+      const auto sides = box.second - box.first;
+      const double reach = std::max({sides[0], sides[1], sides[2]});
+      if (std::any_of(patch.begin(), patch.end(),
+                      [&](const Box& face) { return distance(face, box) <= reach * (1 + 1e-9); }))
+        cell->set_refine_flag();
+    }
+    triangulation.execute_coarsening_and_refinement();
+  }
+}
+
 /// The unknowns of one problem: what neither the bond, nor hanging nodes, nor a symmetry fixes.
 struct Unknowns {
   std::vector<int> of_dof;  ///< -1 where fixed
@@ -166,6 +275,7 @@ struct LayerModel::Implementation {
   dealii::DoFHandler<dim> dofs{triangulation};
   std::shared_ptr<const LayerShape> shape;
   bool whole = false;
+  bool meshed = false;             ///< from outside
   dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
   std::unique_ptr<dealii::Mapping<dim>> mapping;
   dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
@@ -187,7 +297,10 @@ struct LayerModel::Implementation {
   void bend(const std::vector<dealii::Point<dim>>& support);
   void constrain(const std::vector<dealii::Point<dim>>& support);
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
+  void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
+  std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
   void set_frames();
+  void factorise();
   void turn_to_normals(const std::vector<global_dof_index>& indices,
                        dealii::FullMatrix<double>& matrix) const;
   void assemble();
@@ -241,6 +354,7 @@ void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>
       bonded[dof] = at(support[dof][2], -1);
     }
   }
+  if (meshed) bonded = dofs_on([](auto id) { return id == core_face; });
   for (global_dof_index i = 0; i < bonded.size(); ++i)
     if (bonded[i] && !constraints.is_constrained(i)) constraints.add_line(i);
   constraints.close();
@@ -303,6 +417,75 @@ void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point
     }
 }
 
+std::vector<char> LayerModel::Implementation::dofs_on(
+    const std::function<bool(dealii::types::boundary_id)>& is_meant) const {
+  std::vector<char> result(dofs.n_dofs(), 0);
+  std::vector<global_dof_index> indices(element.n_dofs_per_face());
+  for (const auto& cell : dofs.active_cell_iterators())
+    for (const unsigned int f : cell->face_indices()) {
+      if (!cell->face(f)->at_boundary() || !is_meant(cell->face(f)->boundary_id())) continue;
+      cell->face(f)->get_dof_indices(indices);
+      for (const auto dof : indices) result[dof] = 1;
+    }
+  return result;
+}
+
+/// The faces are any quadrilaterals: areas and normals by integration over them.
+void LayerModel::Implementation::collect_meshed_surface(
+    const std::vector<dealii::Point<dim>>& support) {
+  const std::vector<char> at_end = dofs_on([](auto id) { return id != contact_face; });
+  const double patch_x = discretisation.patch * discretisation.a;
+  const double patch_y = discretisation.patch * discretisation.b;
+  dealii::FEFaceValues<dim> values(
+      *mapping, element, dealii::QGauss<dim - 1>(3),
+      dealii::update_values | dealii::update_normal_vectors | dealii::update_JxW_values);
+  std::map<global_dof_index, int> node_of_dof;  // by the node's first dof
+  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
+  for (const auto& cell : dofs.active_cell_iterators())
+    for (const unsigned int f : cell->face_indices()) {
+      const auto face = cell->face(f);
+      if (!face->at_boundary() || face->boundary_id() != contact_face ||
+          !is_in_patch(face, discretisation))
+        continue;
+      values.reinit(cell, f);
+      cell->get_dof_indices(indices);
+      for (unsigned int i = 0; i < indices.size(); ++i) {
+        const unsigned int c = element.system_to_component_index(i).first;
+        if (!element.has_support_on_face(i, f)) continue;
+        const auto& point = support[indices[i]];
+        const double x = point[0] / patch_x, y = point[1] / patch_y;
+        if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
+        const auto [entry, is_new] =
+            node_of_dof.emplace(node_of[indices[i]], static_cast<int>(nodes.size()));
+        if (is_new) {
+          SurfaceNode node;
+          node.x = point[0];
+          node.y = point[1];
+          node.position = {point[0], point[1], point[2]};
+          node.normal.setZero();
+          node.at_end = at_end[indices[i]] != 0;
+          nodes.push_back(node);
+          node_dofs.emplace_back();
+        }
+        const auto index = static_cast<std::size_t>(entry->second);
+        node_dofs[index][c] = indices[i];
+        if (c != 2) continue;
+        for (const unsigned int q : values.quadrature_point_indices()) {
+          const double area = values.shape_value(i, q) * values.JxW(q);
+          const auto& normal = values.normal_vector(q);
+          nodes[index].weight += area;
+          nodes[index].normal += area * Eigen::Vector3d(normal[0], normal[1], normal[2]);
+        }
+      }
+    }
+  for (SurfaceNode& node : nodes) {
+    node.normal.normalize();
+    // Weight and ratio are those of the block elsewhere: seen along the load.
+    node.area_ratio = 1 / node.normal.z();
+    node.weight *= node.normal.z();
+  }
+}
+
 void LayerModel::Implementation::assemble() {
   {
     dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
@@ -315,7 +498,7 @@ void LayerModel::Implementation::assemble() {
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     dealii::FullMatrix<double> of_element = of_cell(cell);
-    if (shape) turn_to_normals(indices, of_element);
+    if (!frames.empty()) turn_to_normals(indices, of_element);
     constraints.distribute_local_to_global(of_element, indices, stiffness);
   }
 }
@@ -442,15 +625,44 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson
   self.constrain(support);
   self.collect_surface(support);
   if (self.shape) self.set_frames();
-  self.assemble();
+  self.factorise();
+}
 
-  self.even = self.free_unknowns(Parity{});
+LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
+                       const meshes::LayerMesh& mesh, double thickness_m)
+    : implementation_(std::make_unique<Implementation>()) {
+  auto& self = *implementation_;
+  self.discretisation = discretisation;
+  self.poisson_ratio = poisson_ratio;
+  self.whole = self.meshed = true;
+  make_triangulation(mesh, thickness_m, self.triangulation);
+  self.discretisation.elements_per_semi_axis =
+      std::max(discretisation.elements_per_semi_axis,
+               refine_towards_patch(discretisation, self.triangulation));
+  self.dofs.distribute_dofs(self.element);
+  std::vector<dealii::Point<dim>> support(self.dofs.n_dofs());
+  dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), self.dofs, support);
+  self.bend(support);
+  self.constrain(support);
+  self.collect_meshed_surface(support);
+  if (self.nodes.empty())
+    throw InputError(
+        "mesh of the layer", "physical surface \"contact\"", "",
+        "a surface at the origin of the mesh's coordinates, where the load acts along z");
+  const auto is_flat = [](const SurfaceNode& node) { return node.normal.z() > 1 - 1e-12; };
+  if (!std::all_of(self.nodes.begin(), self.nodes.end(), is_flat)) self.set_frames();
+  self.factorise();
+}
+
+void LayerModel::Implementation::factorise() {
+  assemble();
+  even = free_unknowns(Parity{});
   std::vector<int> last;
-  for (const auto& dof : self.node_dofs) last.push_back(self.even.of_dof[dof[2]]);
-  const SparseSymmetricMatrix matrix = self.lower_triangle(self.even);
-  self.dissect(matrix);
-  self.factor = std::make_unique<CholeskyFactor>(matrix, self.dissection_of(self.even), last);
-  self.compliance = self.factor->compliance_of_last();
+  for (const auto& dof : node_dofs) last.push_back(even.of_dof[dof[2]]);
+  const SparseSymmetricMatrix matrix = lower_triangle(even);
+  dissect(matrix);
+  factor = std::make_unique<CholeskyFactor>(matrix, dissection_of(even), last);
+  compliance = factor->compliance_of_last();
 }
 
 Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {

@@ -7,6 +7,10 @@
 #include <string>
 #include <vector>
 
+namespace softfinger::meshes {
+struct LayerMesh;
+}
+
 namespace softfinger::fem {
 
 /// How a layer is meshed for a contact of semi-axes a >= b. Lengths in units of the thickness h.
@@ -47,6 +51,7 @@ struct SurfaceNode {
   double area_ratio = 1;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in space
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< outward
+  bool at_end = false;  ///< of the surface that can be touched, on a mesh from outside
 };
 
 /// A finest face of the surface, an axis-parallel rectangle, with the nodes of its biquadratic
@@ -79,6 +84,10 @@ class LayerModel {
   /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation.
   LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
              std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
+  /// All of a layer whose coarse mesh comes from outside: its cells near the contact are halved
+  /// until `elements_per_semi_axis` of them lie along b.
+  LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
+             const meshes::LayerMesh& mesh, double thickness_m);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;
   LayerModel& operator=(const LayerModel&) = delete;

@@ -16,6 +16,7 @@
 
 #include "fem/model_cache.h"
 #include "fem/reference_solver.h"
+#include "meshes/generation/layer_mesh.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "meshes/io/read_surface.h"
@@ -123,6 +124,12 @@ fem::Problem parse(const json& input) {
                             input.at("friction_coefficient").get<double>()};
     problem.level = input.value("level", problem.level);
     if (optional(input, "fingertip")) problem.fingertip = read_fingertip(input.at("fingertip"));
+    if (optional(input, "layer_mesh")) {
+      const json& mesh = input.at("layer_mesh");
+      problem.mesh_name = mesh.dump();
+      problem.mesh = std::make_shared<const meshes::LayerMesh>(meshes::read_layer_mesh(
+          mesh.at("mesh").get<std::string>(), mesh.at("metres_per_unit").get<double>()));
+    }
     if (optional(input, "friction")) {
       const json& friction = input.at("friction");
       auto& request = problem.friction;

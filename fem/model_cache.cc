@@ -12,8 +12,9 @@ std::vector<MeshPair> ModelCache::of(const LayerIdentity& layer) const {
 }
 
 void ModelCache::keep(const LayerIdentity& layer, const MeshPair& meshes) {
-  const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const Entry& entry) { return entry.meshes == meshes; });
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.meshes.models == meshes.models;
+  });
   if (found != entries_.end()) {
     entries_.splice(entries_.begin(), entries_, found);
     ++hits_;

@@ -25,7 +25,11 @@ struct LayerIdentity {
 };
 
 /// The coarse and the fine mesh of an answer.
-using MeshPair = std::array<std::shared_ptr<const LayerModel>, 2>;
+struct MeshPair {
+  std::array<std::shared_ptr<const LayerModel>, 2> models;
+  /// Semi-axes, in h, that each of them found for the contact that they were made for.
+  std::array<std::array<double, 2>, 2> made_for{};
+};
 
 /// The meshes of the latest contacts of a run with their factorisations: they serve further
 /// contacts of any load, radii, modulus and friction whose size suits them.

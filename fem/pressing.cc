@@ -15,7 +15,7 @@ namespace softfinger::fem {
 using Eigen::Index;
 
 bool Pressing::whole() const {
-  return fingertip && !(fingertip.symmetric_object && bent.shape->symmetric());
+  return mesh || (fingertip && !(fingertip.symmetric_object && bent.shape->symmetric()));
 }
 
 double Pressing::gap(const SurfaceNode& node) const {
@@ -30,10 +30,11 @@ double Pressing::gap(const SurfaceNode& node) const {
     }
     return *height / thickness_m - node.position.z();
   }
-  if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor);
+  const double z = node.position.z();
+  if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor) - z;
   const double r2 = x * x + y * y;
   // Beside the sphere there is nothing to touch; any height above its equator says so.
-  return r2 < sphere * sphere ? r2 / (sphere + std::sqrt(sphere * sphere - r2)) : 10 * sphere;
+  return r2 < sphere * sphere ? r2 / (sphere + std::sqrt(sphere * sphere - r2)) - z : 10 * sphere;
 }
 
 double Pressed::pressure(Index node) const {
@@ -87,6 +88,9 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
 
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
                                              const Pressing& pressing) {
+  if (pressing.mesh)
+    return std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
+                                              *pressing.mesh, pressing.thickness_m);
   return std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
                                             pressing.bent.shape, pressing.whole());
 }
@@ -120,7 +124,7 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
                ? solve_normal_contact_at(compliance, pressed.gap, pressing.approach)
                : solve_normal_contact(compliance, pressed.gap, pressing.load / pressed.copies);
   };
-  if (pressing.fingertip)
+  if (pressing.fingertip || pressing.mesh)
     pressed.contact = solve(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
                             cosine.cwiseInverse().asDiagonal());
   else
@@ -133,6 +137,14 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   for (Index i = 0; i < count; ++i) {
     const double force = pressed.contact.force[i];
     if (force <= 0) continue;
+    if (nodes[static_cast<std::size_t>(i)].at_end) {
+      char place[80];
+      std::snprintf(place, sizeof place, "ends at x %.4g mm, y %.4g mm",
+                    1e3 * pressing.thickness_m * nodes[static_cast<std::size_t>(i)].x,
+                    1e3 * pressing.thickness_m * nodes[static_cast<std::size_t>(i)].y);
+      throw InputError("mesh of the layer", "physical surface \"contact\"", place,
+                       "one that covers the contact, which reaches that end; or a smaller load");
+    }
     const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
     const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
     xx += force * x * x;

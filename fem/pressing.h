@@ -20,6 +20,7 @@ struct Pressing {
   double thickness_m = 1;
   Fingertip fingertip;  ///< none: a flat layer, and the gap of the relative radii
   FingertipShape bent;
+  std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
 
   /// All of the layer has to be meshed: finger or object has no symmetry about x = 0 and y = 0.
   bool whole() const;

@@ -1,6 +1,7 @@
 #include "fem/reference_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -69,7 +70,10 @@ void check(const Problem& problem) {
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   const FrictionRequest& friction = problem.friction;
-  if (problem.fingertip && !problem.compliance_file.empty())
+  if (problem.fingertip && problem.mesh)
+    throw InputError(problem.name, "mesh of the layer", problem.mesh_name,
+                     "a mesh or a curved finger, not both");
+  if ((problem.fingertip || problem.mesh) && !problem.compliance_file.empty())
     throw InputError(
         problem.name, "compliance_file", problem.compliance_file,
         "geometry = \"flat\": a curved layer's compliance has other normals at each point");
@@ -291,6 +295,7 @@ Pressing pressing_of(const Problem& problem) {
   // of the order of (ab/h²) 1e-8 (measured: 2e-5 in d at a/h = 20).
   pressing.poisson_ratio = std::min(layer.poisson_ratio, 0.5 - 1e-8);
   pressing.thickness_m = h;
+  pressing.mesh = problem.mesh;
   if (problem.fingertip) {
     pressing.fingertip = problem.fingertip;
     pressing.bent = shape_fingertip(problem.fingertip, h);
@@ -354,37 +359,39 @@ Pressed find_size(const Pressing& pressing, const Problem& problem, const Progre
   }
 }
 
-/// How much larger the contact is that a mesh was made for: 1 where the contact's edge lies on cell
-/// edges.
-double oversize(const LayerDiscretisation& mesh, double a, double b) {
-  return std::max(mesh.a / a, mesh.b / b);
+/// Of a contact, relative to another one.
+double oversize(const std::array<double, 2>& contact, const ContactShape& other) {
+  return std::max(contact[0] / other.block_a, contact[1] / other.block_b);
 }
 
 /// Of a larger contact's mesh, against those that a contact would have on its own: with these, a
 /// and b are still found to 0.9 % on level 2, d and torque to 0.1 %.
 constexpr double largest_cells = 1.6;
 
-/// Meshes of an earlier contact of the run that suit this one; null where there are none.
+/// Meshes of an earlier contact of the run that suit this one; no models where there are none.
 MeshPair suitable_meshes(const ModelCache& models, const LayerIdentity& layer,
                          const Pressing& pressing, const Problem& problem) {
   for (const MeshPair& meshes : models.of(layer)) {
-    const LayerDiscretisation& mesh = meshes.front()->discretisation();
-    const Pressed pressed = press_on(meshes.front(), pressing);
+    const Pressed pressed = press_on(meshes.models.front(), pressing);
     if (pressed.reaches_rim) continue;
+    ContactShape shape;
+    try {
+      shape = measure_shape(pressed, pressing);
+    } catch (const ConvergenceError&) {
+      continue;  // far too few cells
+    }
     LayerDiscretisation own;
-    own.a = pressed.moment_a;
-    own.b = pressed.moment_b;
+    own.a = shape.block_a;
+    own.b = shape.block_b;
     choose_elements(own, layer.level - 1);
-    if (oversize(mesh, own.a, own.b) * own.elements_per_semi_axis >
-        largest_cells * mesh.elements_per_semi_axis)
+    if (oversize(meshes.made_for.front(), shape) * own.elements_per_semi_axis >
+        largest_cells * pressed.model->discretisation().elements_per_semi_axis)
       continue;
     // Friction is singular at the contact's edge: stuck tractions want it on cell edges.
-    if (problem.friction.any()) {
-      const ContactShape shape = measure_shape(pressed, pressing);
-      if (std::abs(std::log(mesh.a / shape.block_a)) > edge_on_cells ||
-          std::abs(std::log(mesh.b / shape.block_b)) > edge_on_cells)
-        continue;
-    }
+    if (problem.friction.any() &&
+        (std::abs(std::log(meshes.made_for.front()[0] / shape.block_a)) > edge_on_cells ||
+         std::abs(std::log(meshes.made_for.front()[1] / shape.block_b)) > edge_on_cells))
+      continue;
     return meshes;
   }
   return {};
@@ -400,14 +407,15 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
   const double h = layer.thickness_m;
   const Pressing pressing = pressing_of(problem);
   LayerIdentity identity{pressing.poisson_ratio, "", pressing.whole(), problem.level};
+  if (problem.mesh) identity.fingertip = problem.mesh_name + text(", h %.17g", h);
   if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + text(", h %.17g", h);
 
   if (stop()) throw Interrupted();
   MeshPair meshes;
   if (allowed == Meshes::any) meshes = suitable_meshes(models, identity, pressing, problem);
-  const bool reuses = meshes.front() != nullptr;
-  Pressed pressed =
-      reuses ? press_on(meshes.front(), pressing) : find_size(pressing, problem, progress, stop);
+  const bool reuses = meshes.models.front() != nullptr;
+  Pressed pressed = reuses ? press_on(meshes.models.front(), pressing)
+                           : find_size(pressing, problem, progress, stop);
   check_sensible(pressed, pressing, problem);
   const Measured first = measure(pressed, pressing, problem, 0);
   check_twist_axis(problem, first.result);
@@ -419,8 +427,7 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
   fit_mesh_to(first.shape);
   if (reuses)
     progress("meshes of an earlier contact, " +
-             text("%.3g times as large", oversize(pressed.model->discretisation(),
-                                                  first.shape.block_a, first.shape.block_b)));
+             text("%.3g times as large", oversize(meshes.made_for.front(), first.shape)));
 
   // On meshes of its own the contact's edge lies on cell edges along both axes: it does so on every
   // level, which makes them comparable.
@@ -439,19 +446,26 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
       break;
     }
     const Stopwatch watch;
-    auto& model = meshes[static_cast<std::size_t>(i)];
+    auto& model = meshes.models[static_cast<std::size_t>(i)];
+    auto& made_for = meshes.made_for[static_cast<std::size_t>(i)];
     if (!model && level == 0) model = pressed.model;
     if (!model) {
       choose_elements(mesh, level);
+      // A mesh from outside may be finer than the levels ask for: halved once more, it shows what
+      // its cells cost.
+      if (problem.mesh && !result.levels.empty())
+        mesh.elements_per_semi_axis = 2 * result.levels.back().elements_per_semi_axis;
       progress("level " + std::to_string(level) + ": " +
                std::to_string(mesh.elements_per_semi_axis) + " elements per semi-axis" +
                time_to_go(result.levels, mesh.elements_per_semi_axis));
       check_reach(mesh, problem);
       pressed.model.reset();  // before the next one takes its memory
-      if (models.capacity() == 0) meshes.front().reset();
+      if (models.capacity() == 0) meshes.models.front().reset();
       model = make_layer(mesh, pressing);
     }
     pressed = press_on(model, pressing);
+    if (pressed.reaches_rim && reuses)
+      return solve_with(models, Meshes::own, problem, progress, stop);
     if (pressed.reaches_rim)
       throw ConvergenceError("size of the refined patch", level, pressed.moment_a / mesh.a,
                              "the contact outgrew the patch on refinement");
@@ -459,8 +473,9 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
     LevelResult measured = measurement.result;
     finest_shape = measurement.shape;
     if (reuses)
-      measured.oversize =
-          oversize(model->discretisation(), measurement.shape.block_a, measurement.shape.block_b);
+      measured.oversize = oversize(made_for, measurement.shape);
+    else
+      made_for = {measurement.shape.block_a, measurement.shape.block_b};
     if (problem.friction.any()) {
       friction.push_back(friction_on(pressed_contact(pressed, measurement.shape, problem), problem,
                                      plan, progress, surface_series.of(level)));

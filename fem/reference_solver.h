@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,9 @@ struct Problem {
   double approach_m = 0;
   int level = 2;        ///< 1 to 4: elements per contact semi-axis double with each level
   Fingertip fingertip;  ///< none: a flat layer and the gap of the relative radii
+  /// The layer's mesh from outside, in place of the flat layer; null: our own.
+  std::shared_ptr<const meshes::LayerMesh> mesh;
+  std::string mesh_name;  ///< meshes of one name are one
   FrictionRequest friction;
   std::string output_directory;  ///< for VTU; empty: none
   std::string compliance_file;   ///< for the surface's compliance (write_compliance.h); empty: none

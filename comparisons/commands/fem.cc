@@ -250,6 +250,12 @@ void add_fem(CLI::App& app, Action& action) {
       "follows); default: none");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
+      "[fem] mesh = \"layer.msh\" in the case takes a volume mesh of the layer in place of the "
+      "flat\n"
+      "one: 8-node hexahedra in mm (mesh_unit = \"m\" for metres), physical groups \"layer\" "
+      "(volume),\n"
+      "\"contact\" and \"core\" (surfaces; core is bonded), +z out of the finger, load along the z "
+      "axis.\n"
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
       "Samples:\n"
       "  softfinger fem hertz_circle --level 1\n"
