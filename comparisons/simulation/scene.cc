@@ -53,6 +53,7 @@ class SceneReader {
   fs::path folder_;
   Scene& scene_;
   std::map<std::string, ElasticLayer> layers_;
+  std::vector<const toml::table*> joint_tables_;
 };
 
 std::vector<const toml::table*> SceneReader::tables(const char* key, bool required) const {
@@ -240,8 +241,14 @@ Shape SceneReader::read_shape(const toml::node& node) const {
     const std::string typed = reader_.text(value, "mesh");
     const toml::node* unit = table.get("unit");
     const bool metres = unit && reader_.choice(*unit, "unit", {"mm", "m"}) == "m";
-    shape.kind = Mesh{std::make_shared<TriangleSurface>(
-        meshes::read_surface(find_mesh_file(typed, folder_).string(), metres ? 1 : 1e-3).surface)};
+    try {
+      shape.kind = Mesh{std::make_shared<TriangleSurface>(
+          meshes::read_surface(find_mesh_file(typed, folder_).string(), metres ? 1 : 1e-3)
+              .surface)};
+    } catch (const InputError& error) {
+      throw InputError(reader_.where(value), "mesh " + error.where() + ": " + error.field(),
+                       error.value(), error.allowed());
+    }
   }
   return shape;
 }
@@ -322,9 +329,14 @@ void SceneReader::read_mass(const toml::table& table, const std::string& where,
     reader_.say(table, where + " has no shape to derive its inertia from: give inertia_kg_mm2");
   double volume_m3 = 0;
   if (derived) {
-    const Solid whole = united(shapes, where);
-    body.mass = whole.unit_mass;
-    volume_m3 = whole.volume_m3;
+    try {
+      const Solid whole = united(shapes, where);
+      body.mass = whole.unit_mass;
+      volume_m3 = whole.volume_m3;
+    } catch (const InputError& error) {
+      throw InputError(reader_.where(table.contains("shapes") ? *table.get("shapes") : table),
+                       where + ": " + error.field(), error.value(), error.allowed());
+    }
   }
   const double mass_kg = mass ? reader_.number(*mass, "mass_g", "a finite number > 0") * kGram
                               : reader_.positive(*density, "density_kg_per_m3", 1) * volume_m3;
@@ -464,6 +476,7 @@ void SceneReader::read_joints() {
         reader_.refuse(*limits, "limits" + suffix, allowed);
     }
     scene_.joints.push_back(joint);
+    joint_tables_.push_back(table);
   }
 }
 
@@ -635,8 +648,11 @@ void SceneReader::read() {
   try {
     Multibody(scene_.descriptions, scene_.joints);
   } catch (const InputError& error) {
-    throw InputError(scene_.file.string(), error.where() + ": " + error.field(), error.value(),
-                     error.allowed());
+    std::string where = scene_.file.string();
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j)
+      if (error.where() == "joint \"" + scene_.joints[j].name + "\"")
+        where = reader_.where(*joint_tables_[j]);
+    throw InputError(where, error.where() + ": " + error.field(), error.value(), error.allowed());
   }
 }
 
