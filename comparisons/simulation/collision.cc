@@ -13,6 +13,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -51,6 +52,9 @@ std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const ShapeKind& kind) {
   return nullptr;  // a half-space is compared with support points
 }
 
+/// More than a pair of shapes has points.
+constexpr long kIds = 256;
+
 /// A shape of a body, in the scene's list.
 struct Part {
   int body = -1;
@@ -64,8 +68,9 @@ struct Part {
 };
 
 struct Nearest {
-  Vector3d on_a, on_b, normal;  ///< world; normal from a to b
-  double gap_m = 0;
+  Vector3d on_a = Vector3d::Zero(), on_b = Vector3d::Zero();
+  Vector3d normal = Vector3d::UnitZ();  ///< world; from a to b
+  double gap_m = std::numeric_limits<double>::infinity();
 };
 
 /// What is remembered of a pair of shapes between steps.
@@ -101,6 +106,44 @@ SurfacePoint in_world(const SurfacePoint& local, const Isometry3d& pose) {
           turn * local.curvature_per_m * turn.transpose(), local.smooth};
 }
 
+struct Edge {
+  Vector3d start, along;  ///< world
+  int number = 0;         ///< of the box's twelve
+};
+
+/// The edges of a box that lie within reach of its farthest point in a direction, both ends of
+/// them.
+std::vector<Edge> bearing_edges(const Box& box, const Isometry3d& pose, const Vector3d& direction,
+                                double reach_m) {
+  const Vector3d local = pose.linear().transpose() * direction, half = box.size_m / 2;
+  // Of a thin plate only one side faces the other body.
+  const double depth_m = std::min(reach_m, box.size_m.minCoeff() / 4);
+  const double farthest = half.dot(local.cwiseAbs());
+  std::vector<Edge> edges;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 4; ++side) {
+      Vector3d start = -half, along = Vector3d::Zero();
+      if (side & 1) start[(axis + 1) % 3] *= -1;
+      if (side & 2) start[(axis + 2) % 3] *= -1;
+      along[axis] = box.size_m[axis];
+      if (std::min(start.dot(local), (start + along).dot(local)) < farthest - depth_m) continue;
+      edges.push_back({pose * start, pose.linear() * along, 4 * axis + side});
+    }
+  return edges;
+}
+
+/// Whether a capsule that touches with one cap lies along the other surface: its other end is
+/// within reach too, by the tilt and the other's curvature.
+bool lies(const Part& part, const Vector3d& on_part, const SurfacePoint& other, double reach_m) {
+  const auto* capsule = std::get_if<Capsule>(&part.shape->kind);
+  if (!capsule) return false;
+  const double past_m = std::abs((part.pose.inverse() * on_part).z()) - capsule->length_m / 2;
+  const Vector3d axis = part.pose.linear().col(2);
+  const double rise_m = capsule->length_m * past_m / capsule->radius_m +
+                        std::pow(capsule->length_m, 2) / 2 * axis.dot(other.curvature_per_m * axis);
+  return rise_m < reach_m && past_m > -1e-9 * capsule->length_m;
+}
+
 /// Two tangents that depend on the normal alone.
 Matrix3d any_axes(const Vector3d& normal) {
   int least = 0;
@@ -126,7 +169,7 @@ struct CollisionDetector::Implementation {
   SurfacePoint surface(const Part& part, const std::optional<QuadricFit>& fit,
                        const Vector3d& point_m) const;
   bool find_round(const Part& a, const Part& b, PairMemory& memory, Nearest& nearest,
-                  TouchingPoint& point);
+                  double reach_m, TouchingPoint& point);
   void fit_meshes(const Part& a, const Part& b, const Nearest& nearest, PairMemory& memory);
   void find_bearing(const Part& a, const Part& b, const Nearest& nearest, double reach_m,
                     long first_id, std::vector<TouchingPoint>& points) const;
@@ -252,16 +295,21 @@ Nearest CollisionDetector::Implementation::nearest(const Part& a, const Part& b,
   }
   double shift_m = 0.02 * std::min(a.radius_m, b.radius_m);
   fcl::DistanceRequestd request(true);
-  request.distance_tolerance = 1e-3 * shift_m * 1e-3;
+  // Normals at edges are only as good as the root of that.
+  request.distance_tolerance = 1e-10 * shift_m;
   Nearest result;
   const int most = known ? 3 : 30;
+  constexpr int kMostDoublings = 30;
+  int doublings = 0;
   for (int round = 0; round < most; ++round) {
     Isometry3d moved = b.pose;
     moved.translation() += shift_m * normal;
     Vector3d on_a, on_b;
     const double distance = fcl_distance(a, a.pose, b, moved, request, on_a, on_b);
     if (!(distance > 1e-3 * shift_m)) {  // deeper than expected
+      if (++doublings > kMostDoublings) break;
       shift_m *= 2;
+      --round;
       continue;
     }
     const Vector3d across = on_b - on_a;
@@ -337,7 +385,8 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
 /// normal, whose Hessian is the relative curvature, then turns the normal to theirs. False where
 /// there is none, or not a single one.
 bool CollisionDetector::Implementation::find_round(const Part& a, const Part& b, PairMemory& memory,
-                                                   Nearest& nearest, TouchingPoint& point) {
+                                                   Nearest& nearest, double reach_m,
+                                                   TouchingPoint& point) {
   if (a.is_mesh() || b.is_mesh()) fit_meshes(a, b, nearest, memory);
   if ((a.is_mesh() && !memory.fits[0]) || (b.is_mesh() && !memory.fits[1])) return false;
   for (const auto& fit : memory.fits)
@@ -384,6 +433,7 @@ bool CollisionDetector::Implementation::find_round(const Part& a, const Part& b,
   const SurfacePoint at_a = surface(a, memory.fits[0], on_a);
   const SurfacePoint at_b = surface(b, memory.fits[1], on_b);
   if (!at_a.smooth || !at_b.smooth) return false;
+  if (lies(a, at_a.point_m, at_b, reach_m) || lies(b, at_b.point_m, at_a, reach_m)) return false;
   nearest = {at_a.point_m, at_b.point_m, normal, normal.dot(at_b.point_m - at_a.point_m)};
   memory.normal_in_a = a.pose.linear().transpose() * normal;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal(curvature);
@@ -416,6 +466,15 @@ void CollisionDetector::Implementation::find_bearing(const Part& a, const Part& 
     point.id = first_id + id;
     points.push_back(point);
   };
+  // A body that is round all over is held in one point, and its nearest point is not the one below.
+  const auto round_all_over = [](const Part& part) {
+    return std::holds_alternative<Sphere>(part.shape->kind) ||
+           std::holds_alternative<Ellipsoid>(part.shape->kind);
+  };
+  if (round_all_over(a) || round_all_over(b)) {
+    add(nearest.on_a, nearest.on_b, nearest.normal, nearest.gap_m, 0);
+    return;
+  }
   long id = 0;
   for (const bool from_a : {true, false}) {
     const Part& from = from_a ? a : b;
@@ -452,7 +511,33 @@ void CollisionDetector::Implementation::find_bearing(const Part& a, const Part& 
     }
     id = start + 16;
   }
-  if (points.size() == first) add(nearest.on_a, nearest.on_b, nearest.normal, nearest.gap_m, id);
+  // Flat on flat: the corners of the common polygon that are corners of neither.
+  const auto* box_a = std::get_if<Box>(&a.shape->kind);
+  const auto* box_b = std::get_if<Box>(&b.shape->kind);
+  if (box_a && box_b) {
+    const std::vector<Edge> edges_a = bearing_edges(*box_a, a.pose, nearest.normal, reach_m);
+    const std::vector<Edge> edges_b = bearing_edges(*box_b, b.pose, -nearest.normal, reach_m);
+    for (const Edge& on_a : edges_a)
+      for (const Edge& on_b : edges_b) {
+        const Vector3d across = on_a.along.cross(on_b.along);
+        const double turn = nearest.normal.dot(across);
+        if (!(std::abs(turn) > 1e-9 * on_a.along.norm() * on_b.along.norm())) continue;
+        const Vector3d apart = on_b.start - on_a.start;
+        const double part_a = nearest.normal.dot(apart.cross(on_b.along)) / turn;
+        const double part_b = nearest.normal.dot(apart.cross(on_a.along)) / turn;
+        if (!(part_a > 0 && part_a < 1 && part_b > 0 && part_b < 1)) continue;
+        const Vector3d point_a = on_a.start + part_a * on_a.along;
+        const Vector3d point_b = on_b.start + part_b * on_b.along;
+        const double gap_m = nearest.normal.dot(point_b - point_a);
+        if (gap_m > reach_m) continue;
+        add(point_a, point_b, nearest.normal, gap_m, 40 + 12 * on_a.number + on_b.number);
+      }
+  }
+  // Where none of these is as near as the nearest point, edges or rims cross there.
+  double least_m = std::numeric_limits<double>::infinity();
+  for (std::size_t p = first; p < points.size(); ++p) least_m = std::min(least_m, points[p].gap_m);
+  if (least_m > nearest.gap_m + same_m / 10)
+    add(nearest.on_a, nearest.on_b, nearest.normal, nearest.gap_m, id);
 }
 
 void CollisionDetector::Implementation::find_between(int first, int second,
@@ -471,12 +556,12 @@ void CollisionDetector::Implementation::find_between(int first, int second,
   Nearest at = nearest(a, b, memory);
   if (at.gap_m > reach) return;
   const std::size_t before = points.size();
-  const long first_id = (long(first) * long(parts.size()) + second) * 64;
+  const long first_id = (long(first) * long(parts.size()) + second) * kIds;
   TouchingPoint point;
   point.a = a.body;
   point.b = b.body;
   point.id = first_id;
-  if (find_round(a, b, memory, at, point)) {
+  if (find_round(a, b, memory, at, reach, point)) {
     if (point.gap_m <= reach) points.push_back(point);
   } else {
     find_bearing(a, b, at, reach, first_id + 1, points);

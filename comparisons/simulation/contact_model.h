@@ -14,8 +14,8 @@ namespace softfinger::simulation {
 const PressureModel* model_of_contact(const Scene& scene, int a, int b, const RelativeRadii& radii,
                                       ContactProblem& problem);
 
-/// Area of the contact at the scene's nominal load, by its model, or by Hertz where there is none:
-/// the size of the region that stands for a mesh.
+/// Area of the contact at the scene's nominal load, by its model, 0 where there is none: the
+/// size of the region that stands for a mesh.
 double predicted_area_m2(const Scene& scene, int a, int b, const RelativeRadii& radii);
 
 }  // namespace softfinger::simulation

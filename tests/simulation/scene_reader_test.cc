@@ -1,0 +1,249 @@
+// The reader of scene files, and the program on bad ones: one line with the place, exit status 2;
+// steps without solution: exit status 3, everything up to them written.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "comparisons/simulation/scene.h"
+#include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace {
+
+using simulation::parse_scene;
+using simulation::Scene;
+
+/// Line numbers below count from here.
+const std::string kHead =
+    "id = \"test\"\n"                      // 1
+    "[simulation]\n"                       // 2
+    "time_step_ms = 1\n"                   // 3
+    "duration_s = 0.05\n"                  // 4
+    "[[body]]\n"                           // 5
+    "name = \"floor\"\n"                   // 6
+    "fixed = true\n"                       // 7
+    "shapes = [{ half_space = true }]\n";  // 8
+const std::string kBall =
+    "[[body]]\n"                               // 9
+    "name = \"ball\"\n"                        // 10
+    "mass_g = 100\n"                           // 11
+    "position_mm = [0, 0, 10]\n"               // 12
+    "shapes = [{ sphere_radius_mm = 10 }]\n";  // 13
+const std::string kJoint =
+    "[[joint]]\n"             // 14
+    "name = \"rail\"\n"       // 15
+    "kind = \"prismatic\"\n"  // 16
+    "parent = \"world\"\n"    // 17
+    "child = \"ball\"\n"      // 18
+    "axis = [0, 0, 1]\n";     // 19
+
+std::string with(std::string text, const std::string& old, const std::string& changed) {
+  EXPECT_NE(text.find(old), std::string::npos) << old;
+  return text.replace(text.find(old), old.size(), changed);
+}
+
+class SceneProgram : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {}, -1, ""};
+
+  ProgramRun run(const std::vector<std::string>& arguments) {
+    return run_softfinger(start, arguments);
+  }
+
+  /// One line on standard error that names the file, the line (0: none can be named) and the words.
+  void expect_refusal(const std::string& text, int line, const std::vector<std::string>& words) {
+    const std::string file = folder.write("scene.toml", text).string();
+    const ProgramRun result = run({"simulate", file});
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+    EXPECT_EQ(result.err.rfind("softfinger: error: ", 0), 0u) << result.err;
+    const std::string place = line > 0 ? fmt::format("scene.toml:{}:", line) : "scene.toml:";
+    EXPECT_NE(result.err.find(place), std::string::npos) << place << "\n" << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << "\n" << result.err;
+  }
+};
+
+TEST_F(SceneProgram, RunsAGoodScene) {
+  const std::string file = folder.write("scene.toml", kHead + kBall + kJoint).string();
+  const ProgramRun result = run({"simulate", file, "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["steps"], 50);
+  EXPECT_TRUE(json["failure"].is_null());
+  EXPECT_NEAR(json["contacts"][0]["normal_force_N"].get<double>(), 0.981, 1e-9);
+}
+
+TEST_F(SceneProgram, RefusesTheInputOfTheIssueWithOneLine) {
+  const std::string good = kHead + kBall + kJoint;
+  expect_refusal(with(good, "[0, 0, 10]", "[0, 0, 9]"), 0, {"\"floor\"", "\"ball\"", "overlap"});
+  expect_refusal(with(good, "mass_g = 100", "mass_g = 0"), 11, {"mass_g", "> 0"});
+  expect_refusal(with(good, "mass_g = 100", "mass_g = -5"), 11, {"mass_g = -5", "> 0"});
+  expect_refusal(with(good, "mass_g = 100", "density_kg_per_m3 = 0"), 11, {"density_kg_per_m3"});
+  expect_refusal(with(good, "mass_g = 100\n", "mass_g = 100\ninertia_kg_mm2 = [1, 1, 3]\n"), 12,
+                 {"\"ball\"", "principal moment"});
+  expect_refusal(with(good, "mass_g = 100\n", "mass_g = 100\ninertia_kg_mm2 = [1, 1, -1]\n"), 12,
+                 {"\"ball\"", "principal moment"});
+  expect_refusal(
+      with(good, "mass_g = 100\n", "mass_g = 100\ninertia_kg_mm2 = [1, 1, 1, 2, 0, 0]\n"), 12,
+      {"\"ball\""});
+  expect_refusal(with(good, "child = \"ball\"", "child = \"bal\""), 18, {"child", "\"ball\""});
+  expect_refusal(with(good, "parent = \"world\"", "parent = \"wrld\""), 17, {"parent"});
+  expect_refusal(with(good, "child = \"ball\"\n", ""), 14, {"child"});
+  expect_refusal(with(good, "parent = \"world\"\n", ""), 14, {"parent"});
+  expect_refusal(with(good, "parent = \"world\"", "parent = \"ball\""), 14, {"rail", "parent"});
+  expect_refusal(with(good, "child = \"ball\"", "child = \"floor\""), 14, {"rail", "child"});
+  expect_refusal(good + "[[motor]]\njoint = \"rial\"\n", 21, {"joint", "\"rail\""});
+  expect_refusal(kHead + kBall + "[[motor]]\njoint = \"rail\"\n", 15, {"joint"});
+  expect_refusal(good + "[[motor]]\neffort_N = [1]\n", 20, {"joint"});
+  expect_refusal(with(good, "time_step_ms = 1", "time_step_ms = 0"), 3, {"time_step_ms", "> 0"});
+  expect_refusal(with(good, "time_step_ms = 1", "time_step_ms = -1"), 3, {"time_step_ms"});
+  expect_refusal(with(good, "mass_g", "mas_g"), 11, {"\"mas_g\"", "did you mean \"mass_g\""});
+  expect_refusal(with(good, "duration_s", "durations"), 4, {"did you mean \"duration_s\""});
+  expect_refusal(with(good, "sphere_radius_mm", "sphere_radios_mm"), 13,
+                 {"did you mean \"sphere_radius_mm\""});
+  expect_refusal(good + "[[bodi]]\n", 20, {"did you mean \"body\""});
+  expect_refusal(good + "[[contact]]\nbodies = [\"ball\", \"flor\"]\n", 21, {"\"floor\""});
+  expect_refusal(good + "[[force]]\nbody = \"bal\"\ntime_s = [0]\nforce_N = [[0, 0, 1]]\n", 21,
+                 {"\"ball\""});
+}
+
+TEST_F(SceneProgram, RefusesRingsAndSecondParents) {
+  const std::string second =
+      with(with(kBall, "\"ball\"", "\"other\""), "[0, 0, 10]", "[50, 0, 10]");
+  const auto joint = [](const char* name, const char* parent, const char* child) {
+    return fmt::format(
+        "[[joint]]\nname = \"{}\"\nkind = \"fixed\"\nparent = \"{}\"\nchild = \"{}\"\n", name,
+        parent, child);
+  };
+  expect_refusal(kHead + kBall + second + joint("a", "ball", "other") + joint("b", "other", "ball"),
+                 0, {"ring"});
+  expect_refusal(
+      kHead + kBall + second + joint("a", "world", "other") + joint("b", "ball", "other"), 0,
+      {"\"b\"", "another parent"});
+}
+
+TEST_F(SceneProgram, RefusesAMeshThatIsNotClosedWhereMassIsDerived) {
+  folder.write("open.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  const std::string mesh = with(kHead + kBall, "sphere_radius_mm = 10", "mesh = \"open.obj\"");
+  // With the line of the body's mass or shape.
+  const std::string file = folder.write("scene.toml", mesh).string();
+  const ProgramRun result = run({"simulate", file});
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+  EXPECT_NE(result.err.find("scene.toml:1"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("closed"), std::string::npos) << result.err;
+  // Given mass and inertia, an open surface is enough.
+  folder.write("scene.toml",
+               with(mesh, "mass_g = 100\n", "mass_g = 100\ninertia_kg_mm2 = [1, 1, 1]\n"));
+  EXPECT_EQ(run({"simulate", file}).status, 0) << run({"simulate", file}).err;
+  expect_refusal(with(kHead + kBall, "sphere_radius_mm = 10", "mesh = \"missing.obj\""), 13,
+                 {"missing.obj"});
+}
+
+TEST_F(SceneProgram, ReportsAStepWithoutSolutionAndWritesEverythingUpToIt) {
+  // Wider than the slot between two fixed walls by less than what counts as overlap at the start.
+  const std::string text =
+      "id = \"wedge\"\n[simulation]\ntime_step_ms = 1\nduration_s = 0.1\n"
+      "[[body]]\nname = \"floor\"\nfixed = true\nshapes = [{ half_space = true }]\n"
+      "[[body]]\nname = \"left\"\nfixed = true\nposition_mm = [-14.9995, 0, 10]\n"
+      "shapes = [{ box_size_mm = [10, 20, 20] }]\n"
+      "[[body]]\nname = \"right\"\nfixed = true\nposition_mm = [14.9995, 0, 10]\n"
+      "shapes = [{ box_size_mm = [10, 20, 20] }]\n"
+      "[[body]]\nname = \"ball\"\nmass_g = 100\nposition_mm = [0, 0, 10]\n"
+      "shapes = [{ sphere_radius_mm = 10 }]\n";
+  const std::string file = folder.write("wedge.toml", text).string();
+  const ProgramRun result = run({"simulate", file, "--json", "--output", "results"});
+  EXPECT_EQ(result.status, 3) << result.err << result.out;
+  if (result.status != 3) return;
+  const auto json = nlohmann::json::parse(result.out);
+  const int steps = json["steps"].get<int>();
+  EXPECT_EQ(steps, 0);
+  const std::string failure = json["failure"].get<std::string>();
+  EXPECT_NE(failure.find("step 1 at 0 s"), std::string::npos) << failure;
+  EXPECT_NE(failure.find("\"ball\""), std::string::npos) << failure;
+  EXPECT_NE(failure.find("\"left\""), std::string::npos) << failure;
+  EXPECT_NE(failure.find("\"right\""), std::string::npos) << failure;
+  EXPECT_EQ(failure.find("\"floor\""), std::string::npos) << "has no part in it: " << failure;
+  EXPECT_NE(result.err.find(failure), std::string::npos) << result.err;
+  EXPECT_GE(lines(file_text(folder.path() / "results" / "trajectory.csv")).size(), 2u)
+      << "the start";
+  for (const char* name : {"trajectory.json", "contacts.csv", "motion.html", "simulation.json"})
+    EXPECT_FALSE(file_text(folder.path() / "results" / name).empty()) << name;
+}
+
+// --- what is read --------------------------------------------------------------------------------
+
+TEST(Scene, IsReadInSi) {
+  const Scene scene = parse_scene(
+      kHead +
+          with(kBall, "mass_g = 100\n",
+               "mass_g = 100\nvelocity_mm_per_s = [1, 2, 3]\nrotation_deg = [10, 20, 30]\n"
+               "angular_velocity_deg_per_s = [180, 0, 0]\n") +
+          with(kJoint, "parent = \"world\"", "parent = \"floor\"") +
+          "start_mm = 5\nlimits_mm = [-10, inf]\n[[motor]]\njoint = \"rail\"\n"
+          "stiffness_N_per_m = 7\nmax_effort_N = 3\ntime_s = [1, 3]\nposition_mm = [0, 100]\n"
+          "[[contact]]\nbodies = [\"*\", \"*\"]\nfriction_coefficient = 0.3\n"
+          "[[contact]]\nbodies = [\"fl*\", \"ball\"]\nfriction_coefficient = 0.7\n",
+      "scene.toml");
+  EXPECT_EQ(scene.time_step_s, 1e-3);
+  EXPECT_EQ(scene.steps(), 50);
+  ASSERT_EQ(scene.bodies.size(), 2u);
+  const BodyDescription& ball = scene.descriptions[1];
+  EXPECT_NEAR(ball.mass.mass_kg, 0.1, 1e-16);
+  EXPECT_NEAR(ball.mass.inertia_kg_m2(1, 1), 0.4 * 0.1 * 1e-4, 1e-20);
+  EXPECT_LE((ball.velocity_m_per_s - Eigen::Vector3d(1e-3, 2e-3, 3e-3)).norm(), 1e-17);
+  EXPECT_NEAR(ball.angular_velocity_rad_per_s.x(), kPi, 1e-14);
+  const double d = kPi / 180;
+  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(30 * d, Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(20 * d, Eigen::Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(10 * d, Eigen::Vector3d::UnitX()))
+                                   .toRotationMatrix();
+  EXPECT_LE((ball.pose.linear() - turn).norm(), 1e-14) << "about the fixed x, y, z, in this order";
+  EXPECT_EQ(scene.joints[0].parent, 0);
+  EXPECT_NEAR(scene.joints[0].start, 5e-3, 1e-18);
+  EXPECT_NEAR(scene.joints[0].lower, -10e-3, 1e-17);
+  EXPECT_TRUE(std::isinf(scene.joints[0].upper));
+  EXPECT_EQ(scene.motors[0].max_effort, 3);
+  EXPECT_EQ(scene.rule(0, 1).friction_coefficient, 0.7) << "the last one that fits";
+  EXPECT_EQ(scene.rule(1, 0).friction_coefficient, 0.7);
+  EXPECT_EQ(scene.rule(0, 0).friction_coefficient, 0.3);
+  // Eased: at rest at both ends, half way at half time, at 15/8 of the mean speed.
+  const simulation::TimeTable& table = scene.motions[0].table;
+  EXPECT_EQ(table.value(0)[0], 0);
+  EXPECT_EQ(table.value(1)[0], 0);
+  EXPECT_NEAR(table.value(2)[0], 0.05, 1e-16);
+  EXPECT_NEAR(table.rate(2)[0], 0.05 * 15 / 8, 1e-15);
+  EXPECT_EQ(table.rate(3)[0], 0);
+  EXPECT_NEAR(table.value(4)[0], 0.1, 1e-16);
+  const double h = 1e-6;
+  for (double t = 1.1; t < 3; t += 0.2)
+    EXPECT_NEAR(table.rate(t)[0], (table.value(t + h)[0] - table.value(t - h)[0]) / (2 * h), 1e-9);
+}
+
+TEST(Scene, UnitesTheMassOfSeveralShapes) {
+  // A dumb-bell: two balls and a rod; parallel axes.
+  const std::string dumb_bell = with(
+      kBall, "[{ sphere_radius_mm = 10 }]",
+      "[{ sphere_radius_mm = 10, position_mm = [30, 0, 0] }, { sphere_radius_mm = 10, "
+      "position_mm = [-30, 0, 0] }, { cylinder_radius_length_mm = [5, 40], rotation_deg = [0, 90, "
+      "0] }]");
+  const Scene scene = parse_scene(kHead + dumb_bell, "scene.toml");
+  const double ball = 4 * kPi / 3 * 1e-6, rod = kPi * 25e-6 * 0.04, all = 2 * ball + rod;
+  const double along = (2 * ball * 0.4e-4 + rod * 12.5e-6) / all;
+  const double across = (2 * ball * (0.4e-4 + 9e-4) + rod * (25e-6 / 4 + 0.0016 / 12)) / all;
+  const Eigen::Matrix3d inertia = scene.descriptions[1].mass.inertia_kg_m2 / 0.1;
+  EXPECT_LE((inertia - Eigen::Matrix3d(Eigen::Vector3d(along, across, across).asDiagonal())).norm(),
+            1e-13 * across);
+  EXPECT_LE(scene.descriptions[1].mass.center_m.norm(), 1e-17);
+}
+
+}  // namespace
+}  // namespace softfinger::tests
