@@ -16,6 +16,7 @@ namespace {
 struct Options {
   std::vector<std::string> files;
   std::string solver = "lemke";
+  std::string friction = "facets";
   bool json = false;
 };
 
@@ -88,7 +89,8 @@ int run(const Options& options) {
   std::string table;
   bool limit = false;
   for (const std::string& file : options.files) {
-    const ContactLcp problem = read_recorded_contacts(file);
+    ContactLcp problem = read_recorded_contacts(file);
+    if (options.friction == "ellipsoid") problem.friction_rule = FrictionRule::ellipsoid;
     const Solved solved = solve(problem);
     const LcpResult& result = solved.result;
     limit |= result.status == LcpStatus::iteration_limit;
@@ -126,13 +128,19 @@ void add_lcp(CLI::App& app, Action& action) {
       ->required();
   command->add_option("--solver", options->solver, "\"lemke\" (default)")
       ->check(CLI::IsMember({"lemke"}));
+  command
+      ->add_option("--friction", options->friction,
+                   "\"facets\": the recorded vertices (default); \"ellipsoid\": the exact friction "
+                   "ellipsoid")
+      ->check(CLI::IsMember({"facets", "ellipsoid"}));
   command->add_flag("--json", options->json,
                     "one JSON object on standard output: impulses r4 in N s and N m s, velocities "
                     "v4 in m/s and rad/s, four per contact; without unit: residual");
   command->footer(
       "Samples:\n"
       "  softfinger lcp step_0001.txt step_0002.txt\n"
-      "  softfinger lcp step_0001.txt --solver lemke --json");
+      "  softfinger lcp step_0001.txt --solver lemke --json\n"
+      "  softfinger lcp step_0001.txt --friction ellipsoid");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -1,54 +1,294 @@
-// Microseconds per contact problem, cold, over 64 random scenes each; beside it the worst residual,
-// the mean number of pivots and how many of the scenes needed a second covering vector.
-#include <benchmark/benchmark.h>
+// Microseconds of CPU time per contact problem, the median of random scenes (each timed several
+// times), with the worst residual, mean pivots and how many scenes failed. Beside it, where Siconos
+// is there, its lcp_lexicolemke on the same problems as dense LCPs, assembled beforehand: the
+// median of those that it solves, and ours over the same ones. Then warm starts: the next time
+// steps of scenes, cold and warm; then exact friction.
+//
+//   lcp_bench [seconds]   of Siconos per row at most (default 20)
+#include <time.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
 #include <vector>
 
 #include "tests/dynamics/random_scene.h"
 
+#ifdef SOFTFINGER_SICONOS
+#include <siconos/numerics/LCP_Solvers.h>
+#include <siconos/numerics/LinearComplementarityProblem.h>
+#include <siconos/numerics/NumericsMatrix.h>
+#include <siconos/numerics/SolverOptions.h>
+#include <siconos/numerics/lcp_cst.h>
+#endif
+
 namespace softfinger {
 namespace {
 
-void contacts(benchmark::State& state) {
-  constexpr int kScenes = 64;
-  const int count = int(state.range(0)), vertices = int(state.range(1));
-  tests::RandomScenes scenes(100);
-  std::vector<ContactLcp> problems;
-  // Scenes where all contacts separate cost nothing: they are left out.
-  while (problems.size() < kScenes) {
-    problems.push_back(scenes.next(count, vertices));
-    double least = 0;
-    for (int i = 0; i < count; ++i) least = std::min(least, problems.back().free_velocity[4 * i]);
-    if (least >= 0) problems.pop_back();
-  }
-  ContactLcpSolver solver(count, vertices);
-  ContactSolution solution;
-  solution.resize(count);
-  double worst = 0, pivots = 0;
-  int again = 0, failures = 0;
-  for (const ContactLcp& problem : problems) {
-    const LcpResult result = solver.solve(problem, solution);
-    failures += result.status != LcpStatus::solved;
-    worst = std::max(worst, result.residual);
-    pivots += result.pivots;
-    again += result.attempts > 1;
-  }
-  std::size_t i = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(solver.solve(problems[i++ % kScenes], solution));
-  state.counters["residual"] = worst;
-  state.counters["pivots"] = pivots / kScenes;
-  state.counters["second_attempts"] = again;
-  state.counters["failures"] = failures;
+/// Of this thread: what else the machine does counts only as far as it shares caches.
+double cpu_us() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e6 * double(time.tv_sec) + 1e-3 * double(time.tv_nsec);
 }
 
-BENCHMARK(contacts)
-    ->ArgNames({"contacts", "u"})
-    ->ArgsProduct({{1, 4, 5, 10, 20}, {16, 32, 128}})
-    ->Args({100, 16})
-    ->Unit(benchmark::kMicrosecond);
+double quantile(std::vector<double> values, double part) {
+  if (values.empty()) return NAN;
+  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Scenes where all contacts separate cost nothing: they are left out.
+bool is_trivial(const ContactLcp& problem) {
+  for (int i = 0; i < problem.contacts(); ++i)
+    if (problem.free_velocity[4 * i] < 0) return false;
+  return true;
+}
+
+std::vector<ContactLcp> make_problems(int count, int contacts, int vertices, FrictionRule rule) {
+  static const SixPatchShape shape(0.5, 0.5);
+  tests::RandomScenes scenes(100);
+  std::vector<ContactLcp> problems;
+  while (int(problems.size()) < count) {
+    problems.push_back(scenes.next(contacts, vertices));
+    problems.back().friction_rule = rule;
+    problems.back().shapes.assign(std::size_t(contacts), &shape);
+    if (is_trivial(problems.back())) problems.pop_back();
+  }
+  return problems;
+}
+
+struct Row {
+  double median_us = 0, p90_us = 0, residual = 0, pivots = 0;
+  int failures = 0;
+};
+
+Row solve_cold(const std::vector<ContactLcp>& problems, int repetitions,
+               std::vector<double>* all_us = nullptr) {
+  const int contacts = problems.front().contacts();
+  ContactLcpSolver solver(contacts, int(problems.front().vertices.cols()));
+  ContactSolution solution;
+  solution.resize(contacts);
+  Row row;
+  std::vector<double> times;
+  for (const ContactLcp& problem : problems) {
+    std::vector<double> same;
+    LcpResult result;
+    for (int i = 0; i < repetitions; ++i) {
+      const double start = cpu_us();
+      result = solver.solve(problem, solution);
+      same.push_back(cpu_us() - start);
+    }
+    times.push_back(quantile(same, 0.5));
+    row.failures += result.status != LcpStatus::solved;
+    row.residual = std::max(row.residual, result.residual);
+    row.pivots += double(result.pivots) / double(problems.size());
+  }
+  row.median_us = quantile(times, 0.5);
+  row.p90_us = quantile(times, 0.9);
+  if (all_us) *all_us = times;
+  return row;
+}
+
+#ifdef SOFTFINGER_SICONOS
+
+/// The whole matrix: rows and unknowns P; beta; lambda.
+struct DenseLcp {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd constant;
+};
+
+DenseLcp dense(const ContactLcp& problem) {
+  const int nc = problem.contacts(), u = int(problem.vertices.cols()), n = nc * (u + 2);
+  DenseLcp lcp;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(4 * nc, n);
+  lcp.matrix.setZero(n, n);
+  for (int i = 0; i < nc; ++i) {
+    const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
+    columns(4 * i, i) = 1;
+    columns.block(4 * i + 1, nc + i * u, 3, u) = arms.asDiagonal() * problem.vertices;
+    const int lambda = nc + nc * u + i;
+    lcp.matrix.block(nc + i * u, lambda, u, 1).setOnes();
+    lcp.matrix.block(lambda, nc + i * u, 1, u).setConstant(-1);
+    lcp.matrix(lambda, i) = problem.friction_coefficient[i];
+  }
+  lcp.matrix += columns.transpose() * problem.delassus * columns;
+  lcp.constant = columns.transpose() * problem.free_velocity;
+  return lcp;
+}
+
+/// The residual of `contact_residual`, of a raw solution.
+double residual_of(const ContactLcp& problem, const std::vector<double>& z) {
+  const int nc = problem.contacts(), u = int(problem.vertices.cols());
+  ContactSolution solution;
+  solution.resize(nc);
+  for (int i = 0; i < nc; ++i) {
+    const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
+    solution.impulse[4 * i] = z[std::size_t(i)];
+    solution.slip[i] = z[std::size_t(nc + nc * u + i)];
+    for (int j = 0; j < u; ++j) {
+      const double weight = z[std::size_t(nc + i * u + j)];
+      if (weight == 0) continue;
+      solution.weights.push_back({i, j, weight});
+      solution.impulse.segment<3>(4 * i + 1) += weight * arms.cwiseProduct(problem.vertices.col(j));
+    }
+  }
+  solution.velocity = problem.free_velocity + problem.delassus * solution.impulse;
+  return contact_residual(problem, solution);
+}
+
+/// As many of the problems as `most_s` allow, at least three.
+Row solve_by_siconos(const std::vector<ContactLcp>& problems, const std::vector<double>& ours_us,
+                     double most_s, int& tried, double& ratio) {
+  Row row;
+  std::vector<double> times, ours;
+  const double begin = cpu_us();
+  tried = 0;
+  for (const ContactLcp& problem : problems) {
+    if (tried >= 3 && cpu_us() - begin > 1e6 * most_s) break;
+    DenseLcp lcp = dense(problem);
+    const int n = int(lcp.constant.size());
+    NumericsMatrix* matrix = NM_create_from_data(NM_DENSE, n, n, lcp.matrix.data());
+    LinearComplementarityProblem siconos{n, matrix, lcp.constant.data()};
+    SolverOptions* options = solver_options_create(SICONOS_LCP_LEMKE);
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = 20 * n;
+    std::vector<double> z(std::size_t(n), 0.), w(std::size_t(n), 0.);
+    int info = 0;
+    const double start = cpu_us();
+    lcp_lexicolemke(&siconos, z.data(), w.data(), &info, options);
+    const double took_us = cpu_us() - start;
+    const double residual = residual_of(problem, z);
+    const bool good = info == 0 && residual <= 1e-6;
+    row.failures += !good;
+    if (good) {
+      row.residual = std::max(row.residual, residual);
+      times.push_back(took_us);
+      ours.push_back(ours_us[std::size_t(tried)]);
+    }
+    ++tried;
+    solver_options_delete(options);
+    std::free(options);
+    matrix->matrix0 = nullptr;  // not its own
+    NM_clear(matrix);
+    std::free(matrix);
+  }
+  row.median_us = quantile(times, 0.5);
+  ratio = row.median_us / quantile(ours, 0.5);
+  return row;
+}
+
+#endif
+
+void compare_cold(double siconos_s) {
+  std::printf("Cold, facets\n%8s %4s %10s %10s %9s %7s %6s", "contacts", "u", "median us", "p90 us",
+              "residual", "pivots", "failed");
+#ifdef SOFTFINGER_SICONOS
+  std::printf(" | %12s %9s %9s %7s", "Siconos us", "residual", "failed", "ratio");
+#else
+  static_cast<void>(siconos_s);
+#endif
+  std::printf("\n");
+  const auto run = [&](int contacts, int vertices, bool with_siconos) {
+    const auto problems = make_problems(64, contacts, vertices, FrictionRule::facets);
+    std::vector<double> ours_us;
+    const Row row = solve_cold(problems, contacts > 20 ? 3 : 9, &ours_us);
+    std::printf("%8d %4d %10.1f %10.1f %9.1e %7.1f %6d", contacts, vertices, row.median_us,
+                row.p90_us, row.residual, row.pivots, row.failures);
+#ifdef SOFTFINGER_SICONOS
+    if (with_siconos) {
+      int tried = 0;
+      double ratio = 0;
+      const Row peer = solve_by_siconos(problems, ours_us, siconos_s, tried, ratio);
+      std::printf(" | %12.1f %9.1e %3d of %2d %7.0f", peer.median_us, peer.residual, peer.failures,
+                  tried, ratio);
+    }
+#else
+    static_cast<void>(with_siconos);
+#endif
+    std::printf("\n");
+    std::fflush(stdout);
+  };
+  for (const int contacts : {1, 5, 10, 20})
+    for (const int vertices : {16, 32, 128}) run(contacts, vertices, contacts * vertices <= 640);
+  run(100, 16, false);
+}
+
+const char* name(FrictionRule rule) {
+  return rule == FrictionRule::facets      ? "facets"
+         : rule == FrictionRule::ellipsoid ? "ellipsoid"
+                                           : "six patches";
+}
+
+void compare_warm(bool steady) {
+  std::printf(
+      "\nWarm, the next ten time steps of 64 scenes, %s\n"
+      "%8s %4s %-11s %10s %10s %6s %10s %10s %6s\n",
+      steady ? "contacts moved and velocities changed by 1e-3" : "bodies that were hit fly apart",
+      "contacts", "u", "friction", "cold us", "warm us", "ratio", "pivots", "steps", "failed");
+  static const SixPatchShape shape(0.5, 0.5);
+  for (const int contacts : {5, 10, 20})
+    for (const FrictionRule rule :
+         {FrictionRule::facets, FrictionRule::ellipsoid, FrictionRule::limit_surface}) {
+      constexpr int kVertices = 32;
+      tests::RandomScenes scenes(100);
+      ContactLcpSolver warm(contacts, kVertices), cold(contacts, kVertices);
+      ContactSolution of_warm, of_cold;
+      std::vector<int> continued(static_cast<std::size_t>(contacts));
+      std::iota(continued.begin(), continued.end(), 0);
+      std::vector<double> cold_us, warm_us;
+      double pivots = 0, cold_pivots = 0;
+      int failures = 0;
+      for (int scene = 0; scene < 64; ++scene) {
+        ContactLcp problem = scenes.next(contacts, kVertices);
+        problem.friction_rule = rule;
+        problem.shapes.assign(std::size_t(contacts), &shape);
+        warm.solve(problem, of_warm);
+        for (int step = 0; step < 10; ++step) {
+          if (steady)
+            scenes.disturb(problem, 1e-3);
+          else
+            scenes.step(problem, of_warm, 1e-3);
+          if (is_trivial(problem)) break;
+          double start = cpu_us();
+          const LcpResult colder = cold.solve(problem, of_cold);
+          cold_us.push_back(cpu_us() - start);
+          start = cpu_us();
+          const LcpResult result = warm.solve(problem, of_warm, &continued);
+          warm_us.push_back(cpu_us() - start);
+          pivots += result.pivots;
+          cold_pivots += colder.pivots;
+          failures += result.status != LcpStatus::solved;
+        }
+      }
+      const double a = quantile(cold_us, 0.5), b = quantile(warm_us, 0.5);
+      std::printf("%8d %4d %-11s %10.1f %10.1f %6.2f %4.1f:%5.1f %10zu %6d\n", contacts, kVertices,
+                  name(rule), a, b, b / a, pivots / double(warm_us.size()),
+                  cold_pivots / double(warm_us.size()), warm_us.size(), failures);
+      std::fflush(stdout);
+    }
+}
+
+void show_exact() {
+  std::printf("\nCold, exact friction\n%8s %-11s %10s %10s %9s %7s %6s\n", "contacts", "friction",
+              "median us", "p90 us", "residual", "pivots", "failed");
+  for (const int contacts : {1, 5, 10, 20})
+    for (const FrictionRule rule : {FrictionRule::ellipsoid, FrictionRule::limit_surface}) {
+      const Row row = solve_cold(make_problems(64, contacts, 16, rule), 3);
+      std::printf("%8d %-11s %10.1f %10.1f %9.1e %7.1f %6d\n", contacts, name(rule), row.median_us,
+                  row.p90_us, row.residual, row.pivots, row.failures);
+      std::fflush(stdout);
+    }
+}
 
 }  // namespace
 }  // namespace softfinger
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  softfinger::compare_cold(argc > 1 ? std::atof(argv[1]) : 20);
+  softfinger::compare_warm(true);
+  softfinger::compare_warm(false);
+  softfinger::show_exact();
+}

@@ -83,10 +83,18 @@ class RandomScenes {
   }
 
   /// The next time step of the scene of `problem`, the last one made, after `solution`: gravity for
-  /// 0.01 s, and each contact moved by `amount` of its arm and turned by `amount` rad, at random.
+  /// 0.01 s, and contacts that have moved as in `disturb`. Bodies that have just been hit fly
+  /// apart: contacts change what they do.
   void step(ContactLcp& problem, const ContactSolution& solution, double amount) {
     velocity_ += inverse_mass_ * jacobian_.transpose() * solution.impulse;
     for (Eigen::Index row = 2; row < velocity_.size(); row += 6) velocity_[row] -= 0.0981;
+    disturb(problem, amount);
+  }
+
+  /// The same scene, nearly: each contact moved by `amount` of its arm and turned by `amount` rad,
+  /// velocities changed by up to `amount` of themselves, at random. A step of steady motion.
+  void disturb(ContactLcp& problem, double amount) {
+    for (double& component : velocity_) component *= 1 + amount * uniform(-1, 1);
     for (Touch& touch : touches_) {
       const Eigen::Vector3d shift = amount * direction(), axis = direction();
       touch.first_arm_m += touch.first_arm_m.norm() * shift;

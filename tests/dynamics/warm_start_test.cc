@@ -107,7 +107,7 @@ TEST(WarmStart, FollowsContactsThatComeGoAndChangePlaces) {
     }
 }
 
-TEST(WarmStart, NeedsFewPivotsInTheNextTimeStep) {
+TEST(WarmStart, NeedsFewPivotsInAStepOfSteadyMotion) {
   tests::RandomScenes scenes(34);
   ContactLcpSolver warm(10, 32), cold(10, 32);
   ContactSolution of_warm, of_cold;
@@ -119,7 +119,7 @@ TEST(WarmStart, NeedsFewPivotsInTheNextTimeStep) {
       use(problem, rule);
       ASSERT_EQ(warm.solve(problem, of_warm).status, LcpStatus::solved);
       for (int step = 0; step < 5; ++step) {
-        scenes.step(problem, of_warm, 1e-3);
+        scenes.disturb(problem, 1e-3);
         const LcpResult result = warm.solve(problem, of_warm, &continued);
         ASSERT_EQ(result.status, LcpStatus::solved) << trial;
         const int cold_pivots = cold.solve(problem, of_cold).pivots;

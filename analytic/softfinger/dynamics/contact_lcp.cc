@@ -22,6 +22,8 @@ constexpr int kMostAttempts = 24;
 /// A solution is one below the first; below the second, no other covering vector is tried.
 constexpr double kTolerance = 1e-10, kGood = 1e-12;
 constexpr int kAttemptsForGood = 4;
+/// Of the first path; the later ones are careful.
+constexpr int kRefreshAfter = 8;
 /// Vertices of its own that a contact may get under exact friction.
 constexpr int kOwnVertices = 40;
 
@@ -59,6 +61,7 @@ struct ContactLcpSolver::Workspace {
         exact_impulse(4 * contacts),
         best_impulse(4 * contacts),
         continues_as(std::size_t(contacts)) {
+    known_vertices.resize(3, vertices);
     last.impulse.resize(4 * contacts);
     last.basis.reserve(std::size_t(6 * contacts + 3));
     basis.reserve(std::size_t(6 * contacts + 3));
@@ -68,6 +71,7 @@ struct ContactLcpSolver::Workspace {
   void check_continued(const ContactLcp& problem, const std::vector<int>& continued) const;
   void scale(const ContactLcp& problem);
   void cover(int attempt);
+  void use_vertices(const Eigen::Matrix3Xd& vertices);
   void choose_first_vertices();
   internal::PathOptions options() const;
   void use_first_vertices(const ContactLcp& problem, bool all);
@@ -117,7 +121,10 @@ struct ContactLcpSolver::Workspace {
   Memory last;
   std::vector<int> continues_as, basis;
   static constexpr std::size_t kFirstVertices = 6;
-  std::array<int, kFirstVertices> first_vertices{};  ///< -1: none
+  std::array<int, kFirstVertices> first_vertices{};  ///< of known_vertices; -1: none
+  Eigen::Matrix3Xd known_vertices;
+  int known_count = -1;
+  double known_radius = 0;
 };
 
 void ContactLcpSolver::Workspace::check(const ContactLcp& problem) const {
@@ -168,11 +175,10 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
   system.contacts = nc;
   system.count = u;
   system.own_vertices = exact;
-  system.vertex_radius = 0;
-  if (!exact && u > 0) {
-    system.vertices.leftCols(u) = problem.vertices;
-    system.vertex_radius = problem.vertices.colwise().norm().maxCoeff();
-  }
+  if (exact)
+    system.vertex_radius = 0;
+  else
+    use_vertices(problem.vertices);
   for (int i = 0; i < nc; ++i) {
     const double mu = problem.friction_coefficient[i], arm_m = problem.eccentricity_m[i];
     const Eigen::Vector3d arms(1, 1, arm_m);
@@ -203,8 +209,20 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
   for (int i = 0; i < nc; ++i)
     system.natural_sizes[i] =
         std::min(1., velocity_scale[4 * i + 1] * largest_velocity / velocity_unit);
-  system.find_neighbours();
-  if (!exact) choose_first_vertices();
+  system.prepare();
+}
+
+/// The facets' vertices, and what is known of them: mostly the same ones as in the last problem.
+void ContactLcpSolver::Workspace::use_vertices(const Eigen::Matrix3Xd& vertices) {
+  const int u = int(vertices.cols());
+  if (known_count != u || known_vertices.leftCols(u) != vertices) {
+    known_count = u;
+    known_vertices.leftCols(u) = vertices;
+    known_radius = u > 0 ? vertices.colwise().norm().maxCoeff() : 0;
+    choose_first_vertices();
+  }
+  system.vertices.leftCols(u) = vertices;
+  system.vertex_radius = known_radius;
 }
 
 void ContactLcpSolver::Workspace::cover(int attempt) {
@@ -317,11 +335,12 @@ internal::PathOptions ContactLcpSolver::Workspace::options() const {
   internal::PathOptions result;
   result.tolerance = 1e-12;
   result.most_pivots = 100 * system.contacts + 200;
+  result.refresh_after = kRefreshAfter;
   return result;
 }
 
-/// What each contact's friction starts with: vertices far apart, or all; under the exact rules,
-/// pure forces and torques.
+/// What each contact's friction starts with: vertices far apart and against the free slip, or all;
+/// under the exact rules, pure forces and torques.
 void ContactLcpSolver::Workspace::use_first_vertices(const ContactLcp& problem, bool all) {
   system.use_no_vertices();
   for (int i = 0; i < system.contacts; ++i) {
@@ -336,6 +355,9 @@ void ContactLcpSolver::Workspace::use_first_vertices(const ContactLcp& problem, 
     } else {
       for (const int j : first_vertices)
         if (j >= 0) system.use_vertex(i, j);
+      const Eigen::Vector3d free_slip = system.free_velocity.segment<3>(4 * i + 1);
+      const int against = system.vertex_against(i, free_slip, 0);
+      if (against >= 0) system.use_vertex(i, against);
     }
   }
 }
@@ -505,15 +527,15 @@ double ContactLcpSolver::Workspace::extract_exact(const ContactLcp& problem,
 /// Some vertices far apart, the first one among them.
 void ContactLcpSolver::Workspace::choose_first_vertices() {
   first_vertices.fill(-1);
-  const int most = std::min(system.count, int(first_vertices.size()));
+  const int most = std::min(known_count, int(first_vertices.size()));
   for (int n = 0; n < most; ++n) {
     int farthest = 0;
     double best = -1;
-    for (int j = 0; n > 0 && j < system.count; ++j) {
+    for (int j = 0; n > 0 && j < known_count; ++j) {
       double nearest = std::numeric_limits<double>::infinity();
       for (int m = 0; m < n; ++m)
         nearest = std::min(
-            nearest, (system.vertices.col(j) - system.vertices.col(first_vertices[std::size_t(m)]))
+            nearest, (known_vertices.col(j) - known_vertices.col(first_vertices[std::size_t(m)]))
                          .squaredNorm());
       if (nearest <= best) continue;
       best = nearest;
@@ -533,6 +555,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
   best_residual = std::numeric_limits<double>::infinity();
   const auto follow = [&](int attempt) {
     path_options.tolerance = attempt % 2 == 0 ? 1e-12 : 1e-11;
+    path_options.refresh_after = attempt == 0 ? kRefreshAfter : 1;
     cover(attempt);
     ++result.attempts;
     newton_passes = attempt == 0 ? 2 : internal::ExactNewton::kMostPasses;

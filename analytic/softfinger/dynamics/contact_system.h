@@ -39,10 +39,12 @@ class ContactSystem {
         direction_(capacity),
         neighbours_(std::size_t(capacity) * std::size_t(capacity)),
         neighbour_end_(std::size_t(capacity)),
+        blocks_(16 * std::ptrdiff_t(capacity) * capacity),
         in_use_(std::size_t(capacity) * std::size_t(vertex_capacity)),
         in_use_end_(std::size_t(capacity)),
         is_used_(in_use_.size()),
         uncovered_(std::size_t(capacity) * std::size_t(vertex_capacity + 2)),
+        pairs_(uncovered_.size()),
         shift_(capacity) {}
 
   int contacts = 0, count = 0;  ///< count: vertices per contact, or room for them
@@ -68,12 +70,7 @@ class ContactSystem {
     Kind kind;
     int contact, vertex;
   };
-  Pair pair(int index) const {
-    if (index < contacts) return {Kind::normal, index, 0};
-    if (index < 2 * contacts) return {Kind::slip, index - contacts, 0};
-    const int rest = index - 2 * contacts;
-    return {Kind::vertex, rest / count, rest % count};
-  }
+  const Pair& pair(int index) const { return pairs_[std::size_t(index)]; }
   int index(const Pair& of) const {
     if (of.kind == Kind::normal) return of.contact;
     if (of.kind == Kind::slip) return contacts + of.contact;
@@ -86,15 +83,10 @@ class ContactSystem {
 
   int pairs() const { return contacts * (count + 2); }
 
-  /// Contacts without a common movable body do not feel each other.
-  void find_neighbours() {
-    for (int j = 0; j < contacts; ++j) {
-      int end = j * contacts;
-      for (int i = 0; i < contacts; ++i)
-        if (delassus.block<4, 4>(4 * i, 4 * j).cwiseAbs().maxCoeff() > 0)
-          neighbours_[std::size_t(end++)] = i;
-      neighbour_end_[std::size_t(j)] = end;
-    }
+  /// To be called after `contacts`, `count` and `delassus` have been set.
+  void prepare() {
+    number_pairs();
+    find_neighbours();
   }
 
   void column(int j, const int* rows, int k, double* out) const {
@@ -219,6 +211,17 @@ class ContactSystem {
     const FrictionShape* shape = shapes[std::size_t(contact)];
     return shape ? shape->boundary(direction, nullptr) : direction.stableNormalized();
   }
+  /// The unused vertex with the least vertex . slip below `least`, -1: none.
+  int vertex_against(int contact, const Eigen::Vector3d& slip, double least) const {
+    int best = -1;
+    for (int j = 0; j < count; ++j) {
+      const double along = vertex(contact, j).dot(slip);
+      if (along >= least || is_used_[std::size_t(contact * count + j)]) continue;
+      least = along;
+      best = j;
+    }
+    return best;
+  }
   /// Of each contact, takes the most violated vertex into use; returns whether there was one.
   bool use_violated_vertices(double tolerance) {
     bool found = false;
@@ -226,14 +229,7 @@ class ContactSystem {
       if (!has_friction[std::size_t(i)]) continue;
       const Eigen::Vector3d velocity = state_.velocity.segment<3>(4 * i + 1);
       if (vertex_radius * velocity.norm() <= state_.slip[i]) continue;
-      int worst = -1;
-      double least = -tolerance * natural_sizes[i] - state_.slip[i];
-      for (int j = 0; j < count; ++j) {
-        const double along = vertex(i, j).dot(velocity);
-        if (along >= least || is_used_[std::size_t(i * count + j)]) continue;
-        least = along;
-        worst = j;
-      }
+      const int worst = vertex_against(i, velocity, -tolerance * natural_sizes[i] - state_.slip[i]);
       if (worst < 0) continue;
       use_vertex(i, worst);
       found = true;
@@ -252,6 +248,15 @@ class ContactSystem {
     for (int p = 0; p < k; ++p) add(columns[p], dz[p], direction_);
     if (entering >= 0) add(entering, 1, direction_);
     find_velocity(direction_);
+  }
+  /// The state after a step along the direction, but for rounding.
+  void advance(double theta) {
+    const int n = 4 * contacts;
+    state_.impulse.head(n) += theta * direction_.impulse.head(n);
+    state_.velocity.head(n) += theta * direction_.velocity.head(n);
+    state_.slip.head(contacts) += theta * direction_.slip.head(contacts);
+    state_.slack.head(contacts) += theta * direction_.slack.head(contacts);
+    state_.z0 += theta * direction_.z0;
   }
   double state(int i) const { return w(state_, i); }
   double direction(int i) const { return w(direction_, i); }
@@ -286,13 +291,38 @@ class ContactSystem {
       const Eigen::Vector4d impulse = impulses.segment<4>(4 * j);
       if (impulse.isZero(0)) continue;
       for (int n = j * contacts; n < neighbour_end_[std::size_t(j)]; ++n) {
-        const int i = 4 * neighbours_[std::size_t(n)];
-        velocity.segment<4>(i).noalias() += delassus.block<4, 4>(i, 4 * j) * impulse;
+        const Eigen::Map<const Eigen::Matrix4d> block(blocks_.data() + 16 * n);
+        velocity.segment<4>(4 * neighbours_[std::size_t(n)]).noalias() += block * impulse;
       }
     }
   }
 
  private:
+  void number_pairs() {
+    if (numbered_contacts_ == contacts && numbered_count_ == count) return;
+    int index = 0;
+    for (int i = 0; i < contacts; ++i) pairs_[std::size_t(index++)] = {Kind::normal, i, 0};
+    for (int i = 0; i < contacts; ++i) pairs_[std::size_t(index++)] = {Kind::slip, i, 0};
+    for (int i = 0; i < contacts; ++i)
+      for (int j = 0; j < count; ++j) pairs_[std::size_t(index++)] = {Kind::vertex, i, j};
+    numbered_contacts_ = contacts;
+    numbered_count_ = count;
+  }
+
+  /// Contacts without a common movable body do not feel each other.
+  void find_neighbours() {
+    for (int j = 0; j < contacts; ++j) {
+      int end = j * contacts;
+      for (int i = 0; i < contacts; ++i) {
+        const auto block = delassus.block<4, 4>(4 * i, 4 * j);
+        if (block.isZero(0)) continue;
+        Eigen::Map<Eigen::Matrix4d>(blocks_.data() + 16 * end) = block;
+        neighbours_[std::size_t(end++)] = i;
+      }
+      neighbour_end_[std::size_t(j)] = end;
+    }
+  }
+
   double entry(const Pair& to, const Pair& of) const {
     if (to.kind == Kind::slip) {
       if (to.contact != of.contact || of.kind == Kind::slip) return 0;
@@ -387,9 +417,12 @@ class ContactSystem {
 
   Motion state_, direction_;
   std::vector<int> neighbours_, neighbour_end_;
+  Eigen::VectorXd blocks_;  ///< of W, those of neighbours_
   /// Vertices of contact i in use: in_use_[count i] up to in_use_end_[i].
   std::vector<int> in_use_, in_use_end_;
   std::vector<char> is_used_, uncovered_;
+  std::vector<Pair> pairs_;
+  int numbered_contacts_ = -1, numbered_count_ = -1;
   bool all_covered_ = true, is_shifted_ = false;
   Motion shift_;
 };

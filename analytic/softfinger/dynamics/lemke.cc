@@ -68,6 +68,7 @@ class DenseSystem {
       dw_.head(size).setZero();
     add(columns, dz, k, dw_);
   }
+  void advance(double theta) { w_.head(size) += theta * dw_.head(size); }
   double state(int i) const { return w_[i]; }
   double direction(int i) const { return dw_[i]; }
 

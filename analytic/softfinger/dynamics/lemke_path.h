@@ -20,6 +20,9 @@ struct PathOptions {
   /// Harris: rows may become that negative, times their natural size, which makes ties choices.
   double tolerance = 1e-11;
   int most_pivots = 1000;
+  /// After that many pivots the values are computed again from the basis, with correction; between
+  /// them they are only advanced.
+  int refresh_after = 1;
 };
 
 /// What the ratio test has found: where the path is blocked, and by what.
@@ -58,6 +61,7 @@ struct Blocking {
 /// - double natural_size(int i): of z_i and w_i; i = n: of z0
 /// - void set_state(const int* columns, const double* z, int k): w(z)
 /// - void set_direction(const int* columns, const double* dz, int k, int entering or -1): dw
+/// - void advance(double theta): w += theta dw
 /// - double state(int i), direction(int i): w_i, dw_i
 /// - int first_row(is_active): argmin w_i/d_i over rows not active, -1 if all w >= 0
 /// - void bound(is_active, double least, double tolerance, Blocking&)
@@ -178,8 +182,13 @@ class LemkePath {
       const int leaving = blocking.row >= 0 ? blocking.row : columns_[std::size_t(blocking.column)];
       const bool leaving_is_z = blocking.row < 0;
       exchange(entering_is_z, entering, theta, blocking);
-      if (!refresh()) return PathEnd::numerical;
-      if (leaving == pairs_) {
+      const bool last = leaving == pairs_;
+      if (last || (pivots_ + 1) % options.refresh_after == 0) {
+        if (!refresh()) return PathEnd::numerical;
+      } else {
+        system.advance(theta);
+      }
+      if (last) {
         ++pivots_;
         refine();
         return PathEnd::solved;
