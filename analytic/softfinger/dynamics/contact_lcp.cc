@@ -62,6 +62,7 @@ struct ContactLcpSolver::Workspace {
         best_impulse(4 * contacts),
         continues_as(std::size_t(contacts)) {
     known_vertices.resize(3, vertices);
+    uncleaned.resize(contacts);
     last.impulse.resize(4 * contacts);
     last.basis.reserve(std::size_t(6 * contacts + 3));
     basis.reserve(std::size_t(6 * contacts + 3));
@@ -88,6 +89,7 @@ struct ContactLcpSolver::Workspace {
   bool infeasible_without_friction(const ContactLcp& problem, ContactSolution& solution,
                                    LcpResult& result);
   double extract(const ContactLcp& problem, ContactSolution& solution);
+  double extract_cleaned(const ContactLcp& problem, ContactSolution& solution, LcpResult& result);
   double polish(const ContactLcp& problem, ContactSolution& solution, LcpResult& result);
   double polish_from_impulse(const ContactLcp& problem, ContactSolution& solution,
                              LcpResult& result);
@@ -120,6 +122,7 @@ struct ContactLcpSolver::Workspace {
   };
   Memory last;
   std::vector<int> continues_as, basis;
+  ContactSolution uncleaned;  ///< kept by extract_cleaned
   static constexpr std::size_t kFirstVertices = 6;
   std::array<int, kFirstVertices> first_vertices{};  ///< of known_vertices; -1: none
   Eigen::Matrix3Xd known_vertices;
@@ -306,6 +309,34 @@ double ContactLcpSolver::Workspace::extract(const ContactLcp& problem, ContactSo
   return contact_residual(problem, solution);
 }
 
+/// The same, where Harris' tolerance has left something negative after a few more pivots without.
+double ContactLcpSolver::Workspace::extract_cleaned(const ContactLcp& problem,
+                                                    ContactSolution& solution, LcpResult& result) {
+  const double reached = extract(problem, solution);
+  if (reached <= kGood) return reached;
+  basis.clear();
+  for (int p = 0; p < path.basis_size(); ++p)
+    if (path.basis_column(p) != system.pairs()) basis.push_back(path.basis_column(p));
+  internal::PathOptions exact_options = options();
+  exact_options.tolerance = 1e-15;
+  exact_options.refresh_after = 1;
+  exact_options.most_pivots = system.contacts + 10;
+  const int nc = system.contacts;
+  uncleaned.impulse.head(4 * nc) = solution.impulse;
+  uncleaned.velocity.head(4 * nc) = solution.velocity;
+  uncleaned.slip.head(nc) = solution.slip;
+  uncleaned.weights = solution.weights;
+  path.follow_from(system, exact_options, basis.data(), int(basis.size()));
+  result.pivots += path.pivots();
+  const double cleaned = extract(problem, solution);
+  if (cleaned < reached) return cleaned;
+  solution.impulse = uncleaned.impulse.head(4 * nc);
+  solution.velocity = uncleaned.velocity.head(4 * nc);
+  solution.slip = uncleaned.slip.head(nc);
+  solution.weights = uncleaned.weights;
+  return reached;
+}
+
 /// The direction of the last path as impulses that move nothing.
 RayProof ContactLcpSolver::Workspace::check_ray(const ContactLcp& problem,
                                                 ContactSolution& solution) {
@@ -470,7 +501,7 @@ bool ContactLcpSolver::Workspace::continue_last(const ContactLcp& problem,
   const PathEnd end = path.follow_from(system, warm_options, basis.data(), int(basis.size()));
   if (go_on_adding_vertices(end, problem, solution, warm_options, result, true) != PathEnd::solved)
     return false;
-  result.residual = is_exact(problem) ? best_residual : extract(problem, solution);
+  result.residual = is_exact(problem) ? best_residual : extract_cleaned(problem, solution, result);
   return result.residual <= kGood;
 }
 
@@ -577,7 +608,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
       }
       continue;
     }
-    const double reached = exact ? best_residual : extract(problem, solution);
+    const double reached = exact ? best_residual : extract_cleaned(problem, solution, result);
     if (reached < result.residual) {
       result.residual = reached;
       best_attempt = attempt;
@@ -591,7 +622,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
   } else if (std::isfinite(result.residual) && result.proof != RayProof::infeasible &&
              best_attempt != result.attempts - 1) {
     follow(best_attempt);
-    extract(problem, solution);
+    extract_cleaned(problem, solution, result);
   }
   if (result.residual <= kTolerance) {
     result.status = LcpStatus::solved;

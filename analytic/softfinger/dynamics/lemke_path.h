@@ -326,22 +326,28 @@ class LemkePath {
     return true;
   }
 
-  /// Corrects the values of the last basis for as long as it helps.
+  /// Corrects the values of the last basis for as long as it helps; with a new inverse, where the
+  /// old one does not help enough.
   void refine() {
-    const int k = basis_.size();
-    double last = std::numeric_limits<double>::infinity();
     constexpr int kMostCorrections = 6;
-    for (int correction = 0; correction < kMostCorrections; ++correction) {
-      double error = 0;
-      for (int p = 0; p < k; ++p) {
-        first_[p] = system_->state(rows_[std::size_t(p)]);
-        error = std::max(error, std::abs(first_[p]));
+    constexpr double kGood = 1e-15;
+    const int k = basis_.size();
+    for (const bool again : {false, true}) {
+      if (again && !invert_again(k)) return;
+      double last = std::numeric_limits<double>::infinity();
+      for (int correction = 0; correction < kMostCorrections; ++correction) {
+        double error = 0;
+        for (int p = 0; p < k; ++p) {
+          first_[p] = system_->state(rows_[std::size_t(p)]);
+          error = std::max(error, std::abs(first_[p]));
+        }
+        if (error >= 0.5 * last) break;
+        last = error;
+        basis_.solve(first_.data(), second_.data());
+        z_.head(k) -= second_.head(k);
+        system_->set_state(columns_.data(), z_.data(), k);
       }
-      if (error >= 0.5 * last) break;
-      last = error;
-      basis_.solve(first_.data(), second_.data());
-      z_.head(k) -= second_.head(k);
-      system_->set_state(columns_.data(), z_.data(), k);
+      if (last <= kGood * std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>())) return;
     }
   }
 
