@@ -19,6 +19,9 @@ enum class PathEnd { solved, ray, limit, numerical };
 struct PathOptions {
   /// Harris: rows may become that negative, times their natural size, which makes ties choices.
   double tolerance = 1e-11;
+  /// Below that part of the largest change a row does not block: as a pivot it would be round-off,
+  /// unless the contacts are nearly redundant. No value serves all problems.
+  double smallest_pivot = 1e-9;
   int most_pivots = 1000;
   /// After that many pivots the values are computed again from the basis, with correction; between
   /// them they are only advanced.
@@ -146,7 +149,8 @@ class LemkePath {
     for (; pivots_ < options.most_pivots; ++pivots_) {
       if (!find_direction(entering_is_z, entering)) return PathEnd::numerical;
       const int k = basis_.size();
-      const double least = 1e-11 * std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
+      const double least =
+          options.smallest_pivot * std::max(1., dz_.head(k).template lpNorm<Eigen::Infinity>());
 
       Blocking blocking;
       for (int p = 0; p < k; ++p)
