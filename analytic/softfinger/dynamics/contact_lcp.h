@@ -77,6 +77,10 @@ struct ContactSolution {
 /// - Rows of vertices are not stored: of each contact the path sees its 4 velocities, and looks at
 ///   single vertices only where the whole friction sphere would be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
+/// - Under the exact rules the vertices are each contact's own, points of its limit against its
+/// slip
+///   and where its load reaches for; Newton's method (ExactNewton) goes the rest of the way from
+///   the path's points. What counts is `exact_contact_residual`.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
 /// 1997). Prescribed motions can exclude one: bodies that are wedged between closing walls. A ray
@@ -86,6 +90,7 @@ struct ContactSolution {
 /// Sized once: `solve` then allocates nothing, for solutions that have been resized before.
 class ContactLcpSolver {
  public:
+  /// @param largest_vertices  of the facets; 0 for exact friction alone
   ContactLcpSolver(int largest_contacts, int largest_vertices);
   ~ContactLcpSolver();
   ContactLcpSolver(ContactLcpSolver&&) noexcept;
