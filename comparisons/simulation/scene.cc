@@ -535,7 +535,7 @@ void SceneReader::read_motors() {
       motion.table.smooth = !motion.is_effort;
       motion.table.time_s = times(*table, "[[motor]]");
       const auto values =
-          reader_.numbers(*node, key, motion.table.time_s.size(), "as many numbers as time_s has");
+          reader_.numbers(*node, key, motion.table.time_s.size(), "finite numbers, as many as time_s has");
       motion.table.values.resize(Eigen::Index(values.size()), 1);
       const double unit = motion.is_effort ? 1 : turns ? kDegree : kMillimetre;
       for (std::size_t i = 0; i < values.size(); ++i)

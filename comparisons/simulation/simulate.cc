@@ -152,6 +152,21 @@ Frame frame(const TimeStepper& stepper, const Scene& scene, const SceneContacts&
   return result;
 }
 
+/// Forces near the largest numbers leave a solved step that no file should hold.
+bool is_finite(const Frame& frame) {
+  bool finite = true;
+  for (std::size_t b = 0; b < frame.poses.size(); ++b)
+    finite = finite && frame.poses[b].matrix().allFinite() &&
+             frame.velocities_m_per_s[b].allFinite() &&
+             frame.angular_velocities_rad_per_s[b].allFinite();
+  for (const RecordedContact& contact : frame.contacts)
+    finite = finite && contact.point_m.allFinite() && contact.axes.allFinite() &&
+             std::isfinite(contact.normal_force_N) && std::isfinite(contact.tangent_force_1_N) &&
+             std::isfinite(contact.tangent_force_2_N) && std::isfinite(contact.torque_Nm) &&
+             std::isfinite(contact.eccentricity_m);
+  return finite;
+}
+
 std::string describe_failure(const TimeStepper& stepper, const StepResult& step) {
   const char* what = step.lcp.proof == RayProof::infeasible ? "no impulses keep the bodies apart"
                      : step.lcp.status == LcpStatus::infeasible_or_ray
@@ -247,6 +262,14 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
       result.failure = describe_failure(stepper, stepped);
       break;
     }
+    Frame reached = frame(stepper, scene, finder, true);
+    if (!is_finite(reached)) {
+      result.failure = fmt::format(
+          "step {} at {:.6g} s moves bodies out of all numbers; hint: look for a force, mass or "
+          "velocity that is too large or too small by powers of ten",
+          stepper.steps(), stepper.time_s());
+      break;
+    }
     ++result.steps;
     result.max_residual = std::max(result.max_residual, stepped.lcp.residual);
     result.most_contacts = std::max(result.most_contacts, stepped.contacts);
@@ -254,7 +277,7 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
     result.max_load_disagreement =
         std::max(result.max_load_disagreement, stepped.load_disagreement);
     result.motor_disagreements += !stepped.motors_agree;
-    recording.frames.push_back(frame(stepper, scene, finder, true));
+    recording.frames.push_back(std::move(reached));
   }
   for (const double ms : result.step_ms) result.wall_s += 1e-3 * ms;
   result.quadric_fits = finder.detector().fits();
