@@ -586,7 +586,8 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
   best_residual = std::numeric_limits<double>::infinity();
   const auto follow = [&](int attempt) {
     path_options.tolerance = attempt % 2 == 0 ? 1e-12 : 1e-11;
-    path_options.smallest_pivot = attempt / 2 % 2 == 0 ? 1e-9 : 1e-11;
+    // Newton takes the last digits of the exact rules: their paths need no smaller pivots.
+    path_options.smallest_pivot = exact || attempt / 2 % 2 == 0 ? 1e-9 : 1e-11;
     path_options.refresh_after = attempt == 0 ? kRefreshAfter : 1;
     cover(attempt);
     ++result.attempts;
