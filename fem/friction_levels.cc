@@ -82,15 +82,15 @@ std::vector<FrictionIncrement> in_newtons(const std::vector<FrictionState>& stat
 }
 
 FrictionOfLevel friction_within_margin(const PressedContact& contact, const Problem& problem,
-                                       std::optional<FrictionPlan>& plan, const Progress& progress,
-                                       const OnState& on_state) {
+                                       KeptCompliances* kept, std::optional<FrictionPlan>& plan,
+                                       const Progress& progress, const OnState& on_state) {
   const FrictionRequest& request = problem.friction;
   FrictionOfLevel result;
   const bool central = turns_about_centre(request);
   const bool symmetric = !contact.model.whole();
   const Invariance of_twist = symmetric && central ? Invariance::half_turn : Invariance::none;
   const QuarterCompliances quarters =
-      friction_compliances(contact, request.limit_surface == 0 ? of_twist : Invariance::none);
+      friction_compliances(contact, request.limit_surface == 0 ? of_twist : Invariance::none, kept);
   result.stiffness = stuck_torsional_stiffness(contact, quarters);
   if (!plan) plan = plan_friction(contact, result.stiffness, problem);
   if (request.torsion) {
@@ -127,7 +127,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
 
 }  // namespace
 
-FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
+FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state) {
   // A cell is enough for nearly every contact, and each node more costs.
@@ -138,13 +138,13 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
         std::max(1.0, (plan->edge - contact.edge) * mesh.elements_per_semi_axis + spare_margin);
   contact.margin = std::min(contact.margin, all);
   try {
-    return friction_within_margin(contact, problem, plan, progress, on_state);
+    return friction_within_margin(contact, problem, kept, plan, progress, on_state);
   } catch (const EdgeLeftMargin&) {
     if (contact.margin >= all) throw;
     contact.margin = all;
     progress(
         "friction: the contact's edge moves by more than a cell; once more on all of the patch");
-    return friction_within_margin(contact, problem, plan, progress, on_state);
+    return friction_within_margin(contact, problem, kept, plan, progress, on_state);
   }
 }
 

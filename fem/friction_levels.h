@@ -23,9 +23,10 @@ struct FrictionPlan {
   double edge = 1;  ///< relative radius
 };
 
+/// @param kept      compliances of this mesh from earlier contacts, and for later ones; or null
 /// @param plan      made here when it has none, by the first level, and followed by the next
 /// @param on_state  called after each increment of the twist, for output
-FrictionOfLevel friction_on(PressedContact contact, const Problem& problem,
+FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state);
 

@@ -48,13 +48,19 @@ double edge_of(const PressedContact& contact, const SurfaceCompliance& surface,
 
 }  // namespace
 
-QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest) {
+QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest,
+                                        KeptCompliances* kept) {
   std::vector<int> chosen;
   const auto& nodes = contact.model.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact))
       chosen.push_back(static_cast<int>(i));
-  return quarter_compliances(contact.model, std::move(chosen), fewest);
+  if (kept && *kept)
+    if (std::optional<QuarterCompliances> part = part_of(**kept, chosen, fewest))
+      return *std::move(part);
+  QuarterCompliances made = quarter_compliances(contact.model, std::move(chosen), fewest);
+  if (kept) *kept = std::make_shared<const QuarterCompliances>(made);
+  return made;
 }
 
 double stuck_torsional_stiffness(const PressedContact& contact,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "fem/frictional_contact.h"
@@ -46,8 +47,13 @@ struct FrictionState {
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;
 
+/// Those of a mesh that an earlier contact needed; null before the first.
+using KeptCompliances = std::shared_ptr<const QuarterCompliances>;
+
 /// Compliances of the contact's nodes and a margin around it.
-QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest);
+/// @param kept  serves where it has them, is replaced where it has not; null: nothing is kept
+QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest,
+                                        KeptCompliances* kept = nullptr);
 
 /// Torque per angle while every point sticks, the slope at the start of a twist. The contact is
 /// that of the frictionless load.

@@ -210,7 +210,8 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
                       {"complementarity_residual", level.complementarity_residual},
                       {"fit_residual", level.fit_residual},
                       {"oversize", level.oversize},
-                      {"wall_s", level.wall_s}});
+                      {"wall_s", level.wall_s},
+                      {"cpu_s", level.cpu_s}});
   json output = {
       {"model", "fem"},
       {"load_N", finest.load_N},
@@ -242,6 +243,7 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
       {"pvd", result.pvd_file.empty() ? json(nullptr) : json(result.pvd_file)},
       {"coarse", result.interrupted},
       {"wall_s", result.wall_s},
+      {"cpu_s", result.cpu_s},
       {"peak_memory_MB", result.peak_memory_MB}};
   add_friction(problem, result, output);
   return output;

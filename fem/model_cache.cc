@@ -16,6 +16,7 @@ void ModelCache::keep(const LayerIdentity& layer, const MeshPair& meshes) {
     return entry.meshes.models == meshes.models;
   });
   if (found != entries_.end()) {
+    found->meshes = meshes;  // with what friction has added
     entries_.splice(entries_.begin(), entries_, found);
     ++hits_;
     return;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/friction_study.h"
 #include "fem/layer_model.h"
 
 namespace softfinger::fem {
@@ -29,6 +30,8 @@ struct MeshPair {
   std::array<std::shared_ptr<const LayerModel>, 2> models;
   /// Semi-axes, in h, that each of them found for the contact that they were made for.
   std::array<std::array<double, 2>, 2> made_for{};
+  /// With tangential forces: they serve another modulus and friction coefficient as well.
+  std::array<KeptCompliances, 2> compliances;
 };
 
 /// The meshes of the latest contacts of a run with their factorisations: they serve further

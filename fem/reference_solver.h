@@ -66,7 +66,7 @@ struct LevelResult {
   /// Of the contact that the mesh was made for, relative to this one: 1, but where it reuses the
   /// meshes of an earlier contact.
   double oversize = 1;
-  double wall_s = 0;
+  double wall_s = 0, cpu_s = 0;
 };
 
 /// Relative, stated at about 95 % confidence.
@@ -119,7 +119,7 @@ struct Result {
   bool interrupted = false;  ///< a coarser answer than was asked for, its errors stated accordingly
   std::string vtu_file;      ///< empty when none was asked for
   std::string pvd_file;      ///< of the twist's surface states; empty without
-  double wall_s = 0, peak_memory_MB = 0;
+  double wall_s = 0, cpu_s = 0, peak_memory_MB = 0;
 };
 
 /// Called as the work proceeds: one line of plain text per event.

@@ -1,5 +1,6 @@
 #include "fem/surface_compliance.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -24,6 +25,10 @@ struct Point {
   int index;  ///< among the chosen nodes
   Image image;
 };
+
+std::size_t problems_for(const LayerModel& model, Invariance fewest) {
+  return model.whole() ? 1 : fewest == Invariance::half_turn ? 2 : 4;
+}
 
 /// Signs of the displacement components of an image against those of its quarter node.
 Eigen::Vector3d signs(Image image, Parity parity) {
@@ -54,11 +59,27 @@ void require_memory(std::size_t points) {
 
 }  // namespace
 
+std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
+                                          const std::vector<int>& nodes, Invariance fewest) {
+  const std::size_t problems = problems_for(kept.model, fewest);
+  if (kept.by_parity.size() < problems ||
+      !std::includes(kept.nodes.begin(), kept.nodes.end(), nodes.begin(), nodes.end()))
+    return std::nullopt;
+  std::vector<Eigen::Index> rows;
+  for (const int node : nodes) {
+    const auto place = std::lower_bound(kept.nodes.begin(), kept.nodes.end(), node);
+    for (int c = 0; c < 3; ++c) rows.push_back(3 * (place - kept.nodes.begin()) + c);
+  }
+  QuarterCompliances result{kept.model, nodes, {}};
+  for (std::size_t problem = 0; problem < problems; ++problem)
+    result.by_parity.push_back(kept.by_parity[problem](rows, rows));
+  return result;
+}
+
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest) {
   QuarterCompliances result{model, std::move(nodes), {}};
-  const std::size_t problems = model.whole() ? 1 : fewest == Invariance::half_turn ? 2 : 4;
-  for (std::size_t problem = 0; problem < problems; ++problem)
+  for (std::size_t problem = 0; problem < problems_for(model, fewest); ++problem)
     result.by_parity.push_back(model.vector_compliance(parities[problem], result.nodes));
   return result;
 }
@@ -121,8 +142,7 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   result.normal_tangential = Eigen::MatrixXd::Zero(count, 2 * count);
   // A force on a point and its copies has in each parity a quarter force of copies / 4 of it.
   const double scale = whole ? 1 : result.copies / 4.0;
-  const std::size_t problems = whole ? 1 : half_turn ? 2 : 4;
-  for (std::size_t problem = 0; problem < problems; ++problem) {
+  for (std::size_t problem = 0; problem < problems_for(model, invariance); ++problem) {
     const Parity parity = parities[problem];
     const Eigen::MatrixXd& quarter = quarters.by_parity[problem];
     for (Eigen::Index q = 0; q < count; ++q) {

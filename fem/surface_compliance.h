@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "fem/layer_model.h"
@@ -16,7 +17,7 @@ enum class Invariance {
 /// Compliances of the quarter problems among some nodes, by parity. They serve every invariance.
 struct QuarterCompliances {
   const LayerModel& model;
-  std::vector<int> nodes;  ///< of the model
+  std::vector<int> nodes;  ///< of the model, ascending
   /// Even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in y. Of a whole
   /// layer there is one, of all fields.
   std::vector<Eigen::MatrixXd> by_parity;
@@ -25,7 +26,11 @@ struct QuarterCompliances {
   const Eigen::MatrixXd& of_turn() const { return by_parity[model.whole() ? 0 : 1]; }
 };
 
-/// @param nodes  those that may come into contact
+/// Those of some of the nodes, with the parities that `fewest` needs; none where `kept` lacks some.
+std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
+                                          const std::vector<int>& nodes, Invariance fewest);
+
+/// @param nodes  those that may come into contact, ascending
 /// Factorises two problems if only a half turn's are needed, else four; on a whole layer one.
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest);

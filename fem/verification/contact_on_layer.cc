@@ -195,8 +195,8 @@ Result friction_of(const Problem& problem, double a_m, double b_m,
     result.finest.load_N = problem.contact.load.normal_force_N;
     result.finest.max_torque_Nm = problem.contact.load.friction_coefficient *
                                   problem.contact.load.normal_force_N * pressed.torque_arm() * h;
-    levels.push_back(friction_on(friction_start(pressed, problem, a_m, b_m), problem, plan, quiet,
-                                 [](auto&&...) {}));
+    levels.push_back(friction_on(friction_start(pressed, problem, a_m, b_m), problem, nullptr, plan,
+                                 quiet, [](auto&&...) {}));
   }
   state_friction(levels.front(), levels.back(), 2, problem, result);
   return result;

@@ -72,6 +72,31 @@ constexpr double round_off = 1e-10;
 /// `settle` stops at 1e-6 of the load.
 constexpr double settled = 1e-5;
 
+TEST(KeptCompliances, ServeWhatTheyHaveAndAreReplacedWhereTheyHaveNot) {
+  PressedContact inner = contact().start();
+  inner.margin = 0.5;
+  KeptCompliances kept;
+  const QuarterCompliances twist = friction_compliances(inner, Invariance::half_turn, &kept);
+  ASSERT_NE(kept, nullptr);
+  const auto first = kept;
+  friction_compliances(inner, Invariance::half_turn, &kept);
+  EXPECT_EQ(kept, first) << "asked for what it has";
+  friction_compliances(inner, Invariance::none, &kept);
+  EXPECT_NE(kept, first) << "two more parities";
+  const auto second = kept;
+  const QuarterCompliances wider = friction_compliances(contact().start(), Invariance::none, &kept);
+  EXPECT_NE(kept, second) << "more nodes";
+  ASSERT_GT(wider.nodes.size(), twist.nodes.size());
+  const auto third = kept;
+  const QuarterCompliances part = friction_compliances(inner, Invariance::half_turn, &kept);
+  EXPECT_EQ(kept, third);
+  ASSERT_EQ(part.nodes, twist.nodes);
+  ASSERT_EQ(part.by_parity.size(), twist.by_parity.size());
+  for (std::size_t p = 0; p < part.by_parity.size(); ++p)
+    EXPECT_LT((part.by_parity[p] - twist.by_parity[p]).norm(),
+              round_off * twist.by_parity[p].norm());
+}
+
 TEST(SurfaceCompliance, IsSymmetric) {
   for (const auto* surface : {&contact().whole, &contact().half}) {
     EXPECT_LT((surface->normal - surface->normal.transpose()).norm(),

@@ -221,6 +221,21 @@ TEST_F(SharedMeshes, ServeContactsOfOneSizeAsIfTheyWereTheirOwn) {
               1e-12 * first.finest.max_torque_Nm);
 }
 
+TEST_F(SharedMeshes, ServeTwistsOfAnyFrictionCoefficient) {
+  problem.friction.torsion = true;
+  problem.friction.increments = 4;
+  const Result first = solve_in_run(problem);
+  Problem slippery = problem;
+  slippery.contact.load.friction_coefficient = 0.25 * problem.contact.load.friction_coefficient;
+  const Result shared = solve_in_run(slippery), own = solve(slippery, quiet);
+  EXPECT_EQ(models.hits(), 1);
+  // Settled to 1e-6 of the load, on two levels, from compliances of other round-off.
+  EXPECT_NEAR(shared.torsion->full_slip_Nm / own.torsion->full_slip_Nm, 1, 1e-5);
+  EXPECT_NEAR(shared.torsion->stiffness_Nm_per_rad / own.torsion->stiffness_Nm_per_rad, 1, 1e-8);
+  EXPECT_NEAR(shared.torsion->stiffness_Nm_per_rad / first.torsion->stiffness_Nm_per_rad, 1, 1e-8)
+      << "the stuck contact knows no coefficient";
+}
+
 TEST_F(SharedMeshes, ServeOtherContactsInsideTheirStatedErrors) {
   problem.level = 2;
   solve_in_run(problem);
