@@ -192,22 +192,25 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
   const auto number = [&](double value) {
     return prediction.has_answer ? finite_or_null(value) : nlohmann::json();
   };
-  nlohmann::json result = {{"load_N", answer.problem.load.normal_force_N},
-                           {"model", answer.model->card().name},
-                           {"a_m", number(prediction.a_m)},
-                           {"b_m", number(prediction.b_m)},
-                           {"axis_rad", answer.problem.radii.axis_rad},
-                           {"indentation_m", number(prediction.indentation_m)},
-                           {"peak_pressure_Pa", number(prediction.peak_pressure_Pa)},
-                           {"area_m2", number(prediction.area_m2())},
-                           {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
-                           {"eccentricity_m", number(ellipsoid.eccentricity_m)},
-                           {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
-                           {"gap", answer.sampled ? "sampled" : "quadric"},
-                           {"valid", prediction.valid()},
-                           {"validity", to_json(prediction.validity)},
-                           {"error_estimate", nullptr},
-                           {"cost_ns", answer.cost_ns}};
+  nlohmann::json result = {
+      {"load_N", answer.problem.load.normal_force_N},
+      {"model", answer.model->card().name},
+      {"a_m", number(prediction.a_m)},
+      {"b_m", number(prediction.b_m)},
+      {"axis_rad", answer.problem.radii.axis_rad},
+      {"indentation_m", number(prediction.indentation_m)},
+      {"peak_pressure_Pa", number(prediction.peak_pressure_Pa)},
+      {"area_m2", number(prediction.area_m2())},
+      {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
+      {"eccentricity_m", number(ellipsoid.eccentricity_m)},
+      {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
+      {"gap", answer.sampled ? "sampled" : "quadric"},
+      {"valid", prediction.valid()},
+      {"validity", to_json(prediction.validity)},
+      {"error_estimate", answer.error_estimate},
+      {"error_estimate_remark",
+       answer.no_estimate.empty() ? nlohmann::json() : nlohmann::json(answer.no_estimate)},
+      {"cost_ns", answer.cost_ns}};
   if (answer.deviations) {
     const auto& deviations = *answer.deviations;
     const double arm_m =

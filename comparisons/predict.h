@@ -46,6 +46,9 @@ struct ModelAnswer {
   };
   std::optional<Deviations> deviations;
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
+  /// Bounds of the relative errors as the contract writes them, or null, and why there are none.
+  nlohmann::json error_estimate;
+  std::string no_estimate;
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m

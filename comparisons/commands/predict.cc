@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "comparisons/atlas/case_estimate.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/files.h"
 #include "comparisons/gap_sampling.h"
@@ -39,6 +40,17 @@ std::vector<const PressureModel*> chosen_models(const Options& options) {
   return models;
 }
 
+/// What the error atlas says of an answer.
+void estimate(const Case& contact_case, TorqueRule rule, ModelAnswer& answer) {
+  if (!answer.prediction.has_answer || answer.sampled) return;
+  const auto found =
+      estimate_error(std::string(answer.model->card().name), contact_case, answer.problem);
+  if (found.bound)
+    answer.error_estimate = to_json(with_torque_rule(found, answer.prediction, rule));
+  else
+    answer.no_estimate = found.outside;
+}
+
 int run(const Options& options) {
   const auto models = chosen_models(options);
   const Case contact_case = read_case(find_case_file(options.case_file));
@@ -59,6 +71,7 @@ int run(const Options& options) {
       else
         answers.push_back(
             ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
+      estimate(contact_case, rule, answers.back());
       if (geometry.patch) propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }

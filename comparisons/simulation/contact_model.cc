@@ -15,7 +15,7 @@ const PressureModel* model_of_contact(const Scene& scene, int a, int b, const Re
   problem.layer = layer_a ? *layer_a : *layer_b;
   if (layer_a && layer_b) problem.object_layer = *layer_b;
   problem.load = {scene.nominal_load_N, rule.friction_coefficient};
-  if (rule.model != "auto") return find_pressure_model(rule.model);
+  if (rule.model != "auto" && rule.model != "table") return find_pressure_model(rule.model);
   // The bonded layer holds for every load and thickness at the price of a microsecond; the closed
   // forms are cheaper, and right in places. Where it has no answer, one of them may.
   const PressureModel* best = find_pressure_model("bonded_layer");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "comparisons/simulation/shape.h"
+#include "softfinger/input/contact_problem.h"
 
 /// What a simulation leaves: poses and contacts over time, for files and for the page.
 namespace softfinger::simulation {
@@ -22,6 +23,7 @@ struct RecordedContact {
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
   /// Columns: first tangent (along the long axis), second tangent, normal from `a` to `b`.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  RelativeRadii radii;                          ///< of the quadrics there; zero: a point contact
   double semi_axis_a_m = 0, semi_axis_b_m = 0;  ///< of the contact ellipse; 0: a point contact
   double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
   double friction_coefficient = 0;

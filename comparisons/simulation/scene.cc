@@ -47,6 +47,7 @@ class SceneReader {
   void read_motors();
   void read_forces();
   void read_rules();
+  EccentricityOverLoad eccentricity_table(const toml::node& node);
 
   TomlReader reader_;
   const toml::table& root_;
@@ -534,8 +535,8 @@ void SceneReader::read_motors() {
       motion.is_effort = key == effort;
       motion.table.smooth = !motion.is_effort;
       motion.table.time_s = times(*table, "[[motor]]");
-      const auto values =
-          reader_.numbers(*node, key, motion.table.time_s.size(), "finite numbers, as many as time_s has");
+      const auto values = reader_.numbers(*node, key, motion.table.time_s.size(),
+                                          "finite numbers, as many as time_s has");
       motion.table.values.resize(Eigen::Index(values.size()), 1);
       const double unit = motion.is_effort ? 1 : turns ? kDegree : kMillimetre;
       for (std::size_t i = 0; i < values.size(); ++i)
@@ -577,16 +578,37 @@ void SceneReader::read_forces() {
   }
 }
 
+EccentricityOverLoad SceneReader::eccentricity_table(const toml::node& node) {
+  const toml::table* samples = node.as_table();
+  const char* form =
+      "{ loads_N = [least, largest], eccentricity_mm = [at least two, evenly spaced in ln P] }";
+  if (!samples) reader_.refuse(node, "eccentricity_table", form);
+  reader_.check_keys(*samples, "eccentricity_table", {"loads_N", "eccentricity_mm"});
+  const toml::node& loads = reader_.required(*samples, "eccentricity_table", "loads_N");
+  const std::vector<double> range =
+      reader_.numbers(loads, "loads_N", 2, "two numbers, 0 < least < largest");
+  if (!(range[0] > 0 && range[0] < range[1]))
+    reader_.refuse(loads, "loads_N", "two numbers, 0 < least < largest");
+  const toml::node& values = reader_.required(*samples, "eccentricity_table", "eccentricity_mm");
+  const toml::array* array = values.as_array();
+  if (!array || array->size() < 2) reader_.refuse(values, "eccentricity_mm", form);
+  EccentricityOverLoad table{range[0], range[1], {}};
+  for (const toml::node& value : *array)
+    table.eccentricity_m.push_back(reader_.positive(value, "eccentricity_mm", kMillimetre));
+  return table;
+}
+
 void SceneReader::read_rules() {
   const std::size_t count = scene_.bodies.size();
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
-  std::vector<std::string> models = {"auto", "rigid", "given"};
+  std::vector<std::string> models = {"auto", "rigid", "given", "table"};
   for (const PressureModel* model : all_pressure_models())
     if (model->card().hot_path) models.emplace_back(model->card().name);
   for (const toml::table* table : tables("contact", false)) {
     reader_.check_keys(*table, "[[contact]]",
-                       {"bodies", "friction_coefficient", "model", "eccentricity_mm", "collide"});
+                       {"bodies", "friction_coefficient", "model", "eccentricity_mm",
+                        "eccentricity_table", "limit_surface", "collide"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)
@@ -617,6 +639,20 @@ void SceneReader::read_rules() {
       rule.eccentricity_m = reader_.positive(*arm, "eccentricity_mm", kMillimetre);
     } else if (rule.model == "given") {
       reader_.say(*table, "model = \"given\" needs eccentricity_mm");
+    }
+    if (const toml::node* samples = table->get("eccentricity_table")) {
+      if (rule.model != "table")
+        reader_.say(*samples, "eccentricity_table belongs to model = \"table\"");
+      rule.eccentricity_table = eccentricity_table(*samples);
+    } else if (rule.model == "table") {
+      reader_.say(*table, "model = \"table\" needs eccentricity_table");
+    }
+    if (const toml::node* exact = table->get("limit_surface")) {
+      if (!exact->is_boolean()) reader_.refuse(*exact, "limit_surface", "true or false");
+      if (exact->value<bool>().value() && scene_.friction.rule == FrictionSettings::Rule::facets)
+        reader_.say(*exact,
+                    "limit_surface = true needs friction = \"ellipsoid\" or \"limit_surface\"");
+      rule.exact_limit_surface = exact->value<bool>();
     }
     if (const toml::node* collide = table->get("collide")) {
       if (!collide->is_boolean()) reader_.refuse(*collide, "collide", "true or false");
@@ -697,6 +733,10 @@ Scene parse_scene(const std::string& text, const fs::path& file) {
   const toml::table root = parse_toml(text, file.string());
   SceneReader(root, file, scene).read();
   return scene;
+}
+
+bool is_scene(const fs::path& file) {
+  return parse_toml(read_text_file(file), file.string()).contains("simulation");
 }
 
 Scene read_scene(const fs::path& file) { return parse_scene(read_text_file(file), file); }

@@ -28,13 +28,22 @@ struct SceneBody {
   std::optional<ElasticLayer> layer;  ///< a soft surface on a rigid core
 };
 
+/// e_n over the load, as finite elements or measurements have it.
+struct EccentricityOverLoad {
+  double least_load_N = 0, largest_load_N = 0;
+  std::vector<double> eccentricity_m;  ///< evenly spaced in ln P; empty: no table
+};
+
 /// What holds for the contacts of two bodies.
 struct ContactRule {
   double friction_coefficient = 0.5;
   /// "auto": a point where both are rigid, else the cheapest model that is valid; or a pressure
-  /// model's name; or "rigid"; or "given": `eccentricity_m` at any load.
+  /// model's name; or "rigid"; or "given": `eccentricity_m` at any load; or "table":
+  /// `eccentricity_table`.
   std::string model = "auto";
   double eccentricity_m = 0;
+  EccentricityOverLoad eccentricity_table;
+  std::optional<bool> exact_limit_surface;  ///< none: as the scene's friction has it
   bool collide = true;
 };
 
@@ -90,6 +99,9 @@ struct Scene {
 /// @throws InputError with where = "file:line" for anything missing, unknown, of the wrong type or
 /// out of range.
 Scene read_scene(const std::filesystem::path& file);
+/// Whether the file is meant to be a scene, not a case: it has a table [simulation].
+/// @throws InputError when it is no TOML
+bool is_scene(const std::filesystem::path& file);
 Scene parse_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace softfinger::simulation

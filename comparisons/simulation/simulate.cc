@@ -44,7 +44,15 @@ class ModelEccentricity final : public EccentricityLaw {
 /// The touching points of the bodies as contacts with friction.
 class SceneContacts final : public ContactFinder {
  public:
-  explicit SceneContacts(const Scene& scene) : scene_(scene), detector_(scene) {}
+  explicit SceneContacts(const Scene& scene)
+      : scene_(scene),
+        all_exact_(scene.friction.rule == FrictionSettings::Rule::limit_surface),
+        detector_(scene) {
+    for (const ContactRule& rule : scene.rules)
+      if (const auto& table = rule.eccentricity_table; !table.eccentricity_m.empty())
+        tables_.emplace(&rule, SampledEccentricity(table.least_load_N, table.largest_load_N,
+                                                   table.eccentricity_m));
+  }
 
   void find(const Multibody& bodies, double time_step_s, std::vector<Contact>& contacts) override {
     points_.clear();
@@ -70,7 +78,9 @@ class SceneContacts final : public ContactFinder {
       if (model) {
         laws_.emplace_back(*model, problem);
         contact.eccentricity_law = &laws_.back();
-        if (scene_.friction.rule == FrictionSettings::Rule::limit_surface) {
+        if (const auto table = tables_.find(&rule); table != tables_.end())
+          contact.eccentricity_law = &table->second;
+        if (rule.exact_limit_surface.value_or(all_exact_)) {
           // The shape changes little with the load: that of the nominal one.
           const Prediction nominal = laws_.back().predict(scene_.nominal_load_N);
           if (nominal.has_answer) {
@@ -90,9 +100,16 @@ class SceneContacts final : public ContactFinder {
       if (points_[i].id == contact.id) return law_of_point_[i];
     return nullptr;
   }
+  RelativeRadii radii(const Contact& contact) const {
+    for (const TouchingPoint& point : points_)
+      if (point.id == contact.id && point.elliptic) return point.radii;
+    return {0, 0, 0};
+  }
 
  private:
   const Scene& scene_;
+  bool all_exact_;
+  std::map<const ContactRule*, SampledEccentricity> tables_;
   CollisionDetector detector_;
   std::vector<TouchingPoint> points_;
   std::deque<ModelEccentricity> laws_;  ///< deques: contacts point into them
@@ -130,6 +147,7 @@ Frame frame(const TimeStepper& stepper, const Scene& scene, const SceneContacts&
     recorded.friction_coefficient = contact.friction_coefficient;
     recorded.eccentricity_m = stepper.eccentricity_m(i);
     recorded.model = scene.rule(contact.a, contact.b).model == "given" ? "given" : "rigid";
+    recorded.radii = finder.radii(contact);
     if (const ModelEccentricity* law = finder.law(contact)) {
       const Prediction prediction = law->predict(wrench.normal_force_N);
       recorded.semi_axis_a_m = prediction.a_m;
@@ -203,10 +221,14 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
   Simulation result;
   TimeStepper::Options stepping;
   stepping.time_step_s = scene.time_step_s;
+  const bool some_exact =
+      std::any_of(scene.rules.begin(), scene.rules.end(),
+                  [](const ContactRule& rule) { return rule.exact_limit_surface.value_or(false); });
   stepping.friction_rule =
-      scene.friction.rule == FrictionSettings::Rule::facets          ? FrictionRule::facets
-      : scene.friction.rule == FrictionSettings::Rule::limit_surface ? FrictionRule::limit_surface
-                                                                     : FrictionRule::ellipsoid;
+      scene.friction.rule == FrictionSettings::Rule::facets ? FrictionRule::facets
+      : some_exact || scene.friction.rule == FrictionSettings::Rule::limit_surface
+          ? FrictionRule::limit_surface
+          : FrictionRule::ellipsoid;
   const LinearisedFriction facets(scene.friction.vertices);
   stepping.friction_vertices.resize(3, facets.count());
   for (int i = 0; i < facets.count(); ++i)

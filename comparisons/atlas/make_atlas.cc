@@ -1,0 +1,284 @@
+#include "comparisons/atlas/make_atlas.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "comparisons/fem_process.h"
+#include "comparisons/files.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/progress.h"
+#include "softfinger/math/pi.h"
+
+namespace softfinger {
+namespace {
+
+using nlohmann::json;
+
+const std::vector<double> kPoissonRatios = {0, 0.15, 0.3, 0.4, 0.45, 0.475, 0.49, 0.4999, 0.5};
+const std::vector<double> kRadiiRatios = {1, 2, 4, 10};
+const std::vector<double> kSizes = {0.06, 0.1, 0.17, 0.28, 0.45, 0.75, 1.25, 2, 3.2, 5, 8};
+
+/// A millimetre of rubber: the finite elements scale what they get, but sizes far from those of
+/// fingers would be refused as wrong units.
+constexpr double kThickness_m = 1e-3, kModulus_Pa = 1e6;
+
+std::string name_of(const AtlasRun& run) {
+  return fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", run.kind, run.poisson_ratio,
+                     run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
+}
+
+/// A curved finger has its own radius: that over the one of `problem_of`. s stays with the load
+/// times the radius, indentation and pressure then go with the load.
+double radius_scale(const AtlasRun& run, const ContactProblem& unit) {
+  return run.kind == "curved" ? 1 / run.thickness_over_radius / unit.radii.major_m : 1;
+}
+
+json fem_problem_of(const AtlasRun& run) {
+  const ContactProblem unit = problem_of(run);
+  const double scale = radius_scale(run, unit);
+  json problem = {
+      {"name", name_of(run)},
+      {"radii_m",
+       {kThickness_m * scale * unit.radii.major_m, kThickness_m * scale * unit.radii.minor_m}},
+      {"axis_rad", 0},
+      {"sphere_radius_m", nullptr},
+      {"layer",
+       {{"thickness_m", kThickness_m},
+        {"youngs_modulus_Pa", kModulus_Pa * unit.layer.youngs_modulus_Pa},
+        {"poisson_ratio", run.poisson_ratio}}},
+      {"load_N", unit.load.normal_force_N / scale * kModulus_Pa * kThickness_m * kThickness_m},
+      {"friction_coefficient", unit.load.friction_coefficient},
+      {"level", 2}};
+  if (run.kind == "curved") {
+    const double radius_m = kThickness_m / run.thickness_over_radius;
+    problem["fingertip"] = {{"pad",
+                             {{"shape", "ellipsoid"},
+                              {"radii_m", {radius_m, radius_m}},
+                              {"taper_per_m", 0},
+                              {"turn_rad", 0}}},
+                            {"object",
+                             {{"shape", "paraboloid"},
+                              {"radii_m", {nullptr, nullptr}},
+                              {"taper_per_m", 0},
+                              {"turn_rad", 0}}}};
+  }
+  if (run.kind == "friction")
+    problem["friction"] = {
+        {"torsion", true}, {"increments", 20}, {"limit_surface", 0}, {"increments_to_slip", 0}};
+  return problem;
+}
+
+/// Without units, as AtlasRun wants them.
+void take_answer(const json& problem, const json& result, AtlasRun& run) {
+  const auto number = [](const json& object, const char* key) {
+    return object.contains(key) && object[key].is_number() ? object[key].get<double>() : NAN;
+  };
+  const double scale = radius_scale(run, problem_of(run));
+  const double h = kThickness_m, load_N = problem["load_N"].get<double>();
+  const double mu = problem["friction_coefficient"].get<double>();
+  run.answer = {number(result, "a_m") / h,
+                number(result, "b_m") / h,
+                scale * number(result, "indentation_m") / h,
+                number(result, "area_m2") / (h * h),
+                scale * number(result, "peak_pressure_Pa") / kModulus_Pa,
+                number(result, "max_torque_Nm") / (mu * load_N * h)};
+  const json& coarse = result["levels"].front();
+  const double coarse_a = number(coarse, "a_m"), coarse_b = number(coarse, "b_m");
+  run.coarse_error = {coarse_a / number(result, "a_m") - 1,
+                      coarse_b / number(result, "b_m") - 1,
+                      number(coarse, "indentation_m") / number(result, "indentation_m") - 1,
+                      kPi * coarse_a * coarse_b / number(result, "area_m2") - 1,
+                      number(coarse, "peak_pressure_Pa") / number(result, "peak_pressure_Pa") - 1,
+                      number(coarse, "max_torque_Nm") / number(result, "max_torque_Nm") - 1};
+  run.cost_s = number(result, "cpu_s");
+  run.coarse_cost_s = run.cost_s - number(result["levels"].back(), "cpu_s");
+  const json& error = result["error"];
+  const double error_a = number(error, "a"), error_b = number(error, "b");
+  const double error_peak = number(error, "peak_pressure");
+  run.stated_error = {error_a,
+                      error_b,
+                      number(error, "indentation"),
+                      number(error, "area"),
+                      error_peak,
+                      number(error, "max_torque")};
+  if (!result.contains("torsional_stiffness_Nm_per_rad")) return;
+  const double nu = run.poisson_ratio;
+  const double shear_modulus_Pa =
+      problem["layer"]["youngs_modulus_Pa"].get<double>() / (2 * (1 + nu));
+  run.stiffness = number(result, "torsional_stiffness_Nm_per_rad") / (shear_modulus_Pa * h * h * h);
+  run.stiffness_error = number(error, "torsional_stiffness");
+  run.full_slip = number(result, "torque_full_slip_Nm") / (mu * load_N * h);
+  run.full_slip_error = number(error, "torque_full_slip");
+}
+
+}  // namespace
+
+std::vector<AtlasRun> designed_runs() {
+  std::vector<AtlasRun> runs;
+  const auto add = [&runs](const char* kind, double nu, double ratio, double s, double curved,
+                           double mu) {
+    AtlasRun run;
+    run.kind = kind;
+    run.poisson_ratio = nu;
+    run.radii_ratio = ratio;
+    run.s = s;
+    run.thickness_over_radius = curved;
+    run.friction_coefficient = mu;
+    runs.push_back(run);
+  };
+  for (const double ratio : kRadiiRatios)
+    for (const double nu : kPoissonRatios)
+      for (const double s : kSizes) add("flat", nu, ratio, s, 0, 0.5);
+  for (const double curved : {0.05, 0.15, 0.3})
+    for (const double nu : {0.3, 0.45, 0.49})
+      for (const double s : {0.3, 0.6, 1., 1.6}) {
+        // a/R beyond 0.6 is no fingertip any more.
+        if (s * curved <= 0.45) add("curved", nu, 1, s, curved, 0.5);
+      }
+  for (const double mu : {0.2, 0.8, 1.5})
+    for (const double nu : {0.3, 0.45, 0.4999})
+      for (const double s : {0.2, 1., 3.2}) add("friction", nu, 1, s, 0, mu);
+  return runs;
+}
+
+std::vector<AtlasRun> random_runs(int count, unsigned seed) {
+  std::mt19937_64 generator(seed);
+  // Not std::uniform_real_distribution: its numbers differ between libraries.
+  const auto draw = [&generator](double lowest, double highest) {
+    return lowest + (highest - lowest) * double(generator() >> 11) * 0x1p-53;
+  };
+  std::vector<AtlasRun> runs;
+  for (int i = 0; i < count; ++i) {
+    AtlasRun run;
+    run.kind = "flat";
+    run.poisson_ratio = 0.501 - std::exp(draw(std::log(0.501 - kPoissonRatios.back()),
+                                              std::log(0.501 - kPoissonRatios.front())));
+    run.radii_ratio = std::exp(draw(std::log(kRadiiRatios.front()), std::log(kRadiiRatios.back())));
+    run.s = std::exp(draw(std::log(kSizes.front()), std::log(kSizes.back())));
+    run.friction_coefficient = 0.5;
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+std::optional<AtlasFile> make_atlas(const std::vector<AtlasRun>& designed,
+                                    const AtlasOptions& options) {
+  AtlasFile atlas;
+  atlas.runs = designed;
+  make_writable_folder(options.folder);
+  Progress progress;
+  const auto file_of = [&](std::size_t run) {
+    return options.folder / (name_of(atlas.runs[run]) + ".json");
+  };
+  std::vector<json> problems;
+  for (const AtlasRun& run : atlas.runs) problems.push_back(fem_problem_of(run));
+  const auto finished = [&](std::size_t run) {
+    std::ifstream file(file_of(run));
+    if (!file) return json();
+    json saved = json::parse(file, nullptr, false);
+    return saved.is_object() && saved.value("problem", json()) == problems[run]
+               ? saved.value("result", json())
+               : json();
+  };
+
+  // A process per run: on a larger contact's meshes errors would be stated larger. The long ones
+  // first, so that the last to finish is a short one.
+  std::vector<std::size_t> pending;
+  for (std::size_t run = 0; run < atlas.runs.size(); ++run)
+    if (run % std::size_t(options.parts) == std::size_t(options.part) && finished(run).is_null())
+      pending.push_back(run);
+  std::stable_sort(pending.begin(), pending.end(), [&](std::size_t left, std::size_t right) {
+    return atlas.runs[left].radii_ratio > atlas.runs[right].radii_ratio;
+  });
+  std::vector<FemBatch> work(pending.size());
+  for (std::size_t i = 0; i < pending.size(); ++i) work[i].problems = {problems[pending[i]]};
+  const auto start = std::chrono::steady_clock::now();
+  std::size_t done = 0;
+  FemCallbacks callbacks;
+  callbacks.on_answer = [&](FemIndex which, FemAnswer answer) {
+    const std::size_t run = pending[which.batch];
+    ++done;
+    const double elapsed_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::string count =
+        fmt::format("[{}/{}] {}", done, pending.size(), name_of(atlas.runs[run]));
+    if (answer.result.is_null()) {
+      progress.say(count + ": " + answer.failure);
+      return;
+    }
+    write_file_atomically(
+        file_of(run), json({{"problem", problems[run]}, {"result", answer.result}}).dump() + "\n");
+    progress.say(fmt::format("{}: {:.1f} s; about {:.0f} s left", count,
+                             answer.result.value("wall_s", 0.),
+                             elapsed_s / double(done) * double(pending.size() - done)));
+  };
+  if (!work.empty()) run_fem(fem_program().string(), work, options.jobs, callbacks);
+
+  std::size_t missing = 0;
+  for (std::size_t run = 0; run < atlas.runs.size(); ++run) {
+    const json result = finished(run);
+    if (result.is_null())
+      ++missing;
+    else
+      take_answer(problems[run], result, atlas.runs[run]);
+  }
+  if (missing > 0) {
+    progress.say(fmt::format("{} of {} runs are not finished; the same command goes on", missing,
+                             atlas.runs.size()));
+    return std::nullopt;
+  }
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+  atlas.provenance = {{"version", program_version()}, {"date", date}, {"command", options.command}};
+  judge_models(atlas);
+  return atlas;
+}
+
+namespace {
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+void judge_models(AtlasFile& atlas) {
+  atlas.errors.clear();
+  auto& provenance = atlas.provenance;
+  provenance.erase(
+      std::remove_if(provenance.begin(), provenance.end(),
+                     [](const auto& line) { return line.first.rfind("cost", 0) == 0; }),
+      provenance.end());
+  std::vector<double> costs_ns;
+  for (const AtlasRun& run : atlas.runs)
+    if (run.kind == "flat" && std::isfinite(run.cost_s)) costs_ns.push_back(1e9 * run.cost_s);
+  provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));
+  for (const PressureModel* model : all_pressure_models()) {
+    // A law that was fitted to a finger says nothing of other layers.
+    if (model->card().name == "power_law") continue;
+    auto& errors = atlas.errors[std::string(model->card().name)];
+    costs_ns.clear();
+    for (const AtlasRun& run : atlas.runs) {
+      const ContactProblem problem = problem_of(run);
+      const auto start = std::chrono::steady_clock::now();
+      errors.push_back(model_errors(*model, run, problem));
+      costs_ns.push_back(
+          std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start)
+              .count());
+    }
+    if (!model->card().hot_path)  // the others are measured anew where they are asked for
+      provenance.emplace_back(fmt::format("cost_ns {}", model->card().name),
+                              fmt::format("{:.3g}", median(costs_ns)));
+  }
+}
+
+}  // namespace softfinger

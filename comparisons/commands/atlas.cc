@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "comparisons/atlas/error_atlas.h"
+#include "comparisons/atlas/make_atlas.h"
+#include "comparisons/commands/commands.h"
+#include "comparisons/compare.h"
+#include "comparisons/files.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct Options {
+  std::string folder = "softfinger-atlas", output, command_line;
+  int jobs = default_job_count(), random = 0;
+  unsigned seed = 1;
+  bool models_only = false;
+};
+
+/// Rank and size under mpirun, whichever MPI it is.
+std::pair<int, int> rank_and_size() {
+  for (const auto& [rank, size] : {std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
+                                   std::pair("PMI_RANK", "PMI_SIZE")}) {
+    const char* r = std::getenv(rank);
+    const char* s = std::getenv(size);
+    if (r && s && std::atoi(s) > 0) return {std::atoi(r), std::atoi(s)};
+  }
+  return {0, 1};
+}
+
+/// How the bounds stand against runs that the atlas has not seen: coverage and tightness.
+std::string judge_bounds(const AtlasFile& unseen) {
+  std::string text = fmt::format("{:<22}{:<16}{:>10}{:>12}{:>22}\n", "model", "quantity", "inside",
+                                 "of", "bound/true, median");
+  std::size_t inside_all = 0, all = 0;
+  std::vector<double> ratios_all;
+  for (const auto& [model, errors] : unseen.errors)
+    for (std::size_t q = 0; q < kQuantities; ++q) {
+      std::size_t inside = 0, judged = 0;
+      std::vector<double> ratios;
+      for (std::size_t r = 0; r < unseen.runs.size(); ++r) {
+        const auto estimate = error_atlas().estimate(model, problem_of(unseen.runs[r]));
+        if (!estimate.bound || !std::isfinite(errors[r][q])) continue;
+        // What the finite elements leave open of this run is no fault of the bound.
+        const double error = std::abs(errors[r][q]);
+        ++judged;
+        inside += error - unseen.runs[r].stated_error[q] <= (*estimate.bound)[q];
+        ratios.push_back((*estimate.bound)[q] / error);
+      }
+      if (judged == 0) continue;
+      inside_all += inside, all += judged;
+      ratios_all.insert(ratios_all.end(), ratios.begin(), ratios.end());
+      std::nth_element(ratios.begin(), ratios.begin() + long(ratios.size() / 2), ratios.end());
+      text +=
+          fmt::format("{:<22}{:<16}{:>9.1f} %{:>11}{:>22.2f}\n", model, kQuantityNames[q],
+                      100. * double(inside) / double(judged), judged, ratios[ratios.size() / 2]);
+    }
+  if (all == 0) return text;
+  std::nth_element(ratios_all.begin(), ratios_all.begin() + long(ratios_all.size() / 2),
+                   ratios_all.end());
+  return text + fmt::format("{:<38}{:>9.1f} %{:>11}{:>22.2f}\n", "all",
+                            100. * double(inside_all) / double(all), all,
+                            ratios_all[ratios_all.size() / 2]);
+}
+
+int run(const Options& options) {
+  if (options.models_only) {
+    AtlasFile atlas = parse_atlas(read_text_file(options.output), options.output);
+    judge_models(atlas);
+    write_file_atomically(options.output, to_csv(atlas));
+    return 0;
+  }
+  AtlasOptions settings;
+  settings.folder = options.folder;
+  settings.jobs = options.jobs;
+  settings.command = options.command_line;
+  std::tie(settings.part, settings.parts) = rank_and_size();
+  const auto atlas = make_atlas(
+      options.random > 0 ? random_runs(options.random, options.seed) : designed_runs(), settings);
+  if (!atlas) return 1;
+  if (!options.output.empty()) write_file_atomically(options.output, to_csv(*atlas));
+  if (options.random > 0) write_to_stdout(judge_bounds(*atlas));
+  return 0;
+}
+
+}  // namespace
+
+void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
+  auto options = std::make_shared<Options>();
+  options->command_line = command_line;
+  CLI::App* command = app.add_subcommand(
+      "atlas",
+      "Makes the error atlas: some 400 finite-element runs over Poisson's ratio, R'/R'', contact\n"
+      "size, curvature and friction, and each model's errors against them. Also under mpirun");
+  command->add_option("--folder", options->folder,
+                      "finished runs are kept here: the same command goes on after an "
+                      "interruption; default: ./softfinger-atlas");
+  command->add_option("--output", options->output, "the CSV file to write when all runs are there");
+  command
+      ->add_option("--jobs", options->jobs,
+                   "finite-element processes side by side, 1 to 64; default: the cores, at most 8")
+      ->check(CLI::Range(1, 64));
+  command
+      ->add_option("--random", options->random,
+                   "instead N contacts drawn at random, against which the bounds of the installed "
+                   "atlas are judged: how many errors lie inside, how tight the bounds are; 1 to "
+                   "100000")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--seed", options->seed, "of the random contacts; default: 1");
+  command->add_flag("--models-only", options->models_only,
+                    "only asks the models again, for the finite-element answers in --output");
+  command->footer(
+      "Samples:\n"
+      "  softfinger atlas --output error_atlas.csv --jobs 2\n"
+      "  softfinger atlas --random 200 --seed 7 --folder unseen");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/fem_process.h"
+#include "comparisons/files.h"
+#include "comparisons/local_geometry.h"
+#include "comparisons/nearest_name.h"
+#include "comparisons/predict.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/selection/model_choice.h"
+#include "comparisons/selection/scene_choice.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct Options {
+  std::string file, models, quantities;
+  SelectionOptions selection;
+  bool json = false;
+};
+
+/// Names of models, and "fem".
+std::vector<std::string> allowed_models(const std::string& typed) {
+  std::vector<std::string> names, known = {"fem"};
+  for (const PressureModel* model : all_pressure_models()) known.emplace_back(model->card().name);
+  for (std::size_t start = 0; start <= typed.size();) {
+    const std::size_t end = std::min(typed.find(',', start), typed.size());
+    const std::string name = typed.substr(start, end - start);
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError(
+          "command line",
+          "unknown model \"" + name + "\", did you mean \"" + nearest_name(name, known) + "\"?", "",
+          joined(known));
+    names.push_back(name);
+    start = end + 1;
+  }
+  return names;
+}
+
+/// e_n by the finite elements at six loads, evenly spaced in ln P.
+std::vector<double> fem_table(const ContactProblem& problem, double least_N, double largest_N) {
+  constexpr int kLoads = 6;
+  Case contact;
+  contact.id = "contact";
+  contact.layer = problem.layer;
+  contact.friction_coefficient = problem.load.friction_coefficient;
+  LocalGeometry geometry;
+  geometry.radii = problem.radii;
+  FemBatch batch;
+  for (int i = 0; i < kLoads; ++i)
+    batch.problems.push_back(fem_problem(contact, geometry,
+                                         least_N * std::pow(largest_N / least_N, i / (kLoads - 1.)),
+                                         contact.fem_level));
+  std::vector<double> eccentricity_m(kLoads, 0);
+  std::string failure;
+  FemCallbacks callbacks;
+  callbacks.on_answer = [&](FemIndex which, const FemAnswer& answer) {
+    if (answer.result.is_null())
+      failure = answer.failure;
+    else
+      eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
+  };
+  remark(fmt::format("finite elements at {} loads", kLoads));
+  run_fem(fem_program().string(), {batch}, 1, callbacks);
+  if (!failure.empty()) throw ConvergenceError("finite elements of a contact", 0, 0, failure);
+  return eccentricity_m;
+}
+
+/// A path or a built-in name; empty: a case.
+std::filesystem::path scene_file(const std::string& typed) {
+  const auto scenes = builtin_scene_files();
+  for (const auto& file : scenes)
+    if (file.stem() == typed) return file;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(typed, error)) return {};
+  return simulation::is_scene(typed) ? std::filesystem::path(typed) : std::filesystem::path();
+}
+
+int run_scene(const std::filesystem::path& file, const Options& options) {
+  if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
+    throw InputError("command line", "--models, --quantities, --budget-us", "",
+                     "a case: a scene's contacts are judged by its motion");
+  const SceneChoice choice = choose_for_scene(simulation::read_scene(file),
+                                              options.selection.tolerance, fem_table, remark);
+  if (options.json)
+    write_to_stdout(to_json(choice, options.selection.tolerance).dump(2) + "\n");
+  else
+    write_to_stdout(fmt::format("{}: what its soft contacts need for {:.2g} %\n", choice.scene.id,
+                                100 * options.selection.tolerance) +
+                    table(choice, options.selection.tolerance));
+  return 0;
+}
+
+int run(Options options) {
+  if (const auto file = scene_file(options.file); !file.empty()) return run_scene(file, options);
+  if (!options.models.empty()) options.selection.models = allowed_models(options.models);
+  if (!options.quantities.empty())
+    options.selection.quantities = quantities_by_name(options.quantities);
+  const Case contact_case = read_case(find_case_file(options.file));
+  const GeometryResolver resolver(contact_case);
+  for (const std::string& line : resolver.remarks()) remark(line);
+  nlohmann::json choices = nlohmann::json::array();
+  std::string text = describe(contact_case) + "\n";
+  for (const double load_N : contact_case.loads_N) {
+    const LocalGeometry geometry = resolver.resolve(load_N);
+    const Choice choice =
+        choose_model(contact_case, contact_case.problem(geometry.radii, load_N), options.selection);
+    choices.push_back(to_json(choice));
+    text += table(choice, options.selection);
+  }
+  if (options.json)
+    write_to_stdout(nlohmann::json({{"case", contact_case.id},
+                                    {"tolerance", options.selection.tolerance},
+                                    {"choices", choices}})
+                        .dump(2) +
+                    "\n");
+  else
+    write_to_stdout(text);
+  return 0;
+}
+
+}  // namespace
+
+void add_select(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "select",
+      "The cheapest model whose stated error meets a tolerance, or a clear \"none\", and why");
+  command
+      ->add_option("CASE", options->file,
+                   "case or scene file (TOML), or the name of a built-in case or scene")
+      ->required();
+  command
+      ->add_option("--tolerance", options->selection.tolerance,
+                   "largest relative error allowed, 1e-6 to 10; 0.05 is 5 %")
+      ->required()
+      ->check(CLI::Range(1e-6, 10.));
+  command
+      ->add_option("--budget-us", options->selection.budget_us,
+                   "longest time allowed for one answer, in microseconds, 1e-3 to 1e12; default: "
+                   "any")
+      ->check(CLI::Range(1e-3, 1e12));
+  command->add_option("--models", options->models,
+                      "allowed models, separated by commas; \"fem\" is one; default: all");
+  command->add_option("--quantities", options->quantities,
+                      "what the tolerance is for, separated by commas: a, b, indentation, area, "
+                      "peak_pressure, max_torque; default: all of them");
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "Of a scene's contacts: which are points, which ellipsoids or exact limit surfaces, with "
+      "which\n"
+      "model, by how hard they work in its motion, and what that changes in the motion.\n"
+      "Stated errors are bounds from the error atlas, some 400 finite-element runs: |error| "
+      "interpolated\n"
+      "between them, plus half its change between neighbours, plus the finite elements' own "
+      "error.\n"
+      "Samples:\n"
+      "  softfinger select seed_thumb --tolerance 0.05\n"
+      "  softfinger select silicone_pad_2mm --tolerance 0.02 --budget-us 5 --quantities "
+      "max_torque\n"
+      "  softfinger select pinch --tolerance 0.02\n"
+      "  softfinger select hertz_ratio_4 --tolerance 0.05 --models hertz,winkler --json");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace softfinger::commands
