@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   commands::add_fit(app, action);
   commands::add_fem(app, action);
   commands::add_compare(app, action, command_line);
+  commands::add_export(app, action);
   commands::add_list(app, action);
   commands::add_explain(app, action);
   commands::add_lcp(app, action);
