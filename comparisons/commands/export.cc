@@ -113,7 +113,7 @@ nlohmann::json to_json(const Export& made, const std::string& fit) {
           finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
          {"simulator_eccentricity_m", finite_or_null(made.eccentricity_m(point.load_N))},
          {"relative_error", finite_or_null(made.errors[i])},
-         {"valid", point.valid}});
+         {"valid", point.valid()}});
   }
   return {{"case", curve.case_id},
           {"simulator", made.simulator.name},
@@ -155,7 +155,7 @@ std::string to_text(const Export& made) {
                         point.eccentricity_m * 1e3, made.eccentricity_m(point.load_N) * 1e3,
                         // Rounding must not leave a sign on nothing.
                         std::abs(made.errors[i]) < 5e-4 ? 0.0 : made.errors[i] * 100,
-                        point.valid ? "yes" : "no");
+                        point.valid() ? "yes" : "no");
   }
   text += fmt::format("Worst over {:g} to {:g} N: {:+.1f} % of the torque, at {:.4g} N\n",
                       curve.points.front().load_N, curve.points.back().load_N,
@@ -175,12 +175,12 @@ int run(const Options& options) {
   const ContactCurve curve = ask_contact_curve(contact_case, resolver, model, loads);
   const Export made(simulator, curve,
                     options.fit == "range" ? exporting::Fit::range : exporting::Fit::nominal);
-  if (!std::all_of(curve.points.begin(), curve.points.end(),
-                   [](const LoadPoint& point) { return point.valid; }))
-    remark(
-        fmt::format("{} says that it does not hold at some of these loads; why: softfinger "
-                    "predict {} --model {}",
-                    curve.model, options.case_file, curve.model));
+  for (const LoadPoint& point : curve.points)
+    if (!point.valid()) {
+      remark(fmt::format("{} does not hold everywhere, at {:.4g} N for one: {}", curve.model,
+                         point.load_N, point.objection));
+      break;
+    }
   write_to_stdout(options.json ? to_json(made, options.fit).dump(2) + "\n"
                                : describe(contact_case) + "\n" + to_text(made));
   return 0;

@@ -22,15 +22,14 @@ bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 LoadPoint ask(const Case& contact_case, const RelativeRadii& radii, const PressureModel& model,
               double load_N) {
   const Prediction prediction = model.predict(contact_case.problem(radii, load_N));
-  if (!prediction.has_answer || !(prediction.torque_arm_exact_m > 0)) {
-    std::string reasons;
-    for (const ValidityCheck& check : prediction.validity)
-      if (!check.holds()) reasons += (reasons.empty() ? "" : "; ") + std::string(check.message);
+  std::string objections;
+  for (const ValidityCheck& check : prediction.validity)
+    if (!check.holds()) objections += (objections.empty() ? "" : "; ") + std::string(check.message);
+  if (!prediction.has_answer || !(prediction.torque_arm_exact_m > 0))
     throw InputError(contact_case.id, "--model", std::string(model.card().name),
                      fmt::format("a model with a torque at {:g} N{}", load_N,
-                                 reasons.empty() ? "" : " (" + reasons + ")"));
-  }
-  return {load_N, prediction.torque_arm_exact_m, prediction.indentation_m, prediction.valid()};
+                                 objections.empty() ? "" : " (" + objections + ")"));
+  return {load_N, prediction.torque_arm_exact_m, prediction.indentation_m, objections};
 }
 
 }  // namespace

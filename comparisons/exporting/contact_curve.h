@@ -35,7 +35,9 @@ struct LoadPoint {
   double load_N = 0;
   double eccentricity_m = 0;  ///< e_n = max torque / (mu P), (6) of Ciocarlie et al. 2007
   double indentation_m = 0;
-  bool valid = false;  ///< the model says that it holds
+  std::string objection;  ///< why the model does not hold there, in its words; empty: it holds
+
+  bool valid() const { return objection.empty(); }
 };
 
 /// How a contact's torsional limit follows its load, by one model.

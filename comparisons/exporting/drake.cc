@@ -45,7 +45,8 @@ Lines lines(const SoftContact& contact) {
   return {
       fmt::format(
           "<!-- {origin}. The ellipsoid has the gap's radii R' {major:.6g} m, R'' {minor:.6g} m "
-          "against a plane. For another shape: modulus = {stiffness:.6g} Pa/m times its depth in m "
+          "at the end of its z axis. For another shape: modulus = {stiffness:.6g} Pa/m times its "
+          "depth in m "
           "(sphere: radius, half space: slab thickness). Modulus: Pa, chosen for e_n {e:.6g} m, "
           "not "
           "the material's: the approach is {d:.3g} m, the model's {model_d:.3g} m. Resolution: m, "

@@ -16,7 +16,7 @@ Lines lines(const SoftContact& contact) {
       fmt::format(
           "<!-- {origin}. friction: sliding mu {mu:.6g}; spinning {spin:.6g} m = largest torque "
           "/ load = mu e_n; rolling, idle with condim 4 -->\n"
-          "<option cone=\"elliptic\" impratio=\"10\"/>\n"
+          "<option cone=\"elliptic\" impratio=\"10\" noslip_iterations=\"5\"/>\n"
           "<default>\n"
           "  <default class=\"soft_finger\">\n"
           "    <geom condim=\"4\" priority=\"1\" friction=\"{mu:.6g} {spin:.6g} 0.0001\"/>\n"
@@ -44,8 +44,10 @@ Simulator mujoco() {
        "a geom's default \"1 0.005 0.0001\" is often the larger one",
        "the default cone is pyramidal, a smaller limit for combined force and torque; condim 3 "
        "has no torque",
-       "friction is soft and creeps below the limit, the less the larger impratio; several "
-       "contact points of one pair add up their torques"}};
+       "without noslip_iterations friction holds by creeping: turning at the sliding creep's "
+       "rate divided by e_n, some (mu P/mass)(0.5 ms/impratio)/e_n with the default solref and "
+       "solimp: radians per second for grams and newtons",
+       "several contact points of one pair add up their torques"}};
 }
 
 }  // namespace softfinger::exporting
