@@ -47,7 +47,7 @@ const PressureModel& model_by_name(const std::string& name) {
   return *models.front();
 }
 
-/// "1,5" as numbers; what is none ends the list, so that its length or value shows the mistake.
+/// The numbers of "1,5"; whether they are loads is for choose_loads to say.
 std::vector<double> numbers(const std::string& flag, const std::string& text) {
   std::vector<double> values;
   for (std::size_t start = 0; start <= text.size();) {
