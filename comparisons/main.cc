@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
   commands::add_compare(app, action, command_line);
   commands::add_atlas(app, action, command_line);
   commands::add_select(app, action);
+  commands::add_export(app, action);
   commands::add_list(app, action);
   commands::add_explain(app, action);
   commands::add_lcp(app, action);

@@ -7,7 +7,7 @@ softfinger_packages() { # analytic|fem, run|test
   command -v npm >/dev/null || echo npm
   if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libsuitesparse-dev libopenblas-dev; fi
   if [ "$2" = test ]; then
-    echo libgtest-dev librapidcheck-dev libbenchmark-dev
+    echo libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev
     command -v chromium >/dev/null || echo chromium
   fi
 }

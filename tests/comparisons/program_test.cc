@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iterator>
@@ -486,12 +487,71 @@ TEST_F(Program, RefusesDamagedContactProblems) {
   expect_refusal({"lcp", "missing.txt"}, "missing.txt");
 }
 
+TEST_F(Program, ExportsToEachSimulator) {
+  const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
+  for (const std::string simulator : {"mujoco", "bullet", "gazebo", "drake", "physx"}) {
+    const ProgramRun result = run({"export", file.string(), "--to", simulator, "--json"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const json object = json::parse(result.out);
+    EXPECT_EQ(object["simulator"], simulator);
+    EXPECT_EQ(object["case"], "example");
+    EXPECT_EQ(object["model"], "bonded_layer");
+    EXPECT_EQ(object["load_N"], 2.0);
+    EXPECT_EQ(object["load_range_N"], json({1.0, 5.0}));
+    EXPECT_GT(object["lines"].get<std::string>().size(), 50u);
+    EXPECT_FALSE(object["values"].empty());
+    for (const auto& [name, number] : object["values"].items())
+      EXPECT_TRUE(number.is_number()) << name;
+    EXPECT_FALSE(object["traps"].empty());
+    double worst = 0;
+    for (const json& load : object["loads"]) {
+      for (const char* key : {"load_N", "eccentricity_m", "max_torque_Nm",
+                              "simulator_eccentricity_m", "relative_error"})
+        EXPECT_TRUE(load[key].is_number()) << key;
+      EXPECT_TRUE(load["valid"].is_boolean());
+      const double error = load["relative_error"];
+      if (load["load_N"] == object["load_N"]) {
+        EXPECT_NEAR(error, 0, 1e-12) << simulator;
+      }
+      worst = std::max(worst, std::abs(error));
+    }
+    EXPECT_EQ(std::abs(object["worst_relative_error"].get<double>()), worst);
+
+    const ProgramRun table = run({"export", file.string(), "--to", simulator});
+    EXPECT_NE(table.out.find(object["lines"].get<std::string>()), std::string::npos) << table.out;
+    EXPECT_NE(table.out.find("Worst over 1 to 5 N"), std::string::npos) << table.out;
+    EXPECT_EQ(table.out.find("nan"), std::string::npos) << table.out;
+  }
+}
+
+TEST_F(Program, RefusesWhatItCannotExport) {
+  const auto file = folder.write("case.toml", case_text()).string();
+  expect_refusal({"export", file}, "--to");
+  expect_refusal({"export", file, "--to", "mujocco"}, "mujoco");
+  expect_refusal({"export", file, "--to", "drake", "--model", "herz"}, "hertz");
+  expect_refusal({"export", file, "--to", "drake", "--model", "all"}, "one model");
+  expect_refusal({"export", file, "--to", "drake", "--load", "nan"}, "--load");
+  expect_refusal({"export", file, "--to", "drake", "--load", "0"}, "--load");
+  expect_refusal({"export", file, "--to", "drake", "--load", "1,2"}, "--load");
+  expect_refusal({"export", file, "--to", "drake", "--load", "much"}, "much");
+  expect_refusal({"export", file, "--to", "drake", "--load-range", "5,1"}, "5,1");
+  expect_refusal({"export", file, "--to", "drake", "--load-range", "1,"}, "LOW,HIGH");
+  expect_refusal({"export", file, "--to", "drake", "--load-range", "1,2", "--load", "3"}, "--load");
+  expect_refusal({"export", file, "--to", "drake", "--fit", "best"}, "--fit");
+  expect_refusal({"export", "missing.toml", "--to", "drake"}, "missing.toml");
+  std::string text = case_text();
+  text.replace(text.find("0.45"), 4, "0.5");
+  expect_refusal(
+      {"export", folder.write("stiff.toml", text).string(), "--to", "mujoco", "--model", "winkler"},
+      "winkler");
+}
+
 TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
   for (const std::string command :
-       {"", "predict", "fit", "fem", "compare", "list", "explain", "lcp"}) {
+       {"", "predict", "fit", "fem", "compare", "export", "list", "explain", "lcp"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -1,0 +1,229 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/exporting/contact_curve.h"
+#include "comparisons/exporting/simulator.h"
+#include "comparisons/files.h"
+#include "comparisons/local_geometry.h"
+#include "comparisons/nearest_name.h"
+#include "comparisons/predict.h"
+#include "comparisons/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+using exporting::ContactCurve;
+using exporting::LoadPoint;
+using exporting::Simulator;
+using exporting::SoftContact;
+
+struct Options {
+  std::string case_file, to, model = "bonded_layer", load, load_range, fit = "nominal";
+  bool json = false;
+};
+
+const Simulator& simulator_by_name(const std::string& name) {
+  std::vector<std::string> known;
+  for (const Simulator& simulator : exporting::all_simulators()) {
+    if (simulator.name == name) return simulator;
+    known.emplace_back(simulator.name);
+  }
+  throw InputError("command line",
+                   "--to " + name + ", did you mean \"" + nearest_name(name, known) + "\"?", "",
+                   joined(known));
+}
+
+const PressureModel& model_by_name(const std::string& name) {
+  const auto models = models_by_name(name);
+  if (models.size() != 1)
+    throw InputError("command line", "--model", name, "the name of one model; see: list models");
+  return *models.front();
+}
+
+/// The numbers of "1,5"; whether they are loads is for choose_loads to say.
+std::vector<double> numbers(const std::string& flag, const std::string& text) {
+  std::vector<double> values;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::string word = text.substr(start, end - start);
+    char* rest = nullptr;
+    values.push_back(std::strtod(word.c_str(), &rest));
+    if (word.empty() || *rest != '\0')
+      throw InputError(
+          "command line", flag, "\"" + text + "\"",
+          flag == "--load" ? "a number > 0, in N" : "LOW,HIGH in N with 0 < LOW < HIGH");
+    start = end + 1;
+  }
+  return values;
+}
+
+exporting::LoadChoice load_choice(const Options& options) {
+  exporting::LoadChoice choice;
+  if (!options.load.empty()) {
+    const auto values = numbers("--load", options.load);
+    if (values.size() != 1)
+      throw InputError("command line", "--load", "\"" + options.load + "\"", "a number > 0, in N");
+    choice.nominal_N = values.front();
+  }
+  if (!options.load_range.empty()) choice.range_N = numbers("--load-range", options.load_range);
+  return choice;
+}
+
+/// What was asked for and what came of it.
+struct Export {
+  const Simulator& simulator;
+  const ContactCurve& curve;
+  SoftContact contact;
+  exporting::Lines lines;
+  std::vector<double> errors;  ///< at each of the curve's points
+  std::size_t worst = 0;       ///< index of the largest
+
+  Export(const Simulator& of, const ContactCurve& from, exporting::Fit fit)
+      : simulator(of),
+        curve(from),
+        contact(soft_contact(curve, simulator, fit)),
+        lines(simulator.lines(contact)),
+        errors(relative_errors(simulator, contact, curve)) {
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      if (std::abs(errors[i]) > std::abs(errors[worst])) worst = i;
+  }
+
+  double eccentricity_m(double load_N) const {
+    return eccentricity_in_simulator_m(simulator, contact, load_N);
+  }
+};
+
+nlohmann::json to_json(const Export& made, const std::string& fit) {
+  const ContactCurve& curve = made.curve;
+  nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array();
+  for (const auto& [name, value] : made.lines.values) values[name] = finite_or_null(value);
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const LoadPoint& point = curve.points[i];
+    loads.push_back(
+        {{"load_N", point.load_N},
+         {"eccentricity_m", finite_or_null(point.eccentricity_m)},
+         {"max_torque_Nm",
+          finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
+         {"simulator_eccentricity_m", finite_or_null(made.eccentricity_m(point.load_N))},
+         {"relative_error", finite_or_null(made.errors[i])},
+         {"valid", point.valid()}});
+  }
+  return {{"case", curve.case_id},
+          {"simulator", made.simulator.name},
+          {"law", made.simulator.law},
+          {"model", curve.model},
+          {"fit", fit},
+          {"load_N", curve.nominal.load_N},
+          {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
+          {"friction_coefficient", curve.friction_coefficient},
+          {"eccentricity_m", finite_or_null(curve.nominal.eccentricity_m)},
+          {"load_exponent", finite_or_null(curve.load_exponent)},
+          {"simulator_load_exponent", made.simulator.load_exponent},
+          {"lines", made.lines.text},
+          {"values", values},
+          {"loads", loads},
+          {"worst_relative_error", finite_or_null(made.errors[made.worst])},
+          {"traps", made.simulator.traps}};
+}
+
+std::string to_text(const Export& made) {
+  const ContactCurve& curve = made.curve;
+  const std::string title(made.simulator.title);
+  const std::string growth =
+      made.simulator.load_exponent == 0
+          ? title + " keeps it constant"
+          : fmt::format("in {} with P^{:g}", title, made.simulator.load_exponent);
+  std::string text = fmt::format(
+      "{} for {:.4g} N, by {}: e_n {:.4g} mm, largest torque {:.4g} mN·m; e_n goes with P^{:.3f} "
+      "there, {}\n{}: {}\n\n{}\n",
+      title, curve.nominal.load_N, curve.model, curve.nominal.eccentricity_m * 1e3,
+      curve.friction_coefficient * curve.nominal.load_N * curve.nominal.eccentricity_m * 1e3,
+      curve.load_exponent, growth, title, made.simulator.law, made.lines.text);
+  text += fmt::format("  {:>9} {:>12} {:>9} {:>16} {:>13} {:>6}\n", "load N", "torque mN·m",
+                      "e_n mm", "e_n there mm", "its torque %", "valid");
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const LoadPoint& point = curve.points[i];
+    text += fmt::format("  {:>9.4g} {:>12.4g} {:>9.4g} {:>16.4g} {:>+13.1f} {:>6}\n", point.load_N,
+                        curve.friction_coefficient * point.load_N * point.eccentricity_m * 1e3,
+                        point.eccentricity_m * 1e3, made.eccentricity_m(point.load_N) * 1e3,
+                        // Rounding must not leave a sign on nothing.
+                        std::abs(made.errors[i]) < 5e-4 ? 0.0 : made.errors[i] * 100,
+                        point.valid() ? "yes" : "no");
+  }
+  text += fmt::format("Worst over {:g} to {:g} N: {:+.1f} % of the torque, at {:.4g} N\n",
+                      curve.points.front().load_N, curve.points.back().load_N,
+                      made.errors[made.worst] * 100, curve.points[made.worst].load_N);
+  for (const auto trap : made.simulator.traps) text += fmt::format("- {}\n", trap);
+  return text;
+}
+
+int run(const Options& options) {
+  const Simulator& simulator = simulator_by_name(options.to);
+  const PressureModel& model = model_by_name(options.model);
+  const auto choice = load_choice(options);
+  const Case contact_case = read_case(find_case_file(options.case_file));
+  const auto loads = choose_loads(contact_case.loads_N, choice);
+  const GeometryResolver resolver(contact_case);
+  for (const std::string& line : resolver.remarks()) remark(line);
+  const ContactCurve curve = ask_contact_curve(contact_case, resolver, model, loads);
+  const Export made(simulator, curve,
+                    options.fit == "range" ? exporting::Fit::range : exporting::Fit::nominal);
+  for (const LoadPoint& point : curve.points)
+    if (!point.valid()) {
+      remark(fmt::format("{} does not hold everywhere, at {:.4g} N for one: {}", curve.model,
+                         point.load_N, point.objection));
+      break;
+    }
+  write_to_stdout(options.json ? to_json(made, options.fit).dump(2) + "\n"
+                               : describe(contact_case) + "\n" + to_text(made));
+  return 0;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "export", "What to type into a simulator, with the error that it makes over the load range");
+  command
+      ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
+      ->required();
+  command
+      ->add_option("--to", options->to,
+                   "mujoco, bullet, gazebo (Classic, with ODE), drake (hydroelastic) or physx")
+      ->required();
+  command->add_option(
+      "--model", options->model,
+      "the model whose torque is exported (default bonded_layer); see: list models");
+  command->add_option("--load", options->load,
+                      "nominal load in N, > 0, that the constants are made for (default: the "
+                      "middle one of the case's loads)");
+  command->add_option("--load-range", options->load_range,
+                      "LOW,HIGH in N, 0 < LOW < HIGH, over which the error is stated (default: the "
+                      "case's loads, or P/3 to 3P if it has one)");
+  command
+      ->add_option(
+          "--fit", options->fit,
+          "\"nominal\" (default): exact at the nominal load; \"range\": the smallest worst "
+          "error over the range")
+      ->check(CLI::IsMember({"nominal", "range"}));
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "
+      "about\n"
+      "P^(1/4) to P^(1/3), where most simulators keep it constant.\n"
+      "Samples:\n"
+      "  softfinger export silicone_pad_2mm --to mujoco\n"
+      "  softfinger export seed_thumb --to drake --load 2 --load-range 0.5,8\n"
+      "  softfinger export hertz_circle --to gazebo --model hertz --fit range --json");
+  command->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace softfinger::commands

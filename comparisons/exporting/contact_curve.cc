@@ -1,0 +1,105 @@
+#include "comparisons/exporting/contact_curve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::exporting {
+namespace {
+
+double middle_of(std::vector<double> loads_N) {
+  std::sort(loads_N.begin(), loads_N.end());
+  const std::size_t half = loads_N.size() / 2;
+  return loads_N.size() % 2 ? loads_N[half]
+                            : std::sqrt(loads_N[half - 1]) * std::sqrt(loads_N[half]);
+}
+
+bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
+
+LoadPoint ask(const Case& contact_case, const RelativeRadii& radii, const PressureModel& model,
+              double load_N) {
+  const Prediction prediction = model.predict(contact_case.problem(radii, load_N));
+  std::string objections;
+  for (const ValidityCheck& check : prediction.validity)
+    if (!check.holds()) objections += (objections.empty() ? "" : "; ") + std::string(check.message);
+  if (!prediction.has_answer || !(prediction.torque_arm_exact_m > 0))
+    throw InputError(contact_case.id, "--model", std::string(model.card().name),
+                     fmt::format("a model with a torque at {:g} N{}", load_N,
+                                 objections.empty() ? "" : " (" + objections + ")"));
+  return {load_N, prediction.torque_arm_exact_m, prediction.indentation_m, objections};
+}
+
+}  // namespace
+
+LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice& choice) {
+  if (choice.nominal_N && !is_load(*choice.nominal_N))
+    throw InputError("command line", "--load", fmt::format("{:g}", *choice.nominal_N),
+                     "a number > 0, in N");
+  LoadRange loads;
+  loads.nominal_N = choice.nominal_N.value_or(middle_of(case_loads_N));
+  if (choice.range_N) {
+    const auto& range_N = *choice.range_N;
+    if (range_N.size() != 2 || !is_load(range_N[0]) || !is_load(range_N[1]) ||
+        range_N[0] >= range_N[1])
+      throw InputError("command line", "--load-range", fmt::format("{:g}", fmt::join(range_N, ",")),
+                       "LOW,HIGH in N with 0 < LOW < HIGH");
+    loads.lowest_N = range_N[0];
+    loads.highest_N = range_N[1];
+    const bool inside = loads.lowest_N <= loads.nominal_N && loads.nominal_N <= loads.highest_N;
+    if (!inside && choice.nominal_N)
+      throw InputError("command line", "--load", fmt::format("{:g}", loads.nominal_N),
+                       fmt::format("a load within --load-range, {:g} to {:g} N", loads.lowest_N,
+                                   loads.highest_N));
+    if (!inside) loads.nominal_N = middle_of(range_N);
+    return loads;
+  }
+  if (case_loads_N.size() > 1) {
+    const auto [low, high] = std::minmax_element(case_loads_N.begin(), case_loads_N.end());
+    loads.lowest_N = std::min(*low, loads.nominal_N);
+    loads.highest_N = std::max(*high, loads.nominal_N);
+  } else {
+    loads.lowest_N = loads.nominal_N / 3;
+    loads.highest_N = loads.nominal_N * 3;
+  }
+  return loads;
+}
+
+ContactCurve ask_contact_curve(const Case& contact_case, const GeometryResolver& resolver,
+                               const PressureModel& model, const LoadRange& loads) {
+  ContactCurve curve;
+  curve.case_id = contact_case.id;
+  curve.model = std::string(model.card().name);
+  curve.friction_coefficient = contact_case.friction_coefficient;
+  curve.radii = resolver.resolve(loads.nominal_N).radii;
+  const auto at = [&](double load_N) {
+    return ask(contact_case, resolver.resolve(load_N).radii, model, load_N);
+  };
+  curve.nominal = at(loads.nominal_N);
+
+  constexpr int kSteps = 6;
+  const double step = std::log(loads.highest_N / loads.lowest_N) / kSteps;
+  for (int i = 0; i <= kSteps; ++i) {
+    // The ends are what the user typed, to the last digit.
+    const double load_N = i == 0        ? loads.lowest_N
+                          : i == kSteps ? loads.highest_N
+                                        : loads.lowest_N * std::exp(i * step);
+    // A point beside the nominal load gives way to it; an end only to its equal.
+    const double apart = std::abs(std::log(load_N / loads.nominal_N));
+    if (apart > (i == 0 || i == kSteps ? 1e-9 : step / 3)) curve.points.push_back(at(load_N));
+  }
+  curve.points.push_back(curve.nominal);
+  std::sort(curve.points.begin(), curve.points.end(),
+            [](const LoadPoint& one, const LoadPoint& other) { return one.load_N < other.load_N; });
+
+  // Central, in ln P: wide enough to smooth the models' tables, narrow enough to be local.
+  constexpr double kStep = 1.1;
+  curve.load_exponent = std::log(at(loads.nominal_N * kStep).eccentricity_m /
+                                 at(loads.nominal_N / kStep).eccentricity_m) /
+                        (2 * std::log(kStep));
+  return curve;
+}
+
+}  // namespace softfinger::exporting

@@ -1,0 +1,99 @@
+#include "comparisons/exporting/drake.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "comparisons/exporting/simulator.h"
+#include "softfinger/friction/max_torque.h"
+#include "softfinger/math/pi.h"
+
+/// Drake, hydroelastic user guide, and Elandt et al., A pressure field model, IROS 2019: the
+/// pressure in a compliant body is p = E e, the extent e growing from 0 at the surface to 1 at the
+/// innermost point. For an ellipsoid e = 1 - |S^-1 x|, hence p = (E/c) depth near the end of its
+/// semi-axis c: against a rigid body an elastic foundation of stiffness E/H, H the body's depth.
+/// Friction is Coulomb's at every point of the contact, so that torque and limit surface follow
+/// from it.
+namespace softfinger::exporting {
+
+Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_N,
+                                        double eccentricity_m) {
+  Foundation foundation;
+  // e_n is proportional to sqrt(d).
+  const double arm_at_unit_indentation =
+      torque_arm_exact_m(std::sqrt(2 * radii.major_m), std::sqrt(2 * radii.minor_m), 1);
+  const double d_m = std::pow(eccentricity_m / arm_at_unit_indentation, 2);
+  foundation.indentation_m = d_m;
+  foundation.a_m = std::sqrt(2 * d_m * radii.major_m);
+  foundation.b_m = std::sqrt(2 * d_m * radii.minor_m);
+  foundation.stiffness_Pa_per_m =
+      load_N / (kPi * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m) * d_m * d_m);
+  return foundation;
+}
+
+namespace {
+
+Lines lines(const SoftContact& contact) {
+  const Foundation foundation =
+      foundation_with_eccentricity(contact.radii, contact.load_N, contact.eccentricity_m);
+  // The ellipsoid with the gap's radii at the end of its z axis, from x²/(2R') = c x²/(2 A²).
+  const double depth_m = contact.radii.minor_m;
+  const double long_semi_axis_m = std::sqrt(contact.radii.major_m * depth_m);
+  const double modulus_Pa = foundation.stiffness_Pa_per_m * depth_m;
+  // Some eight triangles across the contact.
+  const double resolution_m = foundation.b_m / 4;
+  return {
+      fmt::format(
+          "<!-- {origin}. The ellipsoid has the gap's radii R' {major:.6g} m, R'' {minor:.6g} m "
+          "at the end of its z axis. For another shape: modulus = {stiffness:.6g} Pa/m times its "
+          "depth in m "
+          "(sphere: radius, half space: slab thickness). Modulus: Pa, chosen for e_n {e:.6g} m, "
+          "not "
+          "the material's: the approach is {d:.3g} m, the model's {model_d:.3g} m. Resolution: m, "
+          "a "
+          "quarter of the contact's short semi-axis -->\n"
+          "<geometry><ellipsoid><radii>{a:.6g} {c:.6g} {c:.6g}</radii></ellipsoid></geometry>\n"
+          "<drake:proximity_properties>\n"
+          "  <drake:compliant_hydroelastic/>\n"
+          "  <drake:hydroelastic_modulus>{modulus:.6g}</drake:hydroelastic_modulus>\n"
+          "  <drake:mesh_resolution_hint>{resolution:.3g}</drake:mesh_resolution_hint>\n"
+          "  <drake:mu_static>{mu:.6g}</drake:mu_static>\n"
+          "  <drake:mu_dynamic>{mu:.6g}</drake:mu_dynamic>\n"
+          "</drake:proximity_properties>\n"
+          "<!-- the object: <drake:rigid_hydroelastic/> and the same mu_static, mu_dynamic -->\n",
+          fmt::arg("d", foundation.indentation_m), fmt::arg("model_d", contact.indentation_m),
+          fmt::arg("origin", contact.origin), fmt::arg("major", contact.radii.major_m),
+          fmt::arg("minor", contact.radii.minor_m),
+          fmt::arg("stiffness", foundation.stiffness_Pa_per_m),
+          fmt::arg("e", contact.eccentricity_m), fmt::arg("a", long_semi_axis_m),
+          fmt::arg("c", depth_m), fmt::arg("modulus", modulus_Pa),
+          fmt::arg("resolution", resolution_m), fmt::arg("mu", contact.friction_coefficient)),
+      {{"hydroelastic_modulus_Pa", modulus_Pa},
+       {"foundation_stiffness_Pa_per_m", foundation.stiffness_Pa_per_m},
+       {"depth_m", depth_m},
+       {"indentation_m", foundation.indentation_m},
+       {"a_m", foundation.a_m},
+       {"b_m", foundation.b_m},
+       {"mesh_resolution_hint_m", resolution_m},
+       {"sliding_friction", contact.friction_coefficient}}};
+}
+
+}  // namespace
+
+Simulator drake() {
+  return {
+      "drake",
+      "Drake",
+      "Coulomb's law at every point of an elastic foundation: e_n goes with P^(1/4), the limit "
+      "surface is that of its own pressure",
+      0.25,
+      0,
+      lines,
+      {"there is no torsional parameter: the modulus is the one whose contact has the torque, so "
+       "that size and approach of the contact follow and need not be the layer's",
+       "the pair's friction is 2 mu_0 mu_1/(mu_0 + mu_1): both bodies have to carry mu",
+       "where both bodies are compliant their pressures meet halfway and the contact is larger",
+       "contact_model has to be hydroelastic, not point: a point contact carries no torque"}};
+}
+
+}  // namespace softfinger::exporting

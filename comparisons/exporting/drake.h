@@ -1,0 +1,21 @@
+#pragma once
+
+#include "softfinger/input/contact_problem.h"
+
+namespace softfinger::exporting {
+
+/// An elastic foundation, pressure = stiffness times depth, under a load.
+struct Foundation {
+  double stiffness_Pa_per_m = 0;
+  double indentation_m = 0;
+  double a_m = 0, b_m = 0;  ///< semi-axes of its contact
+};
+
+/// The foundation whose contact with the gap x²/(2R') + y²/(2R'') has this e_n at this load. With
+/// approach d: a = sqrt(2 d R'), b = sqrt(2 d R''), P = pi stiffness sqrt(R'R'') d², and e_n that
+/// of the pressure 1 - x²/a² - y²/b²; (11) to (13) of Ciocarlie et al. 2007. Its e_n goes with
+/// P^(1/4).
+Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_N,
+                                        double eccentricity_m);
+
+}  // namespace softfinger::exporting

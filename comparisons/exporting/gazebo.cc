@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+
+#include "comparisons/exporting/simulator.h"
+#include "softfinger/math/pi.h"
+
+/// Gazebo Classic with ODE, tutorial "Torsional friction" and ODE's contact joint: the torque about
+/// the normal is at most (3 pi/16) a mu_t N, that of a circular Hertz contact of radius a, so that
+/// a = 16 e_n/(3 pi) gives any contact's e_n. ODEPhysics: of two surfaces the smaller coefficients
+/// count, the larger patch_radius, and a patch radius only if both say so (the default).
+namespace softfinger::exporting {
+namespace {
+
+Lines lines(const SoftContact& contact) {
+  const double radius_m = 16 / (3 * kPi) * contact.eccentricity_m;
+  return {fmt::format("<!-- {origin}. mu and coefficient: sliding friction; patch_radius: m, 16 "
+                      "e_n/(3 pi), of the round Hertz "
+                      "contact with e_n = {e:.6g} m -->\n"
+                      "<surface>\n"
+                      "  <friction>\n"
+                      "    <ode><mu>{mu:.6g}</mu><mu2>{mu:.6g}</mu2></ode>\n"
+                      "    <torsional>\n"
+                      "      <coefficient>{mu:.6g}</coefficient>\n"
+                      "      <use_patch_radius>true</use_patch_radius>\n"
+                      "      <patch_radius>{radius:.6g}</patch_radius>\n"
+                      "    </torsional>\n"
+                      "  </friction>\n"
+                      "</surface>\n",
+                      fmt::arg("origin", contact.origin), fmt::arg("e", contact.eccentricity_m),
+                      fmt::arg("mu", contact.friction_coefficient), fmt::arg("radius", radius_m)),
+          {{"sliding_friction", contact.friction_coefficient},
+           {"torsional_coefficient", contact.friction_coefficient},
+           {"patch_radius_m", radius_m}}};
+}
+
+}  // namespace
+
+Simulator gazebo() {
+  return {
+      "gazebo",
+      "Gazebo",
+      "|f_x|, |f_y| <= mu P and, apart from them, |torque| <= (3 pi/16) a mu P with a constant a",
+      0,
+      0,
+      lines,
+      {"only Gazebo Classic with ODE reads patch_radius; other engines ignore it, or take the "
+       "coefficient as something else",
+       "the smaller mu and coefficient of the two surfaces count (default 1): where mu > 1 the "
+       "object has to say it too; of patch_radius the larger counts",
+       "use_patch_radius false takes a = sqrt(surface_radius depth) from the solver's "
+       "penetration, which is no elastic one",
+       "force and torque do not share one limit: 25 % above the ellipsoid at 0.6 mu P; every "
+       "contact point has its own torque"}};
+}
+
+}  // namespace softfinger::exporting

@@ -1,0 +1,58 @@
+#include "comparisons/exporting/simulator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace softfinger::exporting {
+
+const std::vector<Simulator>& all_simulators() {
+  static const std::vector<Simulator> simulators = {mujoco(), bullet(), gazebo(), drake(), physx()};
+  return simulators;
+}
+
+double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact& contact,
+                                   double load_N) {
+  const double told_m =
+      contact.eccentricity_m * std::pow(load_N / contact.load_N, simulator.load_exponent);
+  return std::max(told_m, simulator.least_torque_per_load_m / contact.friction_coefficient);
+}
+
+SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, Fit fit) {
+  SoftContact contact;
+  contact.friction_coefficient = curve.friction_coefficient;
+  contact.load_N = curve.nominal.load_N;
+  contact.radii = curve.radii;
+  contact.indentation_m = curve.nominal.indentation_m;
+  contact.eccentricity_m = curve.nominal.eccentricity_m;
+  if (fit == Fit::range) {
+    double least_m = curve.nominal.eccentricity_m, largest_m = least_m;
+    for (const LoadPoint& point : curve.points) {
+      const double wanted_m =
+          point.eccentricity_m * std::pow(contact.load_N / point.load_N, simulator.load_exponent);
+      least_m = std::min(least_m, wanted_m);
+      largest_m = std::max(largest_m, wanted_m);
+    }
+    contact.eccentricity_m = 2 / (1 / least_m + 1 / largest_m);
+  }
+  contact.origin = fmt::format("{}, {}, {:.4g} N", curve.case_id, curve.model, contact.load_N);
+  if (fit == Fit::range)
+    contact.origin += fmt::format(", best for {:g} to {:g} N", curve.points.front().load_N,
+                                  curve.points.back().load_N);
+  // A case's name may have two hyphens, an XML comment may not.
+  for (std::size_t at; (at = contact.origin.find("--")) != std::string::npos;)
+    contact.origin.replace(at, 2, "-");
+  return contact;
+}
+
+std::vector<double> relative_errors(const Simulator& simulator, const SoftContact& contact,
+                                    const ContactCurve& curve) {
+  std::vector<double> errors;
+  for (const LoadPoint& point : curve.points)
+    errors.push_back(
+        eccentricity_in_simulator_m(simulator, contact, point.load_N) / point.eccentricity_m - 1);
+  return errors;
+}
+
+}  // namespace softfinger::exporting

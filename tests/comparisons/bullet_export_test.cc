@@ -1,0 +1,106 @@
+// The numbers of `softfinger export --to bullet` in the real Bullet: where a pressed and twisted
+// fingertip slips, that the sliding force does not matter to it, and the rolling friction's trap.
+
+#include <btBulletDynamicsCommon.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMass_kg = 0.02, kRadius_m = 0.02, kTimeStep_s = 1e-3;
+constexpr double kInertia_kgm2 = 0.4 * kMass_kg * kRadius_m * kRadius_m;
+
+class BulletExport : public testing::Test {
+ protected:
+  json exported;
+  double load_N = 0, friction = 0, max_torque_Nm = 0, rolling_friction_m = 0;
+
+  void SetUp() override {
+    TemporaryFolder folder;
+    const ProgramRun run = run_softfinger(
+        {folder.path(), {}, -1, ""}, {"export", "silicone_pad_2mm", "--to", "bullet", "--json"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    exported = json::parse(run.out);
+    load_N = exported["load_N"];
+    friction = exported["friction_coefficient"];
+    max_torque_Nm = friction * load_N * exported["eccentricity_m"].get<double>();
+    rolling_friction_m = exported["values"]["rolling_friction_m"];
+  }
+
+  /// A ball on a block, without gravity, that turns about z only: pressed for half a second, then
+  /// also pushed and twisted for one. The mean angular acceleration of the last half.
+  double angular_acceleration_rad_per_s2(double push_N, double torque_Nm) const {
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+    world.setGravity(btVector3(0, 0, 0));
+    world.getSolverInfo().m_numIterations = 200;
+
+    const auto real = [](double value) { return static_cast<btScalar>(value); };
+    const btScalar inertia = real(kInertia_kgm2), radius = real(kRadius_m);
+    btBoxShape block_shape(btVector3(1, 1, real(0.1)));
+    btSphereShape ball_shape(radius);
+    btRigidBody block(0, nullptr, &block_shape);
+    btRigidBody ball(real(kMass_kg), nullptr, &ball_shape, btVector3(inertia, inertia, inertia));
+    block.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, real(-0.1))));
+    ball.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, radius)));
+    ball.setAngularFactor(btVector3(0, 0, 1));
+    ball.setActivationState(DISABLE_DEACTIVATION);
+    const json& values = exported["values"];
+    ball.setFriction(real(values["sliding_friction"]));
+    ball.setSpinningFriction(real(values["spinning_friction_m"]));
+    ball.setRollingFriction(real(rolling_friction_m));
+    block.setFriction(real(values["object_sliding_friction"]));
+    world.addRigidBody(&block);
+    world.addRigidBody(&ball);
+
+    const auto run = [&](double force_N, double twist_Nm, double duration_s) {
+      const int steps = static_cast<int>(std::lround(duration_s / kTimeStep_s));
+      for (int i = 0; i < steps; ++i) {
+        ball.applyCentralForce(btVector3(real(force_N), 0, real(-load_N)));
+        ball.applyTorque(btVector3(0, 0, real(twist_Nm)));
+        world.stepSimulation(real(kTimeStep_s), 0, real(kTimeStep_s));
+      }
+      return static_cast<double>(ball.getAngularVelocity().z());
+    };
+    run(0, 0, 0.5);
+    const double half = run(push_N, torque_Nm, 0.5), full = run(push_N, torque_Nm, 0.5);
+    world.removeRigidBody(&ball);
+    world.removeRigidBody(&block);
+    return (full - half) / 0.5;
+  }
+};
+
+// Bullet calculates in single precision: 1e-4 of the limit is a tenth of the distance from it.
+constexpr double kTolerance = 1e-4, kBelow = 0.999, kAbove = 1.001;
+
+TEST_F(BulletExport, SlipsAtThePredictedTorqueWhateverTheSlidingForce) {
+  const double limit = max_torque_Nm / kInertia_kgm2;
+  for (const double share : {0.0, 0.6}) {
+    SCOPED_TRACE(share);
+    const double push_N = share * friction * load_N;
+    EXPECT_NEAR(angular_acceleration_rad_per_s2(push_N, kBelow * max_torque_Nm), 0,
+                kTolerance * limit);
+    EXPECT_NEAR(angular_acceleration_rad_per_s2(push_N, kAbove * max_torque_Nm),
+                (kAbove - 1) * limit, kTolerance * limit);
+  }
+}
+
+TEST_F(BulletExport, HasNoSpinningFrictionWithoutRollingFriction) {
+  rolling_friction_m = 0;
+  const double torque_Nm = 0.5 * max_torque_Nm;
+  EXPECT_NEAR(angular_acceleration_rad_per_s2(0, torque_Nm) / (torque_Nm / kInertia_kgm2), 1,
+              kTolerance);
+}
+
+}  // namespace
+}  // namespace softfinger::tests

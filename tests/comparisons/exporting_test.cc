@@ -1,0 +1,196 @@
+// The exported numbers against each simulator's published law, worked out by hand.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "comparisons/exporting/contact_curve.h"
+#include "comparisons/exporting/drake.h"
+#include "comparisons/exporting/simulator.h"
+#include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::exporting {
+namespace {
+
+/// A Hertz contact of radius a = 1 mm at P = 4 E* a³/(3 R) = 2/15 N, with E* = 1 MPa and R = 10 mm:
+/// e_n = (3 pi/16) a.
+constexpr double kLoad_N = 2.0 / 15, kFriction = 0.5;
+const double kEccentricity_m = 3 * kPi / 16 * 1e-3;
+
+Case round_contact() {
+  return parse_case(
+      "id = \"round\"\n[geometry]\nrelative_radii_mm = [10, 10]\n"
+      "[layer]\nthickness_mm = 100\nyoungs_modulus_kPa = 1000\npoisson_ratio = 0\n"
+      "[contact]\nload_N = " +
+          std::to_string(kLoad_N) + "\nfriction_coefficient = 0.5\n",
+      "round.toml");
+}
+
+ContactCurve curve_of(const Case& contact_case, const char* model, const LoadChoice& choice = {}) {
+  return ask_contact_curve(contact_case, GeometryResolver(contact_case),
+                           *find_pressure_model(model), choose_loads(contact_case.loads_N, choice));
+}
+
+ContactCurve hertz_curve() { return curve_of(round_contact(), "hertz", {kLoad_N, {}}); }
+
+double value(const Lines& lines, const std::string& name) {
+  for (const auto& [known, number] : lines.values)
+    if (known == name) return number;
+  ADD_FAILURE() << "no value " << name;
+  return 0;
+}
+
+Lines lines_for(const Simulator& simulator) {
+  return simulator.lines(soft_contact(hertz_curve(), simulator, Fit::nominal));
+}
+
+}  // namespace
+
+TEST(Exporting, MujocosSpinningFrictionIsTorquePerLoad) {
+  const Lines lines = lines_for(mujoco());
+  EXPECT_NEAR(value(lines, "spinning_friction_m") / (0.5 * kEccentricity_m), 1, 1e-9);
+  EXPECT_NE(lines.text.find("friction=\"0.5 0.000294524 0.0001\""), std::string::npos)
+      << lines.text;
+  EXPECT_NE(lines.text.find("condim=\"4\""), std::string::npos);
+  EXPECT_NE(lines.text.find("cone=\"elliptic\""), std::string::npos);
+}
+
+TEST(Exporting, BulletsPairHasTheTorqueByItsRulesForPairs) {
+  const Lines lines = lines_for(bullet());
+  const double object_friction = value(lines, "object_sliding_friction");
+  const double friction = value(lines, "sliding_friction");
+  EXPECT_EQ(friction * object_friction, kFriction);
+  // s_0 mu_1 + s_1 mu_0, the object has s_1 = 0.
+  EXPECT_NEAR(value(lines, "spinning_friction_m") * object_friction / (kFriction * kEccentricity_m),
+              1, 1e-9);
+  EXPECT_GT(value(lines, "rolling_friction_m"), 0) << "else rigid bodies have no spinning friction";
+  EXPECT_LE(value(lines, "rolling_friction_m"), 1e-3 * value(lines, "spinning_friction_m"));
+}
+
+TEST(Exporting, GazebosPatchRadiusIsThatOfARoundHertzContact) {
+  const Lines lines = lines_for(gazebo());
+  EXPECT_NEAR(value(lines, "patch_radius_m") / 1e-3, 1, 1e-9);
+  EXPECT_EQ(value(lines, "torsional_coefficient"), kFriction);
+}
+
+TEST(Exporting, PhysxsRadiusIsTheEccentricity) {
+  const Lines lines = lines_for(physx());
+  EXPECT_NEAR(value(lines, "min_torsional_patch_radius_m") / kEccentricity_m, 1, 1e-9);
+  EXPECT_EQ(value(lines, "torsional_patch_radius_m"), 0);
+  EXPECT_NE(lines.text.find("createMaterial(0.500000f, 0.500000f, 0.0f)"), std::string::npos)
+      << lines.text;
+}
+
+TEST(Exporting, DrakesModulusGivesTheTorqueWhenItsPressureIsIntegrated) {
+  const RelativeRadii radii{0.02, 0.005, 0};
+  const double load_N = 3, eccentricity_m = 1.7e-3;
+  const Foundation foundation = foundation_with_eccentricity(radii, load_N, eccentricity_m);
+  // Midpoint rule in elliptic coordinates x = a r cos t, y = b r sin t over p = K depth.
+  double force_N = 0, arm_Nm = 0;
+  const int kRings = 2000, kSpokes = 400;
+  for (int i = 0; i < kRings; ++i)
+    for (int j = 0; j < kSpokes; ++j) {
+      const double r = (i + 0.5) / kRings, t = 2 * kPi * (j + 0.5) / kSpokes;
+      const double x = foundation.a_m * r * std::cos(t), y = foundation.b_m * r * std::sin(t);
+      const double depth =
+          foundation.indentation_m - x * x / (2 * radii.major_m) - y * y / (2 * radii.minor_m);
+      const double area = foundation.a_m * foundation.b_m * r / kRings * 2 * kPi / kSpokes;
+      EXPECT_GE(depth, -1e-12);
+      force_N += foundation.stiffness_Pa_per_m * depth * area;
+      arm_Nm += foundation.stiffness_Pa_per_m * depth * area * std::hypot(x, y);
+    }
+  const double rule = 1.0 / kRings / kRings;  // the midpoint rule's error
+  EXPECT_NEAR(force_N / load_N, 1, 5 * rule);
+  EXPECT_NEAR(arm_Nm / load_N / eccentricity_m, 1, 5 * rule);
+}
+
+TEST(Exporting, DrakesEllipsoidHasTheGapsRadiiAndItsModulusTheStiffness) {
+  // Round: a = 8/15 e_n, d = a²/(2R), K = P/(pi R d²), depth R.
+  const Lines lines = lines_for(drake());
+  const double a_m = 15.0 / 8 * kEccentricity_m, d_m = a_m * a_m / 0.02;
+  const double stiffness = kLoad_N / (kPi * 0.01 * d_m * d_m);
+  EXPECT_NEAR(value(lines, "hydroelastic_modulus_Pa") / (stiffness * 0.01), 1, 1e-8);
+  EXPECT_NEAR(value(lines, "indentation_m") / d_m, 1, 1e-8);
+  EXPECT_NE(lines.text.find("<radii>0.01 0.01 0.01</radii>"), std::string::npos) << lines.text;
+}
+
+TEST(Exporting, MeasuresTheLoadsExponent) {
+  EXPECT_NEAR(hertz_curve().load_exponent, 1.0 / 3, 1e-9);
+  EXPECT_NEAR(curve_of(round_contact(), "winkler").load_exponent, 1.0 / 4, 1e-9);
+  const double between = curve_of(round_contact(), "bonded_layer").load_exponent;
+  EXPECT_GT(between, 0.24);
+  EXPECT_LT(between, 0.34);
+}
+
+TEST(Exporting, AConstantIsWrongByThePowerOfTheLoad) {
+  const ContactCurve curve = hertz_curve();
+  const auto errors = relative_errors(mujoco(), soft_contact(curve, mujoco(), Fit::nominal), curve);
+  // From P/3 to 3P, e_n ~ P^(1/3).
+  EXPECT_NEAR(errors.front(), std::cbrt(3.0) - 1, 1e-9);
+  EXPECT_NEAR(errors.back(), 1 / std::cbrt(3.0) - 1, 1e-9);
+  const auto best = relative_errors(mujoco(), soft_contact(curve, mujoco(), Fit::range), curve);
+  const double worst = std::tanh(std::log(3.0) / 3);  // (q - 1/q)/(q + 1/q), q = 3^(1/3)
+  EXPECT_NEAR(best.front(), worst, 1e-9);
+  EXPECT_NEAR(best.back(), -worst, 1e-9);
+}
+
+TEST(Exporting, DrakeFollowsAWinklerContactExactly) {
+  const ContactCurve curve = curve_of(round_contact(), "winkler");
+  for (const Fit fit : {Fit::nominal, Fit::range})
+    for (const double error : relative_errors(drake(), soft_contact(curve, drake(), fit), curve))
+      EXPECT_NEAR(error, 0, 1e-9);
+}
+
+TEST(Exporting, MujocoRaisesSmallValues) {
+  SoftContact contact;
+  contact.friction_coefficient = 0.5;
+  contact.load_N = 1;
+  contact.eccentricity_m = 1e-6;
+  EXPECT_DOUBLE_EQ(eccentricity_in_simulator_m(mujoco(), contact, 1), 2e-5);
+  EXPECT_DOUBLE_EQ(eccentricity_in_simulator_m(bullet(), contact, 1), 1e-6);
+}
+
+TEST(Exporting, ChoosesTheMiddleLoadAndTheRange) {
+  const auto expect_loads = [](const LoadRange& loads, double low, double nominal, double high) {
+    EXPECT_DOUBLE_EQ(loads.lowest_N, low);
+    EXPECT_DOUBLE_EQ(loads.nominal_N, nominal);
+    EXPECT_DOUBLE_EQ(loads.highest_N, high);
+  };
+  const std::vector<double> range = {2, 8};
+  expect_loads(choose_loads({10, 0.5, 2}, {}), 0.5, 2, 10);
+  expect_loads(choose_loads({1, 4}, {}), 1, 2, 4);
+  expect_loads(choose_loads({3}, {}), 1, 3, 9);
+  expect_loads(choose_loads({3}, {6.0, {}}), 2, 6, 18);
+  expect_loads(choose_loads({1, 2, 3}, {6.0, {}}), 1, 6, 6);
+  expect_loads(choose_loads({3}, {{}, range}), 2, 3, 8);
+  expect_loads(choose_loads({1}, {{}, range}), 2, 4, 8);
+  EXPECT_THROW(choose_loads({1}, {9.0, range}), InputError);
+  EXPECT_THROW(choose_loads({1}, {-1.0, {}}), InputError);
+  EXPECT_THROW(choose_loads({1}, {NAN, {}}), InputError);
+  for (const std::vector<double>& bad :
+       {std::vector<double>{8, 2}, {2, 2}, {2}, {0, 2}, {1, INFINITY}, {NAN, 2}, {1, 2, 3}})
+    EXPECT_THROW(choose_loads({1}, {{}, bad}), InputError);
+}
+
+TEST(Exporting, TheTableHasBothEndsAndTheNominalLoadOnce) {
+  const ContactCurve curve = curve_of(round_contact(), "hertz", {2.0, std::vector<double>{2, 5}});
+  EXPECT_EQ(curve.points.front().load_N, 2);
+  EXPECT_EQ(curve.points.back().load_N, 5);
+  for (std::size_t i = 1; i < curve.points.size(); ++i)
+    EXPECT_LT(curve.points[i - 1].load_N, curve.points[i].load_N);
+}
+
+TEST(Exporting, NamesDoNotEndAnXmlComment) {
+  Case contact_case = round_contact();
+  contact_case.id = "a---b--";
+  const ContactCurve curve = curve_of(contact_case, "hertz");
+  for (const Simulator& simulator : {mujoco(), gazebo(), drake()}) {
+    const std::string text = simulator.lines(soft_contact(curve, simulator, Fit::range)).text;
+    const std::size_t start = text.find("<!--") + 4, end = text.find("-->");
+    EXPECT_EQ(text.substr(start, end - start).find("--"), std::string::npos) << text;
+  }
+}
+
+}  // namespace softfinger::exporting
