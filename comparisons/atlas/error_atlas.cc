@@ -217,6 +217,9 @@ ErrorAtlas::Grid ErrorAtlas::grid_of(const std::string& kind, double AtlasRun::*
 
 namespace {
 
+/// Contacts are placed by a load that is found to round-off.
+constexpr double kRounding = 1e-9;
+
 /// Between two values of a coordinate.
 struct Place {
   std::size_t lower = 0, upper = 0;
@@ -226,7 +229,6 @@ struct Place {
 /// None outside the values, except by round-off.
 std::optional<Place> place_among(const std::vector<double>& values, double value,
                                  double (*scale)(double)) {
-  constexpr double kRounding = 1e-9;
   if (values.empty() || !(value >= values.front() * (1 - kRounding) - kRounding) ||
       !(value <= values.back() * (1 + kRounding)))
     return std::nullopt;
@@ -295,7 +297,7 @@ ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const Contac
       weight *= up ? places[c].part : 1 - places[c].part;
       index = index * grid.values[c].size() + (up ? places[c].upper : places[c].lower);
     }
-    if (weight <= 0) continue;
+    if (weight <= kRounding) continue;  // the contact's place is known to round-off
     const int run = grid.run[index];
     if (run < 0) {
       result.outside = "the error atlas lacks a run there";

@@ -90,8 +90,8 @@ int run_scene(const std::filesystem::path& file, const Options& options) {
   if (options.json)
     write_to_stdout(to_json(choice, options.selection.tolerance).dump(2) + "\n");
   else
-    write_to_stdout(fmt::format("{}: what its soft contacts need for {:.2g} %\n", choice.scene.id,
-                                100 * options.selection.tolerance) +
+    write_to_stdout(fmt::format("{}: what its soft contacts need for {}\n", choice.scene.id,
+                                percent(options.selection.tolerance)) +
                     table(choice, options.selection.tolerance));
   return 0;
 }

@@ -16,7 +16,8 @@ namespace {
 /// All models together answer within the time that a user does not notice.
 constexpr double kCostBudget_ns = 2e5;
 
-std::string percent(double ratio) { return fmt::format("{:.2g} %", 100 * ratio); }
+/// A smaller stated error than that is an accident of the atlas, not a better model.
+constexpr double kBetter = 0.9;
 
 /// Median of repeated calls, or, of models that take longer than microseconds, what it was when the
 /// atlas was made.
@@ -100,6 +101,11 @@ std::string refusal(const Choice& choice, const SelectionOptions& options) {
 
 }  // namespace
 
+std::string percent(double ratio) {
+  return ratio < 0.0995 ? fmt::format("{:.2g} %", 100 * ratio)
+                        : fmt::format("{:.0f} %", 100 * ratio);
+}
+
 std::string duration_text(double time_us) {
   if (time_us < 0.9995) return fmt::format("{:.3g} ns", time_us * 1e3);
   if (time_us < 999.5) return fmt::format("{:.3g} us", time_us);
@@ -152,7 +158,8 @@ Choice choose_model(const Case& contact_case, const ContactProblem& problem,
   }
   const Candidate& chosen = at(choice.chosen);
   for (int i = count - 1; i >= 0; --i)
-    if (i != choice.chosen && at(i).bound && at(i).worst < chosen.worst) choice.next_better = i;
+    if (i != choice.chosen && at(i).bound && at(i).worst < kBetter * chosen.worst)
+      choice.next_better = i;
   for (int i = 0; i < choice.chosen; ++i)
     if (at(i).bound) choice.next_cheaper = i;
   choice.reason =

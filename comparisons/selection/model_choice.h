@@ -35,7 +35,7 @@ struct Choice {
   double load_N = 0;
   std::vector<Candidate> candidates;
   int chosen = -1;
-  int next_better = -1;   ///< the cheapest of those with smaller stated errors
+  int next_better = -1;   ///< the cheapest whose stated error is at least a tenth smaller
   int next_cheaper = -1;  ///< the most expensive of those that cost less
   std::string reason;     ///< one or two sentences
 };
@@ -47,7 +47,10 @@ Choice choose_model(const Case& contact_case, const ContactProblem& problem,
 /// @throws InputError for an unknown one
 std::vector<Quantity> quantities_by_name(const std::string& names);
 
-/// "0.42 us", "1.7 s"
+/// "0.42 %", "17 %", "310 %"
+std::string percent(double ratio);
+
+/// "420 ns", "1.7 s"
 std::string duration_text(double time_us);
 
 /// The contract's keys of one choice, and all candidates.

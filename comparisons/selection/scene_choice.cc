@@ -73,8 +73,6 @@ std::map<std::pair<int, int>, PairUse> uses_of(const Scene& scene, const Recordi
   return uses;
 }
 
-std::string percent(double ratio) { return fmt::format("{:.2g} %", 100 * ratio); }
-
 void decide(PairUse& use, double tolerance) {
   PairChoice& choice = use.choice;
   // A contact that sticks does so whatever e_n is, until its limit comes down to its wrench. Half
