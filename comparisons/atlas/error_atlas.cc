@@ -217,6 +217,11 @@ ErrorAtlas::Grid ErrorAtlas::grid_of(const std::string& kind, double AtlasRun::*
 
 namespace {
 
+/// Of the finite elements' stated error, in a model's bound: it is four times the true one in the
+/// median (fem/README.md). With it, leaving out each run of the atlas and asking its two neighbours
+/// in s, 98 % of all errors of `bonded_layer` lie inside; with none of it 73 %, with all 100 %.
+constexpr double kShareOfStated = 0.25;
+
 /// Contacts are placed by a load that is found to round-off.
 constexpr double kRounding = 1e-9;
 
@@ -313,12 +318,14 @@ ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const Contac
       result.mean[q] += weight * error;
       lowest[q] = std::min(lowest[q], error);
       highest[q] = std::max(highest[q], error);
-      stated[q] = std::max(stated[q], known[q]);
+      stated[q] += weight * known[q];
     }
   }
   result.bound.emplace();
+  const double share = finite_elements ? 1 : kShareOfStated;
   for (std::size_t q = 0; q < kQuantities; ++q)
-    (*result.bound)[q] = std::abs(result.mean[q]) + 0.5 * (highest[q] - lowest[q]) + stated[q];
+    (*result.bound)[q] =
+        std::abs(result.mean[q]) + 0.5 * (highest[q] - lowest[q]) + share * stated[q];
   return result;
 }
 

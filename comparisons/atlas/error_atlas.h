@@ -69,8 +69,8 @@ class ErrorAtlas {
     std::string outside;                  ///< why there is no bound: in words, for a reader
   };
   /// Multilinear between the runs, in ln s, ln R'/R'' and -ln(0.501 - nu), as stiffness grows near
-  /// 1/2: |interpolated error| + half the spread of the corners' errors + the finite elements' own
-  /// stated error there. Never extrapolates.
+  /// 1/2: |interpolated error| + half the spread of the corners' errors + a quarter of the finite
+  /// elements' own stated error there. Never extrapolates.
   /// @param model  its name, or "fem": what the finite elements state of themselves at level 2
   /// @param thickness_over_radius  h/R where the layer is bent over a round finger: then against
   ///   finite elements on such fingers, pressed on a plane; 0: a flat layer

@@ -96,7 +96,14 @@ int run_scene(const std::filesystem::path& file, const Options& options) {
   return 0;
 }
 
+/// A range of the parser lets NaN through.
+void refuse_nan(double value, const char* option, const char* allowed) {
+  if (std::isnan(value)) throw InputError("command line", option, "nan", allowed);
+}
+
 int run(Options options) {
+  refuse_nan(options.selection.tolerance, "--tolerance", "1e-6 to 10");
+  refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");
   if (const auto file = scene_file(options.file); !file.empty()) return run_scene(file, options);
   if (!options.models.empty()) options.selection.models = allowed_models(options.models);
   if (!options.quantities.empty())
@@ -157,8 +164,8 @@ void add_select(CLI::App& app, Action& action) {
       "model, by how hard they work in its motion, and what that changes in the motion.\n"
       "Stated errors are bounds from the error atlas, some 400 finite-element runs: |error| "
       "interpolated\n"
-      "between them, plus half its change between neighbours, plus the finite elements' own "
-      "error.\n"
+      "between them, plus half its change between neighbours, plus a quarter of what they "
+      "state.\n"
       "Samples:\n"
       "  softfinger select seed_thumb --tolerance 0.05\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.02 --budget-us 5 --quantities "

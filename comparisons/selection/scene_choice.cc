@@ -121,7 +121,7 @@ void decide(PairUse& use, double tolerance) {
       exact ? fmt::format("at its limit the ellipsoid is off by {}", percent(choice.surface_change))
       : choice.surface_change > 0 ? fmt::format("at its limit the ellipsoid is off by {} only",
                                                 percent(choice.surface_change))
-                                  : std::string("never at its limit: the ellipsoid will do");
+                                  : std::string("where it works ellipsoid and exact limit surface agree");
 }
 
 void set_rule(Scene& scene, const PairChoice& choice) {

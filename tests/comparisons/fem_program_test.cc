@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,43 @@ TEST_F(FemProgram, AnswersWithTheContractsKeysAndItsErrors) {
     EXPECT_LT(answer["error"][key], 0.1) << key;
   }
   EXPECT_EQ(answer["coarse"], false);
+}
+
+TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
+  // Two processes share the runs as under mpirun; what one has finished the other need not do.
+  const std::vector<std::string> command = {"atlas",    "--random", "4",      "--seed", "417",
+                                            "--folder", "unseen",   "--jobs", "2"};
+  Start second = start;
+  second.environment.insert(second.environment.end(),
+                            {"OMPI_COMM_WORLD_RANK=1", "OMPI_COMM_WORLD_SIZE=2"});
+  const ProgramRun half = run_softfinger(second, command);
+  EXPECT_EQ(half.status, 1) << half.err;
+  EXPECT_EQ(half.out, "");
+  EXPECT_NE(half.err.find("2 of 4 runs are not finished"), std::string::npos) << half.err;
+  const auto written = [&] {
+    std::vector<fs::file_time_type> times;
+    for (const auto& entry : fs::directory_iterator(folder.path() / "unseen"))
+      times.push_back(fs::last_write_time(entry));
+    std::sort(times.begin(), times.end());
+    return times;
+  };
+  const auto before = written();
+  ASSERT_EQ(before.size(), 2u);
+  const ProgramRun whole = run_softfinger(start, command);
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  const auto after = written();
+  ASSERT_EQ(after.size(), 4u);
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), after.begin())) << "made again";
+
+  std::istringstream last(lines(whole.out).back());
+  std::string all, unit;
+  double inside = 0, ratio = 0;
+  int judged = 0;
+  last >> all >> inside >> unit >> judged >> ratio;
+  ASSERT_EQ(all, "all") << whole.out;
+  EXPECT_GE(judged, 4 * 6 * 4) << "contacts, quantities, models that always answer";
+  EXPECT_GE(inside, 95) << whole.out;
+  EXPECT_LE(ratio, 5) << whole.out;
 }
 
 TEST_F(FemProgram, PressesByApproach) {

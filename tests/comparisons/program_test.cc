@@ -487,6 +487,80 @@ TEST_F(Program, RefusesDamagedContactProblems) {
   expect_refusal({"lcp", "missing.txt"}, "missing.txt");
 }
 
+TEST_F(Program, PredictsWithAnErrorThatTheAtlasKnows) {
+  const auto file = folder.write("case.toml", case_text("example", "[1.0, 1e9]"));
+  const ProgramRun result = run({"predict", file.string(), "--json", "--torque-rule", "paper"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  for (const json& answer : json::parse(result.out)["results"]) {
+    if (answer["a_m"].is_null()) continue;
+    if (answer["load_N"] == 1.0) {
+      for (const char* quantity : {"a", "b", "indentation", "area", "peak_pressure", "max_torque"})
+        EXPECT_GT(answer["error_estimate"].at(quantity).get<double>(), 0) << answer;
+    } else {
+      EXPECT_TRUE(answer["error_estimate"].is_null())
+          << "a contact far wider than any in the atlas";
+      EXPECT_NE(answer["error_estimate_remark"].get<std::string>().find("outside the error atlas"),
+                std::string::npos);
+    }
+  }
+}
+
+TEST_F(Program, SelectsTheCheapestModelThatIsEnough) {
+  const ProgramRun result = run({"select", "silicone_pad_2mm", "--tolerance", "0.05", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json selected = json::parse(result.out);
+  EXPECT_EQ(selected["case"], "silicone_pad_2mm");
+  EXPECT_EQ(selected["tolerance"], 0.05);
+  ASSERT_EQ(selected["choices"].size(), 3u);
+  for (const json& choice : selected["choices"]) {
+    EXPECT_EQ(choice["model"], "bonded_layer") << choice;
+    EXPECT_GT(choice["cost_us"].get<double>(), 0);
+    for (const auto& [quantity, bound] : choice["error_estimate"].items())
+      EXPECT_LE(bound.get<double>(), 0.05) << quantity;
+    EXPECT_TRUE(choice.contains("next_better"));
+    EXPECT_TRUE(choice["next_cheaper"].is_string());
+    EXPECT_FALSE(choice["reason"].get<std::string>().empty());
+  }
+}
+
+TEST_F(Program, SelectsNoModelInWordsWhereNoneIsEnough) {
+  const ProgramRun result = run({"select", "silicone_pad_2mm", "--tolerance", "0.05", "--models",
+                                 "hertz,winkler,thin_incompressible", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  for (const json& choice : json::parse(result.out)["choices"]) {
+    EXPECT_TRUE(choice["model"].is_null()) << choice;
+    EXPECT_NE(choice["reason"].get<std::string>().find("none of the allowed models"),
+              std::string::npos);
+  }
+}
+
+TEST_F(Program, SelectsWhatASceneRequires) {
+  const ProgramRun result = run({"select", "pinch", "--tolerance", "0.05", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json selected = json::parse(result.out);
+  EXPECT_EQ(selected["scene"], "pinch");
+  EXPECT_TRUE(selected["motion_holds"].get<bool>());
+  ASSERT_EQ(selected["choices"].size(), 2u) << "two fingers";
+  for (const json& choice : selected["choices"]) {
+    // Twisted to its limit about the normal alone, where the ellipsoid is exact.
+    EXPECT_EQ(choice["detail"], "ellipsoid") << choice;
+    EXPECT_GT(choice["torsion"].get<double>(), 0.9);
+    EXPECT_EQ(choice["bodies"].size(), 2u);
+  }
+}
+
+TEST_F(Program, RefusesWhatItCannotSelect) {
+  expect_refusal({"select", "seed_thumb", "--tolerance", "0"}, "tolerance");
+  expect_refusal({"select", "seed_thumb", "--tolerance", "nan"}, "tolerance");
+  expect_refusal({"select", "seed_thumb"}, "tolerance");
+  expect_refusal({"select", "seed_thumb", "--tolerance", "0.1", "--models", "hetz"}, "hertz");
+  expect_refusal({"select", "seed_thumb", "--tolerance", "0.1", "--budget-us", "-1"}, "budget");
+  expect_refusal({"select", "seed_thumb", "--tolerance", "0.1", "--quantities", "torque"},
+                 "max_torque");
+  expect_refusal({"select", "seed_thum", "--tolerance", "0.1"}, "seed_thumb");
+  expect_refusal({"select", "pinch", "--tolerance", "0.1", "--models", "hertz"}, "--models");
+}
+
 TEST_F(Program, ExportsToEachSimulator) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
   for (const std::string simulator : {"mujoco", "bullet", "gazebo", "drake", "physx"}) {
