@@ -1,0 +1,37 @@
+// The page of `softfinger extremes`: what each model answered over the decades.
+"use strict";
+
+(() => {
+  const {report, settings, base, number} = Charts;
+  const KINDS = [["valid", "answered, valid", "var(--map-0)"], ["answered", "answered outside its validity", "var(--map-1)"],
+    ["refused", "refused", "var(--model-8)"]];
+
+  function drawDecades(width, {element}) {
+    const axis = report.axes.find((a) => a.key === settings.axis) ?? report.axes[0];
+    const model = report.models.find((m) => m.model === element.dataset.model);
+    const bins = model?.decades?.[axis?.key] ?? [];
+    if (!bins.length) return null;
+    const bars = bins.flatMap((bin) => {
+      const all = bin.valid + bin.answered + bin.refused;
+      let bottom = 0;
+      return KINDS.map(([key, words, colour]) => {
+        const part = bin[key] / all;
+        const bar = {x1: bin.from, x2: bin.to, y1: bottom, y2: bottom + part, colour,
+          title: `${number(bin.from)} to ${number(bin.to)}\n${words}: ${bin[key]} of ${all}`};
+        bottom += part;
+        return bar;
+      });
+    }).filter((bar) => bar.y2 > bar.y1);
+    return Plot.plot({
+      ...base(width, 170),
+      x: {type: axis.logarithmic ? "log" : "linear", label: `${axis.name} →`, labelAnchor: "right", tickFormat: axis.logarithmic ? "~e" : "~g", ticks: 4},
+      y: {domain: [0, 1], percent: true, label: "%", ticks: 4},
+      marks: [
+        Plot.rect(bars, {x1: "x1", x2: "x2", y1: (b) => b.y1, y2: (b) => b.y2, fill: (b) => b.colour, title: "title", insetLeft: 0.5, insetRight: 0.5}),
+        Plot.ruleY([0], {strokeOpacity: 0.4}),
+      ],
+    });
+  }
+
+  Charts.start({decades: drawDecades}, []);
+})();
