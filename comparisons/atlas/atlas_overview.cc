@@ -35,7 +35,8 @@ json quantiles(std::vector<double> values) {
       std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
       values.end());
   if (values.empty()) return nullptr;
-  for (double& value : values) value = std::abs(value);
+  // What is left of a difference of equal numbers is nothing.
+  for (double& value : values) value = std::abs(value) < 1e-9 ? 0 : std::abs(value);
   std::sort(values.begin(), values.end());
   // The smallest value that at least this part of all does not exceed.
   const auto at = [&](double part) {
@@ -119,7 +120,7 @@ double measured_cost_ns(const PressureModel& model, const std::vector<ContactPro
 }
 
 json causes_of(const AtlasFile& atlas, const std::vector<QuantityErrors>& errors) {
-  std::vector<double> ellipse, pressure, circle_rule;
+  std::vector<double> ellipse, pressure, circle_rule, torque;
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
     if (atlas.runs[r].kind != "flat" || !std::isfinite(errors[r][kTorque])) continue;
     const TorqueCauses causes =
@@ -127,10 +128,12 @@ json causes_of(const AtlasFile& atlas, const std::vector<QuantityErrors>& errors
     ellipse.push_back(causes.ellipse);
     pressure.push_back(causes.pressure);
     circle_rule.push_back(causes.circle_rule);
+    torque.push_back(errors[r][kTorque]);
   }
   return {{"ellipse", quantiles(ellipse)},
           {"pressure", quantiles(pressure)},
-          {"circle_rule", quantiles(circle_rule)}};
+          {"circle_rule", quantiles(circle_rule)},
+          {"max_torque", quantiles(torque)}};
 }
 
 /// The model's torque with the seed's rule, as errors.
@@ -169,8 +172,7 @@ json friction_laws(const AtlasFile& atlas) {
   std::set<std::pair<int, int>> shapes;
   for (const AtlasRun& run : atlas.runs) {
     const TorqueContact contact = contact_of(run);
-    const double aspect =
-        std::max(contact.a, contact.b) / std::min(contact.a, contact.b);
+    const double aspect = std::max(contact.a, contact.b) / std::min(contact.a, contact.b);
     if (!std::isfinite(contact.arm)) continue;
     const double exponent = std::clamp(exponent_of(contact), 0., 4.);
     shapes.insert({int(std::lround(10 * std::log(aspect))), int(std::lround(4 * exponent))});
@@ -180,10 +182,9 @@ json friction_laws(const AtlasFile& atlas) {
     const double aspect = std::exp(0.1 * aspect_step), exponent = 0.25 * exponent_step;
     ellipsoid.push_back(ellipsoid_error(aspect, exponent));
     // At pure torque; along the forces it is the ellipsoid's.
-    const double rule =
-        torque_causes({aspect, 1, torque_arm_exact_m(aspect, 1, exponent)},
-                      {aspect, 1, torque_arm_exact_m(aspect, 1, exponent)})
-            .circle_rule;
+    const double rule = torque_causes({aspect, 1, torque_arm_exact_m(aspect, 1, exponent)},
+                                      {aspect, 1, torque_arm_exact_m(aspect, 1, exponent)})
+                            .circle_rule;
     paper.push_back(std::max(ellipsoid.back(), -rule));
     const LimitSurface surface(aspect, 1, exponent, 1);
     const SixPatchSurface six(aspect, 1, exponent, 1);
@@ -202,7 +203,7 @@ json friction_laws(const AtlasFile& atlas) {
   const auto add = [&](const char* name, double cost_ns, const json& error) {
     laws.push_back({{"name", name}, {"cost_ns", rounded(cost_ns)}, {"error", error}});
   };
-  add("ellipsoid, sqrt(ab) rule", ellipsoid_ns, quantiles(paper));
+  add("ellipsoid, √(ab) rule", ellipsoid_ns, quantiles(paper));
   add("ellipsoid", ellipsoid_ns, quantiles(ellipsoid));
   for (const int count : {16, 32, 128}) {
     const LinearisedFriction facets(count);
@@ -214,13 +215,15 @@ json friction_laws(const AtlasFile& atlas) {
     add(fmt::format("{} facet vertices", count).c_str(), cost_ns,
         quantiles({1 - facets.inner_bound()}));
   }
-  add("six patches",
-      time_ns([&](double force) { return six.utilisation({force, 0.2, 0.1}); }),
+  add("six patches", time_ns([&](double force) {
+        return six.utilisation({force, 0.2, 0.1});
+      }),
       quantiles(patches));
-  // limit_surface.h states what is left.
-  add("exact limit surface",
-      time_ns([&](double force) { return surface.utilisation({force, 0.2, 0.1}); }),
-      quantiles({1e-12}));
+  // To 1e-12 and less, limit_surface.h.
+  add("exact limit surface", time_ns([&](double force) {
+        return surface.utilisation({force, 0.2, 0.1});
+      }),
+      quantiles({0}));
   return laws;
 }
 
@@ -267,7 +270,8 @@ json atlas_overview(const AtlasFile& atlas) {
       }
       entry["claimed"] = quantiles_by_quantity(claimed);
       json& on_nodes = entry["holds"] = json::array();
-      for (const int run : grid.run) on_nodes.push_back(run >= 0 && holds[std::size_t(run)] ? 1 : 0);
+      for (const int run : grid.run)
+        on_nodes.push_back(run >= 0 && holds[std::size_t(run)] ? 1 : 0);
     }
     models.push_back(entry);
   }
@@ -284,15 +288,14 @@ json atlas_overview(const AtlasFile& atlas) {
   };
   add_finite_elements("fem_coarse", coarse_cost_s, coarse);
   add_finite_elements("fem", cost_s, stated);
-  return {{"provenance", provenance},
-          {"runs", runs},
-          {"grid",
-           {{"poisson_ratio", grid.poisson_ratio},
-            {"radii_ratio", grid.radii_ratio},
-            {"s", grid.s}}},
-          {"models", models},
-          {"friction_laws", friction_laws(atlas)},
-          {"marks", json::array()}};
+  return {
+      {"provenance", provenance},
+      {"runs", runs},
+      {"grid",
+       {{"poisson_ratio", grid.poisson_ratio}, {"radii_ratio", grid.radii_ratio}, {"s", grid.s}}},
+      {"models", models},
+      {"friction_laws", friction_laws(atlas)},
+      {"marks", json::array()}};
 }
 
 json map_mark(const Case& contact_case, const ContactProblem& problem) {

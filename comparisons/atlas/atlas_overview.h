@@ -9,7 +9,8 @@ namespace softfinger {
 
 /// What the pages draw and list of the atlas (report/README.md, "atlas"): error quantiles and cost
 /// of every model and finite-element level, errors on the grid, causes of torque errors, friction
-/// laws. Costs of fast models are measured now. Null for an atlas without flat runs. About a second.
+/// laws. Costs of fast models are measured now. Null for an atlas without flat runs. About a
+/// second.
 nlohmann::json atlas_overview(const AtlasFile& atlas);
 
 /// Where a contact lies on the maps: {"id", "load_N", "poisson_ratio", "radii_ratio", "s", "seed"};

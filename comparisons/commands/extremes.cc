@@ -50,9 +50,10 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
       "extremes",
       "All models on problems far beyond any fingertip: what they answer and refuse, and whether "
       "they keep their promises");
-  const CLI::Option* output = command->add_option(
-      "--output", options->output, "folder for a page of the results, extremes.html, and "
-                                   "extremes.json; default: none is written");
+  const CLI::Option* output =
+      command->add_option("--output", options->output,
+                          "folder for a page of the results, extremes.html, and "
+                          "extremes.json; default: none is written");
   command
       ->add_option("--points", options->survey.points,
                    "problems for every model that takes microseconds, 100 to 10000000; default: "
@@ -60,14 +61,15 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
       ->check(CLI::Range(100, 10000000));
   command
       ->add_option("--slow-points", options->survey.slow_points,
-                   "problems for every other model, 1 to 100000; default: 48")
+                   "problems for every other model, 1 to 100000; default: 120")
       ->check(CLI::Range(1, 100000));
   command->add_option("--seed", options->survey.seed,
                       "of the random problems, 0 to 4294967295: the same seed, the same problems");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Promises: every number finite, those of an answer positive; a refusal says why in words;\n"
-      "more load, larger contact and torque; the same answer in all units; no jumps between series,\n"
+      "more load, larger contact and torque; the same answer in all units; no jumps between "
+      "series,\n"
       "asymptotes and tables. Exit status 1 when a model breaks one.\n"
       "Samples:\n"
       "  softfinger extremes --points 2000 --slow-points 4\n"

@@ -11,8 +11,8 @@
 #include "comparisons/nearest_name.h"
 #include "comparisons/predict.h"
 #include "comparisons/program_paths.h"
-#include "comparisons/selection/model_choice.h"
 #include "comparisons/report/select_page.h"
+#include "comparisons/selection/model_choice.h"
 #include "comparisons/selection/scene_choice.h"
 #include "comparisons/selection/selection_report.h"
 #include "softfinger/input/errors.h"
@@ -120,14 +120,13 @@ int run(Options options) {
     choices.push_back(to_json(load.choice));
     text += table(load.choice, options.selection);
   }
-  const nlohmann::json result = {{"case", contact_case.id},
-                                 {"tolerance", options.selection.tolerance},
-                                 {"choices", choices}};
+  const nlohmann::json result = {
+      {"case", contact_case.id}, {"tolerance", options.selection.tolerance}, {"choices", choices}};
   if (options.write_page) {
     const std::filesystem::path folder = options.output;
     make_writable_folder(folder);
-    const nlohmann::json report = selection_report(contact_case, resolver, options.selection, loads,
-                                                   options.command_line);
+    const nlohmann::json report =
+        selection_report(contact_case, resolver, options.selection, loads, options.command_line);
     write_files_together({{folder / "select.json", result.dump(2) + "\n"},
                           {folder / "select.html", comparisons::render_selection(report)}});
     remark("the page is " + (folder / "select.html").string());

@@ -23,7 +23,8 @@ inline Numbers logarithms(const Prediction& prediction) {
 }
 
 /// Value at `t` of the polynomial through `values` at the points first, first + step, ...
-inline double extrapolated(const std::array<double, 5>& values, double first, double step, double t) {
+inline double extrapolated(const std::array<double, 5>& values, double first, double step,
+                           double t) {
   double sum = 0;
   for (int i = 0; i < 5; ++i) {
     double weight = 1;
@@ -79,8 +80,8 @@ inline double largest_jump(const std::function<Numbers(double)>& numbers, int sa
   return worst;
 }
 
-inline double largest_jump(const PressureModel& model, const std::function<ContactProblem(double)>& path,
-                    int samples) {
+inline double largest_jump(const PressureModel& model,
+                           const std::function<ContactProblem(double)>& path, int samples) {
   return largest_jump([&](double t) { return logarithms(model.predict(path(t))); }, samples);
 }
 
@@ -92,7 +93,8 @@ struct Path {
   std::function<ContactProblem(double)> problem;
 };
 
-/// Six of them about a problem drawn at random, over up to 12 decades; lines 0, 3, 6, ... are round.
+/// Six of them about a problem drawn at random, over up to 12 decades; lines 0, 3, 6, ... are
+/// round.
 inline std::vector<Path> draw_paths(ExtremeProblems& problems, int line) {
   ContactProblem base = problems.draw();
   base.object_layer = {};
@@ -123,9 +125,8 @@ inline std::vector<Path> draw_paths(ExtremeProblems& problems, int line) {
   add("ratio of radii next to one", 500, [minor_m](ContactProblem& problem, double t) {
     problem.radii.major_m = minor_m * (1 + std::pow(10, -14 + 13 * t));
   });
-  add("Poisson's ratio", 500, [](ContactProblem& problem, double t) {
-    problem.layer.poisson_ratio = 0.4999 * t;
-  });
+  add("Poisson's ratio", 500,
+      [](ContactProblem& problem, double t) { problem.layer.poisson_ratio = 0.4999 * t; });
   add("Poisson's ratio next to one half", 500, [](ContactProblem& problem, double t) {
     problem.layer.poisson_ratio = 0.5 - std::pow(10, -3 - 14 * t);
   });

@@ -6,9 +6,9 @@
 namespace softfinger::extremes {
 
 struct SurveyOptions {
-  int points = 20000;      ///< problems for every model of the hot path
-  int slow_points = 48;    ///< for every other one
-  int lines = 4;           ///< along which jumps are looked for, six paths each
+  int points = 20000;     ///< problems for every model of the hot path
+  int slow_points = 120;  ///< for every other one
+  int lines = 4;          ///< along which jumps are looked for, six paths each
   unsigned seed = 20070322;
 };
 

@@ -379,9 +379,8 @@ std::string case_section(const Json& report, const Json& report_case) {
       "<p class=\"kicker\"><code>{}</code> <a href=\"#overview\">↑ overview</a></p>\n"
       "<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
       escape(case_anchor(report_case)), id, escape(searched_text(report_case)), id,
-      question.empty() ? id : question,
-      escape(text(report_case, "verdict_class")), verdict_badge(report_case),
-      escape(text(report_case, "verdict")));
+      question.empty() ? id : question, escape(text(report_case, "verdict_class")),
+      verdict_badge(report_case), escape(text(report_case, "verdict")));
   out += fmt::format(
       "<p class=\"facts\">Layer {} mm, E {} kPa, ν {} · friction coefficient {}</p>\n",
       plain(number(layer, "thickness_m"), 1e3), plain(number(layer, "youngs_modulus_Pa"), 1e-3),

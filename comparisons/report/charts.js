@@ -137,8 +137,14 @@ const Charts = (() => {
       title: `${law.name}, ${duration(law.cost_ns)}\nmedian ${magnitude(law.error.median)}\nworst ${magnitude(law.error.worst)}`,
     }));
     if (!points.length) return null;
-    const domain = [0.4 * d3.min(points, (p) => p.x), 12 * d3.max(points, (p) => p.x)];
+    const domain = [0.4 * d3.min(points, (p) => p.x), 40 * d3.max(points, (p) => p.x)];
     const range = [0.5 * d3.min(points, (p) => p.median), 1.9 * d3.max(points, (p) => p.y)];
+    // Labels of neighbours would lie on each other: each goes at least a line below the last one.
+    const pixel = d3.scaleLog().domain(range).range([320, 0]);
+    let last = -Infinity;
+    for (const point of d3.sort(points, (p) => pixel(p.y))) {
+      point.label = pixel.invert(last = Math.max(pixel(point.y), last + 15));
+    }
     return Plot.plot({
       ...base(width, 380),
       marginLeft: 60,
@@ -148,7 +154,7 @@ const Charts = (() => {
         Plot.line(front(points), {x: "x", y: "y", curve: "step-after", strokeOpacity: 0.35, strokeWidth: 1.5}),
         Plot.link(points, {x1: "x", x2: "x", y1: "median", y2: "y", stroke: "var(--model-1)", strokeWidth: 4, strokeOpacity: 0.4}),
         Plot.dot(points, {x: "x", y: "y", r: 5, fill: "var(--model-1)"}),
-        Plot.text(points, {x: "x", y: "y", text: "name", dx: 9, textAnchor: "start", stroke: "var(--page)", strokeWidth: 4, fill: "var(--ink)"}),
+        Plot.text(points, {x: "x", y: "label", text: "name", dx: 9, textAnchor: "start", stroke: "var(--page)", strokeWidth: 4, fill: "var(--ink)"}),
         tip(points),
       ],
     });
@@ -211,6 +217,9 @@ const Charts = (() => {
         .attr("fill", "none").attr("stroke", "var(--ink)").attr("stroke-width", 1.8).attr("stroke-dasharray", "5 3");
     const title = frame.append("text").attr("y", -8).attr("fill", "currentColor").attr("font-weight", 600)
       .text(styleOf(model.model).label);
+    frame.append("text").attr("x", -8).attr("y", -8).attr("text-anchor", "end").attr("fill", "currentColor").text("ν ↑");
+    if (errors.flat().filter(present).length < 2)
+      frame.append("text").attr("x", inner / 2).attr("y", 0.75 * height).attr("text-anchor", "middle").attr("fill", "var(--muted)").text("no answers at this R′/R″");
     frame.append("g").attr("transform", `translate(0,${height})`)
       .call(d3.axisBottom(x).tickValues([0.1, 0.3, 1, 3, 10].filter((v) => v >= sizes[0] && v <= sizes.at(-1))).tickFormat(d3.format("~g")).tickSizeOuter(0))
       .style("font-size", "11px").style("font-family", "inherit")

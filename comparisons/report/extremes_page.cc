@@ -63,15 +63,16 @@ std::string results_table(const Json& survey) {
         share(model, "answered_outside_validity"), share(model, "refused"),
         plain(number(model, "nonsense_refused")), plain(number(model, "nonsense_tried")),
         significant(number(model, "units_worst_deviation"), 1, 2),
-        child(model, "largest_jump").is_null() ? "not looked for"
+        child(model, "largest_jump").is_null() ? "–"
                                                : significant(number(model, "largest_jump"), 1, 2),
         duration(1e-9 * number(model, "slowest_call_ns").value_or(NAN)));
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
-         "<th scope=\"col\">problems</th><th scope=\"col\">answered, valid</th><th "
-         "scope=\"col\">answered, outside validity</th><th scope=\"col\">refused</th><th "
-         "scope=\"col\">nonsense refused</th><th scope=\"col\">units: largest change</th><th "
-         "scope=\"col\">largest jump</th><th scope=\"col\">slowest call</th></tr></thead>\n<tbody>" +
+         "<th scope=\"col\">problems</th><th scope=\"col\">valid</th><th "
+         "scope=\"col\">outside validity</th><th scope=\"col\">refused</th><th "
+         "scope=\"col\">nonsense refused</th><th scope=\"col\">units change</th><th "
+         "scope=\"col\">largest jump</th><th scope=\"col\">slowest "
+         "call</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table></div>\n";
 }
 
@@ -84,11 +85,12 @@ std::string promises_table(const Json& survey) {
     rows += "<tr><th scope=\"row\">" + name + "</th>";
     for (const auto& promise : kPromises) {
       const int times = times_broken(model, promise.first);
-      const bool tried = std::string_view(promise.first) != "jumps" ||
-                         !child(model, "largest_jump").is_null();
-      rows += times > 0 ? fmt::format("<td class=\"words\"><span class=\"badge bad\">✕ broken {} "
-                                      "times</span></td>",
-                                      times)
+      const bool tried =
+          std::string_view(promise.first) != "jumps" || !child(model, "largest_jump").is_null();
+      rows += times > 0 ? fmt::format(
+                              "<td class=\"words\"><span class=\"badge bad\">✕ broken {} "
+                              "times</span></td>",
+                              times)
               : tried ? "<td class=\"words\"><span class=\"badge good\">✓ kept</span></td>"
                       : "<td class=\"words\"><span class=\"badge failed\">not asked</span></td>";
     }
@@ -131,8 +133,8 @@ std::string refusals(const Json& survey) {
   for (const Json& model : child(survey, "models")) {
     std::string reasons;
     for (const Json& reason : child(model, "refusals"))
-      reasons += "<li>" + plain(number(reason, "count")) + " times: " +
-                 escape(text(reason, "reason")) + "</li>\n";
+      reasons += "<li>" + plain(number(reason, "count")) +
+                 " times: " + escape(text(reason, "reason")) + "</li>\n";
     out += "<h4>" + escape(label(text(model, "model"))) + "</h4>\n" +
            (reasons.empty() ? "<p class=\"facts\">refused none</p>\n"
                             : "<ul class=\"warnings\">" + reasons + "</ul>\n");
@@ -204,7 +206,8 @@ std::string body(const Json& survey) {
          results_table(survey) + pictures(survey) + decades_tables(survey) +
          "<h2 id=\"promises\">What they promise</h2>\n" + promises_table(survey) +
          "<h2 id=\"ranges\">What was tried, and how far</h2>\n"
-         "<p>Drawn at random, evenly over the decades; R′ = R″ in one of six, Poisson’s ratio 0, "
+         "<p>Drawn at random, evenly over the decades; contact size: of a half-space’s contact, "
+         "(P R/E)<sup>1/3</sup>; R′ = R″ in one of six, Poisson’s ratio 0, "
          "1/2 or next to one of them in one of three, a compliant object in one of five. One "
          "problem of sixteen is nonsense: a NaN, an infinity, a negative or vanishing number "
          "somewhere.</p>\n" +
@@ -220,16 +223,17 @@ std::string body(const Json& survey) {
 std::string render_extremes(const nlohmann::json& survey) {
   if (!child(survey, "models").is_array())
     throw std::invalid_argument("survey: no array \"models\"; see comparisons/report/README.md");
-  Json drawn = {{"axes", child(survey, "axes")}, {"models", Json::array()}, {"styles", Json::object()}};
+  Json drawn = {
+      {"axes", child(survey, "axes")}, {"models", Json::array()}, {"styles", Json::object()}};
   for (const Json& model : child(survey, "models"))
     drawn["models"].push_back(
         {{"model", text(model, "model")}, {"decades", child(model, "decades")}});
-  return render_page({"How far can the models be pushed?",
-                      {embedded::report_css},
-                      body(survey),
-                      script_json(drawn),
-                      {embedded::d3_js, embedded::plot_js, embedded::charts_js,
-                       embedded::extremes_js}});
+  return render_page(
+      {"How far can the models be pushed?",
+       {embedded::report_css},
+       body(survey),
+       script_json(drawn),
+       {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::extremes_js}});
 }
 
 }  // namespace softfinger::comparisons

@@ -21,8 +21,7 @@ std::string provenance_section(const std::string& rows, const std::string& comma
                                const std::string& remark) {
   std::string out = "<h2 id=\"provenance\">Where this comes from</h2>\n<dl class=\"provenance\">" +
                     rows + "</dl>\n";
-  if (!command.empty())
-    out += "<p>To repeat it:</p>\n<pre>" + escape(command) + "</pre>\n";
+  if (!command.empty()) out += "<p>To repeat it:</p>\n<pre>" + escape(command) + "</pre>\n";
   return out + remark +
          "<details><summary>Licences of the chart libraries in this file</summary>\n<pre>" +
          escape(embedded::licences) + "</pre></details>\n";

@@ -98,8 +98,7 @@ std::string overview_table(const Json& report) {
         "<td data-label=\"its worst error\">{}</td></tr>\n",
         escape(searched_text(report_case)), escape(case_anchor(report_case)),
         escape(text(report_case, "id")), escape(text(report_case, "question")),
-        verdict_badge(report_case),
-        escape(text(report_case, "verdict")), model, error);
+        verdict_badge(report_case), escape(text(report_case, "verdict")), model, error);
   }
   return "<table class=\"overview\"><thead><tr><th scope=\"col\">case and question</th>"
          "<th scope=\"col\">verdict</th><th scope=\"col\">best model</th>"
@@ -220,10 +219,9 @@ std::string provenance(const Json& report) {
   if (const auto wall = number(source, "wall_s")) row("time", duration(*wall));
   if (const auto memory = number(source, "peak_memory_MB"))
     row("peak memory", significant(*memory, 3) + " MB (largest FEM process)");
-  return provenance_section(
-      rows + atlas_provenance(report), text(source, "command"),
-      "<p>All numbers in full precision are in <code>report.json</code> and "
-      "<code>results.csv</code> beside this page, in SI units.</p>\n");
+  return provenance_section(rows + atlas_provenance(report), text(source, "command"),
+                            "<p>All numbers in full precision are in <code>report.json</code> and "
+                            "<code>results.csv</code> beside this page, in SI units.</p>\n");
 }
 
 /// Long lists are searched, not read.
@@ -243,12 +241,13 @@ std::string body(const Json& report) {
       "finite elements</p>\n" +
       summary(report) + "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
       (simulator.empty() ? "" : "<a href=\"#simulator\">For a simulator</a> ") +
-      (atlas ? "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> " : "") +
+      (atlas ? "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> "
+             : "") +
       "<a href=\"#reading\">How to read</a> " +
       (cards.empty() ? "" : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
-  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) + overview_table(report) + overview_charts() +
-         usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
+  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) + overview_table(report) +
+         overview_charts() + usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
   for (const Json& report_case : child(report, "cases")) out += case_section(report, report_case);
   return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
          how_to_read(report) + cards + provenance(report);

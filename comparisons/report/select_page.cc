@@ -26,14 +26,22 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kColumns{
      {"peak_pressure", "peak pressure"},
      {"max_torque", "max torque"}}};
 
-double worst_of(const Json& candidate) {
-  return number(candidate, "worst").value_or(NAN);
-}
+double worst_of(const Json& candidate) { return number(candidate, "worst").value_or(NAN); }
 
 const Json& candidate_named(const Json& choice, const std::string& model) {
   for (const Json& candidate : child(choice, "candidates"))
     if (text(candidate, "model") == model) return candidate;
   return child(Json(), "");
+}
+
+std::string tolerance_text(const Json& selection) {
+  return plain(tolerance(selection), 100) + "\u00a0%";
+}
+
+/// A reason as a sentence of its own.
+std::string sentence(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] += 'A' - 'a';
+  return words + ".";
 }
 
 std::string time_of(const Json& candidate) {
@@ -51,7 +59,7 @@ std::string described(const Json& report, const Json& choice, const std::string&
 
 std::string lead(const Json& selection) {
   const Json& choices = child(selection, "choices");
-  const std::string within = percent(tolerance(selection));
+  const std::string within = tolerance_text(selection);
   std::set<std::string> chosen;
   for (const Json& choice : choices) chosen.insert(text(choice, "model"));
   std::string sentence;
@@ -68,8 +76,8 @@ std::string lead(const Json& selection) {
     sentence = fmt::format(
         "<b>{}</b> is the cheapest model that is enough{}: it states an error of at most {} and "
         "answers in {}.",
-        escape(label(*chosen.begin())), choices.size() > 1 ? " at every load" : "",
-        percent(worst), duration(1e-6 * slowest_us));
+        escape(label(*chosen.begin())), choices.size() > 1 ? " at every load" : "", percent(worst),
+        duration(1e-6 * slowest_us));
   } else {
     sentence = "The cheapest model that is enough changes with the load: ";
     bool first = true;
@@ -122,7 +130,8 @@ std::string chooser(const Json& choices) {
 
 std::string candidates_table(const Json& selection, const Json& choice) {
   std::string head = "<th scope=\"col\">model</th><th scope=\"col\">time of one answer</th>";
-  for (const auto& column : kColumns) head += fmt::format("<th scope=\"col\">{}</th>", column.second);
+  for (const auto& column : kColumns)
+    head += fmt::format("<th scope=\"col\">{}</th>", column.second);
   head += "<th scope=\"col\" class=\"words\">so</th>";
   const double limit = tolerance(selection);
   const std::string chosen = text(choice, "model");
@@ -145,10 +154,10 @@ std::string candidates_table(const Json& selection, const Json& choice) {
                     : "<td>–</td>";
     }
     rows += fmt::format("<td class=\"words\">{}</td></tr>\n",
-                        name == chosen                    ? "<b>the choice</b>"
-                        : !flag(candidate, "accurate")    ? "not accurate enough"
-                        : !flag(candidate, "affordable")  ? "too slow"
-                                                          : "enough, but slower");
+                        name == chosen                   ? "<b>the choice</b>"
+                        : !flag(candidate, "accurate")   ? "not accurate enough"
+                        : !flag(candidate, "affordable") ? "too slow"
+                                                         : "enough, but slower");
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\"><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
@@ -164,7 +173,7 @@ std::string causes_of_case(const Json& selection, const Json& choice) {
     for (const char* key : {"geometry_fit", "ellipse", "pressure", "circle_rule", "max_torque"}) {
       const auto value = number(cause, key);
       rows += "<td>" +
-              (!value                                   ? "–"
+              (!value                                    ? "–"
                : std::string_view(key) == "geometry_fit" ? "±\u00a0" + percent(*value)
                                                          : signed_percent(*value)) +
               "</td>";
@@ -214,7 +223,7 @@ std::string body(const Json& selection) {
   const std::string speed = speed_accuracy_section(selection);
   std::string out = fmt::format(
       "<header><h1>Which model is enough for {} within {}?</h1>\n<p class=\"subtitle\">{}</p>\n",
-      escape(text(selection, "case")), percent(tolerance(selection)),
+      escape(text(selection, "case")), tolerance_text(selection),
       escape(question.empty() ? text(selection, "description") : question));
   out += lead(selection);
   if (!question.empty())
@@ -227,14 +236,15 @@ std::string body(const Json& selection) {
                           "maps</a> <a href=\"#causes\">Causes</a> ") +
          "<a href=\"#provenance\">Provenance</a></nav></header>\n";
   out += "<section data-case=\"" + escape(text(selection, "case")) + "\">\n";
-  out += "<h2 id=\"choice\">The choice, load by load</h2>\n" + overview(selection) +
-         chooser(choices);
+  out +=
+      "<h2 id=\"choice\">The choice, load by load</h2>\n" + overview(selection) + chooser(choices);
   std::size_t index = 0;
   for (const Json& choice : choices)
     out += fmt::format(
-               "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n<p class=\"verdict\">{}</p>\n",
+               "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n<p "
+               "class=\"verdict\">{}</p>\n",
                index++, newton(number(choice, "load_N").value_or(NAN)),
-               escape(text(choice, "reason"))) +
+               escape(sentence(text(choice, "reason")))) +
            candidates_table(selection, choice) + causes_of_case(selection, choice) + "</div>\n";
   out +=
       "<p class=\"facts\">Stated errors are bounds: |error| interpolated between the "
@@ -243,12 +253,13 @@ std::string body(const Json& selection) {
   const Json& curve_loads = child(child(selection, "curves"), "load_N");
   if (curve_loads.is_array() && curve_loads.size() > 1)
     out +=
-        "<div class=\"charts single\"><figure data-chart=\"sweep\"><figcaption><b>Stated error over "
+        "<div class=\"charts single\"><figure data-chart=\"sweep\"><figcaption><b>Stated error "
+        "over "
         "the load.</b> Where a line crosses the dashed tolerance, another model takes over; thin "
-        "verticals are the case’s loads; where a line is missing, the atlas knows no error.</figcaption>"
+        "verticals are the case’s loads; where a line is missing, the atlas knows no "
+        "error.</figcaption>"
         "<div class=\"plot\"></div></figure></div>\n";
-  out += speed + validity_map_section(selection) + "</section>\n" +
-         error_causes_section(selection);
+  out += speed + validity_map_section(selection) + "</section>\n" + error_causes_section(selection);
   if (!text(selection, "case_toml").empty())
     out += fmt::format(
         "<h2 id=\"case\">The case</h2>\n<details><summary>Case file "
@@ -268,13 +279,14 @@ std::string body(const Json& selection) {
 
 std::string render_selection(const nlohmann::json& selection) {
   if (!child(selection, "choices").is_array())
-    throw std::invalid_argument("selection: no array \"choices\"; see comparisons/report/README.md");
-  return render_page({"Which model is enough for " + escape(text(selection, "case")) + "?",
-                      {embedded::report_css},
-                      body(selection),
-                      script_json(selection_chart_data(selection)),
-                      {embedded::d3_js, embedded::plot_js, embedded::charts_js,
-                       embedded::select_js}});
+    throw std::invalid_argument(
+        "selection: no array \"choices\"; see comparisons/report/README.md");
+  return render_page(
+      {"Which model is enough for " + escape(text(selection, "case")) + "?",
+       {embedded::report_css},
+       body(selection),
+       script_json(selection_chart_data(selection)),
+       {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::select_js}});
 }
 
 }  // namespace softfinger::comparisons

@@ -16,7 +16,9 @@ namespace {
 /// All models together answer within the time that a user does not notice.
 constexpr double kCostBudget_ns = 2e5;
 
-std::string percent(double ratio) { return fmt::format("{:.2g} %", 100 * ratio); }
+std::string percent(double ratio) {
+  return ratio < 1 ? fmt::format("{:.2g} %", 100 * ratio) : fmt::format("{:.0f} %", 100 * ratio);
+}
 
 /// Median of repeated calls, or, of models that take longer than microseconds, what it was when the
 /// atlas was made.

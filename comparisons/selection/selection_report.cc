@@ -128,14 +128,13 @@ json causes(const Case& contact_case, const SelectionOptions& options, const Loa
                       {"circle_rule", finite_or_null(split.circle_rule)},
                       {"max_torque", torque}});
   }
-  return {{"nearest_run",
-           {{"poisson_ratio", run->poisson_ratio},
-            {"radii_ratio", run->radii_ratio},
-            {"s", run->s}}},
-          {"ellipsoid", finite_or_null(ellipsoid_error(
-                            std::max(truth.a, truth.b) / std::min(truth.a, truth.b),
-                            exponent_of(truth)))},
-          {"models", models}};
+  return {
+      {"nearest_run",
+       {{"poisson_ratio", run->poisson_ratio}, {"radii_ratio", run->radii_ratio}, {"s", run->s}}},
+      {"ellipsoid",
+       finite_or_null(ellipsoid_error(std::max(truth.a, truth.b) / std::min(truth.a, truth.b),
+                                      exponent_of(truth)))},
+      {"models", models}};
 }
 
 std::string limits_in_words(const SelectionOptions& options) {

@@ -20,7 +20,6 @@ struct LoadChoice {
 /// of the torque's error in the nearest run of the atlas, the atlas itself. About a second.
 nlohmann::json selection_report(const Case& contact_case, const GeometryResolver& resolver,
                                 const SelectionOptions& options,
-                                const std::vector<LoadChoice>& choices,
-                                const std::string& command);
+                                const std::vector<LoadChoice>& choices, const std::string& command);
 
 }  // namespace softfinger

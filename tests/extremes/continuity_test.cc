@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "comparisons/extremes/jumps.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/six_patch_surface.h"
 #include "softfinger/math/pi.h"
-#include "comparisons/extremes/jumps.h"
 #include "tests/extremes/extreme_problem.h"
 
 namespace softfinger {
