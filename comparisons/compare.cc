@@ -387,8 +387,8 @@ json atlas_with_marks(const std::vector<LoadRun>& runs) {
   if (atlas.is_null()) return atlas;
   json& marks = atlas["marks"] = seed_marks();
   for (const LoadRun& run : runs)
-    if (json mark = map_mark(*run.contact_case,
-                             run.contact_case->problem(run.geometry.radii, run.load_N));
+    if (json mark =
+            map_mark(*run.contact_case, run.contact_case->problem(run.geometry.radii, run.load_N));
         mark["seed"] == false)
       marks.push_back(std::move(mark));
   return atlas;
@@ -432,7 +432,9 @@ int compare(const CompareOptions& options) {
       runs.push_back(std::move(run));
     }
   }
-  fem_program();  // refuses before anything is written
+  // Both refuse before anything is written.
+  fem_program();
+  error_atlas();
   make_writable_folder(options.output);
   // After all that may be refused in a single line.
   if (const auto ids = cases_left_out(options.output / "report.json", file_of_id); !ids.empty())

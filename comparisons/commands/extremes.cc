@@ -68,9 +68,8 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Promises: every number finite, those of an answer positive; a refusal says why in words;\n"
-      "more load, larger contact and torque; the same answer in all units; no jumps between "
-      "series,\n"
-      "asymptotes and tables. Exit status 1 when a model breaks one.\n"
+      "more load, larger contact and torque; the same answer in all units; a finite friction limit;\n"
+      "no jumps between series, asymptotes and tables. Exit status 1 when a model breaks one.\n"
       "Samples:\n"
       "  softfinger extremes --points 2000 --slow-points 4\n"
       "  softfinger extremes --points 1000 --slow-points 2 --output extremes_report --json");

@@ -183,9 +183,12 @@ std::string speed_accuracy_section(const Json& report) {
          "<div class=\"charts\">\n" +
          figure("data-chart=\"speed\"",
                 "<b>Speed against accuracy.</b> Broad bar: median to 95 % of the contacts (large "
-                "mark); cross: the worst. Hollow, dashed: with the paper’s √(ab) rule. Diamonds: "
-                "stated errors of the case, ring: the choice. Staircase: what nothing beats "
-                "at 95 %. FEM: what it states of itself; coarse mesh: against the finer one.") +
+                "mark); cross: the worst. Hollow, dashed: with the paper’s √(ab) rule. " +
+                    std::string(child(report, "choices").is_array()
+                                    ? "Diamonds: stated errors of the case, ring: the choice. "
+                                    : "") +
+                    "Staircase: what nothing beats at 95 %. FEM: what it states of itself; "
+                    "coarse mesh: against the finer one.") +
          figure(
              "data-chart=\"friction\"",
              "<b>The friction limit.</b> What one may take in place of the exact limit surface: "

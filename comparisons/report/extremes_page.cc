@@ -16,10 +16,11 @@
 namespace softfinger::comparisons {
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 4> kPromises{
+constexpr std::array<std::pair<const char*, const char*>, 5> kPromises{
     {{"not_finite_or_positive", "finite, positive, refusals in words"},
      {"shrinks_under_load", "larger under more load"},
      {"depends_on_units", "the same in all units"},
+     {"friction_limit", "a finite friction limit"},
      {"jumps", "no jumps"}}};
 
 std::string share(const Json& model, const char* key) {
@@ -181,7 +182,7 @@ std::string pictures(const Json& survey) {
          "aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
          "fill=\"var(--map-0)\"/></svg>answered, valid</span></li><li><span class=\"key\"><svg "
          "width=\"18\" height=\"12\" aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
-         "fill=\"var(--map-1)\"/></svg>answered, says itself that it is outside its validity"
+         "fill=\"var(--map-1)\"/></svg>answered, outside validity"
          "</span></li><li><span class=\"key\"><svg width=\"18\" height=\"12\" "
          "aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
          "fill=\"var(--model-8)\"/></svg>refused, in words</span></li></ul>\n"

@@ -85,7 +85,6 @@ TEST(AtlasOverview, KeepsTheOrderOfTheGridAndTheQuantiles) {
   EXPECT_EQ(overview["models"][1]["quantiles"]["b"]["p95"], 0.004);
   EXPECT_EQ(overview["models"][2]["quantiles"]["a"]["worst"], 0.001);
   EXPECT_EQ(overview["grid"]["radii_ratio"], (nlohmann::json{1, 4}));
-  EXPECT_EQ(overview.dump().find("nan"), std::string::npos);
   EXPECT_TRUE(atlas_overview({}).is_null());
 }
 

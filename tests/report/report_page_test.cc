@@ -330,10 +330,11 @@ TEST(SelectPage, SaysChoiceErrorsCausesAndCommandWithoutJavaScript) {
   }
   const std::vector<double> numbers = numbers_in(text);
   for (const Json& choice : selection["choices"]) {
-    for (const Json& candidate : choice["candidates"])
-      if (candidate["error_estimate"].is_object())
-        for (const Json& error : candidate["error_estimate"])
-          EXPECT_TRUE(contains(numbers, 100 * error.get<double>(), 0.05)) << error;
+    for (const Json& candidate : choice["candidates"]) {
+      if (!candidate["error_estimate"].is_object()) continue;
+      for (const Json& error : candidate["error_estimate"])
+        EXPECT_TRUE(contains(numbers, 100 * error.get<double>(), 0.05)) << error;
+    }
     for (const char* key : {"geometry_fit", "ellipse", "pressure", "circle_rule", "max_torque"})
       EXPECT_TRUE(contains(numbers, 100 * choice["causes"]["models"][0][key].get<double>(), 0.05))
           << key;
