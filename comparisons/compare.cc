@@ -13,6 +13,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "comparisons/atlas/atlas_overview.h"
 #include "comparisons/case.h"
 #include "comparisons/fem_process.h"
 #include "comparisons/files.h"
@@ -380,6 +381,19 @@ std::string results_csv(const json& report) {
   return csv;
 }
 
+/// The atlas with the contacts of all runs, and of the seed's fingertips, marked; null without one.
+json atlas_with_marks(const std::vector<LoadRun>& runs) {
+  json atlas = atlas_overview(error_atlas().file());
+  if (atlas.is_null()) return atlas;
+  json& marks = atlas["marks"] = seed_marks();
+  for (const LoadRun& run : runs)
+    if (json mark =
+            map_mark(*run.contact_case, run.contact_case->problem(run.geometry.radii, run.load_N));
+        mark["seed"] == false)
+      marks.push_back(std::move(mark));
+  return atlas;
+}
+
 }  // namespace
 
 int default_job_count() {
@@ -418,7 +432,9 @@ int compare(const CompareOptions& options) {
       runs.push_back(std::move(run));
     }
   }
-  fem_program();  // refuses before anything is written
+  // Both refuse before anything is written.
+  fem_program();
+  error_atlas();
   make_writable_folder(options.output);
   // After all that may be refused in a single line.
   if (const auto ids = cases_left_out(options.output / "report.json", file_of_id); !ids.empty())
@@ -462,8 +478,11 @@ int compare(const CompareOptions& options) {
   const double wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   report["provenance"] = provenance(options, wall_s, runs);
 
+  const std::string text = dump(report);
+  // The page only: the numbers are the program's own, and the same in every report.
+  report["atlas"] = atlas_with_marks(runs);
   write_files_together({{options.output / "results.csv", results_csv(report)},
-                        {options.output / "report.json", dump(report)},
+                        {options.output / "report.json", text},
                         {options.output / "report.html", comparisons::render_report(report)}});
   if (!all_trusted)
     answer +=

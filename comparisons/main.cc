@@ -66,7 +66,8 @@ int main(int argc, char** argv) {
   commands::add_fem(app, action);
   commands::add_compare(app, action, command_line);
   commands::add_atlas(app, action, command_line);
-  commands::add_select(app, action);
+  commands::add_select(app, action, command_line);
+  commands::add_extremes(app, action, command_line);
   commands::add_export(app, action);
   commands::add_list(app, action);
   commands::add_explain(app, action);

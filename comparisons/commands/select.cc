@@ -11,17 +11,19 @@
 #include "comparisons/nearest_name.h"
 #include "comparisons/predict.h"
 #include "comparisons/program_paths.h"
+#include "comparisons/report/select_page.h"
 #include "comparisons/selection/model_choice.h"
 #include "comparisons/selection/scene_choice.h"
+#include "comparisons/selection/selection_report.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
 
 struct Options {
-  std::string file, models, quantities;
+  std::string file, models, quantities, output, command_line;
   SelectionOptions selection;
-  bool json = false;
+  bool json = false, write_page = false;
 };
 
 /// Names of models, and "fem".
@@ -82,8 +84,9 @@ std::filesystem::path scene_file(const std::string& typed) {
 }
 
 int run_scene(const std::filesystem::path& file, const Options& options) {
-  if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
-    throw InputError("command line", "--models, --quantities, --budget-us", "",
+  if (!options.models.empty() || !options.quantities.empty() || options.write_page ||
+      options.selection.budget_us > 0)
+    throw InputError("command line", "--models, --quantities, --budget-us, --output", "",
                      "a case: a scene's contacts are judged by its motion");
   const SceneChoice choice = choose_for_scene(simulation::read_scene(file),
                                               options.selection.tolerance, fem_table, remark);
@@ -104,6 +107,8 @@ void refuse_nan(double value, const char* option, const char* allowed) {
 int run(Options options) {
   refuse_nan(options.selection.tolerance, "--tolerance", "1e-6 to 10");
   refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");
+  if (options.write_page && options.output.empty())
+    throw InputError("command line", "--output", "\"\"", "the name of a folder");
   if (const auto file = scene_file(options.file); !file.empty()) return run_scene(file, options);
   if (!options.models.empty()) options.selection.models = allowed_models(options.models);
   if (!options.quantities.empty())
@@ -111,29 +116,35 @@ int run(Options options) {
   const Case contact_case = read_case(find_case_file(options.file));
   const GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
+  std::vector<LoadChoice> loads;
   nlohmann::json choices = nlohmann::json::array();
   std::string text = describe(contact_case) + "\n";
   for (const double load_N : contact_case.loads_N) {
-    const LocalGeometry geometry = resolver.resolve(load_N);
-    const Choice choice =
-        choose_model(contact_case, contact_case.problem(geometry.radii, load_N), options.selection);
-    choices.push_back(to_json(choice));
-    text += table(choice, options.selection);
+    LoadChoice& load = loads.emplace_back();
+    load.geometry = resolver.resolve(load_N);
+    load.problem = contact_case.problem(load.geometry.radii, load_N);
+    load.choice = choose_model(contact_case, load.problem, options.selection);
+    choices.push_back(to_json(load.choice));
+    text += table(load.choice, options.selection);
   }
-  if (options.json)
-    write_to_stdout(nlohmann::json({{"case", contact_case.id},
-                                    {"tolerance", options.selection.tolerance},
-                                    {"choices", choices}})
-                        .dump(2) +
-                    "\n");
-  else
-    write_to_stdout(text);
+  const nlohmann::json result = {
+      {"case", contact_case.id}, {"tolerance", options.selection.tolerance}, {"choices", choices}};
+  if (options.write_page) {
+    const std::filesystem::path folder = options.output;
+    make_writable_folder(folder);
+    const nlohmann::json report =
+        selection_report(contact_case, resolver, options.selection, loads, options.command_line);
+    write_files_together({{folder / "select.json", result.dump(2) + "\n"},
+                          {folder / "select.html", comparisons::render_selection(report)}});
+    remark("the page is " + (folder / "select.html").string());
+  }
+  write_to_stdout(options.json ? result.dump(2) + "\n" : text);
   return 0;
 }
 
 }  // namespace
 
-void add_select(CLI::App& app, Action& action) {
+void add_select(CLI::App& app, Action& action, const std::string& command_line) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
       "select",
@@ -157,6 +168,11 @@ void add_select(CLI::App& app, Action& action) {
   command->add_option("--quantities", options->quantities,
                       "what the tolerance is for, separated by commas: a, b, indentation, area, "
                       "peak_pressure, max_torque; default: all of them");
+  options->command_line = command_line;
+  const CLI::Option* output = command->add_option(
+      "--output", options->output,
+      "folder for a page with the choice, the figures of speed and accuracy and the maps of "
+      "validity: select.html, and select.json; of a case, not of a scene");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Of a scene's contacts: which are points, which ellipsoids or exact limit surfaces, with "
@@ -168,11 +184,15 @@ void add_select(CLI::App& app, Action& action) {
       "state.\n"
       "Samples:\n"
       "  softfinger select seed_thumb --tolerance 0.05\n"
+      "  softfinger select silicone_pad_2mm --tolerance 0.05 --output my_choice\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.02 --budget-us 5 --quantities "
       "max_torque\n"
       "  softfinger select pinch --tolerance 0.02\n"
       "  softfinger select hertz_ratio_4 --tolerance 0.05 --models hertz,winkler --json");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, output, &action] {
+    options->write_page = output->count() > 0;
+    action = [options] { return run(*options); };
+  });
 }
 
 }  // namespace softfinger::commands

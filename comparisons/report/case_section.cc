@@ -352,6 +352,13 @@ std::string verdict_badge(const Json& report_case) {
   return badge("failed", "? no reference");
 }
 
+std::string searched_text(const Json& report_case) {
+  std::string words;
+  for (const char* key : {"id", "question", "verdict", "verdict_class"})
+    words += (words.empty() ? "" : " ") + text(report_case, key);
+  return words;
+}
+
 std::string model_key(const Json& report, const std::string& model) {
   const Style drawn = style(report, model);
   return fmt::format(
@@ -368,12 +375,12 @@ std::string case_section(const Json& report, const Json& report_case) {
   const std::string id = escape(text(report_case, "id"));
   const std::string question = escape(text(report_case, "question"));
   std::string out = fmt::format(
-      "<section class=\"case\" id=\"{}\" data-case=\"{}\">\n"
+      "<section class=\"case\" id=\"{}\" data-case=\"{}\" data-filtered=\"{}\">\n"
       "<p class=\"kicker\"><code>{}</code> <a href=\"#overview\">↑ overview</a></p>\n"
       "<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
-      escape(case_anchor(report_case)), id, id, question.empty() ? id : question,
-      escape(text(report_case, "verdict_class")), verdict_badge(report_case),
-      escape(text(report_case, "verdict")));
+      escape(case_anchor(report_case)), id, escape(searched_text(report_case)), id,
+      question.empty() ? id : question, escape(text(report_case, "verdict_class")),
+      verdict_badge(report_case), escape(text(report_case, "verdict")));
   out += fmt::format(
       "<p class=\"facts\">Layer {} mm, E {} kPa, ν {} · friction coefficient {}</p>\n",
       plain(number(layer, "thickness_m"), 1e3), plain(number(layer, "youngs_modulus_Pa"), 1e-3),

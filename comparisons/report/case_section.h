@@ -10,6 +10,9 @@ std::string case_section(const Json& report, const Json& report_case);
 /// Fragment identifier of a case's section.
 std::string case_anchor(const Json& report_case);
 
+/// What the filter of cases looks in, not escaped.
+std::string searched_text(const Json& report_case);
+
 /// A coloured label that says its meaning in words too.
 std::string verdict_badge(const Json& report_case);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "atlas_sections.h"
 #include "scoring.h"
 
 namespace softfinger::comparisons {
@@ -80,11 +81,6 @@ Json drawn_model(const Json& report, const Json& load, const Json& model) {
 }  // namespace
 
 Json chart_data(const Json& report) {
-  Json styles = Json::object();
-  for (const std::string& name : model_names(report)) {
-    const Style drawn = style(report, name);
-    styles[name] = {{"label", label(name)}, {"colour", drawn.colour}, {"dash", drawn.dash}};
-  }
   Json cases = Json::array();
   for (const Json& report_case : child(report, "cases")) {
     Json loads = Json::array();
@@ -105,7 +101,10 @@ Json chart_data(const Json& report) {
          {"friction_coefficient", number_or_null(report_case, "friction_coefficient")},
          {"loads", std::move(loads)}});
   }
-  return {{"tolerance", tolerance(report)}, {"styles", styles}, {"cases", cases}};
+  return {{"tolerance", tolerance(report)},
+          {"styles", chart_styles(report)},
+          {"atlas", atlas_chart_data(report)},
+          {"cases", cases}};
 }
 
 std::string script_json(const Json& data) {

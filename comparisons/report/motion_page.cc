@@ -9,6 +9,7 @@
 #include "comparisons/report/chart_data.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/motion_data.h"
+#include "comparisons/report/page.h"
 #include "embedded.h"
 #include "softfinger/friction/limit_surface.h"
 
@@ -199,14 +200,11 @@ std::string motion_page(const Recording& recording, const MotionPageOptions& opt
                            "</header>\n" + (recording.frames.empty() ? "" : kPlayer) +
                            final_contacts(recording, tracks) +
                            contacts_over_time(recording, tracks) + provenance(recording, options);
-  return filled(embedded::motion_html, {{"title", title},
-                                        {"report_css", embedded::report_css},
-                                        {"css", embedded::motion_css},
-                                        {"body", body},
-                                        {"data", data},
-                                        {"d3", embedded::d3_js},
-                                        {"plot", embedded::plot_js},
-                                        {"js", embedded::motion_js}});
+  return render_page({title,
+                      {embedded::report_css, embedded::motion_css},
+                      body,
+                      data,
+                      {embedded::d3_js, embedded::plot_js, embedded::motion_js}});
 }
 
 }  // namespace softfinger::comparisons

@@ -2,29 +2,8 @@
 "use strict";
 
 (() => {
-  const page = document.documentElement;
-  const report = JSON.parse(document.getElementById("data").textContent);
-  const FEM = {label: "FEM", colour: "var(--fem)", dash: "none"};
-  const styleOf = (name) => (name === "fem" ? FEM : report.styles[name]);
-  const present = (value) => value !== null && value !== undefined;
-
-  const number = d3.format(".4~r");
-  const percent = (ratio) =>
-    `${ratio > 0 ? "+" : ratio < 0 ? "−" : ""}${Math.abs(100 * ratio).toPrecision(Math.abs(ratio) < 0.1 ? 2 : 3)} %`;
-  const duration = (ns) => {
-    const [unit, name] = [[1, "ns"], [1e3, "µs"], [1e6, "ms"], [1e9, "s"]].filter(([u]) => ns >= 0.9995 * u).pop() ?? [1, "ns"];
-    return `${Number((ns / unit).toPrecision(2))} ${name}`;
-  };
-  // The largest value rounded up to the next tick, so that axes end on a labelled line.
-  const niceTop = (value) => d3.scaleLinear().domain([0, value > 0 ? value : 1]).nice(5).domain()[1];
-
-  const base = (width, height) => ({
-    width, height, marginLeft: 46, marginRight: 12, marginTop: 22, marginBottom: 38,
-    grid: true,
-    style: {fontSize: "12px", background: "transparent"},
-  });
-  const tip = (points, options = {}) =>
-    Plot.tip(points, Plot.pointer({x: "x", y: "y", title: "title", fontSize: 12, lineHeight: 1.25, ...options}));
+  const {report, styleOf, present, number, percent, duration, niceTop, base, tip, legend, stacked} = Charts;
+  const FEM = styleOf("fem");
 
   // The reference first and broad, models on top and thin: a model that agrees hides neither.
   const entries = (load) => [
@@ -38,7 +17,7 @@
     x: "x", y: "y", curve: "linear",
   });
 
-  function drawEllipse(width, load) {
+  function drawEllipse(width, {load}) {
     const drawn = entries(load).filter((e) => e.a_m > 0 && e.b_m > 0);
     if (!drawn.length) return null;
     const frame = load.axis_rad ?? 0;
@@ -82,7 +61,7 @@
     });
   }
 
-  function drawPressure(width, load) {
+  function drawPressure(width, {load}) {
     const drawn = entries(load).filter((e) => e.profile_x || e.profile_y);
     if (!drawn.length) return null;
     const points = (e, axis) => {
@@ -118,7 +97,7 @@
     return pair;
   }
 
-  function drawTorque(width, load) {
+  function drawTorque(width, {load}) {
     const reference = load.fem && present(load.fem.max_torque_Nm) ? load.fem : null;
     const rows = [
       ...(load.fem ? [{...load.fem, model: "fem", style: FEM, has_answer: true}] : []),
@@ -168,9 +147,9 @@
     });
   }
 
-  function drawEllipsoid(width, load, friction) {
+  function drawEllipsoid(width, {load, data}) {
     const drawn = entries(load).filter((e) => present(e.max_torque_Nm));
-    const sliding = friction * load.load_N;
+    const sliding = data.friction_coefficient * load.load_N;
     if (!drawn.length || !(sliding > 0)) return null;
     const curve = (e, scale = 0) => d3.range(0, 41).map((i) => {
       const t = (Math.PI * i) / 80;
@@ -263,88 +242,9 @@
         tip(points),
       ],
     });
-    const legend = document.createElement("ul");
-    legend.className = "legend";
-    for (const {label, colour} of labels) {
-      const item = document.createElement("li");
-      const swatch = document.createElement("span");
-      swatch.style.cssText = `display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.5em;background:${colour}`;
-      item.append(swatch, label);
-      legend.append(item);
-    }
-    const box = document.createElement("div");
-    box.append(plot, legend);
-    return box;
+    return stacked(plot, legend(labels));
   }
 
-  const drawers = {cost: drawCost, map: drawMap, ellipse: drawEllipse, pressure: drawPressure, torque: drawTorque, ellipsoid: drawEllipsoid};
-
-  const figures = [...document.querySelectorAll("figure[data-chart]")].map((element) => {
-    const section = element.closest("[data-case]");
-    return {element, plot: element.querySelector(".plot"), section, data: section && report.cases[[...document.querySelectorAll("[data-case]")].indexOf(section)], width: 0};
-  });
-  const selected = new Map();
-
-  const widthOf = (figure) => Math.floor(figure.plot.clientWidth);
-
-  function draw(figure, width) {
-    const kind = figure.element.dataset.chart;
-    if (width <= 0) return;
-    figure.width = width;
-    let content = null;
-    try {
-      const load = figure.data?.loads[selected.get(figure.data) ?? 0];
-      content = figure.data ? load && drawers[kind](width, load, figure.data.friction_coefficient) : drawers[kind](width);
-    } catch (error) {
-      // One chart that fails must not take the others with it; the page's test sees the count.
-      page.dataset.scriptErrors = String(Number(page.dataset.scriptErrors) + 1);
-      console.error(kind, figure.data?.id, error);
-      figure.plot.textContent = "This chart could not be drawn; its numbers are in the tables.";
-      return;
-    }
-    if (!content) {
-      content = document.createElement("p");
-      content.className = "empty";
-      content.textContent = "Nothing to draw: no model and no reference has an answer here.";
-    }
-    figure.plot.replaceChildren(content);
-    figure.element.dataset.drawn = "true";
-  }
-
-  function choose(section, data, index) {
-    selected.set(data, index);
-    for (const button of section.querySelectorAll(".loads button"))
-      button.setAttribute("aria-pressed", String(Number(button.dataset.load) === index));
-    for (const load of section.querySelectorAll(".load")) load.hidden = Number(load.dataset.load) !== index;
-    for (const figure of figures) if (figure.section === section && figure.width) draw(figure, figure.width);
-  }
-
-  document.querySelectorAll("[data-case]").forEach((section, i) => {
-    const data = report.cases[i];
-    section.querySelector(".loads")?.removeAttribute("hidden");
-    section.addEventListener("click", (event) => {
-      const button = event.target.closest(".loads button");
-      if (button) choose(section, data, Number(button.dataset.load));
-    });
-    // The middle load says most about a case; the others are one click away.
-    if (data.loads.length) choose(section, data, Math.floor((data.loads.length - 1) / 2));
-  });
-
-  page.dataset.chartsDrawn = "0"; // also shows the places of the charts, see report.css
-  // Widths are read before anything is drawn: in turns, each reading would lay out the page anew.
-  const widths = figures.map(widthOf);
-  figures.forEach((figure, i) => draw(figure, widths[i]));
-  page.dataset.chartsExpected = String(figures.length);
-  page.dataset.chartsDrawn = String(figures.filter((f) => f.element.dataset.drawn).length);
-  page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
-
-  let pending = 0;
-  new ResizeObserver(() => {
-    cancelAnimationFrame(pending);
-    pending = requestAnimationFrame(() => {
-      const current = figures.map(widthOf);
-      figures.forEach((figure, i) => current[i] !== figure.width && draw(figure, current[i]));
-      page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
-    });
-  }).observe(document.body);
+  Charts.start({cost: drawCost, map: drawMap, ellipse: drawEllipse, pressure: drawPressure, torque: drawTorque, ellipsoid: drawEllipsoid},
+    report.cases);
 })();

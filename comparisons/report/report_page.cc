@@ -7,10 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "atlas_sections.h"
 #include "case_section.h"
 #include "chart_data.h"
 #include "embedded.h"
 #include "html.h"
+#include "page.h"
 #include "scoring.h"
 
 namespace softfinger::comparisons {
@@ -90,13 +92,13 @@ std::string overview_table(const Json& report) {
                       percent(best->score.error), best->score.quantity, newton(best->score.load_N));
     }
     rows += fmt::format(
-        "<tr><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
+        "<tr data-filtered=\"{}\"><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
         "<td class=\"words\">{}<span>{}</span></td><td class=\"words\" data-label=\"best "
         "model\">{}</td>"
         "<td data-label=\"its worst error\">{}</td></tr>\n",
-        escape(case_anchor(report_case)), escape(text(report_case, "id")),
-        escape(text(report_case, "question")), verdict_badge(report_case),
-        escape(text(report_case, "verdict")), model, error);
+        escape(searched_text(report_case)), escape(case_anchor(report_case)),
+        escape(text(report_case, "id")), escape(text(report_case, "question")),
+        verdict_badge(report_case), escape(text(report_case, "verdict")), model, error);
   }
   return "<table class=\"overview\"><thead><tr><th scope=\"col\">case and question</th>"
          "<th scope=\"col\">verdict</th><th scope=\"col\">best model</th>"
@@ -217,32 +219,38 @@ std::string provenance(const Json& report) {
   if (const auto wall = number(source, "wall_s")) row("time", duration(*wall));
   if (const auto memory = number(source, "peak_memory_MB"))
     row("peak memory", significant(*memory, 3) + " MB (largest FEM process)");
-  std::string out = "<h2 id=\"provenance\">Where this comes from</h2>\n<dl class=\"provenance\">" +
-                    rows + "</dl>\n";
-  if (const std::string command = text(source, "command"); !command.empty())
-    out += "<p>To repeat it:</p>\n<pre>" + escape(command) + "</pre>\n";
-  out +=
-      "<p>All numbers in full precision are in <code>report.json</code> and "
-      "<code>results.csv</code> beside this page, in SI units.</p>\n";
-  return out + "<details><summary>Licences of the chart libraries in this file</summary>\n<pre>" +
-         escape(embedded::licences) + "</pre></details>\n";
+  return provenance_section(rows + atlas_provenance(report), text(source, "command"),
+                            "<p>All numbers in full precision are in <code>report.json</code> and "
+                            "<code>results.csv</code> beside this page, in SI units.</p>\n");
+}
+
+/// Long lists are searched, not read.
+std::string case_filter(const Json& report) {
+  if (child(report, "cases").size() < 4) return "";
+  return "<p class=\"filter\" hidden><label>Show cases with <input type=\"search\" data-filter "
+         "placeholder=\"e.g. seed, silicone, partly\"></label></p>\n";
 }
 
 std::string body(const Json& report) {
   const std::string simulator = simulator_table(report), cards = model_cards(report);
+  const std::string speed = speed_accuracy_section(report);
+  const bool atlas = !speed.empty();
   std::string out =
       "<header><h1>Soft-finger contact: which model holds?</h1>\n"
       "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared with "
       "finite elements</p>\n" +
       summary(report) + "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
       (simulator.empty() ? "" : "<a href=\"#simulator\">For a simulator</a> ") +
+      (atlas ? "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> "
+             : "") +
       "<a href=\"#reading\">How to read</a> " +
       (cards.empty() ? "" : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
-  out += "<h2 id=\"overview\">Overview</h2>\n" + overview_table(report) + overview_charts() +
-         usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
+  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) + overview_table(report) +
+         overview_charts() + usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
   for (const Json& report_case : child(report, "cases")) out += case_section(report, report_case);
-  return out + simulator + how_to_read(report) + cards + provenance(report);
+  return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
+         how_to_read(report) + cards + provenance(report);
 }
 
 }  // namespace
@@ -252,12 +260,12 @@ std::string render_report(const nlohmann::json& report) {
     throw std::invalid_argument("report: no array \"cases\"; see comparisons/report/README.md");
   const std::string data = script_json(chart_data(report));
   const std::string content = body(report);
-  return filled(embedded::page_html, {{"css", embedded::report_css},
-                                      {"body", content},
-                                      {"data", data},
-                                      {"d3", embedded::d3_js},
-                                      {"plot", embedded::plot_js},
-                                      {"js", embedded::report_js}});
+  return render_page(
+      {"Soft-finger contact: models against finite elements",
+       {embedded::report_css},
+       content,
+       data,
+       {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }
 
 }  // namespace softfinger::comparisons

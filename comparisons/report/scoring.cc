@@ -159,11 +159,14 @@ std::vector<std::string> model_names(const Json& report) {
   for (const Json& report_case : child(report, "cases"))
     for (const Json& load : child(report_case, "loads"))
       for (const Json& model : child(load, "models")) add(text(model, "model"));
+  for (const Json& model : child(child(report, "atlas"), "models"))
+    if (const std::string name = text(model, "model"); name.rfind("fem", 0) != 0) add(name);
   return names;
 }
 
 Style style(const Json& report, const std::string& model) {
   if (model == "fem") return {"var(--fem)", "none"};
+  if (model == "fem_coarse") return {"var(--muted)", "4 3"};
   // Colour and dash pattern differ together, so that curves can be told apart in grey print too.
   static constexpr std::array<const char*, 8> kDashes{"none", "7 3",       "2 2.5", "9 3 2 3",
                                                       "12 3", "5 2 1.5 2", "4 4",   "1.5 4"};
@@ -176,6 +179,7 @@ Style style(const Json& report, const std::string& model) {
 
 std::string label(const std::string& model) {
   if (model == "fem") return "FEM";
+  if (model == "fem_coarse") return "FEM, coarse mesh";
   std::string words = model;
   std::replace(words.begin(), words.end(), '_', ' ');
   if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] += 'A' - 'a';

@@ -94,9 +94,10 @@ std::string refusal(const Choice& choice, const SelectionOptions& options) {
   if (nearest)
     return fmt::format("none of the allowed models is known to be within {}: the nearest is {}",
                        percent(options.tolerance), worst_text(*nearest));
+  // The slowest one's reason is the contact's, not a model's own.
   return "no error is known of any of the allowed models: " +
          (choice.candidates.empty() ? std::string("there is none")
-                                    : choice.candidates.front().remark);
+                                    : choice.candidates.back().remark);
 }
 
 }  // namespace

@@ -2,27 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-
-#include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/soundness.h"
 
 namespace softfinger::testing {
 
-/// Whether every number of a prediction is finite, those of an answer normal and positive, and a
-/// missing answer explained by a check that fails.
-inline bool is_sound(const Prediction& prediction) {
-  bool sound = prediction.a_m >= prediction.b_m;
-  for (const double value :
-       {prediction.a_m, prediction.b_m, prediction.indentation_m, prediction.peak_pressure_Pa,
-        prediction.torque_arm_exact_m, prediction.torque_arm_paper_m, prediction.area_m2()})
-    sound = sound && std::isfinite(value) &&
-            (prediction.has_answer ? value >= std::numeric_limits<double>::min() : value == 0);
-  for (const ValidityCheck& check : prediction.validity)
-    sound = sound && std::isfinite(check.value) && std::isfinite(check.limit) && *check.check &&
-            *check.message;
-  return sound && (prediction.has_answer || !prediction.validity.holds());
-}
+using softfinger::is_sound;
 
 /// The same with the numbers, for a message.
 inline ::testing::AssertionResult is_finite_and_consistent(const Prediction& prediction) {

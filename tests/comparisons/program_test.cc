@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -44,6 +45,11 @@ std::string contact_problem_text() {
   return "softlcp 1\nnc 1\nu 4\nnb 1\nmu 1 0.7\nen 1 0.002\n"
          "V 12 1 0 0 -1 0 0 0 1 0 0 -1 0\nminv 6 5 5 5 1e4 1e4 1e4\n"
          "J 4\n0 2 1\n1 0 1\n2 1 1\n3 5 1\nq4 4 -0.05 0.01 0 0\n";
+}
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -620,12 +626,64 @@ TEST_F(Program, RefusesWhatItCannotExport) {
       "winkler");
 }
 
+TEST_F(Program, SelectWritesAPageAndItsNumbers) {
+  const ProgramRun result =
+      run({"select", "silicone_pad_2mm", "--tolerance", "0.1", "--output", "choice", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json written = json::parse(read_file(folder.path() / "choice/select.json"));
+  EXPECT_EQ(written, json::parse(result.out));
+  EXPECT_EQ(written["choices"].size(), 3u);
+  const std::string page = read_file(folder.path() / "choice/select.html");
+  EXPECT_NE(page.find("Which model is enough for silicone_pad_2mm"), std::string::npos);
+  EXPECT_NE(page.find("softfinger select silicone_pad_2mm --tolerance 0.1"), std::string::npos);
+  expect_refusal({"select", "silicone_pad_2mm", "--tolerance", "0.1", "--output", ""}, "--output");
+  expect_refusal({"select", "pinch", "--tolerance", "0.1", "--output", "choice"}, "--output");
+}
+
+TEST_F(Program, ExtremesCountsEveryAnswerAndBreaksNoPromise) {
+  const std::vector<std::string> arguments = {"extremes",      "--points", "1600",
+                                              "--slow-points", "3",        "--json"};
+  const ProgramRun result = run(arguments);
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json survey = json::parse(result.out);
+  EXPECT_GE(survey["models"].size(), 6u);
+  for (const json& model : survey["models"]) {
+    const int tried = model["tried"];
+    EXPECT_EQ(tried + model["nonsense_tried"].get<int>(), model["hot_path"] == true ? 1600 : 3);
+    const int valid = model["valid"], outside = model["answered_outside_validity"],
+              refused = model["refused"];
+    EXPECT_EQ(valid + outside + refused, tried);
+    int reasons = 0;
+    for (const json& reason : model["refusals"]) {
+      EXPECT_GT(reason["reason"].get<std::string>().size(), 20u);
+      reasons += reason["count"].get<int>();
+    }
+    EXPECT_EQ(reasons, refused) << model["model"];
+    EXPECT_TRUE(model["broken_promises"].empty()) << model["broken_promises"];
+    for (const json& axis : survey["axes"]) {
+      int in_bins = 0;
+      for (const json& bin : model["decades"][axis["key"].get<std::string>()])
+        in_bins += bin["valid"].get<int>() + bin["answered"].get<int>() + bin["refused"].get<int>();
+      EXPECT_EQ(in_bins, tried) << axis;
+    }
+    if (model["hot_path"] == true) {
+      EXPECT_LT(model["ranges"]["load_N"][0], 1e-11);
+      EXPECT_GT(model["ranges"]["load_N"][1], 1e8);
+    }
+  }
+  // The same problems: the same counts.
+  json again = json::parse(run(arguments).out);
+  for (std::size_t i = 0; i < again["models"].size(); ++i)
+    EXPECT_EQ(again["models"][i]["decades"], survey["models"][i]["decades"]);
+  expect_refusal({"extremes", "--points", "10"}, "--points");
+}
+
 TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
-  for (const std::string command :
-       {"", "predict", "fit", "fem", "compare", "export", "list", "explain", "lcp"}) {
+  for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
+                                    "export", "list", "explain", "lcp"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "comparisons/extremes/jumps.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/six_patch_surface.h"
 #include "softfinger/math/pi.h"
@@ -18,78 +19,10 @@
 namespace softfinger {
 namespace {
 
+using extremes::kNumbers;
+using extremes::largest_jump;
+using extremes::Numbers;
 using testing::ExtremeProblems;
-
-constexpr int kNumbers = 5;
-using Numbers = std::array<double, kNumbers>;  // NaN without an answer
-
-Numbers logarithms(const Prediction& prediction) {
-  if (!prediction.has_answer) return {NAN, NAN, NAN, NAN, NAN};
-  return {std::log(prediction.a_m), std::log(prediction.b_m), std::log(prediction.indentation_m),
-          std::log(prediction.peak_pressure_Pa), std::log(prediction.torque_arm_exact_m)};
-}
-
-/// Value at `t` of the polynomial through `values` at the points first, first + step, ...
-double extrapolated(const std::array<double, 5>& values, double first, double step, double t) {
-  double sum = 0;
-  for (int i = 0; i < 5; ++i) {
-    double weight = 1;
-    for (int j = 0; j < 5; ++j)
-      if (j != i) weight *= (t - first - j * step) / ((i - j) * step);
-    sum += weight * values[i];
-  }
-  return sum;
-}
-
-/// The largest jump of any number along a path, t from 0 to 1.
-///
-/// A jump hides between two points. So the path is sampled, and at the middle of each interval the
-/// polynomial through five points before it is compared with the one through five points after it.
-/// Where they differ most the interval is bisected, by which of the two the number follows, and
-/// what is left over a vanishing interval is the jump: nothing for a curve or a kink.
-double largest_jump(const std::function<Numbers(double)>& numbers, int samples) {
-  constexpr std::size_t kSuspects = 10;  // beside a jump the polynomials differ, too
-  const double step = 1.0 / samples;
-  std::vector<Numbers> values;
-  for (int i = 0; i <= samples; ++i) values.push_back(numbers(i * step));
-  double worst = 0;
-  for (int k = 0; k < kNumbers; ++k) {
-    const auto before = [&](int i, double t) {
-      return extrapolated(
-          {values[i - 4][k], values[i - 3][k], values[i - 2][k], values[i - 1][k], values[i][k]},
-          (i - 4) * step, step, t);
-    };
-    const auto after = [&](int i, double t) {
-      return extrapolated({values[i + 1][k], values[i + 2][k], values[i + 3][k], values[i + 4][k],
-                           values[i + 5][k]},
-                          (i + 1) * step, step, t);
-    };
-    std::vector<std::pair<double, int>> suspects;  // difference, interval
-    for (int i = 4; i + 5 <= samples; ++i) {
-      const double middle = (i + 0.5) * step;
-      const double departure = std::abs(before(i, middle) - after(i, middle));
-      if (std::isfinite(departure)) suspects.push_back({departure, i});
-    }
-    std::sort(suspects.rbegin(), suspects.rend());
-    if (suspects.size() > kSuspects) suspects.resize(kSuspects);
-    for (const auto& [departure, i] : suspects) {
-      double low = i * step, high = (i + 1) * step;
-      while (high - low > 1e-13) {
-        const double middle = (low + high) / 2, value = numbers(middle)[k];
-        const bool still_before =
-            std::abs(value - before(i, middle)) < std::abs(value - after(i, middle));
-        (still_before ? low : high) = middle;
-      }
-      worst = std::max(worst, std::abs(numbers(high)[k] - numbers(low)[k]));
-    }
-  }
-  return worst;
-}
-
-double largest_jump(const PressureModel& model, const std::function<ContactProblem(double)>& path,
-                    int samples) {
-  return largest_jump([&](double t) { return logarithms(model.predict(path(t))); }, samples);
-}
 
 /// Hertz with a jump at one load, as a switch between series leaves one.
 class Jumping final : public PressureModel {
@@ -145,47 +78,9 @@ TEST_P(SwitchesOf, DoNotMakeNumbersJump) {
     EXPECT_LT(jump, tolerance) << what << ": " << testing::in_words(base);
     failures += jump >= tolerance;
   };
-  for (int line = 0; line < 60 && failures < 5; ++line) {
-    ContactProblem base = problems.draw();
-    base.object_layer = {};
-    const double R2 = base.radii.minor_m;
-    // The layer about as thick as the contact: the tables' edges lie within the path.
-    const double contact_m =
-        std::cbrt(base.load.normal_force_N / base.layer.youngs_modulus_Pa * R2);
-    base.radii.major_m = R2 * (line % 3 ? problems.log_uniform(1, 1e3) : 1);
-    base.layer.thickness_m = contact_m;
-    check("thickness", base, 2000, [&](double t) {
-      ContactProblem problem = base;
-      problem.layer.thickness_m = contact_m * std::pow(10, 6 - 12 * t);
-      return problem;
-    });
-    check("load", base, 2000, [&](double t) {
-      ContactProblem problem = base;
-      problem.load.normal_force_N *= std::pow(10, 12 * t - 6);
-      return problem;
-    });
-    base.layer.thickness_m = contact_m * problems.log_uniform(1e-3, 1e2);
-    check("ratio of radii", base, 2000, [&](double t) {
-      ContactProblem problem = base;
-      problem.radii.major_m = R2 * std::pow(10, 8 * t);
-      return problem;
-    });
-    check("ratio of radii next to one", base, 500, [&](double t) {
-      ContactProblem problem = base;
-      problem.radii.major_m = R2 * (1 + std::pow(10, -14 + 13 * t));
-      return problem;
-    });
-    check("Poisson's ratio", base, 500, [&](double t) {
-      ContactProblem problem = base;
-      problem.layer.poisson_ratio = 0.4999 * t;
-      return problem;
-    });
-    check("Poisson's ratio next to one half", base, 500, [&](double t) {
-      ContactProblem problem = base;
-      problem.layer.poisson_ratio = 0.5 - std::pow(10, -3 - 14 * t);
-      return problem;
-    });
-  }
+  for (int line = 0; line < 60 && failures < 5; ++line)
+    for (const extremes::Path& path : extremes::draw_paths(problems, line))
+      check(path.what, path.base, path.samples, path.problem);
   std::printf("%-20s largest jump %.1e\n", std::string(model.card().name).c_str(), worst);
 }
 

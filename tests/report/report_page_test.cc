@@ -9,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/report/extremes_page.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/scoring.h"
+#include "comparisons/report/select_page.h"
 #include "sample_report.h"
 
 namespace softfinger::comparisons {
@@ -255,6 +257,108 @@ TEST(ReportPage, HasReadableChartData) {
   const Json data = Json::parse(page.substr(from, page.find("</script>", from) - from));
   EXPECT_EQ(data["cases"].size(), 5u);
   EXPECT_TRUE(data["cases"][4]["loads"][0]["fem"].is_null());
+}
+
+struct RenderedPage {
+  Json data;
+  std::string (*render)(const Json&);
+  const char* list;  ///< without which there is no page
+};
+std::vector<RenderedPage> all_pages() {
+  return {{tests::sample_report(), render_report, "cases"},
+          {tests::sample_selection(), render_selection, "choices"},
+          {tests::sample_survey(), render_extremes, "models"}};
+}
+
+TEST(EveryPage, SurvivesAnythingMissingAndLetsNothingOut) {
+  for (const RenderedPage& page : all_pages()) {
+    std::set<std::string> keys;
+    const auto collect = [&](const auto& self, const Json& value) -> void {
+      if (value.is_object())
+        for (const auto& item : value.items()) keys.insert(item.key());
+      for (const Json& inner : value)
+        if (inner.is_structured()) self(self, inner);
+    };
+    collect(collect, page.data);
+    for (const std::string& key : keys) {
+      Json damaged = page.data;
+      const auto damage = [&](const auto& self, Json& value) -> void {
+        if (value.is_object() && value.contains(key)) value[key] = nullptr;
+        for (Json& inner : value)
+          if (inner.is_structured()) self(self, inner);
+      };
+      damage(damage, damaged);
+      if (key == page.list) {
+        EXPECT_THROW(page.render(damaged), std::invalid_argument);
+      } else {
+        EXPECT_NO_THROW(page.render(damaged)) << key;
+      }
+    }
+    const auto scripts = [](const std::string& text) {
+      std::size_t count = 0;
+      for (std::size_t at = 0; (at = text.find("<script", at)) != std::string::npos; ++at) ++count;
+      return count;
+    };
+    Json hostile = page.data;
+    const Json flat = page.data.flatten();
+    for (const auto& leaf : flat.items())
+      if (leaf.value().is_string())
+        hostile[Json::json_pointer(leaf.key())] =
+            "\"'></script></pre><script>alert(1)</script><!--{{js}}";
+    const std::string attacked = page.render(hostile);
+    EXPECT_EQ(scripts(attacked), scripts(page.render({{page.list, Json::array()}})));
+    const std::string text = without_scripts(page.render(page.data));
+    EXPECT_FALSE(std::regex_search(text, std::regex("\\ssrc=|<link|<img|@import|url\\(")));
+    EXPECT_FALSE(std::regex_search(visible_text(text), std::regex("\\b(nan|inf|null)\\b")));
+  }
+}
+
+TEST(SelectPage, SaysChoiceErrorsCausesAndCommandWithoutJavaScript) {
+  const Json selection = tests::sample_selection();
+  const std::string page = without_scripts(render_selection(selection));
+  const std::string text = std::regex_replace(visible_text(page), std::regex("\\s+"), " ");
+  for (const char* words :
+       {"Which model is enough for my_finger within 5 %?", "changes with the load",
+        "Hertz at 0.5 N", "none at 2 N", "The cheapest that meets 5 %.", "no law <given>",
+        "too slow|not accurate", "softfinger select <x>", "error_atlas.csv", "select.json"}) {
+    const std::string either = words;
+    const std::size_t bar = either.find('|');
+    EXPECT_TRUE(
+        text.find(either.substr(0, bar)) != std::string::npos ||
+        (bar != std::string::npos && text.find(either.substr(bar + 1)) != std::string::npos))
+        << words;
+  }
+  const std::vector<double> numbers = numbers_in(text);
+  for (const Json& choice : selection["choices"]) {
+    for (const Json& candidate : choice["candidates"]) {
+      if (!candidate["error_estimate"].is_object()) continue;
+      for (const Json& error : candidate["error_estimate"])
+        EXPECT_TRUE(contains(numbers, 100 * error.get<double>(), 0.05)) << error;
+    }
+    for (const char* key : {"geometry_fit", "ellipse", "pressure", "circle_rule", "max_torque"})
+      EXPECT_TRUE(contains(numbers, 100 * choice["causes"]["models"][0][key].get<double>(), 0.05))
+          << key;
+  }
+  // Median, 95 % and worst of every model.
+  for (const Json& model : selection["atlas"]["models"])
+    for (const char* key : {"median", "p95", "worst"})
+      EXPECT_TRUE(contains(numbers, 100 * model["quantiles"]["area"][key].get<double>(), 0.05));
+}
+
+TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {
+  Json report = tests::sample_report();
+  EXPECT_NE(render_report(report).find("id=\"maps\""), std::string::npos);
+  report.erase("atlas");
+  EXPECT_EQ(render_report(report).find("id=\"maps\""), std::string::npos);
+}
+
+TEST(ExtremesPage, NamesTheBrokenPromiseAndItsProblem) {
+  const std::string text = visible_text(without_scripts(render_extremes(tests::sample_survey())));
+  EXPECT_NE(text.find("1 of 2 models kept every promise"), std::string::npos);
+  EXPECT_NE(text.find("broken 17 times"), std::string::npos);
+  EXPECT_NE(text.find("{{1, 2}, <3>}"), std::string::npos);
+  EXPECT_NE(text.find("375 times: no answer: R'' <must> be positive"), std::string::npos);
+  EXPECT_TRUE(contains(numbers_in(text), 1289 / 18.75, 1e-3));
 }
 
 // 0.10 is the tolerance of the sample; errors are set by hand.

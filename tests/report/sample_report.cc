@@ -232,10 +232,73 @@ Json empty_report() {
   return report;
 }
 
+/// An error atlas of 3 x 2 x 3 contacts; errors grow with s, and winkler has no answer at nu = 1/2.
+Json sample_atlas() {
+  const std::vector<double> poisson_ratio{0, 0.3, 0.5}, radii_ratio{1, 4}, s{0.1, 1, 5};
+  const auto quantiles = [](double median) {
+    return Json{{"count", 18}, {"median", median}, {"p95", 2.5 * median}, {"worst", 4 * median}};
+  };
+  const auto by_quantity = [](const auto& value) {
+    Json object;
+    for (const char* key : {"a", "b", "indentation", "area", "peak_pressure", "max_torque"})
+      object[key] = value();
+    return object;
+  };
+  Json models = Json::array();
+  double scale = 0.02, cost_ns = 80;
+  for (const std::string name : {"hertz", "winkler", "fem_coarse", "fem"}) {
+    const bool finite_elements = name.rfind("fem", 0) == 0;
+    const auto errors = [&] {
+      Json nodes = Json::array();
+      for (const double nu : poisson_ratio)
+        for (const double ratio : radii_ratio)
+          for (const double size : s)
+            nodes.push_back(
+                name == "winkler" && nu == 0.5 ? Json() : Json(scale * size * ratio * (nu - 0.2)));
+      return nodes;
+    };
+    models.push_back(
+        {{"model", name},
+         {"cost_ns", cost_ns},
+         {"quantiles", by_quantity([&] { return quantiles(scale); })},
+         {"claimed",
+          finite_elements ? Json() : by_quantity([&] { return quantiles(0.3 * scale); })},
+         {"paper_torque", finite_elements ? Json() : quantiles(1.7 * scale)},
+         {"causes", finite_elements ? Json()
+                                    : Json{{"ellipse", quantiles(0.031)},
+                                           {"pressure", quantiles(0.0123)},
+                                           {"circle_rule", quantiles(0.0829)},
+                                           {"max_torque", quantiles(0.0457)}}},
+         {"grid", by_quantity(errors)},
+         {"holds",
+          finite_elements ? Json() : Json{1, 0, 0, 1, 0, 0, 1, 1, 0, 1, 1, 0, 1, 1, 1, 0, 0, 0}}});
+    scale *= finite_elements ? 0.3 : 5;
+    cost_ns *= finite_elements ? 30 : 3e3;
+  }
+  const auto law = [&](const char* name, double law_cost_ns, double error) {
+    return Json{{"name", name}, {"cost_ns", law_cost_ns}, {"error", quantiles(error)}};
+  };
+  const auto mark = [](const char* id, double nu, double ratio, double size, bool seed) {
+    return Json{{"id", id},  {"load_N", 2}, {"poisson_ratio", nu}, {"radii_ratio", ratio},
+                {"s", size}, {"seed", seed}};
+  };
+  return {{"provenance", {{"version", "0.1.0"}, {"date", "2026-01-31"}, {"command", "atlas"}}},
+          {"runs", {{"flat", 18}}},
+          {"grid", {{"poisson_ratio", poisson_ratio}, {"radii_ratio", radii_ratio}, {"s", s}}},
+          {"models", models},
+          {"friction_laws",
+           {law("ellipsoid", 20, 0.06), law("32 facet vertices", 40, 0.078),
+            law("exact limit surface", 3e4, 0)}},
+          {"marks",
+           {mark("seed_thumb", 0, 1, 0.8, true), mark("pad <b>", 0.45, 4, 0.4, false),
+            mark("outside", 0.2, 1, 60, false)}}};
+}
+
 }  // namespace
 
 Json sample_report() {
   Json report = empty_report();
+  report["atlas"] = sample_atlas();
   Json& cases = report["cases"];
 
   const Layer thick{0.02, 300e3, 0.3};
@@ -304,6 +367,7 @@ Json sample_report() {
 
 Json large_report(int cases) {
   Json report = empty_report();
+  report["atlas"] = sample_atlas();
   for (int i = 1; i <= 6; ++i)
     report["models"].push_back(card("layer_variant_" + std::to_string(i), "A variant"));
   for (int i = 0; i < cases; ++i) {
@@ -318,6 +382,116 @@ Json large_report(int cases) {
                    "A verdict in one sentence of common length, with 7 %.", layer, 0.8, loads));
   }
   return report;
+}
+
+Json sample_selection() {
+  const auto candidate = [](const char* model, double cost_us, double error, bool accurate) {
+    return Json{{"model", model},
+                {"cost_us", cost_us},
+                {"error_estimate",
+                 {{"a", error / 2},
+                  {"b", error / 3},
+                  {"indentation", error / 4},
+                  {"area", error},
+                  {"peak_pressure", error / 5},
+                  {"max_torque", error / 6}}},
+                {"worst", error},
+                {"worst_quantity", "area"},
+                {"accurate", accurate},
+                {"affordable", true},
+                {"remark", nullptr}};
+  };
+  Json choices = Json::array();
+  for (const double load_N : {0.5, 2., 10.}) {
+    const double hertz = 0.031 * load_N, winkler = 0.5 / load_N;
+    const bool hertz_will_do = hertz <= 0.05, winkler_will_do = winkler <= 0.05 && load_N < 5;
+    Json silent = candidate("power_law", 0.03, 0, false);
+    silent["error_estimate"] = nullptr;
+    silent["remark"] = "no law <given>";
+    choices.push_back(
+        {{"load_N", load_N},
+         {"s", 0.3 * load_N},
+         {"model", hertz_will_do     ? Json("hertz")
+                   : winkler_will_do ? Json("winkler")
+                                     : Json()},
+         {"next_better", hertz_will_do ? Json("fem") : Json()},
+         {"next_cheaper", nullptr},
+         {"reason", hertz_will_do ? "the cheapest that meets 5 %" : "none is within 5 %"},
+         {"candidates",
+          {silent, candidate("hertz", 0.08, hertz, hertz_will_do),
+           candidate("winkler", 0.1, winkler, winkler_will_do),
+           candidate("fem", 4e6, 0.001, false)}},
+         {"causes",
+          {{"nearest_run", {{"poisson_ratio", 0.45}, {"radii_ratio", 4}, {"s", 0.75}}},
+           {"ellipsoid", 0.0781},
+           {"models",
+            {{{"model", "hertz"},
+              {"geometry_fit", 0.0211},
+              {"ellipse", 0.1893},
+              {"pressure", -0.0258},
+              {"circle_rule", -0.0829},
+              {"max_torque", 0.1586}}}}}}});
+  }
+  return {{"case", "my_finger"},
+          {"question", "What is enough for <my> finger?"},
+          {"description", "my_finger: layer 2 mm"},
+          {"limits", ""},
+          {"file", "my_finger.toml"},
+          {"case_toml", "id = \"my_finger\"\n"},
+          {"tolerance", 0.05},
+          {"choices", choices},
+          {"models", empty_report()["models"]},
+          {"curves",
+           {{"load_N", {0.1, 1, 10, 50}},
+            {"models",
+             {{{"model", "hertz"}, {"worst", {0.003, 0.031, 0.31, nullptr}}},
+              {{"model", "fem"}, {"worst", {0.001, 0.001, 0.001, 0.001}}}}}}},
+          {"atlas", sample_atlas()},
+          {"provenance",
+           {{"version", "0.1.0"}, {"date", "2026-01-31"}, {"command", "softfinger select <x>"}}}};
+}
+
+Json sample_survey() {
+  const auto model = [](const char* name, bool breaks) {
+    Json entry = {{"model", name},
+                  {"hot_path", !breaks},
+                  {"tried", 1875},
+                  {"valid", 211},
+                  {"answered_outside_validity", 1289},
+                  {"refused", 375},
+                  {"refusals", {{{"reason", "no answer: R'' <must> be positive"}, {"count", 375}}}},
+                  {"nonsense_tried", 125},
+                  {"nonsense_refused", 79},
+                  {"units_worst_deviation", 7.5e-15},
+                  {"largest_jump", breaks ? Json() : Json(9e-13)},
+                  {"slowest_call_ns", 1320},
+                  {"ranges", {{"load_N", {1e-12, 1e9}}, {"poisson_ratio", {0, 0.5}}}},
+                  {"broken_promises", Json::array()}};
+    Json loads = Json::array();
+    for (int decade = -12; decade < 9; ++decade)
+      loads.push_back({{"from", std::pow(10, decade)},
+                       {"to", std::pow(10, decade + 1)},
+                       {"valid", 12 + decade},
+                       {"answered", 30},
+                       {"refused", 4}});
+    entry["decades"] = {
+        {"load_N", loads},
+        {"poisson_ratio",
+         {{{"from", 0}, {"to", 0.05}, {"valid", 3}, {"answered", 4}, {"refused", 5}}}}};
+    if (breaks)
+      entry["broken_promises"] = {
+          {{"promise", "shrinks_under_load"}, {"count", 17}, {"first", "{{1, 2}, <3>}"}}};
+    return entry;
+  };
+  return {{"seed", 1},
+          {"points", 2000},
+          {"slow_points", 20},
+          {"axes",
+           {{{"key", "load_N"}, {"name", "load, N"}, {"logarithmic", true}},
+            {{"key", "poisson_ratio"}, {"name", "Poisson's ratio"}, {"logarithmic", false}}}},
+          {"models", {model("hertz", false), model("wobbly", true)}},
+          {"provenance",
+           {{"version", "0.1.0"}, {"date", "2026-01-31"}, {"command", "softfinger extremes"}}}};
 }
 
 }  // namespace softfinger::tests

@@ -12,4 +12,10 @@ nlohmann::json sample_report();
 /// The largest report that the page must carry: `cases` cases with three loads and eight models.
 nlohmann::json large_report(int cases);
 
+/// What `softfinger select` makes its page of: three loads, of which one has no choice.
+nlohmann::json sample_selection();
+
+/// What `softfinger extremes` makes its page of: a model that keeps its promises, one that does not.
+nlohmann::json sample_survey();
+
 }  // namespace softfinger::tests

@@ -4,15 +4,25 @@
 #include <string>
 #include <utility>
 
+#include "comparisons/report/extremes_page.h"
 #include "comparisons/report/report_page.h"
+#include "comparisons/report/select_page.h"
 #include "framed_page.h"
 #include "sample_report.h"
 
 namespace {
 
-/// What a reader does: choose every load, then touch every chart.
+/// What a reader does: choose every load and setting, move the slider, search, touch every chart.
 constexpr const char* kReader = R"(
 page.querySelectorAll('.loads button').forEach((button) => button.click());
+page.querySelectorAll('input').forEach((input) => {
+  input.value = input.type === 'range' ? '1' : 'seed';
+  input.dispatchEvent(new Event('input', {bubbles: true}));
+  if (input.type === 'search') {
+    input.value = '';
+    input.dispatchEvent(new Event('input', {bubbles: true}));
+  }
+});
 page.querySelectorAll('.plot svg').forEach((chart) => {
   const box = chart.getBoundingClientRect();
   chart.dispatchEvent(new PointerEvent('pointermove', {bubbles: true, pointerType: 'mouse',
@@ -29,9 +39,11 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const std::string folder = argv[1];
-  for (const auto& [name, report] :
-       {std::pair{"sample", sample_report()}, std::pair{"large", large_report(20)}}) {
-    const std::string page = softfinger::comparisons::render_report(report);
+  using namespace softfinger::comparisons;
+  for (const auto& [name, page] : {std::pair{"sample", render_report(sample_report())},
+                                   std::pair{"large", render_report(large_report(20))},
+                                   std::pair{"selection", render_selection(sample_selection())},
+                                   std::pair{"extremes", render_extremes(sample_survey())}}) {
     write_page(folder + "/" + name + "_desktop.html", page);
     write_page(folder + "/" + name + "_phone.html", framed_page(page, 390, 844, kReader));
   }

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "comparisons/atlas/error_atlas.h"
+#include "comparisons/case.h"
+
+namespace softfinger {
+
+/// What the pages draw and list of the atlas (report/README.md, "atlas"): error quantiles and cost
+/// of every model and finite-element level, errors on the grid, causes of torque errors, friction
+/// laws. Costs of fast models are measured now. Null for an atlas without flat runs. About a
+/// second.
+nlohmann::json atlas_overview(const AtlasFile& atlas);
+
+/// Where a contact lies on the maps: {"id", "load_N", "poisson_ratio", "radii_ratio", "s", "seed"};
+/// s by the bonded layer, null without answer.
+nlohmann::json map_mark(const Case& contact_case, const ContactProblem& problem);
+
+/// The marks of the built-in cases that are the seed method's fingertips.
+nlohmann::json seed_marks();
+
+}  // namespace softfinger

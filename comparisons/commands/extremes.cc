@@ -1,0 +1,82 @@
+#include <ctime>
+#include <filesystem>
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/extremes/survey.h"
+#include "comparisons/files.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/report/extremes_page.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct Options {
+  extremes::SurveyOptions survey;
+  std::string output, command_line;
+  bool json = false, write_page = false;
+};
+
+int run(const Options& options) {
+  if (options.write_page && options.output.empty())
+    throw InputError("command line", "--output", "\"\"", "the name of a folder");
+  if (options.write_page) make_writable_folder(options.output);
+  nlohmann::json report = extremes::survey(options.survey);
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  report["provenance"] = {
+      {"version", program_version()}, {"date", date}, {"command", options.command_line}};
+  // A command line may hold bytes that are no UTF-8.
+  const std::string text =
+      report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  if (options.write_page) {
+    const std::filesystem::path folder = options.output;
+    write_files_together({{folder / "extremes.json", text},
+                          {folder / "extremes.html", comparisons::render_extremes(report)}});
+    remark("the page is " + (folder / "extremes.html").string());
+  }
+  write_to_stdout(options.json ? text : extremes::table(report));
+  return extremes::kept_all_promises(report) ? 0 : 1;
+}
+
+}  // namespace
+
+void add_extremes(CLI::App& app, Action& action, const std::string& command_line) {
+  auto options = std::make_shared<Options>();
+  options->command_line = command_line;
+  CLI::App* command = app.add_subcommand(
+      "extremes",
+      "All models on problems far beyond any fingertip: what they answer and refuse, and whether "
+      "they keep their promises");
+  const CLI::Option* output =
+      command->add_option("--output", options->output,
+                          "folder for a page of the results, extremes.html, and "
+                          "extremes.json; default: none is written");
+  command
+      ->add_option("--points", options->survey.points,
+                   "problems for every model that takes microseconds, 100 to 10000000; default: "
+                   "20000")
+      ->check(CLI::Range(100, 10000000));
+  command
+      ->add_option("--slow-points", options->survey.slow_points,
+                   "problems for every other model, 1 to 100000; default: 120")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--seed", options->survey.seed,
+                      "of the random problems, 0 to 4294967295: the same seed, the same problems");
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "Promises: every number finite, those of an answer positive; a refusal says why in words;\n"
+      "more load, larger contact and torque; the same answer in all units; a finite friction limit;\n"
+      "no jumps between series, asymptotes and tables. Exit status 1 when a model breaks one.\n"
+      "Samples:\n"
+      "  softfinger extremes --points 2000 --slow-points 4\n"
+      "  softfinger extremes --points 1000 --slow-points 2 --output extremes_report --json");
+  command->callback([options, output, &action] {
+    options->write_page = output->count() > 0;
+    action = [options] { return run(*options); };
+  });
+}
+
+}  // namespace softfinger::commands

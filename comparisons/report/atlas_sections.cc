@@ -1,0 +1,327 @@
+#include "atlas_sections.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "case_section.h"
+#include "scoring.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+struct NamedQuantity {
+  const char* key;
+  const char* name;
+};
+constexpr std::array<NamedQuantity, 6> kQuantities{{{"max_torque", "torque"},
+                                                    {"area", "area"},
+                                                    {"indentation", "indentation"},
+                                                    {"peak_pressure", "peak pressure"},
+                                                    {"a", "a"},
+                                                    {"b", "b"}}};
+
+bool has_atlas(const Json& report) {
+  const Json& models = child(child(report, "atlas"), "models");
+  return models.is_array() && !models.empty();
+}
+
+std::string table(const std::string& head, const std::string& rows) {
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
+}
+
+std::string heading(const std::string& words) { return "<th scope=\"col\">" + words + "</th>"; }
+
+/// `1.2 % · 8.4 % · 31 %`: median, 95 %, worst.
+std::string spread(const Json& quantiles) {
+  const auto median = number(quantiles, "median"), worst = number(quantiles, "worst"),
+             p95 = number(quantiles, "p95");
+  if (!median || !p95 || !worst) return "<td>–</td>";
+  return fmt::format("<td>{} <small>95 %: {}</small><small>worst: {}</small></td>",
+                     percent(*median), percent(*p95), percent(*worst));
+}
+
+std::string quantity_buttons() {
+  std::vector<SettingButton> buttons;
+  for (const NamedQuantity& quantity : kQuantities)
+    buttons.push_back({quantity.key, quantity.name});
+  return setting_buttons("quantity", "Error of", buttons, 0);
+}
+
+/// The ratio of the grid that is nearest to most contacts of the page: their map is shown first.
+std::size_t usual_ratio(const Json& atlas) {
+  const Json& ratios = child(child(atlas, "grid"), "radii_ratio");
+  if (!ratios.is_array() || ratios.empty()) return 0;
+  std::vector<int> votes(ratios.size(), 0);
+  for (const Json& mark : child(atlas, "marks")) {
+    const auto ratio = number(mark, "radii_ratio");
+    if (!ratio || *ratio <= 0 || flag(mark, "seed")) continue;
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < ratios.size(); ++i)
+      if (std::abs(std::log(*ratio / element(ratios, i).value_or(1))) <
+          std::abs(std::log(*ratio / element(ratios, nearest).value_or(1))))
+        nearest = i;
+    ++votes[nearest];
+  }
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < votes.size(); ++i)
+    if (votes[i] > votes[best]) best = i;
+  return best;
+}
+
+std::string quantile_table(const Json& report) {
+  std::string head = heading("model") + heading("time of one answer") + heading("contacts");
+  for (const NamedQuantity& quantity : kQuantities) head += heading(quantity.name);
+  std::string rows;
+  for (const Json& model : child(child(report, "atlas"), "models")) {
+    const std::string name = text(model, "model");
+    const auto row = [&](const std::string& title, const Json& quantiles) {
+      rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>", title,
+                          duration(1e-9 * number(model, "cost_ns").value_or(NAN)),
+                          plain(number(child(quantiles, kQuantities[0].key), "count")));
+      for (const NamedQuantity& quantity : kQuantities)
+        rows += spread(child(quantiles, quantity.key));
+      rows += "</tr>\n";
+    };
+    row(model_key(report, name), child(model, "quantiles"));
+    if (!child(model, "claimed").is_null())
+      row("<span class=\"unit\">… where it says it holds</span>", child(model, "claimed"));
+    if (const Json& paper = child(model, "paper_torque"); !paper.is_null())
+      rows +=
+          "<tr><th scope=\"row\"><span class=\"unit\">… with the paper’s √(ab) "
+          "rule</span></th><td></td><td>" +
+          plain(number(paper, "count")) + "</td>" + spread(paper) +
+          "<td colspan=\"5\" class=\"words\"></td></tr>\n";
+  }
+  return table(head, rows);
+}
+
+std::string law_table(const Json& report) {
+  std::string rows;
+  for (const Json& law : child(child(report, "atlas"), "friction_laws"))
+    rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                        escape(text(law, "name")),
+                        duration(1e-9 * number(law, "cost_ns").value_or(NAN)),
+                        percent(number(child(law, "error"), "median").value_or(NAN)),
+                        percent(number(child(law, "error"), "worst").value_or(NAN)));
+  return table(heading("friction limit") + heading("time of one answer") + heading("median error") +
+                   heading("worst error"),
+               rows);
+}
+
+/// Parts of the grid on which a model is within each limit.
+std::string share_table(const Json& report) {
+  constexpr std::array<double, 4> kLimits{0.01, 0.05, 0.10, 0.25};
+  const Json& atlas = child(report, "atlas");
+  const Json& grid = child(atlas, "grid");
+  const std::size_t ratios = child(grid, "radii_ratio").size(), sizes = child(grid, "s").size();
+  std::string rows;
+  for (const Json& model : child(atlas, "models")) {
+    const std::string name = text(model, "model");
+    if (name == "fem_coarse") continue;
+    const Json& errors = child(child(model, "grid"), "max_torque");
+    if (!errors.is_array()) continue;
+    for (std::size_t ratio = 0; ratio < ratios; ++ratio) {
+      std::array<int, 4> within{};
+      int all = 0;
+      for (std::size_t i = 0; i < errors.size(); ++i) {
+        if (sizes == 0 || i / sizes % ratios != ratio) continue;
+        ++all;
+        const auto error = element(errors, i);
+        for (std::size_t k = 0; k < kLimits.size(); ++k)
+          if (error && std::abs(*error) <= kLimits[k]) ++within[k];
+      }
+      rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>",
+                          ratio == 0 ? model_key(report, name) : "",
+                          plain(element(child(grid, "radii_ratio"), ratio)));
+      for (const int count : within)
+        rows += "<td>" + (all ? fmt::format("{:.0f}\u00a0%", 100. * count / all) : "–") + "</td>";
+      rows += "</tr>\n";
+    }
+  }
+  return table(heading("model") + heading("R′/R″") + heading("within 1 %") + heading("5 %") +
+                   heading("10 %") + heading("25 %"),
+               rows);
+}
+
+std::string details(const std::string& summary, const std::string& body) {
+  return "<details><summary>" + summary + "</summary>\n" + body + "</details>\n";
+}
+
+std::string figure(const std::string& attributes, const std::string& caption) {
+  return "<figure " + attributes + "><figcaption>" + caption +
+         "</figcaption><div class=\"plot\"></div></figure>\n";
+}
+
+}  // namespace
+
+std::string setting_buttons(const std::string& setting, const std::string& label,
+                            const std::vector<SettingButton>& buttons, std::size_t pressed) {
+  std::string out = fmt::format(
+      "<div class=\"loads\" role=\"group\" aria-label=\"{0}\" data-setting=\"{1}\" "
+      "hidden><span>{0}</span>",
+      label, setting);
+  for (std::size_t i = 0; i < buttons.size(); ++i)
+    out += fmt::format("<button type=\"button\" data-value=\"{}\" aria-pressed=\"{}\">{}</button>",
+                       buttons[i].value, i == pressed, buttons[i].label);
+  return out + "</div>\n";
+}
+
+std::string speed_accuracy_section(const Json& report) {
+  if (!has_atlas(report)) return "";
+  return "<h2 id=\"speed\">What a nanosecond buys</h2>\n"
+         "<p>Every model against finite elements over the whole error atlas: contacts from a tenth "
+         "of the layer’s thickness to many times it, from sponge to rubber, from round to "
+         "ten times longer than wide.</p>\n" +
+         quantity_buttons() +
+         setting_buttons("within", "Over",
+                         {{"all", "all contacts"}, {"claimed", "where the model says it holds"}},
+                         0) +
+         "<div class=\"charts\">\n" +
+         figure("data-chart=\"speed\"",
+                "<b>Speed against accuracy.</b> Broad bar: median to 95 % of the contacts (large "
+                "mark); cross: the worst. Hollow, dashed: with the paper’s √(ab) rule. " +
+                    std::string(child(report, "choices").is_array()
+                                    ? "Diamonds: stated errors of the case, ring: the choice. "
+                                    : "") +
+                    "Staircase: what nothing beats at 95 %. FEM: what it states of itself; "
+                    "coarse mesh: against the finer one.") +
+         figure(
+             "data-chart=\"friction\"",
+             "<b>The friction limit.</b> What one may take in place of the exact limit surface: "
+             "largest radial error over the atlas’s contact shapes (bar: from the median); facet "
+             "vertices: what they cut off the ellipsoid. The exact surface is exact to rounding; "
+             "it "
+             "stands at 0.01 %.") +
+         "</div>\n" +
+         details("Median, 95 % and worst error of every model as numbers", quantile_table(report)) +
+         details("Cost and error of the friction limits as numbers", law_table(report));
+}
+
+std::string validity_map_section(const Json& report) {
+  if (!has_atlas(report)) return "";
+  const Json& atlas = child(report, "atlas");
+  std::vector<SettingButton> ratios;
+  for (std::size_t i = 0; i < child(child(atlas, "grid"), "radii_ratio").size(); ++i)
+    ratios.push_back(
+        {std::to_string(i), plain(element(child(child(atlas, "grid"), "radii_ratio"), i))});
+  std::string maps;
+  for (const Json& model : child(atlas, "models"))
+    if (text(model, "model") != "fem_coarse")
+      maps += figure(
+          fmt::format("data-chart=\"validity\" data-model=\"{}\"", escape(text(model, "model"))),
+          "");
+  std::string key = "<ul class=\"legend\">";
+  constexpr std::array<const char*, 5> kBands{"below 1 %", "1 to 5 %", "5 to 10 %", "10 to 25 %",
+                                              "above 25 %"};
+  for (std::size_t i = 0; i < kBands.size(); ++i)
+    key += fmt::format(
+        "<li><span class=\"key\"><svg width=\"18\" height=\"12\" aria-hidden=\"true\"><rect "
+        "width=\"18\" height=\"12\" fill=\"var(--map-{})\"/></svg>{}</span></li>",
+        i, kBands[i]);
+  key +=
+      "<li>dashed: there the model says itself that it holds</li><li>○ contacts of this page</li>"
+      "<li>× the seed method’s fingertips</li></ul>\n";
+  std::string marks;
+  for (const Json& mark : child(atlas, "marks"))
+    marks += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        escape(text(mark, "id")), newton(number(mark, "load_N").value_or(NAN)),
+        significant(number(mark, "s"), 1, 3), plain(number(mark, "poisson_ratio")),
+        significant(number(mark, "radii_ratio"), 1, 3));
+  return "<h2 id=\"maps\">Where each model holds</h2>\n"
+         "<p>Relative error over the contact’s size s and Poisson’s ratio ν, interpolated between "
+         "the finite-element runs. A narrow strip of small error between two bad regions is a "
+         "change of sign: an accident, no validity. Marks that are faint belong to another "
+         "R′/R″.</p>\n" +
+         quantity_buttons() + setting_buttons("ratio", "R′/R″", ratios, usual_ratio(atlas)) + key +
+         "<div class=\"charts maps\">\n" + maps + "</div>\n" +
+         details("Part of the atlas’s contacts on which the torque is within a limit",
+                 share_table(report)) +
+         (marks.empty() ? ""
+                        : details("The marked contacts",
+                                  table(heading("case") + heading("load") + heading("s") +
+                                            heading("ν") + heading("R′/R″"),
+                                        marks)));
+}
+
+std::string error_causes_section(const Json& report) {
+  if (!has_atlas(report)) return "";
+  const Json& atlas = child(report, "atlas");
+  std::string rows;
+  const Json* finite_elements = nullptr;
+  for (const Json& model : child(atlas, "models")) {
+    if (text(model, "model") == "fem") finite_elements = &model;
+    const Json& causes = child(model, "causes");
+    if (causes.is_null()) continue;
+    rows += "<tr><th scope=\"row\">" + model_key(report, text(model, "model")) + "</th>" +
+            spread(child(causes, "ellipse")) + spread(child(causes, "pressure")) +
+            spread(child(causes, "circle_rule")) + spread(child(causes, "max_torque")) + "</tr>\n";
+  }
+  std::string common;
+  for (const Json& law : child(atlas, "friction_laws")) {
+    const std::string name = text(law, "name");
+    if (name.find("rule") != std::string::npos || name.find("exact") != std::string::npos) continue;
+    common += "<li>" + escape(name) + ": " +
+              percent(number(child(law, "error"), "median").value_or(NAN)) + " in the median, " +
+              percent(number(child(law, "error"), "worst").value_or(NAN)) + " at worst</li>\n";
+  }
+  if (finite_elements) {
+    const Json& stated = child(child(*finite_elements, "quantiles"), "max_torque");
+    common += "<li>discretisation of the finite elements, as they state it: " +
+              percent(number(stated, "median").value_or(NAN)) + " in the median, " +
+              percent(number(stated, "worst").value_or(NAN)) + " at worst</li>\n";
+  }
+  return "<h2 id=\"causes\">Where the error comes from</h2>\n"
+         "<p>A torque’s error as a product: (1 + ellipse)(1 + pressure) = torque of the model over "
+         "torque of the finite elements, by the exact rule; the paper’s √(ab) rule multiplies it "
+         "by "
+         "a third factor. <i>Ellipse</i>: the model’s a and b in place of the true ones; "
+         "<i>pressure</i>: its pressure over the true ellipse. They may cancel. Medians, 95 % and "
+         "worst, flat layers.</p>\n" +
+         table(heading("model") + heading("ellipse") + heading("pressure") +
+                   heading("√(ab) rule instead of the exact one") + heading("torque, exact rule"),
+               rows) +
+         "<p>Added to it, whichever model:</p>\n<ul>" + common + "</ul>\n";
+}
+
+std::string atlas_provenance(const Json& report) {
+  if (!has_atlas(report)) return "";
+  const Json& atlas = child(report, "atlas");
+  const Json& runs = child(atlas, "runs");
+  std::string kinds;
+  for (const auto& kind : runs.items())
+    kinds += (kinds.empty() ? "" : ", ") + text(runs, kind.key()) + " " + kind.key();
+  std::string value = escape(kinds) + " finite-element runs";
+  const Json& source = child(atlas, "provenance");
+  if (const std::string version = text(source, "version"); !version.empty())
+    value += ", version " + escape(version);
+  if (const std::string date = text(source, "date"); !date.empty()) value += ", " + escape(date);
+  if (const std::string command = text(source, "command"); !command.empty())
+    value += ", <code>" + escape(command) + "</code>";
+  return "<dt>error atlas</dt><dd>" + value +
+         "; its numbers are in <code>share/softfinger/error_atlas.csv</code></dd>";
+}
+
+Json chart_styles(const Json& report) {
+  Json styles = Json::object();
+  for (const std::string& name : model_names(report)) {
+    const Style drawn = style(report, name);
+    styles[name] = {{"label", label(name)}, {"colour", drawn.colour}, {"dash", drawn.dash}};
+  }
+  return styles;
+}
+
+Json atlas_chart_data(const Json& report) {
+  if (!has_atlas(report)) return nullptr;
+  Json drawn = child(report, "atlas");
+  for (Json& model : drawn["models"])
+    if (model.is_object()) model.erase("causes");
+  drawn.erase("provenance");
+  return drawn;
+}
+
+}  // namespace softfinger::comparisons

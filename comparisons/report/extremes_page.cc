@@ -1,0 +1,240 @@
+#include "extremes_page.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "atlas_sections.h"
+#include "chart_data.h"
+#include "embedded.h"
+#include "page.h"
+#include "scoring.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+constexpr std::array<std::pair<const char*, const char*>, 5> kPromises{
+    {{"not_finite_or_positive", "finite, positive, refusals in words"},
+     {"shrinks_under_load", "larger under more load"},
+     {"depends_on_units", "the same in all units"},
+     {"friction_limit", "a finite friction limit"},
+     {"jumps", "no jumps"}}};
+
+std::string share(const Json& model, const char* key) {
+  const auto part = number(model, key), all = number(model, "tried");
+  if (!part || !all || *all <= 0) return "–";
+  return fmt::format("{:.1f}\u00a0%", 100 * *part / *all);
+}
+
+int times_broken(const Json& model, const std::string& promise) {
+  for (const Json& broken : child(model, "broken_promises"))
+    if (text(broken, "promise") == promise) return int(number(broken, "count").value_or(1));
+  return 0;
+}
+
+std::string lead(const Json& survey) {
+  int models = 0, keeping = 0;
+  double asked = 0;
+  for (const Json& model : child(survey, "models")) {
+    ++models;
+    if (child(model, "broken_promises").empty()) ++keeping;
+    asked += number(model, "tried").value_or(0) + number(model, "nonsense_tried").value_or(0);
+  }
+  return fmt::format(
+      "<p class=\"lead\"><span class=\"badge {}\">{}</span> {:.0f} problems far beyond any "
+      "fingertip: {} of {} models kept every promise. {}</p>\n",
+      keeping == models ? "good" : "bad", keeping == models ? "✓ all kept" : "✕ broken", asked,
+      keeping, models,
+      keeping == models
+          ? "No NaN, no infinity, no negative number, no answer that depends on the units, none "
+            "that shrinks under load, no jump; what a model cannot answer it refuses in words."
+          : "What was broken, and by which problem, is in the table below.");
+}
+
+std::string results_table(const Json& survey) {
+  std::string rows;
+  for (const Json& model : child(survey, "models")) {
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+        "<td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        escape(label(text(model, "model"))), plain(number(model, "tried")), share(model, "valid"),
+        share(model, "answered_outside_validity"), share(model, "refused"),
+        plain(number(model, "nonsense_refused")), plain(number(model, "nonsense_tried")),
+        significant(number(model, "units_worst_deviation"), 1, 2),
+        child(model, "largest_jump").is_null() ? "–"
+                                               : significant(number(model, "largest_jump"), 1, 2),
+        duration(1e-9 * number(model, "slowest_call_ns").value_or(NAN)));
+  }
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
+         "<th scope=\"col\">problems</th><th scope=\"col\">valid</th><th "
+         "scope=\"col\">outside validity</th><th scope=\"col\">refused</th><th "
+         "scope=\"col\">nonsense refused</th><th scope=\"col\">units change</th><th "
+         "scope=\"col\">largest jump</th><th scope=\"col\">slowest "
+         "call</th></tr></thead>\n<tbody>" +
+         rows + "</tbody></table></div>\n";
+}
+
+std::string promises_table(const Json& survey) {
+  std::string head = "<th scope=\"col\">model</th>", rows, details;
+  for (const auto& promise : kPromises)
+    head += fmt::format("<th scope=\"col\" class=\"words\">{}</th>", promise.second);
+  for (const Json& model : child(survey, "models")) {
+    const std::string name = escape(label(text(model, "model")));
+    rows += "<tr><th scope=\"row\">" + name + "</th>";
+    for (const auto& promise : kPromises) {
+      const int times = times_broken(model, promise.first);
+      const bool tried =
+          std::string_view(promise.first) != "jumps" || !child(model, "largest_jump").is_null();
+      rows += times > 0 ? fmt::format(
+                              "<td class=\"words\"><span class=\"badge bad\">✕ broken {} "
+                              "times</span></td>",
+                              times)
+              : tried ? "<td class=\"words\"><span class=\"badge good\">✓ kept</span></td>"
+                      : "<td class=\"words\"><span class=\"badge failed\">not asked</span></td>";
+    }
+    rows += "</tr>\n";
+    for (const Json& broken : child(model, "broken_promises"))
+      details += "<li>" + name + ", " + escape(text(broken, "promise")) + ": first at <code>" +
+                 escape(text(broken, "first")) + "</code></li>\n";
+  }
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n" +
+         (details.empty() ? "" : "<ul>" + details + "</ul>\n");
+}
+
+std::string ranges_table(const Json& survey) {
+  // All fast models are asked the same; the slow ones less far.
+  std::string head = "<th scope=\"col\">quantity</th>", rows;
+  std::vector<const Json*> shown;
+  for (const bool fast : {true, false})
+    for (const Json& model : child(survey, "models"))
+      if (flag(model, "hot_path") == fast) {
+        shown.push_back(&model);
+        head += fast ? "<th scope=\"col\">fast models</th>" : "<th scope=\"col\">slow models</th>";
+        break;
+      }
+  for (const Json& axis : child(survey, "axes")) {
+    rows += "<tr><th scope=\"row\">" + escape(text(axis, "name")) + "</th>";
+    for (const Json* model : shown) {
+      const Json& range = child(child(*model, "ranges"), text(axis, "key"));
+      rows += "<td>" + significant(element(range, 0), 1, 2) + " to " +
+              significant(element(range, 1), 1, 2) + "</td>";
+    }
+    rows += "</tr>\n";
+  }
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
+}
+
+std::string refusals(const Json& survey) {
+  std::string out;
+  for (const Json& model : child(survey, "models")) {
+    std::string reasons;
+    for (const Json& reason : child(model, "refusals"))
+      reasons += "<li>" + plain(number(reason, "count")) +
+                 " times: " + escape(text(reason, "reason")) + "</li>\n";
+    out += "<h4>" + escape(label(text(model, "model"))) + "</h4>\n" +
+           (reasons.empty() ? "<p class=\"facts\">refused none</p>\n"
+                            : "<ul class=\"warnings\">" + reasons + "</ul>\n");
+  }
+  return out;
+}
+
+/// The numbers of the picture, for those without scripts.
+std::string decades_tables(const Json& survey) {
+  std::string out;
+  for (const Json& axis : child(survey, "axes")) {
+    const std::string key = text(axis, "key");
+    std::string rows;
+    for (const Json& model : child(survey, "models"))
+      for (const Json& bin : child(child(model, "decades"), key))
+        rows += fmt::format(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            escape(label(text(model, "model"))),
+            significant(number(bin, "from"), 1, 2) + " to " + significant(number(bin, "to"), 1, 2),
+            plain(number(bin, "valid")), plain(number(bin, "answered")),
+            plain(number(bin, "refused")));
+    out += "<details><summary>By " + escape(text(axis, "name")) +
+           ", as numbers</summary>\n<div class=\"scroll\" "
+           "tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th><th "
+           "scope=\"col\">from, to</th><th scope=\"col\">valid</th><th scope=\"col\">answered "
+           "outside it</th><th scope=\"col\">refused</th></tr></thead>\n<tbody>" +
+           rows + "</tbody></table></div></details>\n";
+  }
+  return out;
+}
+
+std::string pictures(const Json& survey) {
+  std::vector<SettingButton> axes;
+  for (const Json& axis : child(survey, "axes"))
+    axes.push_back({escape(text(axis, "key")), escape(text(axis, "name"))});
+  std::string figures;
+  for (const Json& model : child(survey, "models"))
+    figures += fmt::format(
+        "<figure data-chart=\"decades\" data-model=\"{}\"><figcaption><b>{}</b></figcaption>"
+        "<div class=\"plot\"></div></figure>\n",
+        escape(text(model, "model")), escape(label(text(model, "model"))));
+  return setting_buttons("axis", "Over", axes, 0) +
+         "<ul class=\"legend\"><li><span class=\"key\"><svg width=\"18\" height=\"12\" "
+         "aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
+         "fill=\"var(--map-0)\"/></svg>answered, valid</span></li><li><span class=\"key\"><svg "
+         "width=\"18\" height=\"12\" aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
+         "fill=\"var(--map-1)\"/></svg>answered, outside validity"
+         "</span></li><li><span class=\"key\"><svg width=\"18\" height=\"12\" "
+         "aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
+         "fill=\"var(--model-8)\"/></svg>refused, in words</span></li></ul>\n"
+         "<div class=\"charts maps\">\n" +
+         figures + "</div>\n";
+}
+
+std::string body(const Json& survey) {
+  const Json& source = child(survey, "provenance");
+  std::string rows;
+  for (const char* key : {"version", "date"})
+    if (const std::string value = text(source, key); !value.empty())
+      rows += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
+  rows += "<dt>seed</dt><dd>" + plain(number(survey, "seed")) + "</dd>";
+  return "<header><h1>How far can the models be pushed?</h1>\n<p class=\"subtitle\">Random "
+         "problems over all that is allowed, and beyond</p>\n" +
+         lead(survey) +
+         "<nav><a href=\"#answers\">Answers</a> <a href=\"#promises\">Promises</a> <a "
+         "href=\"#ranges\">What was tried</a> <a href=\"#refusals\">Refusals</a> <a "
+         "href=\"#provenance\">Provenance</a></nav></header>\n"
+         "<h2 id=\"answers\">What each model answered</h2>\n" +
+         results_table(survey) + pictures(survey) + decades_tables(survey) +
+         "<h2 id=\"promises\">What they promise</h2>\n" + promises_table(survey) +
+         "<h2 id=\"ranges\">What was tried, and how far</h2>\n"
+         "<p>Drawn at random, evenly over the decades; contact size: of a half-space’s contact, "
+         "(P R/E)<sup>1/3</sup>; R′ = R″ in one of six, Poisson’s ratio 0, "
+         "1/2 or next to one of them in one of three, a compliant object in one of five. One "
+         "problem of sixteen is nonsense: a NaN, an infinity, a negative or vanishing number "
+         "somewhere.</p>\n" +
+         ranges_table(survey) + "<h2 id=\"refusals\">Why they refused</h2>\n" + refusals(survey) +
+         provenance_section(rows, text(source, "command"),
+                            "<p>The same numbers are in <code>extremes.json</code> beside this "
+                            "page. The longer runs of the test suite: <code>ctest --preset release "
+                            "-L extremes</code>.</p>\n");
+}
+
+}  // namespace
+
+std::string render_extremes(const nlohmann::json& survey) {
+  if (!child(survey, "models").is_array())
+    throw std::invalid_argument("survey: no array \"models\"; see comparisons/report/README.md");
+  Json drawn = {
+      {"axes", child(survey, "axes")}, {"models", Json::array()}, {"styles", Json::object()}};
+  for (const Json& model : child(survey, "models"))
+    drawn["models"].push_back(
+        {{"model", text(model, "model")}, {"decades", child(model, "decades")}});
+  return render_page(
+      {"How far can the models be pushed?",
+       {embedded::report_css},
+       body(survey),
+       script_json(drawn),
+       {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::extremes_js}});
+}
+
+}  // namespace softfinger::comparisons

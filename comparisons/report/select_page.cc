@@ -1,0 +1,292 @@
+#include "select_page.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+#include "atlas_sections.h"
+#include "case_section.h"
+#include "chart_data.h"
+#include "embedded.h"
+#include "page.h"
+#include "scoring.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+constexpr std::array<std::pair<const char*, const char*>, 6> kColumns{
+    {{"a", "a"},
+     {"b", "b"},
+     {"area", "area"},
+     {"indentation", "indentation"},
+     {"peak_pressure", "peak pressure"},
+     {"max_torque", "max torque"}}};
+
+double worst_of(const Json& candidate) { return number(candidate, "worst").value_or(NAN); }
+
+const Json& candidate_named(const Json& choice, const std::string& model) {
+  for (const Json& candidate : child(choice, "candidates"))
+    if (text(candidate, "model") == model) return candidate;
+  return child(Json(), "");
+}
+
+std::string tolerance_text(const Json& selection) {
+  return plain(tolerance(selection), 100) + "\u00a0%";
+}
+
+/// A reason as a sentence of its own.
+std::string sentence(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] += 'A' - 'a';
+  return words + ".";
+}
+
+std::string time_of(const Json& candidate) {
+  const auto cost_us = number(candidate, "cost_us");
+  return cost_us ? duration(1e-6 * *cost_us) : "–";
+}
+
+/// `Bonded layer: within 3.1 %, 0.4 µs`
+std::string described(const Json& report, const Json& choice, const std::string& model) {
+  if (model.empty()) return "none";
+  const Json& candidate = candidate_named(choice, model);
+  return fmt::format("{}<small>within {} at {}</small>", model_key(report, model),
+                     percent(worst_of(candidate)), time_of(candidate));
+}
+
+std::string lead(const Json& selection) {
+  const Json& choices = child(selection, "choices");
+  const std::string within = tolerance_text(selection);
+  std::set<std::string> chosen;
+  for (const Json& choice : choices) chosen.insert(text(choice, "model"));
+  std::string sentence;
+  if (chosen.size() == 1 && chosen.count("")) {
+    sentence = "No allowed model is known to be within " + within +
+               (choices.size() > 1 ? " at any of the loads." : ".");
+  } else if (chosen.size() == 1) {
+    double worst = 0, slowest_us = 0;
+    for (const Json& choice : choices) {
+      const Json& candidate = candidate_named(choice, *chosen.begin());
+      worst = std::fmax(worst, worst_of(candidate));
+      slowest_us = std::fmax(slowest_us, number(candidate, "cost_us").value_or(0));
+    }
+    sentence = fmt::format(
+        "<b>{}</b> is the cheapest model that is enough{}: it states an error of at most {} and "
+        "answers in {}.",
+        escape(label(*chosen.begin())), choices.size() > 1 ? " at every load" : "", percent(worst),
+        duration(1e-6 * slowest_us));
+  } else {
+    sentence = "The cheapest model that is enough changes with the load: ";
+    bool first = true;
+    for (const Json& choice : choices) {
+      const std::string model = text(choice, "model");
+      sentence += fmt::format("{}<b>{}</b> at {}", first ? "" : ", ",
+                              model.empty() ? "none" : escape(label(model)),
+                              newton(number(choice, "load_N").value_or(NAN)));
+      first = false;
+    }
+    sentence += ".";
+  }
+  return "<p class=\"lead\">" + sentence + "</p>\n";
+}
+
+std::string overview(const Json& selection) {
+  std::string rows;
+  for (const Json& choice : child(selection, "choices")) {
+    const std::string model = text(choice, "model");
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td class=\"words\">{} {}</td><td class=\"words\">{}</td>"
+        "<td class=\"words\">{}</td><td>{}</td></tr>\n",
+        newton(number(choice, "load_N").value_or(NAN)),
+        model.empty() ? "<span class=\"badge bad\">✕ none</span>"
+                      : "<span class=\"badge good\">✓ enough</span>",
+        described(selection, choice, model),
+        described(selection, choice, text(choice, "next_cheaper")),
+        described(selection, choice, text(choice, "next_better")),
+        significant(number(choice, "s"), 1, 3));
+  }
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">load</th>"
+         "<th scope=\"col\" class=\"words\">the choice</th><th scope=\"col\" class=\"words\">next "
+         "cheaper</th><th scope=\"col\" class=\"words\">next better</th><th scope=\"col\">s = "
+         "√(ab)/h</th></tr></thead>\n<tbody>" +
+         rows + "</tbody></table></div>\n";
+}
+
+std::string chooser(const Json& choices) {
+  if (choices.size() < 2) return "";
+  std::string out =
+      "<div class=\"loads sticky\" role=\"group\" aria-label=\"Load\" hidden><span>Load</span>";
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    out += fmt::format("<button type=\"button\" data-load=\"{}\">{}</button>", i,
+                       newton(number(choices[i], "load_N").value_or(NAN)));
+  return out + fmt::format(
+                   "<input type=\"range\" data-loads min=\"0\" max=\"{}\" step=\"1\" "
+                   "aria-label=\"Load\"></div>\n",
+                   choices.size() - 1);
+}
+
+std::string candidates_table(const Json& selection, const Json& choice) {
+  std::string head = "<th scope=\"col\">model</th><th scope=\"col\">time of one answer</th>";
+  for (const auto& column : kColumns)
+    head += fmt::format("<th scope=\"col\">{}</th>", column.second);
+  head += "<th scope=\"col\" class=\"words\">so</th>";
+  const double limit = tolerance(selection);
+  const std::string chosen = text(choice, "model");
+  std::string rows;
+  for (const Json& candidate : child(choice, "candidates")) {
+    const std::string name = text(candidate, "model");
+    const Json& bound = child(candidate, "error_estimate");
+    rows += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td>",
+                        name == chosen ? " class=\"fem\"" : "", model_key(selection, name),
+                        time_of(candidate));
+    if (bound.is_null()) {
+      rows += fmt::format("<td colspan=\"{}\" class=\"words\">{}</td></tr>\n", kColumns.size() + 1,
+                          escape("no stated error: " + text(candidate, "remark")));
+      continue;
+    }
+    for (const auto& column : kColumns) {
+      const auto error = number(bound, column.first);
+      rows += error ? fmt::format("<td><span class=\"{}\">{}</span></td>",
+                                  *error <= limit ? "within" : "beyond", percent(*error))
+                    : "<td>–</td>";
+    }
+    rows += fmt::format("<td class=\"words\">{}</td></tr>\n",
+                        name == chosen                   ? "<b>the choice</b>"
+                        : !flag(candidate, "accurate")   ? "not accurate enough"
+                        : !flag(candidate, "affordable") ? "too slow"
+                                                         : "enough, but slower");
+  }
+  return "<div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\"><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
+}
+
+std::string causes_of_case(const Json& selection, const Json& choice) {
+  const Json& causes = child(choice, "causes");
+  const Json& models = child(causes, "models");
+  if (!models.is_array() || models.empty()) return "";
+  std::string rows;
+  for (const Json& cause : models) {
+    rows += "<tr><th scope=\"row\">" + model_key(selection, text(cause, "model")) + "</th>";
+    for (const char* key : {"geometry_fit", "ellipse", "pressure", "circle_rule", "max_torque"}) {
+      const auto value = number(cause, key);
+      rows += "<td>" +
+              (!value                                    ? "–"
+               : std::string_view(key) == "geometry_fit" ? "±\u00a0" + percent(*value)
+                                                         : signed_percent(*value)) +
+              "</td>";
+    }
+    rows += "</tr>\n";
+  }
+  const Json& run = child(causes, "nearest_run");
+  return fmt::format(
+             "<h4>This torque’s error by cause</h4>\n<p class=\"facts\">From the nearest "
+             "finite-element run of the atlas: ν {}, R′/R″ {}, s {}. Ellipse times pressure is "
+             "the torque’s error by the exact rule.{}</p>\n",
+             plain(number(run, "poisson_ratio")), plain(number(run, "radii_ratio")),
+             plain(number(run, "s")),
+             number(causes, "ellipsoid")
+                 ? fmt::format(" The friction ellipsoid is off by up to {} from the exact limit "
+                               "surface of this contact.",
+                               percent(*number(causes, "ellipsoid")))
+                 : "") +
+         "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
+         "<th scope=\"col\">geometry fit</th><th scope=\"col\">ellipse</th><th "
+         "scope=\"col\">pressure</th><th scope=\"col\">√(ab) rule instead of the exact one</th>"
+         "<th scope=\"col\">torque, exact rule</th></tr></thead>\n<tbody>" +
+         rows + "</tbody></table></div>\n";
+}
+
+Json selection_chart_data(const Json& selection) {
+  Json loads = Json::array();
+  for (const Json& choice : child(selection, "choices")) {
+    Json candidates = Json::array();
+    for (const Json& candidate : child(choice, "candidates"))
+      candidates.push_back({{"model", text(candidate, "model")},
+                            {"cost_us", child(candidate, "cost_us")},
+                            {"bound", child(candidate, "error_estimate")},
+                            {"chosen", text(candidate, "model") == text(choice, "model")}});
+    loads.push_back({{"load_N", child(choice, "load_N")}, {"candidates", candidates}});
+  }
+  return {{"tolerance", tolerance(selection)},
+          {"styles", chart_styles(selection)},
+          {"atlas", atlas_chart_data(selection)},
+          {"curves", child(selection, "curves")},
+          {"cases", {{{"id", text(selection, "case")}, {"loads", loads}}}}};
+}
+
+std::string body(const Json& selection) {
+  const Json& choices = child(selection, "choices");
+  const std::string question = text(selection, "question");
+  const std::string speed = speed_accuracy_section(selection);
+  std::string out = fmt::format(
+      "<header><h1>Which model is enough for {} within {}?</h1>\n<p class=\"subtitle\">{}</p>\n",
+      escape(text(selection, "case")), tolerance_text(selection),
+      escape(question.empty() ? text(selection, "description") : question));
+  out += lead(selection);
+  if (!question.empty())
+    out += "<p class=\"facts\">" + escape(text(selection, "description")) + "</p>\n";
+  if (const std::string limits = text(selection, "limits"); !limits.empty())
+    out += "<p class=\"facts\">" + escape(limits) + "</p>\n";
+  out += std::string("<nav><a href=\"#choice\">The choice</a> ") +
+         (speed.empty() ? ""
+                        : "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity "
+                          "maps</a> <a href=\"#causes\">Causes</a> ") +
+         "<a href=\"#provenance\">Provenance</a></nav></header>\n";
+  out += "<section data-case=\"" + escape(text(selection, "case")) + "\">\n";
+  out +=
+      "<h2 id=\"choice\">The choice, load by load</h2>\n" + overview(selection) + chooser(choices);
+  std::size_t index = 0;
+  for (const Json& choice : choices)
+    out += fmt::format(
+               "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n<p "
+               "class=\"verdict\">{}</p>\n",
+               index++, newton(number(choice, "load_N").value_or(NAN)),
+               escape(sentence(text(choice, "reason")))) +
+           candidates_table(selection, choice) + causes_of_case(selection, choice) + "</div>\n";
+  out +=
+      "<p class=\"facts\">Stated errors are bounds: |error| interpolated between the "
+      "finite-element runs of the atlas, plus half its change between neighbours, plus the finite "
+      "elements’ own error.</p>\n";
+  const Json& curve_loads = child(child(selection, "curves"), "load_N");
+  if (curve_loads.is_array() && curve_loads.size() > 1)
+    out +=
+        "<div class=\"charts single\"><figure data-chart=\"sweep\"><figcaption><b>Stated error "
+        "over "
+        "the load.</b> Where a line crosses the dashed tolerance, another model takes over; thin "
+        "verticals are the case’s loads; where a line is missing, the atlas knows no "
+        "error.</figcaption>"
+        "<div class=\"plot\"></div></figure></div>\n";
+  out += speed + validity_map_section(selection) + "</section>\n" + error_causes_section(selection);
+  if (!text(selection, "case_toml").empty())
+    out += fmt::format(
+        "<h2 id=\"case\">The case</h2>\n<details><summary>Case file "
+        "<code>{}</code></summary>\n<pre>{}</pre></details>\n",
+        escape(text(selection, "file")), escape(text(selection, "case_toml")));
+  const Json& source = child(selection, "provenance");
+  std::string rows;
+  for (const char* key : {"version", "date"})
+    if (const std::string value = text(source, key); !value.empty())
+      rows += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
+  return out + provenance_section(rows + atlas_provenance(selection), text(source, "command"),
+                                  "<p>The choices in full precision are in "
+                                  "<code>select.json</code> beside this page, in SI units.</p>\n");
+}
+
+}  // namespace
+
+std::string render_selection(const nlohmann::json& selection) {
+  if (!child(selection, "choices").is_array())
+    throw std::invalid_argument(
+        "selection: no array \"choices\"; see comparisons/report/README.md");
+  return render_page(
+      {"Which model is enough for " + escape(text(selection, "case")) + "?",
+       {embedded::report_css},
+       body(selection),
+       script_json(selection_chart_data(selection)),
+       {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::select_js}});
+}
+
+}  // namespace softfinger::comparisons
