@@ -1,0 +1,326 @@
+#include "fem/finite/finite_layer.h"
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fem/layer_space.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem::finite {
+namespace {
+
+using Dof = LayerSpace::Dof;
+constexpr int dim = LayerSpace::dim;
+
+}  // namespace
+
+struct FiniteLayer::State {
+  dealii::Vector<double> displacement;
+  std::vector<ElementState> elements;
+};
+
+struct FiniteLayer::Implementation : LayerSpace {
+  using LayerSpace::LayerSpace;
+
+  std::shared_ptr<const Material> material;
+  std::vector<ElementGeometry> geometries;  ///< per cell
+  std::vector<unsigned int> place;          ///< of an element's unknown, ordered by component
+  dealii::SparsityPattern pattern;
+  dealii::SparseMatrix<double> stiffness;
+  Unknowns free;
+  std::vector<int> normal_unknowns;  ///< of the surface nodes
+
+  State state;
+  // Of the latest linearisation:
+  std::vector<NodeFrame> frames;
+  std::vector<ElementLinearisation> linearisations;  ///< without their stiffness
+  Eigen::VectorXd residual;                          ///< of the free unknowns, in the frames
+  std::unique_ptr<CholeskyFactor> factor;
+  double shift = 0;
+  // Of the latest step:
+  State start;
+  dealii::Vector<double> step;
+
+  void set_geometries();
+  Eigen::VectorXd displacement_of(const std::vector<Dof>& indices,
+                                  const dealii::Vector<double>& field) const;
+  double smallest_volume_ratio() const;
+  void factorise();
+  dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
+};
+
+void FiniteLayer::Implementation::set_geometries() {
+  const unsigned int nodes_of_cell = element.n_dofs_per_cell() / dim;
+  for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
+    const auto [of_component, node] = element.system_to_component_index(i);
+    place.push_back(of_component * nodes_of_cell + node);
+  }
+  const dealii::QGauss<dim> quadrature(3);
+  dealii::FEValues<dim> values(
+      *mapping, element, quadrature,
+      dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
+  const auto points = static_cast<Eigen::Index>(quadrature.size());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    values.reinit(cell);
+    ElementGeometry geometry;
+    geometry.gradients.resize(nodes_of_cell, 3 * points);
+    geometry.weight.resize(points);
+    geometry.linear.resize(4, points);
+    const auto center = values.quadrature_point(quadrature.size() / 2);
+    const double size = cell->diameter();
+    for (unsigned int q = 0; q < quadrature.size(); ++q) {
+      if (!(values.JxW(q) > 0))
+        throw InputError(
+            "mesh", "element", "of no or negative volume",
+            "a layer that does not fold; is it too thick for the surface's curvature?");
+      geometry.weight[q] = values.JxW(q);
+      const auto offset = (values.quadrature_point(q) - center) / size;
+      geometry.linear.col(q) << 1, offset[0], offset[1], offset[2];
+      for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
+        const auto [of_component, node] = element.system_to_component_index(i);
+        if (of_component != 0) continue;
+        for (unsigned int c = 0; c < dim; ++c)
+          geometry.gradients(node, 3 * q + c) = values.shape_grad(i, q)[c];
+      }
+    }
+    geometry.set_mass();
+    geometries.push_back(std::move(geometry));
+  }
+}
+
+Eigen::VectorXd FiniteLayer::Implementation::displacement_of(
+    const std::vector<Dof>& indices, const dealii::Vector<double>& field) const {
+  Eigen::VectorXd result(indices.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) result[place[i]] = field[indices[i]];
+  return result;
+}
+
+double FiniteLayer::Implementation::smallest_volume_ratio() const {
+  double smallest = 1;
+  std::vector<Dof> indices(element.n_dofs_per_cell());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t i = cell->active_cell_index();
+    smallest = std::min(
+        smallest, finite::smallest_volume_ratio(geometries[i], state.elements[i],
+                                                displacement_of(indices, state.displacement)));
+  }
+  return smallest;
+}
+
+FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
+                         std::shared_ptr<const LayerShape> shape, bool whole,
+                         std::shared_ptr<const Material> material)
+    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
+  auto& self = *implementation_;
+  self.material = std::move(material);
+  self.require_unconstrained_surface();
+  self.set_geometries();
+  dealii::DynamicSparsityPattern dynamic(self.dofs.n_dofs());
+  dealii::DoFTools::make_sparsity_pattern(self.dofs, dynamic, self.constraints,
+                                          /*keep_constrained=*/false);
+  self.pattern.copy_from(dynamic);
+  self.stiffness.reinit(self.pattern);
+  self.free = self.free_unknowns(Parity{});
+  for (const auto& dofs_of_node : self.node_dofs)
+    self.normal_unknowns.push_back(self.free.of_dof[dofs_of_node[2]]);
+  self.state.displacement.reinit(self.dofs.n_dofs());
+  self.state.elements.resize(self.geometries.size());
+}
+
+FiniteLayer::~FiniteLayer() = default;
+
+const LayerDiscretisation& FiniteLayer::discretisation() const {
+  return implementation_->discretisation;
+}
+const std::vector<SurfaceNode>& FiniteLayer::nodes() const { return implementation_->nodes; }
+const std::vector<SurfaceFace>& FiniteLayer::faces() const { return implementation_->faces; }
+long FiniteLayer::unknowns() const { return implementation_->free.count; }
+bool FiniteLayer::whole() const { return implementation_->whole; }
+double FiniteLayer::shift() const { return implementation_->shift; }
+
+Eigen::Vector3d FiniteLayer::position(std::size_t node) const {
+  const auto& self = *implementation_;
+  Eigen::Vector3d result = self.nodes[node].position;
+  for (std::size_t c = 0; c < 3; ++c)
+    result[static_cast<Eigen::Index>(c)] += self.state.displacement[self.node_dofs[node][c]];
+  return result;
+}
+
+double FiniteLayer::smallest_volume_ratio() const {
+  return implementation_->smallest_volume_ratio();
+}
+
+double FiniteLayer::strain_energy() const {
+  const auto& self = *implementation_;
+  double energy = 0;
+  std::vector<Dof> indices(self.element.n_dofs_per_cell());
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t i = cell->active_cell_index();
+    energy += finite::strain_energy(self.geometries[i], *self.material, self.state.elements[i],
+                                    self.displacement_of(indices, self.state.displacement));
+  }
+  return energy;
+}
+
+double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force) {
+  auto& self = *implementation_;
+  self.frames = frames;
+  self.stiffness = 0;
+  self.linearisations.resize(self.geometries.size());
+  dealii::Vector<double> residual(self.dofs.n_dofs()), internal(self.dofs.n_dofs());
+  std::vector<Eigen::Matrix3d> axes;
+  for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
+
+  const unsigned int size = self.element.n_dofs_per_cell();
+  std::vector<Dof> indices(size);
+  dealii::FullMatrix<double> of_element(size, size);
+  dealii::Vector<double> residual_of_element(size), internal_of_element(size);
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t cell_index = cell->active_cell_index();
+    ElementLinearisation linear = finite::linearise(
+        self.geometries[cell_index], *self.material, self.state.elements[cell_index],
+        self.displacement_of(indices, self.state.displacement));
+    bool touches = false;
+    for (unsigned int i = 0; i < size; ++i) {
+      residual_of_element[i] = linear.residual[self.place[i]];
+      internal_of_element[i] = linear.force[self.place[i]];
+      touches = touches || self.surface_node[indices[i]] >= 0;
+      for (unsigned int j = 0; j < size; ++j)
+        of_element(i, j) = linear.stiffness(self.place[i], self.place[j]);
+    }
+    linear.stiffness.resize(0, 0);
+    self.linearisations[cell_index] = std::move(linear);
+    if (touches) self.turn_to_frames(axes, indices, of_element);
+    self.constraints.distribute_local_to_global(of_element, indices, self.stiffness);
+    self.constraints.distribute_local_to_global(residual_of_element, indices, residual);
+    self.constraints.distribute_local_to_global(internal_of_element, indices, internal);
+  }
+
+  // Surface nodes are no masters of hanging ones: their forces can be turned here, at the end.
+  double out_of_balance = 0;
+  std::vector<char> is_surface(self.dofs.n_dofs(), 0);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto& dof = self.node_dofs[i];
+    Eigen::Vector3d turned, turned_internal;
+    for (std::size_t c = 0; c < 3; ++c) {
+      turned[static_cast<Eigen::Index>(c)] = residual[dof[c]];
+      turned_internal[static_cast<Eigen::Index>(c)] = internal[dof[c]];
+      is_surface[dof[c]] = 1;
+    }
+    turned = axes[i].transpose() * turned;
+    turned_internal = axes[i].transpose() * turned_internal;
+    turned_internal[2] += force[static_cast<Eigen::Index>(i)];
+    Eigen::Matrix3d stiffness_of_curvature = Eigen::Matrix3d::Zero();
+    stiffness_of_curvature.topLeftCorner<2, 2>() = -frames[i].curvature_force;
+    stiffness_of_curvature = axes[i].transpose() * stiffness_of_curvature * axes[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto row = static_cast<Eigen::Index>(c);
+      residual[dof[c]] = turned[row];
+      if (self.free.of_dof[dof[c]] >= 0)
+        out_of_balance = std::max(out_of_balance, std::abs(turned_internal[row]));
+      for (std::size_t d = 0; d < 3; ++d)
+        self.stiffness.add(dof[c], dof[d],
+                           stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
+    }
+  }
+  self.residual.resize(self.free.count);
+  for (Dof i = 0; i < self.dofs.n_dofs(); ++i) {
+    if (self.free.of_dof[i] < 0) continue;
+    self.residual[self.free.of_dof[i]] = residual[i];
+    if (!is_surface[i]) out_of_balance = std::max(out_of_balance, std::abs(internal[i]));
+  }
+  self.factorise();
+  return out_of_balance;
+}
+
+/// Under compression the tangent can lose its definiteness, at a bifurcation or, mostly, on the way
+/// of an iteration far from equilibrium: a share of its diagonal then makes the step shorter along
+/// the directions that are to blame.
+void FiniteLayer::Implementation::factorise() {
+  SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
+  if (dissection.empty()) dissect(matrix, free);
+  const std::vector<int> ordering = dissection_of(free);
+  constexpr double first_shift = 1e-3, largest_shift = 1;
+  shift = 0;
+  factor.reset();  // before the next one takes its memory
+  while (!factor) {
+    try {
+      factor = std::make_unique<CholeskyFactor>(matrix, ordering, normal_unknowns);
+    } catch (const ConvergenceError&) {
+      const double next = shift == 0 ? first_shift : 10 * shift;
+      if (next > largest_shift) throw;
+      for (int column = 0; column < matrix.size; ++column) {
+        // The diagonal comes first in its column.
+        const auto entry =
+            static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(column)]);
+        matrix.value[entry] += (next - shift) * std::abs(matrix.value[entry]) / (1 + shift);
+      }
+      shift = next;
+    }
+  }
+}
+
+Eigen::MatrixXd FiniteLayer::compliance() const {
+  return implementation_->factor->compliance_of_last();
+}
+
+Eigen::VectorXd FiniteLayer::unloaded() const {
+  const auto& self = *implementation_;
+  const Eigen::VectorXd solution = self.factor->solve(-self.residual);
+  Eigen::VectorXd result(static_cast<Eigen::Index>(self.nodes.size()));
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    result[static_cast<Eigen::Index>(i)] = -solution[self.normal_unknowns[i]];
+  return result;
+}
+
+double FiniteLayer::find_step(const Eigen::VectorXd& force) {
+  auto& self = *implementation_;
+  Eigen::VectorXd right = -self.residual;
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    right[self.normal_unknowns[i]] -= force[static_cast<Eigen::Index>(i)];
+  const Eigen::VectorXd solution = self.factor->solve(right);
+  self.step.reinit(self.dofs.n_dofs());
+  for (Dof i = 0; i < self.dofs.n_dofs(); ++i)
+    if (self.free.of_dof[i] >= 0) self.step[i] = solution[self.free.of_dof[i]];
+  for (std::size_t i = 0; i < self.nodes.size(); ++i) {
+    const auto& dof = self.node_dofs[i];
+    const Eigen::Vector3d turned =
+        self.frames[i].axes *
+        Eigen::Vector3d(self.step[dof[0]], self.step[dof[1]], self.step[dof[2]]);
+    for (std::size_t c = 0; c < 3; ++c) self.step[dof[c]] = turned[static_cast<Eigen::Index>(c)];
+  }
+  self.constraints.distribute(self.step);
+  self.start = self.state;
+  return self.step.linfty_norm();
+}
+
+double FiniteLayer::take_step(double fraction) {
+  auto& self = *implementation_;
+  self.state.displacement = self.start.displacement;
+  self.state.displacement.add(fraction, self.step);
+  std::vector<Dof> indices(self.element.n_dofs_per_cell());
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t i = cell->active_cell_index();
+    self.state.elements[i] = self.linearisations[i].advanced(
+        self.start.elements[i], self.displacement_of(indices, self.step), fraction);
+  }
+  return self.smallest_volume_ratio();
+}
+
+std::shared_ptr<const FiniteLayer::State> FiniteLayer::state() const {
+  return std::make_shared<const State>(implementation_->state);
+}
+
+void FiniteLayer::restore(const State& state) { implementation_->state = state; }
+
+}  // namespace softfinger::fem::finite

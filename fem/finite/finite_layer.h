@@ -1,0 +1,80 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "fem/finite/element.h"
+#include "fem/layer_model.h"
+
+namespace softfinger::fem::finite {
+
+/// A plane in which an object touches a surface node: what its displacements are turned into.
+struct NodeFrame {
+  /// Columns: tangents and, last, the outward normal of the finger's surface.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  /// Contact force per height of the object times the object's curvature: a node that moves along a
+  /// curved object turns the force on it.
+  Eigen::Matrix2d curvature_force = Eigen::Matrix2d::Zero();
+};
+
+/// A hyperelastic layer bonded to a rigid core at finite strain, on the mesh that `LayerModel`
+/// would have, with its present state. Lengths in h, stresses in E.
+class FiniteLayer {
+ public:
+  /// @param shape  null: flat
+  /// @param whole  all of the layer instead of a quarter
+  FiniteLayer(const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+              bool whole, std::shared_ptr<const Material> material);
+  ~FiniteLayer();
+  FiniteLayer(const FiniteLayer&) = delete;
+  FiniteLayer& operator=(const FiniteLayer&) = delete;
+
+  const LayerDiscretisation& discretisation() const;
+  const std::vector<SurfaceNode>& nodes() const;
+  const std::vector<SurfaceFace>& faces() const;
+  long unknowns() const;
+  bool whole() const;
+
+  /// Present position of a surface node.
+  Eigen::Vector3d position(std::size_t node) const;
+
+  double strain_energy() const;
+
+  /// Volume ratio and principal stretches over all quadrature points, present state.
+  double smallest_volume_ratio() const;
+
+  /// Linearises about the present state and factorises.
+  /// @param frames  one for each surface node
+  /// @param force   contact force on each, into the layer along its frame's normal
+  /// @returns the largest nodal force out of balance
+  double linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
+
+  /// After `linearise`: the tangent, made positive definite by this share of its own diagonal; 0
+  /// where it was so by itself.
+  double shift() const;
+
+  /// After `linearise`: displacements of the surface nodes into the layer along their normals per
+  /// unit of force there, n x n, and those that the present state goes to with no contact force.
+  Eigen::MatrixXd compliance() const;
+  Eigen::VectorXd unloaded() const;
+
+  /// After `linearise`: computes the step to the equilibrium with these contact forces.
+  /// @returns its largest nodal displacement
+  double find_step(const Eigen::VectorXd& force);
+
+  /// Goes to the start of the step plus this fraction of it. May be called again.
+  /// @returns smallest volume ratio; where that is not positive, `linearise` must not be called
+  double take_step(double fraction);
+
+  /// The state, to come back to.
+  struct State;
+  std::shared_ptr<const State> state() const;
+  void restore(const State& state);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger::fem::finite
