@@ -397,14 +397,19 @@ void LayerSpace::collect_surface(const std::vector<dealii::Point<dim>>& support)
             simpson[column] * simpson[row] * surface.size_x * surface.size_y;
         touchable = true;
       }
+      std::array<std::array<Dof, 3>, 9> dofs_of_nodes{};
       for (const auto dof : indices) {
         const auto column = std::lround(2 * (support[dof][0] - surface.x) / surface.size_x);
         const auto row = std::lround(2 * (support[dof][1] - surface.y) / surface.size_y);
         const int node = surface.node[static_cast<std::size_t>(column + 3 * row)];
+        dofs_of_nodes[static_cast<std::size_t>(column + 3 * row)]
+                     [static_cast<std::size_t>(component[dof])] = dof;
         if (node >= 0)
           node_dofs[static_cast<std::size_t>(node)][static_cast<std::size_t>(component[dof])] = dof;
       }
-      if (touchable) faces.push_back(surface);
+      if (!touchable) continue;
+      faces.push_back(surface);
+      face_dofs.push_back(dofs_of_nodes);
     }
 }
 

@@ -59,6 +59,8 @@ struct LayerSpace {
   std::vector<std::array<Dof, 3>> node_dofs;      ///< of each surface node
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
+  /// Of all nine nodes of each face, those that cannot be touched included.
+  std::vector<std::array<std::array<Dof, 3>, 9>> face_dofs;
   std::vector<int> surface_node;  ///< per dof; -1 elsewhere
   std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
 

@@ -1,6 +1,7 @@
 #include "fem/finite/deformed_contact.h"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace {
 class DeformedSurface {
  public:
   explicit DeformedSurface(const FiniteLayer& layer) : faces_(layer.faces()) {
-    for (std::size_t i = 0; i < layer.nodes().size(); ++i) positions_.push_back(layer.position(i));
+    for (std::size_t i = 0; i < faces_.size(); ++i) positions_.push_back(layer.face_positions(i));
   }
 
   struct Point {
@@ -23,7 +24,8 @@ class DeformedSurface {
   };
 
   Point at(double x, double y) const {
-    const SurfaceFace& face = face_at(x, y);
+    const std::size_t index = index_at(x, y);
+    const SurfaceFace& face = faces_[index];
     const double xi = (x - face.x) / face.size_x, eta = (y - face.y) / face.size_y;
     const auto values = [](double t) {
       return Eigen::Vector3d((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1));
@@ -34,8 +36,7 @@ class DeformedSurface {
     Point result{Eigen::Vector3d::Zero(), 0};
     Eigen::Vector3d by_x = Eigen::Vector3d::Zero(), by_y = Eigen::Vector3d::Zero();
     for (int k = 0; k < 9; ++k) {
-      const Eigen::Vector3d& node =
-          positions_[static_cast<std::size_t>(face.node[static_cast<std::size_t>(k)])];
+      const Eigen::Vector3d& node = positions_[index][static_cast<std::size_t>(k)];
       result.position += along_x[k % 3] * along_y[k / 3] * node;
       by_x += slope_x[k % 3] * along_y[k / 3] * node;
       by_y += along_x[k % 3] * slope_y[k / 3] * node;
@@ -45,20 +46,18 @@ class DeformedSurface {
   }
 
  private:
-  const SurfaceFace& face_at(double x, double y) const {
-    for (const SurfaceFace& face : faces_) {
+  std::size_t index_at(double x, double y) const {
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const SurfaceFace& face = faces_[i];
       const double xi = (x - face.x) / face.size_x, eta = (y - face.y) / face.size_y;
-      if (xi < -1e-9 || xi > 1 + 1e-9 || eta < -1e-9 || eta > 1 + 1e-9) continue;
-      bool complete = true;
-      for (const int node : face.node) complete = complete && node >= 0;
-      if (complete) return face;
+      if (xi > -1e-9 && xi < 1 + 1e-9 && eta > -1e-9 && eta < 1 + 1e-9) return i;
     }
     throw ConvergenceError("measurement of the deformed contact", 0, std::hypot(x, y),
                            "its edge lies beyond the refined patch");
   }
 
   const std::vector<SurfaceFace>& faces_;
-  std::vector<Eigen::Vector3d> positions_;
+  std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
 }  // namespace

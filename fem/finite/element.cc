@@ -1,6 +1,7 @@
 #include "fem/finite/element.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 
 namespace softfinger::fem::finite {

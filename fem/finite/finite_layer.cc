@@ -153,6 +153,22 @@ Eigen::Vector3d FiniteLayer::position(std::size_t node) const {
   return result;
 }
 
+std::array<Eigen::Vector3d, 9> FiniteLayer::face_positions(std::size_t face) const {
+  const auto& self = *implementation_;
+  const SurfaceFace& surface = self.faces[face];
+  std::array<Eigen::Vector3d, 9> result;
+  for (std::size_t k = 0; k < 9; ++k) {
+    result[k] = {surface.x + 0.5 * static_cast<double>(k % 3) * surface.size_x,
+                 surface.y + 0.5 * static_cast<double>(k / 3) * surface.size_y, 0};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Dof dof = self.face_dofs[face][k][c];
+      result[k][static_cast<Eigen::Index>(c)] +=
+          self.state.displacement[dof] + (self.shape ? self.bending[dof] : 0);
+    }
+  }
+  return result;
+}
+
 double FiniteLayer::smallest_volume_ratio() const {
   return implementation_->smallest_volume_ratio();
 }

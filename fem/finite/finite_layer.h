@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -38,6 +39,9 @@ class FiniteLayer {
 
   /// Present position of a surface node.
   Eigen::Vector3d position(std::size_t node) const;
+
+  /// Of the nine nodes of a face, those that cannot be touched included.
+  std::array<Eigen::Vector3d, 9> face_positions(std::size_t face) const;
 
   double strain_energy() const;
 
