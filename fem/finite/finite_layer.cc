@@ -5,6 +5,7 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -42,6 +43,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::vector<ElementLinearisation> linearisations;  ///< without their stiffness
   Eigen::VectorXd residual;                          ///< of the free unknowns, in the frames
   std::unique_ptr<CholeskyFactor> factor;
+  Eigen::VectorXd springs;  ///< that hold the surface nodes in the factor
   double shift = 0;
   // Of the latest step:
   State start;
@@ -258,13 +260,29 @@ double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen:
   return out_of_balance;
 }
 
-/// Under compression the tangent can lose its definiteness, at a bifurcation or, mostly, on the way
-/// of an iteration far from equilibrium: a share of its diagonal then makes the step shorter along
+/// Surface nodes are held by springs, which `surface_response` takes off again: under a pressure of
+/// the order of the shear modulus the surface would be unstable with constant forces on it, which
+/// says nothing of a contact that a rigid object holds. If the rest is indefinite too, as it may be
+/// far from equilibrium or at a bifurcation, a share of its diagonal makes the step shorter along
 /// the directions that are to blame.
 void FiniteLayer::Implementation::factorise() {
   SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
   if (dissection.empty()) dissect(matrix, free);
   const std::vector<int> ordering = dissection_of(free);
+  // The diagonal comes first in its column.
+  const auto diagonal = [&](int unknown) -> double& {
+    return matrix
+        .value[static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(unknown)])];
+  };
+  // Springs this much stiffer than a node's own stiffness leave all but two digits of the latter.
+  constexpr double spring_ratio = 100;
+  springs.resize(static_cast<Eigen::Index>(normal_unknowns.size()));
+  for (std::size_t i = 0; i < normal_unknowns.size(); ++i) {
+    double& entry = diagonal(normal_unknowns[i]);
+    const double spring = spring_ratio * std::abs(entry);
+    springs[static_cast<Eigen::Index>(i)] = spring;
+    entry += spring;
+  }
   constexpr double first_shift = 1e-3, largest_shift = 1;
   shift = 0;
   factor.reset();  // before the next one takes its memory
@@ -274,35 +292,35 @@ void FiniteLayer::Implementation::factorise() {
     } catch (const ConvergenceError&) {
       const double next = shift == 0 ? first_shift : 10 * shift;
       if (next > largest_shift) throw;
-      for (int column = 0; column < matrix.size; ++column) {
-        // The diagonal comes first in its column.
-        const auto entry =
-            static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(column)]);
-        matrix.value[entry] += (next - shift) * std::abs(matrix.value[entry]) / (1 + shift);
-      }
+      for (int unknown = 0; unknown < matrix.size; ++unknown)
+        diagonal(unknown) += (next - shift) * std::abs(diagonal(unknown)) / (1 + shift);
       shift = next;
     }
   }
 }
 
-Eigen::MatrixXd FiniteLayer::compliance() const {
-  return implementation_->factor->compliance_of_last();
-}
-
-Eigen::VectorXd FiniteLayer::unloaded() const {
+SurfaceResponse FiniteLayer::surface_response() const {
   const auto& self = *implementation_;
   const Eigen::VectorXd solution = self.factor->solve(-self.residual);
-  Eigen::VectorXd result(static_cast<Eigen::Index>(self.nodes.size()));
+  Eigen::VectorXd unloaded(self.springs.size());
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    result[static_cast<Eigen::Index>(i)] = -solution[self.normal_unknowns[i]];
-  return result;
+    unloaded[static_cast<Eigen::Index>(i)] = -solution[self.normal_unknowns[i]];
+  const Eigen::MatrixXd held = self.factor->compliance_of_last().llt().solve(
+      Eigen::MatrixXd::Identity(self.springs.size(), self.springs.size()));
+  SurfaceResponse response;
+  response.force = held * unloaded;
+  response.stiffness = 0.5 * (held + held.transpose());
+  response.stiffness.diagonal() -= self.springs;
+  return response;
 }
 
-double FiniteLayer::find_step(const Eigen::VectorXd& force) {
+double FiniteLayer::find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement) {
   auto& self = *implementation_;
   Eigen::VectorXd right = -self.residual;
-  for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    right[self.normal_unknowns[i]] -= force[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < self.nodes.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    right[self.normal_unknowns[i]] -= force[row] + self.springs[row] * displacement[row];
+  }
   const Eigen::VectorXd solution = self.factor->solve(right);
   self.step.reinit(self.dofs.n_dofs());
   for (Dof i = 0; i < self.dofs.n_dofs(); ++i)

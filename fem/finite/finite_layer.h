@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fem/finite/element.h"
+#include "fem/finite/tangent_contact.h"
 #include "fem/layer_model.h"
 
 namespace softfinger::fem::finite {
@@ -55,17 +56,16 @@ class FiniteLayer {
   double linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
 
   /// After `linearise`: the tangent, made positive definite by this share of its own diagonal; 0
-  /// where it was so by itself.
+  /// where it was so by itself with the surface nodes held.
   double shift() const;
 
-  /// After `linearise`: displacements of the surface nodes into the layer along their normals per
-  /// unit of force there, n x n, and those that the present state goes to with no contact force.
-  Eigen::MatrixXd compliance() const;
-  Eigen::VectorXd unloaded() const;
+  /// After `linearise`: of displacements of the surface nodes into the layer along their normals.
+  SurfaceResponse surface_response() const;
 
-  /// After `linearise`: computes the step to the equilibrium with these contact forces.
+  /// After `linearise`: computes the step to the equilibrium with these contact forces and
+  /// displacements of the surface nodes, which go together by `surface_response`.
   /// @returns its largest nodal displacement
-  double find_step(const Eigen::VectorXd& force);
+  double find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement);
 
   /// Goes to the start of the step plus this fraction of it. May be called again.
   /// @returns smallest volume ratio; where that is not positive, `linearise` must not be called

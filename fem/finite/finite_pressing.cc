@@ -34,8 +34,8 @@ FinitePressing::FinitePressing(std::shared_ptr<FiniteLayer> layer,
   }
   if (!std::isfinite(offset_))
     throw InputError("object", "surface", "none over the contact", "an object over the finger");
-  contact_.force = Eigen::VectorXd::Zero(static_cast<Index>(layer_->nodes().size()));
-  equilibrium_.force = equilibrium_.normal_force = contact_.force;
+  equilibrium_.force = equilibrium_.normal_force =
+      Eigen::VectorXd::Zero(static_cast<Index>(layer_->nodes().size()));
 }
 
 std::vector<FinitePressing::Touch> FinitePressing::touches() const {
@@ -70,27 +70,26 @@ Eigen::Vector3d FinitePressing::normal(std::size_t node) const {
 bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& reached) {
   constexpr int most_iterations = 16;
   Drive target = drive;
-  NormalContact contact = contact_;
-  TouchingFactor factor;
+  Eigen::VectorXd contact_force = equilibrium_.force;
   double approach = equilibrium_.approach;
   double previous_balance = 0, previous_change = 0;
   for (int iteration = 1; iteration <= most_iterations; ++iteration) {
     ++history_.iterations;
     const std::vector<Touch> touching = touches();
     std::vector<NodeFrame> frames(touching.size());
-    Eigen::VectorXd secant(contact.force.size()), gap(contact.force.size());
+    Eigen::VectorXd secant(contact_force.size()), gap(contact_force.size());
     for (std::size_t i = 0; i < touching.size(); ++i) {
       const auto row = static_cast<Index>(i);
       // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it.
       frames[i].axes =
           Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), touching[i].normal)
               .toRotationMatrix();
-      frames[i].curvature_force = contact.force[row] * touching[i].curvature;
+      frames[i].curvature_force = contact_force[row] * touching[i].curvature;
       secant[row] = touching[i].secant;
       gap[row] = touching[i].gap;
     }
-    const double balance = layer_->linearise(frames, contact.force.cwiseProduct(secant)) /
-                           std::max(1e-300, contact.force.maxCoeff());
+    const double balance = layer_->linearise(frames, contact_force.cwiseProduct(secant)) /
+                           std::max(1e-300, contact_force.maxCoeff());
     history_.shifts += layer_->shift() > 0;
     failed_iteration_ = iteration;
     failed_residual_ = balance;
@@ -99,23 +98,27 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
     previous_balance = balance;
 
     // Scaled to the components along the load, contact on inclined normals is that of a flat
-    // surface with another compliance.
-    Eigen::MatrixXd compliance = secant.asDiagonal() * layer_->compliance() * secant.asDiagonal();
-    const Eigen::VectorXd linear_gap = gap + secant.cwiseProduct(layer_->unloaded());
+    // surface with another stiffness.
+    SurfaceResponse response = layer_->surface_response();
+    const Eigen::VectorXd cosine = secant.cwiseInverse();
+    response.stiffness = cosine.asDiagonal() * response.stiffness * cosine.asDiagonal();
+    response.force = response.force.cwiseProduct(cosine);
     const auto solve = [&](const Drive& to) {
-      const NormalContact* start = contact.force.maxCoeff() > 0 ? &contact : nullptr;
-      return to.approach > 0
-                 ? solve_normal_contact_at(compliance, linear_gap, to.approach)
-                 : solve_normal_contact(compliance, linear_gap, to.load / copies(), start, &factor);
+      return solve_tangent_contact(response, gap, to.approach > 0 ? 0 : to.load / copies(),
+                                   to.approach, contact_force);
     };
-    factor.nodes.clear();  // of another compliance
-    NormalContact next = solve(target);
+    TangentContact next = solve(target);
     if (iteration == 1 && limited && next.approach > equilibrium_.approach + 1.25 * step_) {
       target = {0, equilibrium_.approach + step_};
       next = solve(target);
     }
 
-    const double change = layer_->find_step(next.force.cwiseProduct(secant));
+    const double change =
+        layer_->find_step(next.force.cwiseProduct(secant), next.displacement.cwiseProduct(cosine));
+    if (getenv("FINDBG"))
+      std::fprintf(stderr, "DBG it %d d %.6f P %.6g balance %.2e change %.3e shift %g active %d\n",
+                   iteration, next.approach, next.force.sum(), balance, change, layer_->shift(),
+                   next.active);
     if (!std::isfinite(change)) return false;
     double fraction = 1;
     constexpr double shortest = 1.0 / 16;
@@ -123,20 +126,22 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
       fraction /= 2;
       if (fraction < shortest) return false;
     }
-    contact.force += fraction * (next.force - contact.force);
+    contact_force += fraction * (next.force - contact_force);
     approach += fraction * (next.approach - approach);
-    contact.active = next.active;
     if (iteration > 3 && change > previous_change && change > 0.1 * step_) return false;
     previous_change = change;
-    if (fraction < 1 || layer_->shift() > 0 || !(change <= options_.tolerance * approach)) continue;
+    // With a true tangent the next step would be the square of this one; with another, what is left
+    // out of balance has to say that it is over.
+    constexpr double balanced = 1e-8;
+    if (fraction < 1 || !(change <= options_.tolerance * approach) ||
+        (layer_->shift() > 0 && balance > balanced))
+      continue;
 
-    contact.approach = approach;
     reached.approach = approach;
-    reached.force = contact.force;
-    reached.active = contact.active;
+    reached.force = contact_force;
+    reached.active = next.active;
     reached.out_of_balance = balance;
     describe(reached);
-    contact_ = contact;
     return true;
   }
   return false;

@@ -8,7 +8,6 @@
 
 #include "fem/finite/finite_layer.h"
 #include "fem/finite/rigid_object.h"
-#include "fem/normal_contact.h"
 
 /// Frictionless pressing at finite strain, in units of h and E: the surface's nodes against the
 /// object's exact surface where they are, by Newton's method on all of it.
@@ -81,7 +80,6 @@ class FinitePressing {
   double offset_ = 0;  ///< of the object's height: the approach counts from the first touch
   double step_;        ///< present largest one
   Equilibrium equilibrium_;
-  NormalContact contact_;  ///< of the present equilibrium
   PressingHistory history_;
   int failed_iteration_ = 0;
   double failed_residual_ = 0;
