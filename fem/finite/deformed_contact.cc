@@ -12,21 +12,20 @@ namespace softfinger::fem::finite {
 namespace {
 
 /// The present surface over the block's plane, biquadratic on each face.
-class DeformedSurface {
+class DeformedSurface : public SurfaceDeformation {
  public:
   explicit DeformedSurface(const FiniteLayer& layer) : faces_(layer.faces()) {
     for (std::size_t i = 0; i < faces_.size(); ++i) positions_.push_back(layer.face_positions(i));
   }
 
-  struct Point {
-    Eigen::Vector3d position;
-    double area_ratio;  ///< deformed area per area of the block
-  };
-
   Point at(double x, double y) const {
-    const std::size_t index = index_at(x, y);
+    const std::size_t face = index_at(x, y);
+    return at(face, (x - faces_[face].x) / faces_[face].size_x,
+              (y - faces_[face].y) / faces_[face].size_y);
+  }
+
+  Point at(std::size_t index, double xi, double eta) const override {
     const SurfaceFace& face = faces_[index];
-    const double xi = (x - face.x) / face.size_x, eta = (y - face.y) / face.size_y;
     const auto values = [](double t) {
       return Eigen::Vector3d((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1));
     };
@@ -65,10 +64,10 @@ class DeformedSurface {
 DeformedContact measure(const FinitePressing& pressing) {
   const FiniteLayer& layer = pressing.layer();
   const Equilibrium& equilibrium = pressing.equilibrium();
+  const DeformedSurface surface(layer);
   const PressureEllipse ellipse =
       fit_pressure_ellipse(layer.nodes(), layer.faces(), equilibrium.normal_force,
-                           equilibrium.moment_a, equilibrium.moment_b);
-  const DeformedSurface surface(layer);
+                           equilibrium.moment_a, equilibrium.moment_b, &surface);
   DeformedContact contact;
   contact.block_a = ellipse.a;
   contact.block_b = ellipse.b;
@@ -77,7 +76,7 @@ DeformedContact measure(const FinitePressing& pressing) {
   // theory.
   contact.a = surface.at(ellipse.a, 0).position.x();
   contact.b = surface.at(0, ellipse.b).position.y();
-  contact.peak = ellipse.peak / surface.at(0, 0).area_ratio;
+  contact.peak = ellipse.peak;
 
   // Midpoints in scaled polar coordinates.
   constexpr int steps = 64;
