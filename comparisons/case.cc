@@ -302,6 +302,15 @@ void read_material(const TomlReader& reader, const toml::table& root, Case& resu
         reader.numbers(*node, "yeoh_ratios", 2, "two numbers, c20/c10 and c30/c10");
 }
 
+/// At finite strain the layer is wrapped around a finger of which more than the curvature counts:
+/// one without a shape of its own is a body that closes, a sphere for equal radii, not a
+/// paraboloid.
+void settle_finger_shape(const toml::table& geometry, Case& result) {
+  if (!result.fem_finite || !result.fem_curved) return;
+  auto* finger = std::get_if<QuadricBody>(&std::get<BodyPair>(result.geometry).finger);
+  if (finger && !geometry.at_path("finger.shape")) finger->shape = FingerShape::ellipsoid;
+}
+
 }  // namespace
 
 Case parse_case(const std::string& text, const fs::path& file) {
@@ -326,6 +335,7 @@ Case parse_case(const std::string& text, const fs::path& file) {
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
   read_material(reader, root, result);
+  settle_finger_shape(geometry, result);
   return result;
 }
 

@@ -14,7 +14,7 @@
 namespace softfinger {
 
 /// How a finger goes on beyond its radii at the contact point: only finite elements on its curved
-/// layer see it.
+/// layer see it. Without a word of it in the file: a paraboloid, at finite strain an ellipsoid.
 enum class FingerShape { paraboloid, ellipsoid, tapered };
 
 /// A paraboloid by its principal radii; infinite = flat, negative = concave.

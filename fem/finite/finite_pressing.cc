@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,13 @@
 namespace softfinger::fem::finite {
 
 using Eigen::Index;
+
+namespace {
+
+/// A step may be this much longer than the largest one if it is the last.
+constexpr double kStretch = 1.25;
+
+}  // namespace
 
 /// A surface node against the object at its present place.
 struct FinitePressing::Touch {
@@ -108,17 +116,16 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
                                    to.approach, contact_force);
     };
     TangentContact next = solve(target);
-    if (iteration == 1 && limited && next.approach > equilibrium_.approach + 1.25 * step_) {
-      target = {0, equilibrium_.approach + step_};
+    const double left = next.approach - equilibrium_.approach;
+    // Where the load falls with the approach there is no equilibrium with more of it nearby.
+    if (iteration == 1 && limited && left * (drive.load - equilibrium_.load) <= 0) return false;
+    if (iteration == 1 && limited && std::abs(left) > kStretch * step_) {
+      target = {0, equilibrium_.approach + std::copysign(step_, left)};
       next = solve(target);
     }
 
     const double change =
         layer_->find_step(next.force.cwiseProduct(secant), next.displacement.cwiseProduct(cosine));
-    if (getenv("FINDBG"))
-      std::fprintf(stderr, "DBG it %d d %.6f P %.6g balance %.2e change %.3e shift %g active %d\n",
-                   iteration, next.approach, next.force.sum(), balance, change, layer_->shift(),
-                   next.active);
     if (!std::isfinite(change)) return false;
     double fraction = 1;
     constexpr double shortest = 1.0 / 16;
@@ -180,7 +187,7 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
 
 void FinitePressing::press(const Drive& drive) {
   constexpr double shortest_step = 1e-3;
-  constexpr int most_steps = 1000;
+  constexpr int most_steps = 200;
   const auto is_there = [&] {
     return drive.approach > 0
                ? std::abs(equilibrium_.approach - drive.approach) <= 1e-12 * drive.approach
@@ -196,7 +203,8 @@ void FinitePressing::press(const Drive& drive) {
     bool limited = true;
     if (drive.approach > 0) {
       const double left = drive.approach - equilibrium_.approach;
-      next.approach = left > 1.25 * step_ ? equilibrium_.approach + step_ : drive.approach;
+      if (std::abs(left) > kStretch * step_)
+        next.approach = equilibrium_.approach + std::copysign(step_, left);
       limited = false;
     }
     const int iterations = history_.iterations;

@@ -49,7 +49,7 @@ struct Axisymmetric {
 
 const Axisymmetric axisymmetric[] = {
     {"sphere_quadratic_0_30", Shape::sphere, VolumetricLaw::quadratic, 0.3, 0.199999979973,
-     0.842718591367, 1.25693001115, 0.73138585399, 0.720060168224, 5.04431178425, 0.0566765015955,
+     0.842718591367, 1.25693001115, 0.73138585399, 0.720060168224, 5.04431178425, 0.0565766015955,
      0.2852761800509473},
     {"sphere_quadratic_0_49", Shape::sphere, VolumetricLaw::quadratic, 0.49, 0.399999999428,
      6.23922758292, 2.05143939025, 1.18119403646, 1.13355480243, 13.8299098006, 0.752983140601,
@@ -59,10 +59,10 @@ const Axisymmetric axisymmetric[] = {
      0.27862594376061384},
     {"paraboloid_quadratic_0_49", Shape::paraboloid, VolumetricLaw::quadratic, 0.49, 0.19999997128,
      1.28805900984, 1.4015290943, 0.811484421577, 0.796678477938, 6.29065279986, 0.0810208070703,
-     std::nan("")},
+     0.3611212016975745},
     {"curved_quadratic_0_49", Shape::curved, VolumetricLaw::quadratic, 0.49, 0.199999958103,
      1.08092453353, 1.36160082317, 0.778485672805, 0.778485672805, 5.82437706816, 0.0692504516448,
-     std::nan("")},
+     0.3152485943604372},
 };
 
 class AxisymmetricReference : public testing::TestWithParam<Axisymmetric> {};
@@ -99,14 +99,13 @@ TEST_P(AxisymmetricReference, IsMetWithinTheStatedErrors) {
   // At a given load the energy has the approach's error to the same order.
   expect("energy", finest.strain_energy_J, reference.energy * modulus * h * h * h,
          2 * result.error.indentation);
-  if (!std::isnan(reference.peak))
-    expect("peak", finest.peak_pressure_Pa, reference.peak * modulus, result.error.peak_pressure);
+  expect("peak", finest.peak_pressure_Pa, reference.peak * modulus, result.error.peak_pressure);
   EXPECT_LT(std::max({result.error.indentation, result.error.max_torque}), 5e-3);
   EXPECT_LT(finest.complementarity_residual, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(FiniteStrain, AxisymmetricReference, testing::ValuesIn(axisymmetric),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 /// One layer for several loads, with cells of a quarter of the contact.
 finite::FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> object, double a,
@@ -123,11 +122,12 @@ finite::FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> ob
 
 TEST(FinitePressing, WorkOfTheIndenterIsTheStrainEnergy) {
   // On one mesh the discrete energy's derivative by the approach is the discrete load, whatever the
-  // mesh. Boole's rule over steps this small leaves the jumps of the active set.
+  // mesh. The load has kinks where nodes begin to touch, which Boole's rule misses: with jumps of
+  // its slope of a tenth, by step/(320 d) at most each.
   for (const double nu : {0.3, 0.4999}) {
-    auto pressing = layer_under(finite::quadric(8, 3), 1.5, 0.8, {}, nu);
+    auto pressing = layer_under(finite::quadric(6, 3), 1.5, 0.8, {}, nu);
     double energy[5], load[5];
-    constexpr double start = 0.2, step = 0.01;
+    constexpr double start = 0.25, step = 1e-3;
     for (int i = 0; i < 5; ++i) {
       pressing.press({0, start + i * step});
       energy[i] = pressing.equilibrium().energy;
@@ -135,7 +135,7 @@ TEST(FinitePressing, WorkOfTheIndenterIsTheStrainEnergy) {
     }
     const double work =
         2 * step / 45 * (7 * load[0] + 32 * load[1] + 12 * load[2] + 32 * load[3] + 7 * load[4]);
-    EXPECT_NEAR(work / (energy[4] - energy[0]), 1, 2e-5) << nu;
+    EXPECT_NEAR(work / (energy[4] - energy[0]), 1, step / (320 * start)) << nu;
   }
 }
 
@@ -183,25 +183,28 @@ TEST(FinitePressing, ElementDoesNotLock) {
   EXPECT_LT(load[1] / load[0], 1.2);
 }
 
-TEST(FinitePressing, MaterialsThatAgreeToSecondOrderAgreeThere) {
-  // The two neo-Hookean energies differ by the cube of the strain: relative to the load by the
-  // strain, which halves with the approach.
+TEST(FinitePressing, MaterialsThatAgreeToSecondOrderAgreeForSmallLoads) {
+  // The two neo-Hookean energies differ by the cube of the strain: the load, relatively, by its
+  // first power or less, since the differences under the contact and at its edge are of opposite
+  // sign.
   const MaterialChoice logarithmic{finite::MaterialName::neo_hookean, VolumetricLaw::logarithmic, 0,
                                    0, 0};
   const auto difference = [&](double approach) {
-    const double a = std::sqrt(approach * 20);
+    constexpr double radius = 200;
+    const double a = std::sqrt(2 * approach * radius);
     double load[2];
     for (const int i : {0, 1}) {
-      auto pressing =
-          layer_under(finite::quadric(20, 20), a, a, i == 0 ? MaterialChoice() : logarithmic, 0.3);
+      auto pressing = layer_under(finite::quadric(radius, radius), a, a,
+                                  i == 0 ? MaterialChoice() : logarithmic, 0);
       pressing.press({0, approach});
       load[i] = pressing.equilibrium().load;
     }
     return std::abs(load[1] / load[0] - 1);
   };
   const double at_2 = difference(0.02), at_1 = difference(0.01);
+  EXPECT_GT(at_2, 1e-4);  // they are not the same
   EXPECT_LT(at_2, 0.02);
-  EXPECT_NEAR(at_2 / at_1, 2, 0.3);
+  EXPECT_LT(at_1, 0.55 * at_2);
 }
 
 TEST(FiniteStrain, IsLinearElasticityForSmallLoads) {
@@ -219,6 +222,20 @@ TEST(FiniteStrain, IsLinearElasticityForSmallLoads) {
     EXPECT_NEAR(one.b_m / other.b_m, 1, 2e-3);
     EXPECT_NEAR(one.peak_pressure_Pa / other.peak_pressure_Pa, 1, 2e-3);
   }
+}
+
+TEST(FiniteStrain, DepartsFromLinearElasticityInProportionToTheLoad) {
+  // At given approach the loads differ by the strain, to its first power.
+  const auto difference = [&](double approach) {
+    Problem problem = problem_of(20 * kThickness_m, 20 * kThickness_m, 0.3, 0);
+    problem.approach_m = approach * kThickness_m;
+    problem.level = 1;
+    const double load_N = solve(problem, silent).finest.load_N;
+    problem.finite_strain.reset();
+    return std::abs(load_N / solve(problem, silent).finest.load_N - 1);
+  };
+  const double at_2 = difference(0.04), at_1 = difference(0.02);
+  EXPECT_NEAR(at_2 / at_1, 2, 0.3);
 }
 
 std::string refusal(const Problem& problem) {

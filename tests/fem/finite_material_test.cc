@@ -138,7 +138,7 @@ TEST_P(EachMaterial, DiffersFromHookesLawAtSecondOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Materials, EachMaterial, testing::ValuesIn(samples()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& test) { return test.param.name; });
 
 TEST(NeoHookean, TwoEnergiesAgreeToFirstOrderInStress) {
   // Their Cauchy stresses differ by the square of the strain: a quarter when it is halved.
