@@ -105,4 +105,16 @@ DeformedContact measure(const FinitePressing& pressing) {
   return contact;
 }
 
+Eigen::VectorXd nodal_pressure(const FinitePressing& pressing) {
+  const FiniteLayer& layer = pressing.layer();
+  const DeformedSurface surface(layer);
+  Eigen::VectorXd pressure = pressing.equilibrium().normal_force;
+  for (std::size_t i = 0; i < layer.nodes().size(); ++i) {
+    const SurfaceNode& node = layer.nodes()[i];
+    double& value = pressure[static_cast<Eigen::Index>(i)];
+    if (value > 0) value /= node.weight * surface.at(node.x, node.y).area_ratio;
+  }
+  return pressure;
+}
+
 }  // namespace softfinger::fem::finite

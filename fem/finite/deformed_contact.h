@@ -20,4 +20,7 @@ struct DeformedContact {
 /// @throws ConvergenceError when the fit leaves the patch
 DeformedContact measure(const FinitePressing& pressing);
 
+/// Cauchy pressure of each surface node: its force over its share of the deformed surface.
+Eigen::VectorXd nodal_pressure(const FinitePressing& pressing);
+
 }  // namespace softfinger::fem::finite

@@ -3,7 +3,10 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/numerics/data_out.h>
+#include <deal.II/numerics/data_postprocessor.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -11,6 +14,7 @@
 #include <utility>
 
 #include "fem/layer_space.h"
+#include "fem/write_file.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -349,6 +353,52 @@ double FiniteLayer::take_step(double fraction) {
         self.start.elements[i], self.displacement_of(indices, self.step), fraction);
   }
   return self.smallest_volume_ratio();
+}
+
+namespace {
+
+/// Of a field that has the contact's pressure in place of the displacement along the load.
+class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
+ public:
+  ContactPressure() : DataPostprocessorScalar("contact_pressure_Pa", dealii::update_values) {}
+  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
+                             std::vector<dealii::Vector<double>>& pressure) const override {
+    for (unsigned int p = 0; p < pressure.size(); ++p)
+      pressure[p][0] = inputs.solution_values[p][2];
+  }
+};
+
+}  // namespace
+
+void FiniteLayer::write_vtu(const std::string& path, const Eigen::VectorXd& pressure,
+                            double thickness_m, double youngs_modulus_Pa) const {
+  auto& self = *implementation_;
+  dealii::Vector<double> displacement_m(self.state.displacement), pressure_Pa(self.dofs.n_dofs());
+  displacement_m *= thickness_m;
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    pressure_Pa[self.node_dofs[i][2]] = youngs_modulus_Pa * pressure[static_cast<Eigen::Index>(i)];
+  dealii::Vector<double> volume_ratio(self.triangulation.n_active_cells());
+  for (std::size_t i = 0; i < self.geometries.size(); ++i)
+    volume_ratio[static_cast<unsigned int>(i)] =
+        (self.geometries[i].linear.transpose() * self.state.elements[i].volume_ratio)
+            .dot(self.geometries[i].weight) /
+        self.geometries[i].weight.sum();
+  dealii::GridTools::scale(thickness_m, self.triangulation);
+  self.bending *= thickness_m;
+  {
+    const ContactPressure contact_pressure;
+    dealii::DataOut<dim> output;
+    output.add_data_vector(self.dofs, displacement_m,
+                           std::vector<std::string>(dim, "displacement_m"),
+                           {dim, dealii::DataComponentInterpretation::component_is_part_of_vector});
+    output.add_data_vector(self.dofs, pressure_Pa, contact_pressure);
+    output.attach_triangulation(self.triangulation);
+    output.add_data_vector(volume_ratio, "volume_ratio", dealii::DataOut<dim>::type_cell_data);
+    output.build_patches(*self.mapping, 2, dealii::DataOut<dim>::curved_inner_cells);
+    write_file(path, "VTU file", [&](std::ostream& file) { output.write_vtu(file); });
+  }
+  self.bending /= thickness_m;
+  dealii::GridTools::scale(1 / thickness_m, self.triangulation);
 }
 
 std::shared_ptr<const FiniteLayer::State> FiniteLayer::state() const {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "fem/finite/element.h"
@@ -70,6 +71,13 @@ class FiniteLayer {
   /// Goes to the start of the step plus this fraction of it. May be called again.
   /// @returns smallest volume ratio; where that is not positive, `linearise` must not be called
   double take_step(double fraction);
+
+  /// displacement_m, contact_pressure_Pa and, per element, the volume ratio, on the undeformed
+  /// mesh, atomically: warped by the displacement it is the deformed layer.
+  /// @param pressure  Cauchy pressure of each surface node, in units of E
+  /// @throws InputError when the file cannot be written
+  void write_vtu(const std::string& path, const Eigen::VectorXd& pressure, double thickness_m,
+                 double youngs_modulus_Pa) const;
 
   /// The state, to come back to.
   struct State;

@@ -71,6 +71,7 @@ class Stopwatch {
 struct Measured {
   LevelResult result;
   DeformedContact contact;
+  std::shared_ptr<const FinitePressing> pressing;
 };
 
 /// What is the same on every mesh.
@@ -145,13 +146,15 @@ class Levels {
 
   Measured solve(const LayerDiscretisation& mesh, int level) const {
     const Stopwatch watch;
-    const FinitePressing pressing = pressed(mesh);
+    auto pressed_on_mesh = std::make_shared<const FinitePressing>(pressed(mesh));
+    const FinitePressing& pressing = *pressed_on_mesh;
     if (pressing.equilibrium().reaches_rim)
       throw ConvergenceError("size of the refined patch", level,
                              pressing.equilibrium().moment_a / mesh.a,
                              "the contact outgrew the patch on refinement");
     Measured measured;
     measured.contact = measure(pressing);
+    measured.pressing = std::move(pressed_on_mesh);
     const Equilibrium& equilibrium = pressing.equilibrium();
     const double h = pressing_.thickness_m, E = problem_.contact.layer.youngs_modulus_Pa;
     LevelResult& result = measured.result;
@@ -213,7 +216,7 @@ class Levels {
 
 /// As for linear elasticity (`reference_solver.cc`): the difference of the two meshes, extrapolated
 /// with a cautious order, plus what it does not show.
-RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine) {
+RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine, double side_wall) {
   const double refinement =
       static_cast<double>(fine.elements_per_semi_axis) / coarse.elements_per_semi_axis;
   const auto error = [&](double LevelResult::*quantity, double order, double common) {
@@ -227,9 +230,38 @@ RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine)
   result.b = error(&LevelResult::b_m, edge_order, edge_common);
   result.area = error(&LevelResult::area_m2, edge_order, 2 * edge_common);
   result.peak_pressure = error(&LevelResult::peak_pressure_Pa, edge_order, peak_common);
-  result.indentation = error(&LevelResult::indentation_m, integral_order, integral_common);
-  result.load = error(&LevelResult::load_N, integral_order, integral_common);
+  result.indentation =
+      error(&LevelResult::indentation_m, integral_order, integral_common) + side_wall;
+  result.load = error(&LevelResult::load_N, integral_order, integral_common) + side_wall;
   result.max_torque = error(&LevelResult::max_torque_Nm, integral_order, integral_common);
+  return result;
+}
+
+/// What the free side wall changes in the approach, at `extent` from the contact's edge: on a
+/// finger there may be no room for the six thicknesses of a flat layer. Measured for nu >= 0.49,
+/// where it is felt most: up to 4 % at 2 h, 0.23 % at 4 h.
+double side_wall_error(const LayerDiscretisation& mesh) {
+  const double extent = std::min({mesh.extent, mesh.reach_x - mesh.a, mesh.reach_y - mesh.b});
+  return extent < mesh.extent ? 0.04 * std::exp(-1.5 * (extent - 2)) : 0;
+}
+
+Profile profile(const FinitePressing& pressing, const Problem& problem, bool along_x) {
+  const double h = problem.contact.layer.thickness_m, E = problem.contact.layer.youngs_modulus_Pa;
+  const Eigen::VectorXd pressure = nodal_pressure(pressing);
+  const auto& nodes = pressing.layer().nodes();
+  std::vector<std::pair<double, double>> points;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (std::abs(along_x ? nodes[i].y : nodes[i].x) > 1e-9) continue;
+    const Eigen::Vector3d at = pressing.layer().position(i);
+    points.emplace_back(h * (along_x ? at.x() : at.y()),
+                        E * pressure[static_cast<Eigen::Index>(i)]);
+  }
+  std::sort(points.begin(), points.end());
+  Profile result;
+  for (const auto& [position_m, pressure_Pa] : points) {
+    result.position_m.push_back(position_m);
+    result.pressure_Pa.push_back(pressure_Pa);
+  }
   return result;
 }
 
@@ -243,21 +275,34 @@ Result solve_finite(const Problem& problem, const Pressing& pressing, const Prog
   if (stop()) throw Interrupted();
   LayerDiscretisation mesh = levels.find_size();
   Result result;
+  double side_wall = 0;
+  std::shared_ptr<const FinitePressing> finest;
   for (const int level : {problem.level - 1, problem.level}) {
     if (stop()) throw Interrupted();
     choose_elements(mesh, level);
     progress("level " + std::to_string(level) + ": " + std::to_string(mesh.elements_per_semi_axis) +
              " elements per semi-axis");
+    finest.reset();  // before the next one takes its memory
     const Measured measured = levels.solve(mesh, level);
+    finest = measured.pressing;
+    side_wall = side_wall_error(mesh);
     result.levels.push_back(measured.result);
     mesh.a = rounded(measured.contact.block_a);
     mesh.b = rounded(measured.contact.block_b);
   }
   result.finest = result.levels.back();
-  result.error = estimate_error(result.levels.front(), result.levels.back());
+  result.error = estimate_error(result.levels.front(), result.levels.back(), side_wall);
   (problem.approach_m > 0 ? result.error.indentation : result.error.load) = 0;  // as given
   result.pressure_exponent =
       result.finest.area_m2 * result.finest.peak_pressure_Pa / result.finest.load_N - 1;
+  result.along_x = profile(*finest, problem, true);
+  result.along_y = profile(*finest, problem, false);
+  if (!problem.output_directory.empty()) {
+    result.vtu_file = problem.output_directory + "/solution.vtu";
+    finest->layer().write_vtu(result.vtu_file, nodal_pressure(*finest),
+                              problem.contact.layer.thickness_m,
+                              problem.contact.layer.youngs_modulus_Pa);
+  }
   result.wall_s = total.seconds();
   result.peak_memory_MB = peak_memory_MB();
   return result;
