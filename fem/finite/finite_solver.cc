@@ -34,6 +34,12 @@ void check(const Problem& problem, const Pressing& pressing) {
     refuse("compliance_file", "none with finite strain, where it changes with the load");
 }
 
+void check_approach(const Problem& problem, const Pressing& pressing) {
+  if (pressing.approach >= 1)
+    throw InputError(problem.name, "approach_m", text("%g", problem.approach_m),
+                     "less than the layer's thickness, which would be pressed through");
+}
+
 std::shared_ptr<const RigidObject> object_of(const Pressing& pressing) {
   if (pressing.fingertip) {
     // A thousandth of the thickness is far below any radius that a layer bears.
@@ -194,6 +200,12 @@ class Levels {
   }
 
  private:
+  const char* driver() const { return problem_.approach_m > 0 ? "approach_m" : "load_N"; }
+  std::string driver_value() const {
+    return text(
+        "%g", problem_.approach_m > 0 ? problem_.approach_m : problem_.contact.load.normal_force_N);
+  }
+
   /// A bent layer's map ends somewhere: the patch and a cell beside it have to fit.
   void check_reach(const LayerDiscretisation& mesh) const {
     const double needed_x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
@@ -270,6 +282,7 @@ Profile profile(const FinitePressing& pressing, const Problem& problem, bool alo
 Result solve_finite(const Problem& problem, const Pressing& pressing, const Progress& progress,
                     const StopRequested& stop) {
   check(problem, pressing);
+  check_approach(problem, pressing);
   const Stopwatch total;
   const Levels levels(problem, pressing, progress, stop);
   if (stop()) throw Interrupted();

@@ -257,6 +257,25 @@ TEST(FiniteStrain, WhatItDoesNotHaveIsRefused) {
   EXPECT_NE(refusal(problem).find("stable material"), std::string::npos);
 }
 
+TEST(FiniteStrain, ApproachOfTheWholeThicknessIsRefused) {
+  Problem problem = problem_of(0.02, 0.02, 0.45, 0);
+  problem.approach_m = kThickness_m;
+  EXPECT_NE(refusal(problem).find("pressed through"), std::string::npos);
+}
+
+TEST(FiniteStrain, ObjectThatTheFingerSlidesOffIsSaidToBeOne) {
+  Problem problem = problem_of(1e-3, 1e-3, 0.3, 0);
+  problem.sphere_radius_m = 1e-3;
+  problem.approach_m = 1.4e-3;
+  problem.level = 1;
+  try {
+    solve(problem, silent);
+    FAIL() << "a sphere was pressed in to 1.4 times its radius";
+  } catch (const ConvergenceError& error) {
+    EXPECT_NE(std::string(error.what()).find("slides off"), std::string::npos) << error.what();
+  }
+}
+
 TEST(FiniteStrain, LoadThatTheLayerCannotCarryEndsWithTheLastOneThatConverged) {
   Problem problem = problem_of(0.004, 0.004, 0.3, 60);
   problem.level = 1;
