@@ -162,6 +162,7 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
   equilibrium.load = copies() * equilibrium.force.sum();
   equilibrium.energy = copies() * layer_->strain_energy();
   equilibrium.reaches_rim = false;
+  equilibrium.steepest_rad = 0;
   double xx = 0, yy = 0, penetration = 0;
   const double spacing_a = 0.5 / discretisation.elements_along_a();
   const double spacing_b = 0.5 / discretisation.elements_per_semi_axis;
@@ -172,6 +173,8 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
     const double clearance = touching[i].gap - equilibrium.approach;
     penetration = std::max(penetration, force > 0 ? std::abs(clearance) : -clearance);
     if (force <= 0) continue;
+    equilibrium.steepest_rad =
+        std::max(equilibrium.steepest_rad, std::acos(1 / touching[i].secant));
     const double x = std::abs(nodes[i].x), y = std::abs(nodes[i].y);
     xx += force * x * x;
     yy += force * y * y;

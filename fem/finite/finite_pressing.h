@@ -32,6 +32,7 @@ struct Equilibrium {
   double load = 0;    ///< of the whole contact
   double energy = 0;  ///< strain energy of the whole layer
   int active = 0;
+  double steepest_rad = 0;    ///< slope of the object where it is touched
   bool reaches_rim = false;   ///< of the region where contact is possible
   double out_of_balance = 0;  ///< largest nodal force out of balance over the largest contact force
   double complementarity_residual = 0;  ///< worst penetration over the approach

@@ -108,9 +108,15 @@ class Levels {
                     "finite strain beyond %.4g N (indentation %.4g mm, %.3g of the thickness), the "
                     "last load that is converged,",
                     last.load * E * h * h, 1e3 * h * last.approach, last.approach);
+      // From there on a contact wraps around the object.
+      constexpr double steep_rad = M_PI / 4;
       throw ConvergenceError(
           where, error.iteration(), error.residual(),
-          "the layer is nearly pressed through, or its surface folds: less load");
+          last.steepest_rad > steep_rad
+              ? "the contact reaches where the object is" +
+                    text(" %.0f degrees", last.steepest_rad * 180 / M_PI) +
+                    " steep and the finger's surface slides off: less load or a larger object"
+              : "the layer is nearly pressed through, or its surface folds: less load");
     }
     return result;
   }
@@ -236,7 +242,10 @@ RelativeError estimate_error(const LevelResult& coarse, const LevelResult& fine,
            common;
   };
   constexpr double integral_order = 1.6, edge_order = 1;
-  constexpr double integral_common = 1e-4, edge_common = 1e-3, peak_common = 2e-3;
+  constexpr double integral_common = 1e-4, edge_common = 1e-3;
+  // Of the fit of a strongly deformed contact: the peak was 0.3 % low, up to 0.5 %, on the finer of
+  // two levels that agreed to 0.2 % (level 2, d/h from 0.05 to 0.4).
+  constexpr double peak_common = 4e-3;
   RelativeError result;
   result.a = error(&LevelResult::a_m, edge_order, edge_common);
   result.b = error(&LevelResult::b_m, edge_order, edge_common);
