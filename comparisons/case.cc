@@ -156,12 +156,7 @@ void read_layers(const TomlReader& reader, const toml::table& root, Case& result
     const toml::table& table = reader.required_table(root, "layer");
     reader.check_keys(table, "[layer]",
                       {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio", "winkler_modulus",
-                       "material", "volumetric"});
-    for (const char* key : {"material", "volumetric"})
-      if (const toml::node* node = table.get(key))
-        reader.refuse(*node, key,
-                      "nothing here: it needs [fem] kinematics = \"finite\", which this version "
-                      "does not have");
+                       "material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"});
     result.layer = reader.elastic_layer(table, "[layer]");
     read_winkler_modulus(reader, table, result);
   }
@@ -270,8 +265,50 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
     result.fem_mesh_metres_per_unit =
         reader.choice(*unit, "mesh_unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
   if (const toml::node* kinematics = table.get("kinematics"))
-    if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite")
-      reader.refuse(*kinematics, "kinematics", "\"linear\"; finite strain is not in this version");
+    if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite") {
+      if (!result.fem_mesh.empty())
+        reader.refuse(*kinematics, "kinematics", "\"linear\" with a mesh of the layer");
+      result.fem_finite = FiniteStrain();
+    }
+}
+
+/// What only finite strain has in [layer].
+void read_material(const TomlReader& reader, const toml::table& root, Case& result) {
+  const toml::node* layer = root.get("layer");
+  if (!layer) return;
+  const toml::table& table = *layer->as_table();
+  if (!result.fem_finite) {
+    for (const char* key : {"material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"})
+      if (const toml::node* node = table.get(key))
+        reader.refuse(*node, key, "nothing here: it needs [fem] kinematics = \"finite\"");
+    return;
+  }
+  FiniteStrain& material = *result.fem_finite;
+  if (const toml::node* node = table.get("material"))
+    material.material = reader.choice(*node, "material", {"neo_hookean", "mooney_rivlin", "yeoh"});
+  if (const toml::node* node = table.get("volumetric"))
+    material.volumetric = reader.choice(*node, "volumetric", {"quadratic", "logarithmic"});
+  const auto require = [&](const char* key, const char* of) {
+    const toml::node* node = table.get(key);
+    if (node && material.material != of)
+      reader.refuse(*node, key, std::string("nothing here: it needs material = \"") + of + "\"");
+    return material.material == of ? &reader.required(table, "[layer]", key) : nullptr;
+  };
+  if (const toml::node* node = require("mooney_rivlin_share", "mooney_rivlin"))
+    material.mooney_rivlin_share =
+        reader.number(*node, "mooney_rivlin_share", "c01/(c10 + c01), 0 to 1");
+  if (const toml::node* node = require("yeoh_ratios", "yeoh"))
+    material.yeoh_ratios =
+        reader.numbers(*node, "yeoh_ratios", 2, "two numbers, c20/c10 and c30/c10");
+}
+
+/// At finite strain the layer is wrapped around a finger of which more than the curvature counts:
+/// one without a shape of its own is a body that closes, a sphere for equal radii, not a
+/// paraboloid.
+void settle_finger_shape(const toml::table& geometry, Case& result) {
+  if (!result.fem_finite || !result.fem_curved) return;
+  auto* finger = std::get_if<QuadricBody>(&std::get<BodyPair>(result.geometry).finger);
+  if (finger && !geometry.at_path("finger.shape")) finger->shape = FingerShape::ellipsoid;
 }
 
 }  // namespace
@@ -297,6 +334,8 @@ Case parse_case(const std::string& text, const fs::path& file) {
   read_contact(reader, reader.required_table(root, "contact"), result);
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
+  read_material(reader, root, result);
+  settle_finger_shape(geometry, result);
   return result;
 }
 

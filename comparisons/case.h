@@ -14,7 +14,7 @@
 namespace softfinger {
 
 /// How a finger goes on beyond its radii at the contact point: only finite elements on its curved
-/// layer see it.
+/// layer see it. Without a word of it in the file: a paraboloid, at finite strain an ellipsoid.
 enum class FingerShape { paraboloid, ellipsoid, tapered };
 
 /// A paraboloid by its principal radii; infinite = flat, negative = concave.
@@ -46,6 +46,15 @@ struct BodyPair {
   double angle_rad = 0;
 };
 
+/// A hyperelastic layer; its small-strain constants are those of [layer]. What the parameters may
+/// be is the finite-element program's to say (`softfinger explain neo_hookean`).
+struct FiniteStrain {
+  std::string material = "neo_hookean";
+  std::string volumetric = "quadratic";
+  double mooney_rivlin_share = 0;
+  std::vector<double> yeoh_ratios;  ///< two, or none
+};
+
 /// A case with every value checked, in SI units.
 struct Case {
   std::string id;
@@ -67,6 +76,7 @@ struct Case {
   bool fem_curved = false;         ///< finite elements on the finger's own curved core
   std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
   double fem_mesh_metres_per_unit = 1e-3;
+  std::optional<FiniteStrain> fem_finite;  ///< none: linear elasticity
 
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
     return {radii, layer, {load_N, friction_coefficient}, object_layer, options};

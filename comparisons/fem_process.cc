@@ -83,6 +83,14 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
                             {"load_N", load_N},
                             {"friction_coefficient", contact_case.friction_coefficient},
                             {"level", level}};
+  if (const auto& finite = contact_case.fem_finite) {
+    problem["kinematics"] = "finite";
+    nlohmann::json& layer = problem["layer"];
+    layer["material"] = finite->material;
+    layer["volumetric"] = finite->volumetric;
+    layer["mooney_rivlin_share"] = finite->mooney_rivlin_share;
+    if (!finite->yeoh_ratios.empty()) layer["yeoh_ratios"] = finite->yeoh_ratios;
+  }
   if (!contact_case.fem_mesh.empty()) {
     // A mesh that was written anew is another problem.
     std::error_code ignored;

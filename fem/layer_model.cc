@@ -1,490 +1,40 @@
 #include "fem/layer_model.h"
 
-#include <deal.II/base/quadrature_lib.h>
-#include <deal.II/dofs/dof_handler.h>
 #include <deal.II/dofs/dof_tools.h>
-#include <deal.II/fe/fe_q.h>
-#include <deal.II/fe/fe_system.h>
-#include <deal.II/fe/fe_values.h>
-#include <deal.II/fe/mapping_q1.h>
-#include <deal.II/fe/mapping_q_eulerian.h>
 #include <deal.II/grid/grid_tools.h>
-#include <deal.II/grid/tria.h>
-#include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
-#include <deal.II/lac/full_matrix.h>
-#include <deal.II/lac/sparse_matrix.h>
-#include <deal.II/lac/vector.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <functional>
-#include <map>
-#include <numeric>
 
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
+#include "fem/layer_space.h"
 #include "fem/write_vtu.h"
-#include "meshes/generation/layer_block.h"
-#include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
 namespace {
 
-constexpr int dim = 3;
 using dealii::types::global_dof_index;
-
-bool at(double coordinate, double plane) { return std::abs(coordinate - plane) < 1e-9; }
-
-/// The coarse lattice that, halved `refinements` times, gives cells of the size the contact asks
-/// for.
-struct Lattice {
-  meshes::LayerBlock block;
-  int refinements = 0;
-};
-
-Lattice plan_lattice(const LayerDiscretisation& discretisation) {
-  const double fine_x = discretisation.a / discretisation.elements_along_a();
-  const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
-  Lattice lattice;
-  // The coarsest cells are at most as long as the layer is thick, the finest about as deep as wide.
-  lattice.refinements = std::max(0, static_cast<int>(std::floor(std::log2(1.0 / fine_x) + 0.1)));
-  const double coarsening = std::ldexp(1.0, lattice.refinements);
-  auto& block = lattice.block;
-  block.thickness = 1;
-  block.cells_z = std::max(1, static_cast<int>(std::floor(1.0 / (coarsening * fine_y) + 0.4)));
-  block.cell_x = coarsening * fine_x;
-  block.cell_y = coarsening * fine_y;
-  block.inner_x = discretisation.patch * discretisation.a;
-  block.inner_y = discretisation.patch * discretisation.b;
-  block.length_x =
-      std::max(discretisation.a + discretisation.extent, block.inner_x + 2 * block.cell_x);
-  block.length_y =
-      std::max(discretisation.b + discretisation.extent, block.inner_y + 2 * block.cell_y);
-  // A bent layer ends at its reach; near it even the coarsest cells are small enough to fit.
-  const auto fit = [](double inner, double reach, double& cell, double& length) {
-    length = std::min(length, reach);
-    if (std::ceil(inner / cell - 1e-9) * cell < 0.98 * length) return;
-    const double cells = std::ceil(inner / (0.98 * length - inner));
-    cell = inner / cells;
-  };
-  fit(block.inner_x, discretisation.reach_x, block.cell_x, block.length_x);
-  fit(block.inner_y, discretisation.reach_y, block.cell_y, block.length_y);
-  block.growth = 1.5;
-  return lattice;
-}
-
-void make_triangulation(const meshes::HexahedralMesh& mesh,
-                        dealii::Triangulation<dim>& triangulation) {
-  std::vector<dealii::Point<dim>> vertices;
-  vertices.reserve(mesh.vertices.size());
-  for (const auto& vertex : mesh.vertices)
-    vertices.emplace_back(vertex.x(), vertex.y(), vertex.z());
-  std::vector<dealii::CellData<dim>> cells(mesh.cells.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    constexpr std::array<int, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
-    for (std::size_t v = 0; v < 8; ++v)
-      cells[i].vertices[v] =
-          static_cast<unsigned int>(mesh.cells[i][static_cast<std::size_t>(lexicographic[v])]);
-  }
-  dealii::SubCellData none;
-  std::vector<unsigned int> all;  // the vertices that mirror images share
-  dealii::GridTools::delete_duplicated_vertices(vertices, cells, none, all, 1e-9);
-  dealii::GridTools::delete_unused_vertices(vertices, cells, none);
-  dealii::GridTools::invert_all_negative_measure_cells(vertices, cells);
-  dealii::GridTools::consistently_order_cells(cells);
-  triangulation.create_triangulation(vertices, cells, none);
-}
-
-/// The whole of which a mesh is the quarter x, y >= 0.
-meshes::HexahedralMesh with_mirror_images(const meshes::HexahedralMesh& quarter) {
-  meshes::HexahedralMesh whole;
-  for (const double sign_x : {1.0, -1.0})
-    for (const double sign_y : {1.0, -1.0}) {
-      std::vector<int> index;
-      for (const Eigen::Vector3d& vertex : quarter.vertices) {
-        index.push_back(static_cast<int>(whole.vertices.size()));
-        whole.vertices.emplace_back(sign_x * vertex.x(), sign_y * vertex.y(), vertex.z());
-      }
-      for (auto cell : quarter.cells) {
-        for (int& vertex : cell) vertex = index[static_cast<std::size_t>(vertex)];
-        // A mirror image lists its faces clockwise.
-        if (sign_x * sign_y < 0)
-          for (const std::size_t face : {0, 4}) std::swap(cell[face + 1], cell[face + 3]);
-        whole.cells.push_back(cell);
-      }
-    }
-  return whole;
-}
-
-/// Halves the cells near the patch, level by level, so that cell size grows with the distance.
-void refine_towards_patch(const LayerDiscretisation& discretisation, int refinements,
-                          dealii::Triangulation<dim>& triangulation) {
-  const double patch_x = discretisation.patch * discretisation.a;
-  const double patch_y = discretisation.patch * discretisation.b;
-  for (int step = 0; step < refinements; ++step) {
-    for (const auto& cell : triangulation.active_cell_iterators()) {
-      const auto box = cell->bounding_box();
-      const auto &low = box.get_boundary_points().first, &high = box.get_boundary_points().second;
-      // A cell is halved while it is nearer to the patch than its longest side: measured along its
-      // own sides, flat cells would leave the stress under the patch to coarse ones.
-      const auto size = high - low;
-      const double reach = std::max({size[0], size[1], size[2]});
-      const auto distance = [&](unsigned int c) { return std::max({0.0, low[c], -high[c]}); };
-      const double x = std::max(0.0, distance(0) - reach) / patch_x;
-      const double y = std::max(0.0, distance(1) - reach) / patch_y;
-      const bool near = x * x + y * y < 1 && -high[2] <= reach * (1 + 1e-9);
-      if (near) cell->set_refine_flag();
-    }
-    triangulation.execute_coarsening_and_refinement();
-  }
-}
-
-/// Marks of the faces of a mesh from outside; all others are free.
-enum : dealii::types::boundary_id { contact_face = 1, core_face = 2 };
-
-void make_triangulation(const meshes::LayerMesh& mesh, double thickness,
-                        dealii::Triangulation<dim>& triangulation) {
-  std::vector<dealii::Point<dim>> vertices;
-  for (const auto& vertex : mesh.hexahedra.vertices)
-    vertices.emplace_back(vertex.x() / thickness, vertex.y() / thickness, vertex.z() / thickness);
-  std::vector<dealii::CellData<dim>> cells;
-  for (const auto& vertices_of : mesh.hexahedra.cells) {
-    cells.emplace_back();
-    for (std::size_t v = 0; v < 8; ++v) {
-      constexpr std::array<std::size_t, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
-      cells.back().vertices[v] = static_cast<unsigned int>(vertices_of[lexicographic[v]]);
-    }
-  }
-  dealii::SubCellData faces;
-  const auto mark = [&](const std::vector<std::array<int, 4>>& marked,
-                        dealii::types::boundary_id id) {
-    for (const auto& face : marked) {
-      faces.boundary_quads.emplace_back();
-      faces.boundary_quads.back().boundary_id = id;
-      for (std::size_t v = 0; v < 4; ++v) {
-        constexpr std::array<std::size_t, 4> lexicographic{0, 1, 3, 2};
-        faces.boundary_quads.back().vertices[v] = static_cast<unsigned int>(face[lexicographic[v]]);
-      }
-    }
-  };
-  mark(mesh.contact, contact_face);
-  mark(mesh.core, core_face);
-  dealii::GridTools::consistently_order_cells(cells);
-  triangulation.create_triangulation(vertices, cells, faces);
-}
-
-using Box = std::pair<dealii::Point<dim>, dealii::Point<dim>>;
-
-template <class Object>
-Box box_of(const Object& object) {
-  return object->bounding_box().get_boundary_points();
-}
-
-double distance(const Box& one, const Box& other) {
-  double squares = 0;
-  for (unsigned int c = 0; c < dim; ++c) {
-    const double apart =
-        std::max({0.0, one.first[c] - other.second[c], other.first[c] - one.second[c]});
-    squares += apart * apart;
-  }
-  return std::sqrt(squares);
-}
-
-/// Whether a face reaches into the ellipse where contact is possible, seen along the load.
-template <class Face>
-bool is_in_patch(const Face& face, const LayerDiscretisation& discretisation) {
-  const auto [low, high] = box_of(face);
-  const double x = std::max({0.0, low[0], -high[0]}) / (discretisation.patch * discretisation.a);
-  const double y = std::max({0.0, low[1], -high[1]}) / (discretisation.patch * discretisation.b);
-  return x * x + y * y < 1;
-}
-
-using Face = dealii::Triangulation<dim>::face_iterator;
-
-std::vector<Face> patch_faces(const LayerDiscretisation& discretisation,
-                              const dealii::Triangulation<dim>& triangulation) {
-  std::vector<Face> result;
-  for (const auto& cell : triangulation.active_cell_iterators())
-    for (const unsigned int f : cell->face_indices())
-      if (cell->face(f)->at_boundary() && cell->face(f)->boundary_id() == contact_face &&
-          is_in_patch(cell->face(f), discretisation))
-        result.push_back(cell->face(f));
-  return result;
-}
-
-double longest_side(const Face& face) {
-  double longest = 0;
-  for (unsigned int i = 0; i < 4; ++i) longest = std::max(longest, face->line(i)->diameter());
-  return longest;
-}
-
-/// Halves the cells near the patch like those of our own block, until its faces are small enough.
-/// @returns cells along b
-int refine_towards_patch(const LayerDiscretisation& discretisation,
-                         dealii::Triangulation<dim>& triangulation) {
-  constexpr int most_halvings = 12;
-  for (int step = 0;; ++step) {
-    const std::vector<Face> faces = patch_faces(discretisation, triangulation);
-    double size = 0;
-    for (const Face& face : faces) size = std::max(size, longest_side(face));
-    // Sizes that are meant to be equal differ by round-off.
-    const double cells = size > 0 ? discretisation.b / size : 0;
-    if (size == 0 || step == most_halvings ||
-        cells * (1 + 1e-6) >= discretisation.elements_per_semi_axis)
-      return static_cast<int>(cells * (1 + 1e-6));
-    std::vector<Box> patch;
-    for (const Face& face : faces) patch.push_back(box_of(face));
-    for (const auto& cell : triangulation.active_cell_iterators()) {
-      const Box box = box_of(cell);
-      const auto sides = box.second - box.first;
-      const double reach = std::max({sides[0], sides[1], sides[2]});
-      if (std::any_of(patch.begin(), patch.end(),
-                      [&](const Box& face) { return distance(face, box) <= reach * (1 + 1e-9); }))
-        cell->set_refine_flag();
-    }
-    triangulation.execute_coarsening_and_refinement();
-  }
-}
-
-/// The unknowns of one problem: what neither the bond, nor hanging nodes, nor a symmetry fixes.
-struct Unknowns {
-  std::vector<int> of_dof;  ///< -1 where fixed
-  int count = 0;
-};
 
 }  // namespace
 
-int LayerDiscretisation::elements_along_a() const {
-  constexpr double longest_cell = 3;
-  return std::max(elements_per_semi_axis,
-                  static_cast<int>(std::ceil(elements_per_semi_axis * a / (b * longest_cell))));
-}
+struct LayerModel::Implementation : LayerSpace {
+  using LayerSpace::LayerSpace;
 
-struct LayerModel::Implementation {
-  LayerDiscretisation discretisation;
   double poisson_ratio = 0;
-  // What smoothing would add beyond this (up to as many cells again) moves no result by its stated
-  // error.
-  dealii::Triangulation<dim> triangulation{
-      dealii::Triangulation<dim>::limit_level_difference_at_vertices};
-  dealii::FESystem<dim> element{dealii::FE_Q<dim>(2), dim};
-  dealii::DoFHandler<dim> dofs{triangulation};
-  std::shared_ptr<const LayerShape> shape;
-  bool whole = false;
-  bool meshed = false;             ///< from outside
-  dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
-  std::unique_ptr<dealii::Mapping<dim>> mapping;
-  dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
-  std::vector<char> on_plane;                     ///< per dof: bit 0 on x = 0, bit 1 on y = 0
-  std::vector<char> component;                    ///< per dof: 0 to 2
-  std::vector<global_dof_index> node_of;          ///< per dof: the first dof of its node
   dealii::SparsityPattern pattern;
-  dealii::SparseMatrix<double> stiffness;                  ///< without the symmetries
-  std::vector<std::array<global_dof_index, 3>> node_dofs;  ///< of each surface node
-  std::vector<SurfaceNode> nodes;
-  std::vector<SurfaceFace> faces;
-  std::vector<Eigen::Matrix3d> frames;  ///< of a bent layer's surface nodes
-  std::vector<int> surface_node;        ///< of a bent layer, per dof; -1 elsewhere
-  Unknowns even;                        ///< of the problem whose factor is kept
+  dealii::SparseMatrix<double> stiffness;  ///< without the symmetries
+  std::vector<Eigen::Matrix3d> frames;     ///< of a bent layer's surface nodes
+  Unknowns even;                           ///< of the problem whose factor is kept
   std::unique_ptr<CholeskyFactor> factor;
-  std::vector<int> dissection;  ///< of all dofs, for every parity
   Eigen::MatrixXd compliance;
 
-  void bend(const std::vector<dealii::Point<dim>>& support);
-  void constrain(const std::vector<dealii::Point<dim>>& support);
-  void collect_surface(const std::vector<dealii::Point<dim>>& support);
-  void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
-  std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
   void set_frames();
   void factorise();
-  void turn_to_normals(const std::vector<global_dof_index>& indices,
-                       dealii::FullMatrix<double>& matrix) const;
   void assemble();
-  Unknowns free_unknowns(Parity parity) const;
-  SparseSymmetricMatrix lower_triangle(const Unknowns& free) const;
-  void dissect(const SparseSymmetricMatrix& even_matrix);
-  std::vector<int> dissection_of(const Unknowns& free) const;
 };
-
-/// The layer's shape as a quadratic displacement of the block, continuous across hanging nodes.
-void LayerModel::Implementation::bend(const std::vector<dealii::Point<dim>>& support) {
-  if (!shape) {
-    mapping = std::make_unique<dealii::MappingQ1<dim>>();
-    return;
-  }
-  bending.reinit(dofs.n_dofs());
-  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
-  for (const auto& cell : dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
-    for (unsigned int i = 0; i < indices.size(); ++i) {
-      const auto& point = support[indices[i]];
-      const unsigned int c = element.system_to_component_index(i).first;
-      // One component at a time: the map is called three times per node, which is little work.
-      bending[indices[i]] = shape->position(point[0], point[1], point[2])[c] - point[c];
-    }
-  }
-  dealii::AffineConstraints<double> hanging;
-  dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
-  hanging.close();
-  hanging.distribute(bending);
-  mapping =
-      std::make_unique<dealii::MappingQEulerian<dim, dealii::Vector<double>>>(2, dofs, bending);
-}
-
-void LayerModel::Implementation::constrain(const std::vector<dealii::Point<dim>>& support) {
-  dealii::DoFTools::make_hanging_node_constraints(dofs, constraints);
-  on_plane.assign(dofs.n_dofs(), 0);
-  component.assign(dofs.n_dofs(), 0);
-  node_of.assign(dofs.n_dofs(), 0);
-  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
-  std::vector<char> bonded(dofs.n_dofs(), 0);
-  for (const auto& cell : dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
-    for (unsigned int i = 0; i < indices.size(); ++i) {
-      const auto dof = indices[i];
-      const auto [component_of_dof, node] = element.system_to_component_index(i);
-      component[dof] = static_cast<char>(component_of_dof);
-      node_of[dof] = indices[element.component_to_system_index(0, node)];
-      on_plane[dof] = static_cast<char>((!whole && at(support[dof][0], 0) ? 1 : 0) +
-                                        (!whole && at(support[dof][1], 0) ? 2 : 0));
-      bonded[dof] = at(support[dof][2], -1);
-    }
-  }
-  if (meshed) bonded = dofs_on([](auto id) { return id == core_face; });
-  for (global_dof_index i = 0; i < bonded.size(); ++i)
-    if (bonded[i] && !constraints.is_constrained(i)) constraints.add_line(i);
-  constraints.close();
-}
-
-void LayerModel::Implementation::collect_surface(const std::vector<dealii::Point<dim>>& support) {
-  const double fine_x = discretisation.a / discretisation.elements_along_a();
-  const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
-  const double patch_x = discretisation.patch * discretisation.a;
-  const double patch_y = discretisation.patch * discretisation.b;
-  std::map<global_dof_index, int> node_of_dof;  // by the dof of the normal displacement
-  std::vector<global_dof_index> indices(element.n_dofs_per_face());
-  for (const auto& cell : dofs.active_cell_iterators())
-    for (const unsigned int f : cell->face_indices()) {
-      const auto face = cell->face(f);
-      if (!face->at_boundary() || !at(face->center()[2], 0)) continue;
-      const auto box = face->bounding_box();
-      const auto &low = box.get_boundary_points().first, &high = box.get_boundary_points().second;
-      SurfaceFace surface{low[0], low[1], high[0] - low[0], high[1] - low[1], {}};
-      // Finest faces only: they form a regular grid.
-      if (surface.size_x > 1.01 * fine_x || surface.size_y > 1.01 * fine_y) continue;
-      surface.node.fill(-1);
-      face->get_dof_indices(indices);
-      bool touchable = false;
-      for (unsigned int i = 0; i < indices.size(); ++i) {
-        if (element.face_system_to_component_index(i, f).first != 2) continue;
-        const auto& point = support[indices[i]];
-        const double x = point[0] / patch_x, y = point[1] / patch_y;
-        if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
-        const auto [entry, is_new] =
-            node_of_dof.emplace(indices[i], static_cast<int>(nodes.size()));
-        if (is_new) {
-          SurfaceNode node{point[0], point[1]};
-          node.position = {point[0], point[1], 0};
-          if (shape) {
-            node.position = shape->position(point[0], point[1], 0);
-            node.normal = shape->normal(point[0], point[1]);
-            node.area_ratio = shape->area_ratio(point[0], point[1]);
-          }
-          nodes.push_back(node);
-          node_dofs.emplace_back();
-        }
-        const auto column = std::lround(2 * (point[0] - surface.x) / surface.size_x);
-        const auto row = std::lround(2 * (point[1] - surface.y) / surface.size_y);
-        surface.node[static_cast<std::size_t>(column + 3 * row)] = entry->second;
-        // Integrals of the biquadratic shape functions: Simpson's weights, all positive.
-        const double simpson[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
-        nodes[static_cast<std::size_t>(entry->second)].weight +=
-            simpson[column] * simpson[row] * surface.size_x * surface.size_y;
-        touchable = true;
-      }
-      for (const auto dof : indices) {
-        const auto column = std::lround(2 * (support[dof][0] - surface.x) / surface.size_x);
-        const auto row = std::lround(2 * (support[dof][1] - surface.y) / surface.size_y);
-        const int node = surface.node[static_cast<std::size_t>(column + 3 * row)];
-        if (node >= 0)
-          node_dofs[static_cast<std::size_t>(node)][static_cast<std::size_t>(component[dof])] = dof;
-      }
-      if (touchable) faces.push_back(surface);
-    }
-}
-
-std::vector<char> LayerModel::Implementation::dofs_on(
-    const std::function<bool(dealii::types::boundary_id)>& is_meant) const {
-  std::vector<char> result(dofs.n_dofs(), 0);
-  std::vector<global_dof_index> indices(element.n_dofs_per_face());
-  for (const auto& cell : dofs.active_cell_iterators())
-    for (const unsigned int f : cell->face_indices()) {
-      if (!cell->face(f)->at_boundary() || !is_meant(cell->face(f)->boundary_id())) continue;
-      cell->face(f)->get_dof_indices(indices);
-      for (const auto dof : indices) result[dof] = 1;
-    }
-  return result;
-}
-
-/// The faces are any quadrilaterals: areas and normals by integration over them.
-void LayerModel::Implementation::collect_meshed_surface(
-    const std::vector<dealii::Point<dim>>& support) {
-  const std::vector<char> at_end = dofs_on([](auto id) { return id != contact_face; });
-  const double patch_x = discretisation.patch * discretisation.a;
-  const double patch_y = discretisation.patch * discretisation.b;
-  dealii::FEFaceValues<dim> values(
-      *mapping, element, dealii::QGauss<dim - 1>(3),
-      dealii::update_values | dealii::update_normal_vectors | dealii::update_JxW_values);
-  std::map<global_dof_index, int> node_of_dof;  // by the node's first dof
-  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
-  for (const auto& cell : dofs.active_cell_iterators())
-    for (const unsigned int f : cell->face_indices()) {
-      const auto face = cell->face(f);
-      if (!face->at_boundary() || face->boundary_id() != contact_face ||
-          !is_in_patch(face, discretisation))
-        continue;
-      values.reinit(cell, f);
-      cell->get_dof_indices(indices);
-      for (unsigned int i = 0; i < indices.size(); ++i) {
-        const unsigned int c = element.system_to_component_index(i).first;
-        if (!element.has_support_on_face(i, f)) continue;
-        const auto& point = support[indices[i]];
-        const double x = point[0] / patch_x, y = point[1] / patch_y;
-        if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
-        const auto [entry, is_new] =
-            node_of_dof.emplace(node_of[indices[i]], static_cast<int>(nodes.size()));
-        if (is_new) {
-          SurfaceNode node;
-          node.x = point[0];
-          node.y = point[1];
-          node.position = {point[0], point[1], point[2]};
-          node.normal.setZero();
-          node.at_end = at_end[indices[i]] != 0;
-          nodes.push_back(node);
-          node_dofs.emplace_back();
-        }
-        const auto index = static_cast<std::size_t>(entry->second);
-        node_dofs[index][c] = indices[i];
-        if (c != 2) continue;
-        for (const unsigned int q : values.quadrature_point_indices()) {
-          const double area = values.shape_value(i, q) * values.JxW(q);
-          const auto& normal = values.normal_vector(q);
-          nodes[index].weight += area;
-          nodes[index].normal += area * Eigen::Vector3d(normal[0], normal[1], normal[2]);
-        }
-      }
-    }
-  for (SurfaceNode& node : nodes) {
-    node.normal.normalize();
-    // Weight and ratio are those of the block elsewhere: seen along the load.
-    node.area_ratio = 1 / node.normal.z();
-    node.weight *= node.normal.z();
-  }
-}
 
 void LayerModel::Implementation::assemble() {
   {
@@ -498,157 +48,33 @@ void LayerModel::Implementation::assemble() {
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     dealii::FullMatrix<double> of_element = of_cell(cell);
-    if (!frames.empty()) turn_to_normals(indices, of_element);
+    if (!frames.empty()) turn_to_frames(frames, indices, of_element);
     constraints.distribute_local_to_global(of_element, indices, stiffness);
   }
 }
 
-/// On a bent layer the surface nodes' unknowns are the components along their frames: then only the
-/// normal ones have to be condensed on.
-void LayerModel::Implementation::turn_to_normals(const std::vector<global_dof_index>& indices,
-                                                 dealii::FullMatrix<double>& matrix) const {
-  std::map<int, std::array<unsigned int, 3>> places;
-  for (unsigned int i = 0; i < indices.size(); ++i)
-    if (const int node = surface_node[indices[i]]; node >= 0)
-      places[node][static_cast<std::size_t>(component[indices[i]])] = i;
-  for (const auto& [node, place] : places) {
-    const Eigen::Matrix3d& frame = frames[static_cast<std::size_t>(node)];
-    for (unsigned int j = 0; j < indices.size(); ++j) {
-      const Eigen::Vector3d row(matrix(place[0], j), matrix(place[1], j), matrix(place[2], j));
-      const Eigen::Vector3d turned = frame.transpose() * row;
-      for (unsigned int c = 0; c < 3; ++c) matrix(place[c], j) = turned[c];
-    }
-    for (unsigned int j = 0; j < indices.size(); ++j) {
-      const Eigen::Vector3d column(matrix(j, place[0]), matrix(j, place[1]), matrix(j, place[2]));
-      const Eigen::Vector3d turned = frame.transpose() * column;
-      for (unsigned int c = 0; c < 3; ++c) matrix(j, place[c]) = turned[c];
-    }
-  }
-}
-
-/// Frames whose z is the outward normal, and which unknowns they turn.
+/// Frames whose z is the outward normal.
 void LayerModel::Implementation::set_frames() {
-  surface_node.assign(dofs.n_dofs(), -1);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (const auto dof : node_dofs[i]) surface_node[dof] = static_cast<int>(i);
-    // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it; y likewise.
-    frames.push_back(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), nodes[i].normal)
+  // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it; y likewise.
+  for (const SurfaceNode& node : nodes)
+    frames.push_back(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), node.normal)
                          .toRotationMatrix());
-  }
-  for (const auto& line : constraints.get_lines())
-    for (const auto& entry : line.entries)
-      if (surface_node[entry.first] >= 0)
-        throw ConvergenceError("mesh of the bent layer", static_cast<int>(entry.first), 0,
-                               "a hanging node leans on the contact's nodes; change the level");
-}
-
-Unknowns LayerModel::Implementation::free_unknowns(Parity parity) const {
-  Unknowns result;
-  result.of_dof.assign(dofs.n_dofs(), -1);
-  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
-    const bool fixed_x = (on_plane[i] & 1) && (component[i] == 0) != parity.odd_x;
-    const bool fixed_y = (on_plane[i] & 2) && (component[i] == 1) != parity.odd_y;
-    if (!fixed_x && !fixed_y && !constraints.is_constrained(i)) result.of_dof[i] = result.count++;
-  }
-  return result;
-}
-
-/// Fixed unknowns are left out before the ordering sees them.
-SparseSymmetricMatrix LayerModel::Implementation::lower_triangle(const Unknowns& free) const {
-  SparseSymmetricMatrix lower;
-  lower.size = free.count;
-  lower.column_begin.reserve(static_cast<std::size_t>(free.count) + 1);
-  lower.column_begin.push_back(0);
-  lower.row.reserve(pattern.n_nonzero_elements() / 2 + static_cast<std::size_t>(free.count));
-  lower.value.reserve(lower.row.capacity());
-  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
-    if (free.of_dof[i] < 0) continue;
-    // Row i of a symmetric matrix is its column i; deal.II puts the diagonal first, then ascends.
-    for (auto entry = stiffness.begin(i); entry != stiffness.end(i); ++entry) {
-      const int row = free.of_dof[entry->column()];
-      if (row < free.of_dof[i]) continue;
-      lower.row.push_back(row);
-      lower.value.push_back(entry->value());
-    }
-    lower.column_begin.push_back(static_cast<int>(lower.row.size()));
-  }
-  return lower;
-}
-
-/// The problems of all parities have nearly one graph: they differ in components on the planes.
-/// Node by node, the order found for one of them serves them all.
-void LayerModel::Implementation::dissect(const SparseSymmetricMatrix& even_matrix) {
-  const std::vector<int> order = nested_dissection(even_matrix);
-  std::vector<int> rank(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
-  // Of a node, its first unknown's.
-  std::vector<int> node_rank(dofs.n_dofs(), even.count);
-  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i)
-    if (even.of_dof[i] >= 0)
-      node_rank[node_of[i]] =
-          std::min(node_rank[node_of[i]], rank[static_cast<std::size_t>(even.of_dof[i])]);
-  dissection.resize(dofs.n_dofs());
-  std::iota(dissection.begin(), dissection.end(), 0);
-  std::stable_sort(dissection.begin(), dissection.end(), [&](int left, int right) {
-    return node_rank[node_of[static_cast<std::size_t>(left)]] <
-           node_rank[node_of[static_cast<std::size_t>(right)]];
-  });
-}
-
-std::vector<int> LayerModel::Implementation::dissection_of(const Unknowns& free) const {
-  std::vector<int> ordering;
-  ordering.reserve(static_cast<std::size_t>(free.count));
-  for (const int dof : dissection)
-    if (const int unknown = free.of_dof[static_cast<std::size_t>(dof)]; unknown >= 0)
-      ordering.push_back(unknown);
-  return ordering;
+  require_unconstrained_surface();
 }
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
                        std::shared_ptr<const LayerShape> shape, bool whole)
-    : implementation_(std::make_unique<Implementation>()) {
-  auto& self = *implementation_;
-  self.discretisation = discretisation;
-  self.poisson_ratio = poisson_ratio;
-  self.shape = std::move(shape);
-  self.whole = whole;
-  const Lattice lattice = plan_lattice(discretisation);
-  const meshes::HexahedralMesh block = meshes::mesh_layer_block(lattice.block);
-  make_triangulation(whole ? with_mirror_images(block) : block, self.triangulation);
-  refine_towards_patch(discretisation, lattice.refinements, self.triangulation);
-  self.dofs.distribute_dofs(self.element);
-
-  std::vector<dealii::Point<dim>> support(self.dofs.n_dofs());
-  dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), self.dofs, support);
-  self.bend(support);
-  self.constrain(support);
-  self.collect_surface(support);
-  if (self.shape) self.set_frames();
-  self.factorise();
+    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
+  implementation_->poisson_ratio = poisson_ratio;
+  if (implementation_->shape) implementation_->set_frames();
+  implementation_->factorise();
 }
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
                        const meshes::LayerMesh& mesh, double thickness_m)
-    : implementation_(std::make_unique<Implementation>()) {
+    : implementation_(std::make_unique<Implementation>(discretisation, mesh, thickness_m)) {
   auto& self = *implementation_;
-  self.discretisation = discretisation;
   self.poisson_ratio = poisson_ratio;
-  self.whole = self.meshed = true;
-  make_triangulation(mesh, thickness_m, self.triangulation);
-  self.discretisation.elements_per_semi_axis =
-      std::max(discretisation.elements_per_semi_axis,
-               refine_towards_patch(discretisation, self.triangulation));
-  self.dofs.distribute_dofs(self.element);
-  std::vector<dealii::Point<dim>> support(self.dofs.n_dofs());
-  dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), self.dofs, support);
-  self.bend(support);
-  self.constrain(support);
-  self.collect_meshed_surface(support);
-  if (self.nodes.empty())
-    throw InputError(
-        "mesh of the layer", "physical surface \"contact\"", "",
-        "a surface at the origin of the mesh's coordinates, where the load acts along z");
   const auto is_flat = [](const SurfaceNode& node) { return node.normal.z() > 1 - 1e-12; };
   if (!std::all_of(self.nodes.begin(), self.nodes.end(), is_flat)) self.set_frames();
   self.factorise();
@@ -659,8 +85,8 @@ void LayerModel::Implementation::factorise() {
   even = free_unknowns(Parity{});
   std::vector<int> last;
   for (const auto& dof : node_dofs) last.push_back(even.of_dof[dof[2]]);
-  const SparseSymmetricMatrix matrix = lower_triangle(even);
-  dissect(matrix);
+  const SparseSymmetricMatrix matrix = lower_triangle(stiffness, even);
+  dissect(matrix, even);
   factor = std::make_unique<CholeskyFactor>(matrix, dissection_of(even), last);
   compliance = factor->compliance_of_last();
 }
@@ -678,7 +104,7 @@ Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<i
       place.push_back(static_cast<Eigen::Index>(3 * i + c));
     }
   const Eigen::MatrixXd condensed =
-      CholeskyFactor(self.lower_triangle(free), self.dissection_of(free), last)
+      CholeskyFactor(self.lower_triangle(self.stiffness, free), self.dissection_of(free), last)
           .compliance_of_last();
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(size, size);

@@ -104,6 +104,32 @@ fem::Fingertip read_fingertip(const json& input) {
   return fingertip;
 }
 
+fem::finite::MaterialChoice read_material(const json& layer) {
+  namespace finite = fem::finite;
+  finite::MaterialChoice choice;
+  const auto refuse = [](const char* key, const std::string& value, const char* allowed) {
+    throw softfinger::InputError("layer", key, value, allowed);
+  };
+  const std::string material = layer.value("material", "neo_hookean");
+  if (material == finite::name_of(finite::MaterialName::mooney_rivlin))
+    choice.name = finite::MaterialName::mooney_rivlin;
+  else if (material == finite::name_of(finite::MaterialName::yeoh))
+    choice.name = finite::MaterialName::yeoh;
+  else if (material != finite::name_of(choice.name))
+    refuse("material", material, "neo_hookean, mooney_rivlin or yeoh");
+  const std::string volumetric = layer.value("volumetric", "quadratic");
+  if (volumetric == finite::name_of(finite::VolumetricLaw::logarithmic))
+    choice.volumetric = finite::VolumetricLaw::logarithmic;
+  else if (volumetric != finite::name_of(choice.volumetric))
+    refuse("volumetric", volumetric, "quadratic or logarithmic");
+  choice.mooney_rivlin_share = layer.value("mooney_rivlin_share", choice.mooney_rivlin_share);
+  if (layer.contains("yeoh_ratios")) {
+    choice.yeoh_second = layer.at("yeoh_ratios").at(0).get<double>();
+    choice.yeoh_third = layer.at("yeoh_ratios").at(1).get<double>();
+  }
+  return choice;
+}
+
 fem::Problem parse(const json& input) {
   const auto optional = [](const json& object, const char* key) {
     return object.contains(key) && !object.at(key).is_null();
@@ -119,6 +145,8 @@ fem::Problem parse(const json& input) {
     problem.contact.layer = {layer.at("thickness_m").get<double>(),
                              layer.at("youngs_modulus_Pa").get<double>(),
                              layer.at("poisson_ratio").get<double>()};
+    if (input.value("kinematics", "linear") == "finite")
+      problem.finite_strain = read_material(layer);
     if (optional(input, "approach_m")) problem.approach_m = input.at("approach_m").get<double>();
     problem.contact.load = {problem.approach_m != 0 ? 0.0 : input.at("load_N").get<double>(),
                             input.at("friction_coefficient").get<double>()};
@@ -220,7 +248,7 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
       {"axis_rad", problem.contact.radii.axis_rad + finest.turn_rad},
       {"indentation_m", finest.indentation_m},
       {"peak_pressure_Pa", finest.peak_pressure_Pa},
-      {"area_m2", M_PI * finest.a_m * finest.b_m},
+      {"area_m2", finest.area_m2},
       {"max_torque_Nm", finest.max_torque_Nm},
       {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
       {"error",
@@ -245,6 +273,11 @@ json to_json(const fem::Problem& problem, const fem::Result& result) {
       {"wall_s", result.wall_s},
       {"cpu_s", result.cpu_s},
       {"peak_memory_MB", result.peak_memory_MB}};
+  if (problem.finite_strain) {
+    output["kinematics"] = "finite";
+    output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
+    output["strain_energy_J"] = finest.strain_energy_J;
+  }
   add_friction(problem, result, output);
   return output;
 }

@@ -1,6 +1,7 @@
 #include "fem/pressure_ellipse.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "softfinger/input/errors.h"
@@ -69,8 +70,12 @@ class FaceGrid {
 class Fit {
  public:
   Fit(const std::vector<SurfaceNode>& nodes, const std::vector<SurfaceFace>& faces,
-      const Eigen::VectorXd& force, int degree)
-      : grid_(faces), polynomial_(degree), root_weight_(static_cast<Eigen::Index>(nodes.size())) {
+      const Eigen::VectorXd& force, int degree, const SurfaceDeformation* deformation)
+      : faces_(faces),
+        grid_(faces),
+        polynomial_(degree),
+        deformation_(deformation),
+        root_weight_(static_cast<Eigen::Index>(nodes.size())) {
     for (std::size_t i = 0; i < nodes.size(); ++i)
       root_weight_[static_cast<Eigen::Index>(i)] = std::sqrt(nodes[i].weight);
     target_ = force.cwiseQuotient(root_weight_);
@@ -100,21 +105,41 @@ class Fit {
     const Eigen::ArrayXd sine = angle.sin(), cosine = angle.cos();
     const Eigen::ArrayXd edge = 1 + diamond * (4 * angle).cos();
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(polynomial_.size(), target_.size());
+    // Of a deformed surface, how far each ray's end is from the centre, x in units of a and y of b.
+    Eigen::ArrayXd deformed_edge = Eigen::ArrayXd::Ones(steps);
+    const auto deformed_radius = [&](const Eigen::Vector3d& position) {
+      return std::hypot(position.x() / a, position.y() / b);
+    };
+    for (int j = 0; deformation_ && j < steps; ++j) {
+      const double x = a * edge[j] * cosine[j], y = b * edge[j] * sine[j];
+      if (const SurfaceFace* face = grid_.find(x, y))
+        deformed_edge[j] = deformed_radius(point_of(*face, x, y).position);
+      else
+        left_patch_ = true;
+    }
     for (int i = 0; i < steps; ++i)
       for (int j = 0; j < steps; ++j) {
-        const double x = edge[j] * sine[i] * cosine[j], y = edge[j] * sine[i] * sine[j];
+        double x = edge[j] * sine[i] * cosine[j], y = edge[j] * sine[i] * sine[j];
         const SurfaceFace* face = grid_.find(a * x, b * y);
         if (!face) {
           left_patch_ = true;
           continue;
         }
-        const double area = a * b * edge[j] * edge[j] * sine[i] * cosine[i] * step * step;
+        double area = a * b * edge[j] * edge[j] * sine[i] * cosine[i] * step * step;
         const double xi = (a * x - face->x) / face->size_x, eta = (b * y - face->y) / face->size_y;
         const double along_x[] = {(1 - xi) * (1 - 2 * xi), 4 * xi * (1 - xi), xi * (2 * xi - 1)};
         const double along_y[] = {(1 - eta) * (1 - 2 * eta), 4 * eta * (1 - eta),
                                   eta * (2 * eta - 1)};
+        double root = cosine[i];
+        if (deformation_) {
+          const SurfaceDeformation::Point point = point_of(*face, a * x, b * y);
+          const double radius = deformed_radius(point.position) / deformed_edge[j];
+          root = std::sqrt(std::max(0.0, 1 - radius * radius));
+          area *= point.area_ratio;
+          x = radius * edge[j] * cosine[j];
+          y = radius * edge[j] * sine[j];
+        }
         const Eigen::VectorXd& values = polynomial_(x * x, y * y);
-        const double root = cosine[i];
         for (int k = 0; k < 9; ++k)
           if (face->node[static_cast<std::size_t>(k)] >= 0)
             result.col(face->node[static_cast<std::size_t>(k)]) +=
@@ -123,8 +148,15 @@ class Fit {
     return result;
   }
 
+  SurfaceDeformation::Point point_of(const SurfaceFace& face, double x, double y) const {
+    return deformation_->at(static_cast<std::size_t>(&face - faces_.data()),
+                            (x - face.x) / face.size_x, (y - face.y) / face.size_y);
+  }
+
+  const std::vector<SurfaceFace>& faces_;
   const FaceGrid grid_;
   Polynomial polynomial_;
+  const SurfaceDeformation* deformation_;
   Eigen::VectorXd root_weight_, target_;
   Eigen::VectorXd coefficients_;
   bool left_patch_ = false;
@@ -134,11 +166,12 @@ class Fit {
 
 PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
                                      const std::vector<SurfaceFace>& faces,
-                                     const Eigen::VectorXd& force, double a, double b) {
+                                     const Eigen::VectorXd& force, double a, double b,
+                                     const SurfaceDeformation* deformation) {
   // The thinner the layer, the flatter the pressure inside and the steeper at the edge (lengths are
   // in units of the thickness).
   const int degree = std::min(a, b) < 4 ? 2 : 3;
-  Fit fit(nodes, faces, force, degree);
+  Fit fit(nodes, faces, force, degree, deformation);
   Eigen::Vector3d unknown(std::log(a), std::log(b), 0);
   const auto residual = [&](const Eigen::Vector3d& u) {
     return fit.residual(std::exp(u[0]), std::exp(u[1]), u[2]);

@@ -15,6 +15,18 @@ struct PressureEllipse {
   double residual = 0;  ///< rms of (nodal - fitted) pressure over the mean pressure
 };
 
+/// A surface that has been deformed, by where the points of its faces have gone.
+class SurfaceDeformation {
+ public:
+  virtual ~SurfaceDeformation() = default;
+  struct Point {
+    Eigen::Vector3d position;
+    double area_ratio;  ///< deformed area per area of the faces
+  };
+  /// @param xi,eta  0 to 1, along the face's sides
+  virtual Point at(std::size_t face, double xi, double eta) const = 0;
+};
+
 /// Fits p = sqrt(1 - r²) (c0 + c1 X + c2 Y + c3 X² + c4 XY + c5 Y²), X = x²/a², Y = y²/b², r² = X +
 /// Y, to nodal forces: the moments of p with the surface's shape functions, in the norm of their
 /// lumped mass.
@@ -23,9 +35,14 @@ struct PressureEllipse {
 /// the polynomial leaves the shape inside free, since on a layer it is no power of 1 - r².
 /// @param force  per node of the quarter model
 /// @param a, b   first guess
+/// @param deformation  p then is the pressure on the deformed surface and 1 - r² its distance from
+/// the edge there, r along each ray from the centre: the stretch falls as a square root at the
+/// edge, too, and the product of the two has no such form. The ellipse is that of the faces all the
+/// same.
 /// @throws ConvergenceError when the fit leaves the patch.
 PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
                                      const std::vector<SurfaceFace>& faces,
-                                     const Eigen::VectorXd& force, double a, double b);
+                                     const Eigen::VectorXd& force, double a, double b,
+                                     const SurfaceDeformation* deformation = nullptr);
 
 }  // namespace softfinger::fem

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "fem/cholesky.h"
+#include "fem/finite/finite_solver.h"
 #include "fem/friction_levels.h"
 #include "fem/layer_model.h"
 #include "fem/memory.h"
@@ -130,6 +131,7 @@ Measured measure(const Pressed& pressed, const Pressing& pressing, const Problem
   result.iterations = pressed.contact.iterations;
   result.a_m = measured.shape.a * h;
   result.b_m = measured.shape.b * h;
+  result.area_m2 = M_PI * result.a_m * result.b_m;
   result.turn_rad = measured.shape.turn_rad;
   result.indentation_m = pressed.contact.approach * h;
   result.peak_pressure_Pa = measured.shape.peak * E;
@@ -559,6 +561,10 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
 
 Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop,
              ModelCache* cache) {
+  if (problem.finite_strain) {
+    check(problem);
+    return finite::solve_finite(problem, pressing_of(problem), progress, stop);
+  }
   ModelCache none(0);
   ModelCache& models = cache ? *cache : none;
   try {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fem/fingertip.h"
+#include "fem/finite/material.h"
 #include "softfinger/input/contact_problem.h"
 
 /// The finite-element reference: a rigid quadric pressed without friction on an elastic layer
@@ -44,6 +45,9 @@ struct Problem {
   std::shared_ptr<const meshes::LayerMesh> mesh;
   std::string mesh_name;  ///< meshes of one name are one
   FrictionRequest friction;
+  /// Finite strain of this material, its small-strain constants those of the contact's layer; none:
+  /// linear elasticity.
+  std::optional<finite::MaterialChoice> finite_strain;
   std::string output_directory;  ///< for VTU; empty: none
   std::string compliance_file;   ///< for the surface's compliance (write_compliance.h); empty: none
 };
@@ -58,6 +62,9 @@ struct LevelResult {
   double turn_rad = 0;   ///< of the long axis from that of the relative radii: without symmetry
   double load_N = 0;     ///< as given, or what the given approach takes
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
+  double area_m2 = 0;  ///< pi a b; at finite strain that of the deformed surface
+  /// At finite strain int mu p n_z r dA, without the surface's slope, and the energy stored.
+  double max_torque_projected_Nm = 0, strain_energy_J = 0;
   double load_residual = 0;  ///< |sum of nodal forces - P| / P
   double complementarity_residual =
       0;  ///< worst penetration or tension, relative to d and to the peak pressure

@@ -4,6 +4,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/files.h"
+#include "comparisons/material_cards.h"
 #include "comparisons/predict.h"
 
 namespace softfinger::commands {
@@ -12,12 +13,26 @@ void add_explain(CLI::App& app, Action& action) {
   auto name = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("explain", "A model's assumptions, equations, source and validity");
-  command->add_option("MODEL", *name, "name of a model, or \"all\"; see: list models")->required();
+  command
+      ->add_option("MODEL", *name,
+                   "name of a model, or \"all\"; see: list models; or of a hyperelastic "
+                   "material: neo_hookean, mooney_rivlin, yeoh")
+      ->required();
   command->footer(
       "Samples:\n"
-      "  softfinger explain hertz");
+      "  softfinger explain hertz\n"
+      "  softfinger explain yeoh");
   command->callback([name, &action] {
     action = [name] {
+      for (const MaterialCard& card : material_cards())
+        if (card.name == *name) {
+          write_to_stdout(fmt::format(
+              "{}: {}\n\nEnergy:     {}\nParameters: {}\nSource:     {}\nValidity:   {}\n"
+              "In a case:  [layer] material = \"{}\", [fem] kinematics = \"finite\"\n",
+              card.name, card.title, card.energy, card.parameters, card.source, card.validity,
+              card.name));
+          return 0;
+        }
       std::string text;
       for (const PressureModel* model : models_by_name(*name == "all" ? "everything" : *name)) {
         const ModelCard& card = model->card();

@@ -89,6 +89,10 @@ std::string table_row(const nlohmann::json& result) {
              number("indentation_m") * 1e3, error("indentation"), number("peak_pressure_Pa") * 1e-3,
              error("peak_pressure"), number("area_m2") * 1e6, error("area"),
              number("max_torque_Nm") * 1e3, error("max_torque")) +
+         (result.contains("max_torque_projected_Nm")
+              ? fmt::format("  projected   {:>10.5g} mN·m  int mu p n_z r dA, without the slope\n",
+                            number("max_torque_projected_Nm") * 1e3)
+              : "") +
          fmt::format("  {} unknowns, {:.3g} s\n", unknowns.is_number() ? unknowns.dump() : "?",
                      wall_s.is_number() ? wall_s.get<double>() : 0);
 }
@@ -109,11 +113,14 @@ int run(const Options& options) {
   if (by_approach) loads_N.resize(1);
   std::vector<LocalGeometry> geometries;
   for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
-  // One process for all: the largest contact first, whose mesh may serve the others.
+  // One process for all: the largest contact first, whose mesh may serve the others. At finite
+  // strain the smallest first: every load has meshes of its own, and the largest may be more than
+  // the layer can carry.
+  const bool finite = contact_case.fem_finite.has_value();
   std::vector<std::size_t> order(loads_N.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
-    return loads_N[left] > loads_N[right];
+    return finite ? loads_N[left] < loads_N[right] : loads_N[left] > loads_N[right];
   });
   FemBatch batch;
   // Threads help large factorisations only; on small ones their waiting costs more than it saves.
@@ -157,7 +164,7 @@ int run(const Options& options) {
   };
   callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
     const std::size_t load = order[index.problem];
-    // A failure ends the rest.
+    // A failure ends the rest; at finite strain what is done before it is kept.
     if (answer.result.is_null()) throw Failed{answer.exit_status, title(load) + answer.failure};
     if (!by_approach) answer.result["load_N"] = loads_N[load];
     answer.result["model"] = "fem";
@@ -171,13 +178,16 @@ int run(const Options& options) {
       answer.result["cost_ns"] = 1e9 * wall_s.get<double>();
     result_of_load[load] = std::move(answer.result);
   };
-  int interrupted = 0;
+  int interrupted = 0, failed_status = 0;
   try {
     // The finite-element program ends with what it has: a coarser level is a result.
     interrupted = run_fem(program, {batch}, 1, callbacks, OnInterrupt::finish);
   } catch (const Failed& failed) {
     progress.say("softfinger: error: " + failed.message);
-    return failed.exit_status;
+    failed_status = failed.exit_status;
+    const bool nothing = std::all_of(result_of_load.begin(), result_of_load.end(),
+                                     [](const auto& result) { return result.is_null(); });
+    if (!finite || nothing) return failed_status;
   }
   nlohmann::json results = nlohmann::json::array();
   std::string text = describe(contact_case) + "\n";
@@ -200,7 +210,7 @@ int run(const Options& options) {
                     "\n");
   else
     write_to_stdout(text);
-  return interrupted != 0 ? 128 + interrupted : 0;
+  return interrupted != 0 ? 128 + interrupted : failed_status;
 }
 
 }  // namespace

@@ -54,6 +54,58 @@ TEST(Case, IsReadInSiUnits) {
   EXPECT_EQ(result.fem_level, 3);
 }
 
+std::string finite_case(const std::string& layer_keys,
+                        const std::string& geometry = "relative_radii_mm = [20.0, 5.0]",
+                        const std::string& shape = "flat") {
+  return "id = \"x\"\n[geometry]\n" + geometry +
+         "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.49\n" +
+         layer_keys + "\n[contact]\nload_N = 1\nfriction_coefficient = 0.5\n[fem]\ngeometry = \"" +
+         shape + "\"\nkinematics = \"finite\"\n";
+}
+
+TEST(Case, TakesAHyperelasticMaterial) {
+  EXPECT_FALSE(parse_case(kGood, "x.toml").fem_finite.has_value());
+  const auto plain = parse_case(finite_case(""), "x.toml").fem_finite;
+  ASSERT_TRUE(plain.has_value());
+  EXPECT_EQ(plain->material, "neo_hookean");
+  EXPECT_EQ(plain->volumetric, "quadratic");
+  const auto yeoh = parse_case(finite_case("material = \"yeoh\"\nvolumetric = \"logarithmic\"\n"
+                                           "yeoh_ratios = [-0.02, 0.003]"),
+                               "x.toml")
+                        .fem_finite;
+  EXPECT_EQ(yeoh->material, "yeoh");
+  EXPECT_EQ(yeoh->volumetric, "logarithmic");
+  EXPECT_EQ(yeoh->yeoh_ratios, (std::vector<double>{-0.02, 0.003}));
+}
+
+TEST(Case, RefusesParametersOfAnotherMaterial) {
+  const auto message = [](const std::string& keys) -> std::string {
+    try {
+      parse_case(finite_case(keys), "x.toml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message("yeoh_ratios = [0, 0]").find("material = \"yeoh\""), std::string::npos);
+  EXPECT_NE(message("material = \"yeoh\"").find("yeoh_ratios"), std::string::npos);
+  EXPECT_NE(message("material = \"ogden\"").find("mooney_rivlin"), std::string::npos);
+  EXPECT_NE(message("volumetric = \"cubic\"").find("logarithmic"), std::string::npos);
+}
+
+TEST(Case, WrapsALayerAtFiniteStrainAroundABodyThatCloses) {
+  const auto shape = [](const std::string& keys) {
+    const Case result = parse_case(
+        finite_case(
+            "", "finger = { radii_mm = [9, 9]" + keys + " }\nobject = { radii_mm = [inf, inf] }",
+            "curved"),
+        "x.toml");
+    return std::get<QuadricBody>(std::get<BodyPair>(result.geometry).finger).shape;
+  };
+  EXPECT_EQ(shape(""), FingerShape::ellipsoid);
+  EXPECT_EQ(shape(", shape = \"paraboloid\""), FingerShape::paraboloid);
+}
+
 TEST(Case, PutsTheLongAxisAlongTheLargerRadius) {
   const Case result = parse_case(replaced("[20.0, 5.0]", "[5, 20]"), "x.toml");
   const auto& radii = std::get<RelativeRadii>(result.geometry);
@@ -207,8 +259,6 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"curved\"",
                 14,
                 {"geometry", "\"flat\"", "needs finger and object"}},
-        BadCase{
-            "FiniteStrain", "\"linear\"", "\"finite\"", 15, {"kinematics", "not in this version"}},
         BadCase{"Material",
                 "thickness_mm = 2.0",
                 "thickness_mm = 2.0\nmaterial = \"neo_hookean\"",

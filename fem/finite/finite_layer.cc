@@ -1,0 +1,410 @@
+#include "fem/finite/finite_layer.h"
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/grid/grid_tools.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/numerics/data_out.h>
+#include <deal.II/numerics/data_postprocessor.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fem/layer_space.h"
+#include "fem/write_file.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem::finite {
+namespace {
+
+using Dof = LayerSpace::Dof;
+constexpr int dim = LayerSpace::dim;
+
+}  // namespace
+
+struct FiniteLayer::State {
+  dealii::Vector<double> displacement;
+  std::vector<ElementState> elements;
+};
+
+struct FiniteLayer::Implementation : LayerSpace {
+  using LayerSpace::LayerSpace;
+
+  std::shared_ptr<const Material> material;
+  std::vector<ElementGeometry> geometries;  ///< per cell
+  std::vector<unsigned int> place;          ///< of an element's unknown, ordered by component
+  dealii::SparsityPattern pattern;
+  dealii::SparseMatrix<double> stiffness;
+  Unknowns free;
+  std::vector<int> normal_unknowns;  ///< of the surface nodes
+
+  State state;
+  // Of the latest linearisation:
+  std::vector<NodeFrame> frames;
+  std::vector<ElementLinearisation> linearisations;  ///< without their stiffness
+  Eigen::VectorXd residual;                          ///< of the free unknowns, in the frames
+  std::unique_ptr<CholeskyFactor> factor;
+  Eigen::VectorXd springs;  ///< that hold the surface nodes in the factor
+  double shift = 0;
+  // Of the latest step:
+  State start;
+  dealii::Vector<double> step;
+
+  void set_geometries();
+  Eigen::VectorXd displacement_of(const std::vector<Dof>& indices,
+                                  const dealii::Vector<double>& field) const;
+  double smallest_volume_ratio() const;
+  void factorise();
+  dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
+};
+
+void FiniteLayer::Implementation::set_geometries() {
+  const unsigned int nodes_of_cell = element.n_dofs_per_cell() / dim;
+  for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
+    const auto [of_component, node] = element.system_to_component_index(i);
+    place.push_back(of_component * nodes_of_cell + node);
+  }
+  const dealii::QGauss<dim> quadrature(3);
+  dealii::FEValues<dim> values(
+      *mapping, element, quadrature,
+      dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
+  const auto points = static_cast<Eigen::Index>(quadrature.size());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    values.reinit(cell);
+    ElementGeometry geometry;
+    geometry.gradients.resize(nodes_of_cell, 3 * points);
+    geometry.weight.resize(points);
+    geometry.linear.resize(4, points);
+    const auto center = values.quadrature_point(quadrature.size() / 2);
+    const double size = cell->diameter();
+    for (unsigned int q = 0; q < quadrature.size(); ++q) {
+      if (!(values.JxW(q) > 0))
+        throw InputError(
+            "mesh", "element", "of no or negative volume",
+            "a layer that does not fold; is it too thick for the surface's curvature?");
+      geometry.weight[q] = values.JxW(q);
+      const auto offset = (values.quadrature_point(q) - center) / size;
+      geometry.linear.col(q) << 1, offset[0], offset[1], offset[2];
+      for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
+        const auto [of_component, node] = element.system_to_component_index(i);
+        if (of_component != 0) continue;
+        for (unsigned int c = 0; c < dim; ++c)
+          geometry.gradients(node, 3 * q + c) = values.shape_grad(i, q)[c];
+      }
+    }
+    geometry.set_mass();
+    geometries.push_back(std::move(geometry));
+  }
+}
+
+Eigen::VectorXd FiniteLayer::Implementation::displacement_of(
+    const std::vector<Dof>& indices, const dealii::Vector<double>& field) const {
+  Eigen::VectorXd result(indices.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) result[place[i]] = field[indices[i]];
+  return result;
+}
+
+double FiniteLayer::Implementation::smallest_volume_ratio() const {
+  double smallest = 1;
+  std::vector<Dof> indices(element.n_dofs_per_cell());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t i = cell->active_cell_index();
+    smallest = std::min(
+        smallest, finite::smallest_volume_ratio(geometries[i], state.elements[i],
+                                                displacement_of(indices, state.displacement)));
+  }
+  return smallest;
+}
+
+FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
+                         std::shared_ptr<const LayerShape> shape, bool whole,
+                         std::shared_ptr<const Material> material)
+    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
+  auto& self = *implementation_;
+  self.material = std::move(material);
+  self.require_unconstrained_surface();
+  self.set_geometries();
+  dealii::DynamicSparsityPattern dynamic(self.dofs.n_dofs());
+  dealii::DoFTools::make_sparsity_pattern(self.dofs, dynamic, self.constraints,
+                                          /*keep_constrained=*/false);
+  self.pattern.copy_from(dynamic);
+  self.stiffness.reinit(self.pattern);
+  self.free = self.free_unknowns(Parity{});
+  for (const auto& dofs_of_node : self.node_dofs)
+    self.normal_unknowns.push_back(self.free.of_dof[dofs_of_node[2]]);
+  self.state.displacement.reinit(self.dofs.n_dofs());
+  self.state.elements.resize(self.geometries.size());
+}
+
+FiniteLayer::~FiniteLayer() = default;
+
+const LayerDiscretisation& FiniteLayer::discretisation() const {
+  return implementation_->discretisation;
+}
+const std::vector<SurfaceNode>& FiniteLayer::nodes() const { return implementation_->nodes; }
+const std::vector<SurfaceFace>& FiniteLayer::faces() const { return implementation_->faces; }
+long FiniteLayer::unknowns() const { return implementation_->free.count; }
+bool FiniteLayer::whole() const { return implementation_->whole; }
+double FiniteLayer::shift() const { return implementation_->shift; }
+
+Eigen::Vector3d FiniteLayer::position(std::size_t node) const {
+  const auto& self = *implementation_;
+  Eigen::Vector3d result = self.nodes[node].position;
+  for (std::size_t c = 0; c < 3; ++c)
+    result[static_cast<Eigen::Index>(c)] += self.state.displacement[self.node_dofs[node][c]];
+  return result;
+}
+
+std::array<Eigen::Vector3d, 9> FiniteLayer::face_positions(std::size_t face) const {
+  const auto& self = *implementation_;
+  const SurfaceFace& surface = self.faces[face];
+  std::array<Eigen::Vector3d, 9> result;
+  for (std::size_t k = 0; k < 9; ++k) {
+    result[k] = {surface.x + 0.5 * static_cast<double>(k % 3) * surface.size_x,
+                 surface.y + 0.5 * static_cast<double>(k / 3) * surface.size_y, 0};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Dof dof = self.face_dofs[face][k][c];
+      result[k][static_cast<Eigen::Index>(c)] +=
+          self.state.displacement[dof] + (self.shape ? self.bending[dof] : 0);
+    }
+  }
+  return result;
+}
+
+double FiniteLayer::smallest_volume_ratio() const {
+  return implementation_->smallest_volume_ratio();
+}
+
+double FiniteLayer::strain_energy() const {
+  const auto& self = *implementation_;
+  double energy = 0;
+  std::vector<Dof> indices(self.element.n_dofs_per_cell());
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t i = cell->active_cell_index();
+    energy += finite::strain_energy(self.geometries[i], *self.material, self.state.elements[i],
+                                    self.displacement_of(indices, self.state.displacement));
+  }
+  return energy;
+}
+
+double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force) {
+  auto& self = *implementation_;
+  self.frames = frames;
+  self.stiffness = 0;
+  self.linearisations.resize(self.geometries.size());
+  dealii::Vector<double> residual(self.dofs.n_dofs()), internal(self.dofs.n_dofs());
+  std::vector<Eigen::Matrix3d> axes;
+  for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
+
+  const unsigned int size = self.element.n_dofs_per_cell();
+  std::vector<Dof> indices(size);
+  dealii::FullMatrix<double> of_element(size, size);
+  dealii::Vector<double> residual_of_element(size), internal_of_element(size);
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t cell_index = cell->active_cell_index();
+    ElementLinearisation linear = finite::linearise(
+        self.geometries[cell_index], *self.material, self.state.elements[cell_index],
+        self.displacement_of(indices, self.state.displacement));
+    bool touches = false;
+    for (unsigned int i = 0; i < size; ++i) {
+      residual_of_element[i] = linear.residual[self.place[i]];
+      internal_of_element[i] = linear.force[self.place[i]];
+      touches = touches || self.surface_node[indices[i]] >= 0;
+      for (unsigned int j = 0; j < size; ++j)
+        of_element(i, j) = linear.stiffness(self.place[i], self.place[j]);
+    }
+    linear.stiffness.resize(0, 0);
+    self.linearisations[cell_index] = std::move(linear);
+    if (touches) self.turn_to_frames(axes, indices, of_element);
+    self.constraints.distribute_local_to_global(of_element, indices, self.stiffness);
+    self.constraints.distribute_local_to_global(residual_of_element, indices, residual);
+    self.constraints.distribute_local_to_global(internal_of_element, indices, internal);
+  }
+
+  // Surface nodes are no masters of hanging ones: their forces can be turned here, at the end.
+  double out_of_balance = 0;
+  std::vector<char> is_surface(self.dofs.n_dofs(), 0);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto& dof = self.node_dofs[i];
+    Eigen::Vector3d turned, turned_internal;
+    for (std::size_t c = 0; c < 3; ++c) {
+      turned[static_cast<Eigen::Index>(c)] = residual[dof[c]];
+      turned_internal[static_cast<Eigen::Index>(c)] = internal[dof[c]];
+      is_surface[dof[c]] = 1;
+    }
+    turned = axes[i].transpose() * turned;
+    turned_internal = axes[i].transpose() * turned_internal;
+    turned_internal[2] += force[static_cast<Eigen::Index>(i)];
+    Eigen::Matrix3d stiffness_of_curvature = Eigen::Matrix3d::Zero();
+    stiffness_of_curvature.topLeftCorner<2, 2>() = -frames[i].curvature_force;
+    stiffness_of_curvature = axes[i].transpose() * stiffness_of_curvature * axes[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto row = static_cast<Eigen::Index>(c);
+      residual[dof[c]] = turned[row];
+      if (self.free.of_dof[dof[c]] >= 0)
+        out_of_balance = std::max(out_of_balance, std::abs(turned_internal[row]));
+      for (std::size_t d = 0; d < 3; ++d)
+        self.stiffness.add(dof[c], dof[d],
+                           stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
+    }
+  }
+  self.residual.resize(self.free.count);
+  for (Dof i = 0; i < self.dofs.n_dofs(); ++i) {
+    if (self.free.of_dof[i] < 0) continue;
+    self.residual[self.free.of_dof[i]] = residual[i];
+    if (!is_surface[i]) out_of_balance = std::max(out_of_balance, std::abs(internal[i]));
+  }
+  self.factorise();
+  return out_of_balance;
+}
+
+/// Surface nodes are held by springs, which `surface_response` takes off again: under a pressure of
+/// the order of the shear modulus the surface would be unstable with constant forces on it, which
+/// says nothing of a contact that a rigid object holds. If the rest is indefinite too, as it may be
+/// far from equilibrium or at a bifurcation, a share of its diagonal makes the step shorter along
+/// the directions that are to blame.
+void FiniteLayer::Implementation::factorise() {
+  SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
+  if (dissection.empty()) dissect(matrix, free);
+  const std::vector<int> ordering = dissection_of(free);
+  // The diagonal comes first in its column.
+  const auto diagonal = [&](int unknown) -> double& {
+    return matrix
+        .value[static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(unknown)])];
+  };
+  // Springs this much stiffer than a node's own stiffness leave all but two digits of the latter.
+  constexpr double spring_ratio = 100;
+  springs.resize(static_cast<Eigen::Index>(normal_unknowns.size()));
+  for (std::size_t i = 0; i < normal_unknowns.size(); ++i) {
+    double& entry = diagonal(normal_unknowns[i]);
+    const double spring = spring_ratio * std::abs(entry);
+    springs[static_cast<Eigen::Index>(i)] = spring;
+    entry += spring;
+  }
+  constexpr double first_shift = 1e-3, largest_shift = 1;
+  shift = 0;
+  factor.reset();  // before the next one takes its memory
+  while (!factor) {
+    try {
+      factor = std::make_unique<CholeskyFactor>(matrix, ordering, normal_unknowns);
+    } catch (const ConvergenceError&) {
+      const double next = shift == 0 ? first_shift : 10 * shift;
+      if (next > largest_shift) throw;
+      for (int unknown = 0; unknown < matrix.size; ++unknown)
+        diagonal(unknown) += (next - shift) * std::abs(diagonal(unknown)) / (1 + shift);
+      shift = next;
+    }
+  }
+}
+
+SurfaceResponse FiniteLayer::surface_response() const {
+  const auto& self = *implementation_;
+  const Eigen::VectorXd solution = self.factor->solve(-self.residual);
+  Eigen::VectorXd unloaded(self.springs.size());
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    unloaded[static_cast<Eigen::Index>(i)] = -solution[self.normal_unknowns[i]];
+  const Eigen::MatrixXd held = self.factor->compliance_of_last().llt().solve(
+      Eigen::MatrixXd::Identity(self.springs.size(), self.springs.size()));
+  SurfaceResponse response;
+  response.force = held * unloaded;
+  response.stiffness = 0.5 * (held + held.transpose());
+  response.stiffness.diagonal() -= self.springs;
+  return response;
+}
+
+double FiniteLayer::find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement) {
+  auto& self = *implementation_;
+  Eigen::VectorXd right = -self.residual;
+  for (std::size_t i = 0; i < self.nodes.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    right[self.normal_unknowns[i]] -= force[row] + self.springs[row] * displacement[row];
+  }
+  const Eigen::VectorXd solution = self.factor->solve(right);
+  self.step.reinit(self.dofs.n_dofs());
+  for (Dof i = 0; i < self.dofs.n_dofs(); ++i)
+    if (self.free.of_dof[i] >= 0) self.step[i] = solution[self.free.of_dof[i]];
+  for (std::size_t i = 0; i < self.nodes.size(); ++i) {
+    const auto& dof = self.node_dofs[i];
+    const Eigen::Vector3d turned =
+        self.frames[i].axes *
+        Eigen::Vector3d(self.step[dof[0]], self.step[dof[1]], self.step[dof[2]]);
+    for (std::size_t c = 0; c < 3; ++c) self.step[dof[c]] = turned[static_cast<Eigen::Index>(c)];
+  }
+  self.constraints.distribute(self.step);
+  self.start = self.state;
+  return self.step.linfty_norm();
+}
+
+double FiniteLayer::take_step(double fraction) {
+  auto& self = *implementation_;
+  self.state.displacement = self.start.displacement;
+  self.state.displacement.add(fraction, self.step);
+  std::vector<Dof> indices(self.element.n_dofs_per_cell());
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const std::size_t i = cell->active_cell_index();
+    self.state.elements[i] = self.linearisations[i].advanced(
+        self.start.elements[i], self.displacement_of(indices, self.step), fraction);
+  }
+  return self.smallest_volume_ratio();
+}
+
+namespace {
+
+/// Of a field that has the contact's pressure in place of the displacement along the load.
+class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
+ public:
+  ContactPressure() : DataPostprocessorScalar("contact_pressure_Pa", dealii::update_values) {}
+  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
+                             std::vector<dealii::Vector<double>>& pressure) const override {
+    for (unsigned int p = 0; p < pressure.size(); ++p)
+      pressure[p][0] = inputs.solution_values[p][2];
+  }
+};
+
+}  // namespace
+
+void FiniteLayer::write_vtu(const std::string& path, const Eigen::VectorXd& pressure,
+                            double thickness_m, double youngs_modulus_Pa) const {
+  auto& self = *implementation_;
+  dealii::Vector<double> displacement_m(self.state.displacement), pressure_Pa(self.dofs.n_dofs());
+  displacement_m *= thickness_m;
+  for (std::size_t i = 0; i < self.nodes.size(); ++i)
+    pressure_Pa[self.node_dofs[i][2]] = youngs_modulus_Pa * pressure[static_cast<Eigen::Index>(i)];
+  dealii::Vector<double> volume_ratio(self.triangulation.n_active_cells());
+  for (std::size_t i = 0; i < self.geometries.size(); ++i)
+    volume_ratio[static_cast<unsigned int>(i)] =
+        (self.geometries[i].linear.transpose() * self.state.elements[i].volume_ratio)
+            .dot(self.geometries[i].weight) /
+        self.geometries[i].weight.sum();
+  dealii::GridTools::scale(thickness_m, self.triangulation);
+  self.bending *= thickness_m;
+  {
+    const ContactPressure contact_pressure;
+    dealii::DataOut<dim> output;
+    output.add_data_vector(self.dofs, displacement_m,
+                           std::vector<std::string>(dim, "displacement_m"),
+                           {dim, dealii::DataComponentInterpretation::component_is_part_of_vector});
+    output.add_data_vector(self.dofs, pressure_Pa, contact_pressure);
+    output.attach_triangulation(self.triangulation);
+    output.add_data_vector(volume_ratio, "volume_ratio", dealii::DataOut<dim>::type_cell_data);
+    output.build_patches(*self.mapping, 2, dealii::DataOut<dim>::curved_inner_cells);
+    write_file(path, "VTU file", [&](std::ostream& file) { output.write_vtu(file); });
+  }
+  self.bending /= thickness_m;
+  dealii::GridTools::scale(1 / thickness_m, self.triangulation);
+}
+
+std::shared_ptr<const FiniteLayer::State> FiniteLayer::state() const {
+  return std::make_shared<const State>(implementation_->state);
+}
+
+void FiniteLayer::restore(const State& state) { implementation_->state = state; }
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem/finite/element.h"
+#include "fem/finite/tangent_contact.h"
+#include "fem/layer_model.h"
+
+namespace softfinger::fem::finite {
+
+/// A plane in which an object touches a surface node: what its displacements are turned into.
+struct NodeFrame {
+  /// Columns: tangents and, last, the outward normal of the finger's surface.
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  /// Contact force per height of the object times the object's curvature: a node that moves along a
+  /// curved object turns the force on it.
+  Eigen::Matrix2d curvature_force = Eigen::Matrix2d::Zero();
+};
+
+/// A hyperelastic layer bonded to a rigid core at finite strain, on the mesh that `LayerModel`
+/// would have, with its present state. Lengths in h, stresses in E.
+class FiniteLayer {
+ public:
+  /// @param shape  null: flat
+  /// @param whole  all of the layer instead of a quarter
+  FiniteLayer(const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+              bool whole, std::shared_ptr<const Material> material);
+  ~FiniteLayer();
+  FiniteLayer(const FiniteLayer&) = delete;
+  FiniteLayer& operator=(const FiniteLayer&) = delete;
+
+  const LayerDiscretisation& discretisation() const;
+  const std::vector<SurfaceNode>& nodes() const;
+  const std::vector<SurfaceFace>& faces() const;
+  long unknowns() const;
+  bool whole() const;
+
+  /// Present position of a surface node.
+  Eigen::Vector3d position(std::size_t node) const;
+
+  /// Of the nine nodes of a face, those that cannot be touched included.
+  std::array<Eigen::Vector3d, 9> face_positions(std::size_t face) const;
+
+  double strain_energy() const;
+
+  /// Volume ratio and principal stretches over all quadrature points, present state.
+  double smallest_volume_ratio() const;
+
+  /// Linearises about the present state and factorises.
+  /// @param frames  one for each surface node
+  /// @param force   contact force on each, into the layer along its frame's normal
+  /// @returns the largest nodal force out of balance
+  double linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
+
+  /// After `linearise`: the tangent, made positive definite by this share of its own diagonal; 0
+  /// where it was so by itself with the surface nodes held.
+  double shift() const;
+
+  /// After `linearise`: of displacements of the surface nodes into the layer along their normals.
+  SurfaceResponse surface_response() const;
+
+  /// After `linearise`: computes the step to the equilibrium with these contact forces and
+  /// displacements of the surface nodes, which go together by `surface_response`.
+  /// @returns its largest nodal displacement
+  double find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement);
+
+  /// Goes to the start of the step plus this fraction of it. May be called again.
+  /// @returns smallest volume ratio; where that is not positive, `linearise` must not be called
+  double take_step(double fraction);
+
+  /// displacement_m, contact_pressure_Pa and, per element, the volume ratio, on the undeformed
+  /// mesh, atomically: warped by the displacement it is the deformed layer.
+  /// @param pressure  Cauchy pressure of each surface node, in units of E
+  /// @throws InputError when the file cannot be written
+  void write_vtu(const std::string& path, const Eigen::VectorXd& pressure, double thickness_m,
+                 double youngs_modulus_Pa) const;
+
+  /// The state, to come back to.
+  struct State;
+  std::shared_ptr<const State> state() const;
+  void restore(const State& state);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,241 @@
+#include "fem/finite/finite_pressing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem::finite {
+
+using Eigen::Index;
+
+namespace {
+
+/// A step may be this much longer than the largest one if it is the last.
+constexpr double kStretch = 1.25;
+
+}  // namespace
+
+/// A surface node against the object at its present place.
+struct FinitePressing::Touch {
+  double gap = 0;                                     ///< along the load, before the approach
+  double secant = 1;                                  ///< 1 / cosine of the object's slope
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward from the finger
+  Eigen::Matrix2d curvature = Eigen::Matrix2d::Zero();
+};
+
+FinitePressing::FinitePressing(std::shared_ptr<FiniteLayer> layer,
+                               std::shared_ptr<const RigidObject> object,
+                               const PressingOptions& options)
+    : layer_(std::move(layer)), object_(std::move(object)), options_(options) {
+  step_ = options_.largest_step;
+  offset_ = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < layer_->nodes().size(); ++i) {
+    const Eigen::Vector3d at = layer_->position(i);
+    if (const auto over = object_->over(at.x(), at.y()))
+      offset_ = std::min(offset_, over->height - at.z());
+  }
+  if (!std::isfinite(offset_))
+    throw InputError("object", "surface", "none over the contact", "an object over the finger");
+  equilibrium_.force = equilibrium_.normal_force =
+      Eigen::VectorXd::Zero(static_cast<Index>(layer_->nodes().size()));
+}
+
+std::vector<FinitePressing::Touch> FinitePressing::touches() const {
+  std::vector<Touch> result(layer_->nodes().size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Eigen::Vector3d at = layer_->position(i);
+    const auto over = object_->over(at.x(), at.y());
+    Touch& touch = result[i];
+    if (!over) {
+      // Beside the object there is nothing to touch; any large gap says so.
+      touch.gap = 1e3;
+      continue;
+    }
+    touch.gap = over->height - offset_ - at.z();
+    touch.secant = std::sqrt(1 + over->slope.squaredNorm());
+    touch.normal = Eigen::Vector3d(-over->slope.x(), -over->slope.y(), 1) / touch.secant;
+    touch.curvature = over->curvature;
+  }
+  return result;
+}
+
+Eigen::Vector3d FinitePressing::normal(std::size_t node) const {
+  const Eigen::Vector3d at = layer_->position(node);
+  const auto over = object_->over(at.x(), at.y());
+  if (!over) return Eigen::Vector3d::UnitZ();
+  return Eigen::Vector3d(-over->slope.x(), -over->slope.y(), 1).normalized();
+}
+
+/// Newton's method from the present equilibrium to `drive`, or, where `limited` and that is further
+/// than the largest step, to an approach that is not.
+/// @returns whether it converged; the layer's state is anywhere if not
+bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& reached) {
+  constexpr int most_iterations = 16;
+  Drive target = drive;
+  Eigen::VectorXd contact_force = equilibrium_.force;
+  double approach = equilibrium_.approach;
+  double previous_balance = 0, previous_change = 0;
+  for (int iteration = 1; iteration <= most_iterations; ++iteration) {
+    ++history_.iterations;
+    const std::vector<Touch> touching = touches();
+    std::vector<NodeFrame> frames(touching.size());
+    Eigen::VectorXd secant(contact_force.size()), gap(contact_force.size());
+    for (std::size_t i = 0; i < touching.size(); ++i) {
+      const auto row = static_cast<Index>(i);
+      // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it.
+      frames[i].axes =
+          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), touching[i].normal)
+              .toRotationMatrix();
+      frames[i].curvature_force = contact_force[row] * touching[i].curvature;
+      secant[row] = touching[i].secant;
+      gap[row] = touching[i].gap;
+    }
+    const double balance = layer_->linearise(frames, contact_force.cwiseProduct(secant)) /
+                           std::max(1e-300, contact_force.maxCoeff());
+    history_.shifts += layer_->shift() > 0;
+    failed_iteration_ = iteration;
+    failed_residual_ = balance;
+    // The first iteration meets the change of the load, the second one its whole nonlinearity.
+    if (iteration > 3 && !(balance < 10 * previous_balance)) return false;
+    previous_balance = balance;
+
+    // Scaled to the components along the load, contact on inclined normals is that of a flat
+    // surface with another stiffness.
+    SurfaceResponse response = layer_->surface_response();
+    const Eigen::VectorXd cosine = secant.cwiseInverse();
+    response.stiffness = cosine.asDiagonal() * response.stiffness * cosine.asDiagonal();
+    response.force = response.force.cwiseProduct(cosine);
+    const auto solve = [&](const Drive& to) {
+      return solve_tangent_contact(response, gap, to.approach > 0 ? 0 : to.load / copies(),
+                                   to.approach, contact_force);
+    };
+    TangentContact next = solve(target);
+    const double left = next.approach - equilibrium_.approach;
+    // Where the load falls with the approach there is no equilibrium with more of it nearby.
+    if (iteration == 1 && limited && left * (drive.load - equilibrium_.load) <= 0) return false;
+    if (iteration == 1 && limited && std::abs(left) > kStretch * step_) {
+      target = {0, equilibrium_.approach + std::copysign(step_, left)};
+      next = solve(target);
+    }
+
+    const double change =
+        layer_->find_step(next.force.cwiseProduct(secant), next.displacement.cwiseProduct(cosine));
+    if (!std::isfinite(change)) return false;
+    double fraction = 1;
+    constexpr double shortest = 1.0 / 16;
+    while (!(layer_->take_step(fraction) > 0)) {
+      fraction /= 2;
+      if (fraction < shortest) return false;
+    }
+    contact_force += fraction * (next.force - contact_force);
+    approach += fraction * (next.approach - approach);
+    if (iteration > 3 && change > previous_change && change > 0.1 * step_) return false;
+    previous_change = change;
+    // With a true tangent the next step would be the square of this one; with another, what is left
+    // out of balance has to say that it is over.
+    constexpr double balanced = 1e-8;
+    if (fraction < 1 || !(change <= options_.tolerance * approach) ||
+        (layer_->shift() > 0 && balance > balanced))
+      continue;
+
+    reached.approach = approach;
+    reached.force = contact_force;
+    reached.active = next.active;
+    reached.out_of_balance = balance;
+    describe(reached);
+    return true;
+  }
+  return false;
+}
+
+void FinitePressing::describe(Equilibrium& equilibrium) const {
+  const auto& nodes = layer_->nodes();
+  const LayerDiscretisation& discretisation = layer_->discretisation();
+  const std::vector<Touch> touching = touches();
+  equilibrium.normal_force.resize(equilibrium.force.size());
+  equilibrium.load = copies() * equilibrium.force.sum();
+  equilibrium.energy = copies() * layer_->strain_energy();
+  equilibrium.reaches_rim = false;
+  equilibrium.steepest_rad = 0;
+  double xx = 0, yy = 0, penetration = 0;
+  const double spacing_a = 0.5 / discretisation.elements_along_a();
+  const double spacing_b = 0.5 / discretisation.elements_per_semi_axis;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const double force = equilibrium.force[row];
+    equilibrium.normal_force[row] = force * touching[i].secant;
+    const double clearance = touching[i].gap - equilibrium.approach;
+    penetration = std::max(penetration, force > 0 ? std::abs(clearance) : -clearance);
+    if (force <= 0) continue;
+    equilibrium.steepest_rad =
+        std::max(equilibrium.steepest_rad, std::acos(1 / touching[i].secant));
+    const double x = std::abs(nodes[i].x), y = std::abs(nodes[i].y);
+    xx += force * x * x;
+    yy += force * y * y;
+    if (std::hypot(x / discretisation.a, y / discretisation.b + spacing_b) > discretisation.patch ||
+        std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
+      equilibrium.reaches_rim = true;
+  }
+  equilibrium.complementarity_residual = penetration / equilibrium.approach;
+  // As in `Pressed`: <x²> is a²/5 for a half-space's pressure, a²/6 for a thin layer's.
+  equilibrium.moment_a = std::sqrt(5.4 * xx / equilibrium.force.sum());
+  equilibrium.moment_b = std::sqrt(5.4 * yy / equilibrium.force.sum());
+}
+
+void FinitePressing::press(const Drive& drive) {
+  constexpr double shortest_step = 1e-3;
+  constexpr int most_steps = 200;
+  const auto is_there = [&] {
+    return drive.approach > 0
+               ? std::abs(equilibrium_.approach - drive.approach) <= 1e-12 * drive.approach
+               : std::abs(equilibrium_.load - drive.load) <= 1e-9 * drive.load;
+  };
+  for (int steps = 0; !is_there(); ++steps) {
+    if (steps == most_steps)
+      throw ConvergenceError("steps of the load", steps, equilibrium_.approach,
+                             "the load is not approached; is it more than the layer can carry?");
+    const auto before = layer_->state();
+    Equilibrium reached;
+    Drive next = drive;
+    bool limited = true;
+    if (drive.approach > 0) {
+      const double left = drive.approach - equilibrium_.approach;
+      if (std::abs(left) > kStretch * step_)
+        next.approach = equilibrium_.approach + std::copysign(step_, left);
+      limited = false;
+    }
+    const int iterations = history_.iterations;
+    bool converged = false;
+    try {
+      converged = try_step(next, limited, reached);
+    } catch (const ConvergenceError&) {
+      // Of the factorisation or of the active set: a shorter step is the remedy for both.
+    }
+    if (converged) {
+      equilibrium_ = std::move(reached);
+      ++history_.steps;
+      constexpr int few_iterations = 5;
+      if (history_.iterations - iterations <= few_iterations)
+        step_ = std::min(options_.largest_step, 1.5 * step_);
+      continue;
+    }
+    layer_->restore(*before);
+    ++history_.cuts;
+    step_ /= 2;
+    if (step_ >= shortest_step) continue;
+    char stage[200];
+    std::snprintf(stage, sizeof stage,
+                  "finite strain beyond d/h = %.3g, P/(E h²) = %.4g, the last that is converged,",
+                  equilibrium_.approach, equilibrium_.load);
+    throw ConvergenceError(stage, failed_iteration_, failed_residual_,
+                           "the layer is nearly pressed through or its surface folds; press less");
+  }
+}
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem/finite/finite_layer.h"
+#include "fem/finite/rigid_object.h"
+
+/// Frictionless pressing at finite strain, in units of h and E: the surface's nodes against the
+/// object's exact surface where they are, by Newton's method on all of it.
+///
+/// Each iteration is one linear contact problem: tangent, residual and gap are those of the present
+/// state, along the object's normal over each node, and the active set of `normal_contact` solves
+/// it exactly, the load included. At the end the touching nodes lie on the object to round-off: no
+/// penalty.
+namespace softfinger::fem::finite {
+
+/// What the layer is pressed by; the other is zero.
+struct Drive {
+  double load = 0;      ///< P / (E h²)
+  double approach = 0;  ///< d / h
+};
+
+/// An equilibrium.
+struct Equilibrium {
+  Eigen::VectorXd force;         ///< of each surface node, its component along the load
+  Eigen::VectorXd normal_force;  ///< along the object's normal: its magnitude
+  double approach = 0;
+  double load = 0;    ///< of the whole contact
+  double energy = 0;  ///< strain energy of the whole layer
+  int active = 0;
+  double steepest_rad = 0;    ///< slope of the object where it is touched
+  bool reaches_rim = false;   ///< of the region where contact is possible
+  double out_of_balance = 0;  ///< largest nodal force out of balance over the largest contact force
+  double complementarity_residual = 0;  ///< worst penetration over the approach
+  double moment_a = 0, moment_b = 0;    ///< semi-axes from second moments, in the block: rough
+};
+
+/// How it was reached.
+struct PressingHistory {
+  int steps = 0;       ///< of load, converged ones
+  int cuts = 0;        ///< steps that were given up and tried again shorter
+  int iterations = 0;  ///< of Newton's method
+  int shifts = 0;      ///< tangents that were not positive definite
+};
+
+struct PressingOptions {
+  double largest_step = 0.12;  ///< of the approach in one step, in h
+  double tolerance = 1e-6;  ///< of Newton's step, relative to the approach: the next is its square
+};
+
+class FinitePressing {
+ public:
+  FinitePressing(std::shared_ptr<FiniteLayer> layer, std::shared_ptr<const RigidObject> object,
+                 const PressingOptions& options = {});
+
+  /// From the present equilibrium to another one, by steps as large as converge.
+  /// @throws ConvergenceError, with the last load that was reached; the equilibrium is then that
+  void press(const Drive& drive);
+
+  const Equilibrium& equilibrium() const { return equilibrium_; }
+  const PressingHistory& history() const { return history_; }
+  const FiniteLayer& layer() const { return *layer_; }
+
+  /// Normals of the object at the nodes' present positions: outward from the finger.
+  Eigen::Vector3d normal(std::size_t node) const;
+
+ private:
+  struct Touch;
+  std::vector<Touch> touches() const;
+  bool try_step(const Drive& drive, bool limited, Equilibrium& reached);
+  int copies() const { return layer_->whole() ? 1 : 4; }
+  void describe(Equilibrium& equilibrium) const;
+
+  std::shared_ptr<FiniteLayer> layer_;
+  std::shared_ptr<const RigidObject> object_;
+  PressingOptions options_;
+  double offset_ = 0;  ///< of the object's height: the approach counts from the first touch
+  double step_;        ///< present largest one
+  Equilibrium equilibrium_;
+  PressingHistory history_;
+  int failed_iteration_ = 0;
+  double failed_residual_ = 0;
+};
+
+}  // namespace softfinger::fem::finite

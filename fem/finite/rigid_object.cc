@@ -1,0 +1,85 @@
+#include "fem/finite/rigid_object.h"
+
+#include <cmath>
+#include <utility>
+
+namespace softfinger::fem::finite {
+namespace {
+
+class Quadric : public RigidObject {
+ public:
+  Quadric(double major, double minor) : curvature_(1 / major, 1 / minor) {}
+  std::optional<ObjectHeight> over(double x, double y) const override {
+    const Eigen::Vector2d at(x, y);
+    const Eigen::Vector2d slope = curvature_.cwiseProduct(at);
+    return ObjectHeight{0.5 * slope.dot(at), slope, curvature_.asDiagonal()};
+  }
+
+ private:
+  Eigen::Vector2d curvature_;
+};
+
+class Sphere : public RigidObject {
+ public:
+  explicit Sphere(double radius) : radius_(radius) {}
+  std::optional<ObjectHeight> over(double x, double y) const override {
+    const Eigen::Vector2d at(x, y);
+    const double square = radius_ * radius_ - at.squaredNorm();
+    // Steeper than 84 degrees it is as good as out of reach, and its slope has no bound.
+    if (square < 0.01 * radius_ * radius_) return std::nullopt;
+    const double root = std::sqrt(square);
+    const Eigen::Vector2d slope = at / root;
+    return ObjectHeight{at.squaredNorm() / (radius_ + root), slope,
+                        (Eigen::Matrix2d::Identity() + slope * slope.transpose()) / root};
+  }
+
+ private:
+  double radius_;
+};
+
+class Sampled : public RigidObject {
+ public:
+  Sampled(std::function<std::optional<double>(double, double)> height, double step)
+      : height_(std::move(height)), step_(step) {}
+
+  std::optional<ObjectHeight> over(double x, double y) const override {
+    double around[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const auto height = height_(x + (i - 1) * step_, y + (j - 1) * step_);
+        if (!height) return std::nullopt;
+        around[i][j] = *height;
+      }
+    ObjectHeight result;
+    result.height = around[1][1];
+    result.slope = {(around[2][1] - around[0][1]) / (2 * step_),
+                    (around[1][2] - around[1][0]) / (2 * step_)};
+    const double square = step_ * step_;
+    result.curvature(0, 0) = (around[2][1] - 2 * around[1][1] + around[0][1]) / square;
+    result.curvature(1, 1) = (around[1][2] - 2 * around[1][1] + around[1][0]) / square;
+    result.curvature(0, 1) = result.curvature(1, 0) =
+        (around[2][2] - around[2][0] - around[0][2] + around[0][0]) / (4 * square);
+    return result;
+  }
+
+ private:
+  std::function<std::optional<double>(double, double)> height_;
+  double step_;
+};
+
+}  // namespace
+
+std::unique_ptr<const RigidObject> quadric(double major, double minor) {
+  return std::make_unique<Quadric>(major, minor);
+}
+
+std::unique_ptr<const RigidObject> sphere(double radius) {
+  return std::make_unique<Sphere>(radius);
+}
+
+std::unique_ptr<const RigidObject> sampled(
+    std::function<std::optional<double>(double x, double y)> height, double step) {
+  return std::make_unique<Sampled>(std::move(height), step);
+}
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace softfinger::fem::finite {
+
+/// How the surface answers to displacements w of its nodes into the layer, about a deformed state:
+/// contact forces f = stiffness w - force. Symmetric; under pressure it is positive definite only
+/// on nodes that are free: pressed ones, let go under constant forces, would buckle.
+struct SurfaceResponse {
+  Eigen::MatrixXd stiffness;
+  Eigen::VectorXd force;
+};
+
+/// A contact about such a state.
+struct TangentContact {
+  Eigen::VectorXd force, displacement;
+  double approach = 0;
+  int active = 0;
+};
+
+/// Solves w >= approach - gap, f >= 0, f (w - approach + gap) = 0 by a primal-dual active set, with
+/// the approach given, or eliminated by sum f = load. Only the free nodes' block of the stiffness
+/// is factorised. Any consistent units.
+///
+/// @param gap    n, any origin
+/// @param load   <= 0: the approach is given
+/// @param start  n forces, > 0 on the nodes that likely touch; all zero where unknown
+/// @throws ConvergenceError when the set still changes after 200 steps
+TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& gap,
+                                     double load, double approach, const Eigen::VectorXd& start);
+
+}  // namespace softfinger::fem::finite

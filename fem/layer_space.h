@@ -1,0 +1,97 @@
+#pragma once
+
+#include <deal.II/base/types.h>
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/mapping.h>
+#include <deal.II/grid/tria.h>
+#include <deal.II/lac/affine_constraints.h>
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/sparse_matrix.h>
+#include <deal.II/lac/vector.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "fem/cholesky.h"
+#include "fem/layer_model.h"
+
+namespace softfinger::fem {
+
+/// The unknowns of one problem: what neither the bond, nor hanging nodes, nor a symmetry fixes.
+struct Unknowns {
+  std::vector<int> of_dof;  ///< -1 where fixed
+  int count = 0;
+};
+
+/// A layer's mesh with quadratic displacements on it, its bond, its symmetries and its contact
+/// surface: what linear and finite strain share. Lengths in h. Internal to `fem`: the types of the
+/// finite-element library go no further than the files that include this.
+struct LayerSpace {
+  static constexpr int dim = 3;
+  using Dof = dealii::types::global_dof_index;
+
+  /// @param bent  null: flat
+  /// @param all   of the layer instead of a quarter
+  LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent, bool all);
+  /// All of a layer whose coarse mesh comes from outside.
+  LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
+
+  LayerDiscretisation discretisation;
+  // What smoothing would add beyond this (up to as many cells again) moves no result by its stated
+  // error.
+  dealii::Triangulation<dim> triangulation{
+      dealii::Triangulation<dim>::limit_level_difference_at_vertices};
+  dealii::FESystem<dim> element;
+  dealii::DoFHandler<dim> dofs{triangulation};
+  std::shared_ptr<const LayerShape> shape;
+  bool whole = false;
+  bool meshed = false;             ///< from outside
+  dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
+  std::unique_ptr<dealii::Mapping<dim>> mapping;
+  dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
+  std::vector<char> on_plane;                     ///< per dof: bit 0 on x = 0, bit 1 on y = 0
+  std::vector<char> component;                    ///< per dof: 0 to 2
+  std::vector<Dof> node_of;                       ///< per dof: the first dof of its node
+  std::vector<std::array<Dof, 3>> node_dofs;      ///< of each surface node
+  std::vector<SurfaceNode> nodes;
+  std::vector<SurfaceFace> faces;
+  /// Of all nine nodes of each face, those that cannot be touched included.
+  std::vector<std::array<std::array<Dof, 3>, 9>> face_dofs;
+  std::vector<int> surface_node;  ///< per dof; -1 elsewhere
+  std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
+
+  /// @throws ConvergenceError where a hanging node leans on a surface node, whose unknowns then
+  /// cannot be turned into a frame.
+  void require_unconstrained_surface() const;
+
+  /// Turns the rows and columns of surface nodes in an element's matrix, so that their unknowns are
+  /// the components along their frames: then only the normal ones have to be condensed on.
+  void turn_to_frames(const std::vector<Eigen::Matrix3d>& frames, const std::vector<Dof>& indices,
+                      dealii::FullMatrix<double>& matrix) const;
+
+  Unknowns free_unknowns(Parity parity) const;
+
+  /// Fixed unknowns are left out before the ordering sees them.
+  SparseSymmetricMatrix lower_triangle(const dealii::SparseMatrix<double>& stiffness,
+                                       const Unknowns& free) const;
+
+  /// Finds `dissection`. The problems of all parities have nearly one graph: they differ in
+  /// components on the planes. Node by node, the order found for one of them serves them all.
+  void dissect(const SparseSymmetricMatrix& matrix, const Unknowns& free);
+  std::vector<int> dissection_of(const Unknowns& free) const;
+
+ private:
+  std::vector<dealii::Point<dim>> support_points() const;
+  void bend(const std::vector<dealii::Point<dim>>& support);
+  void constrain(const std::vector<dealii::Point<dim>>& support);
+  void collect_surface(const std::vector<dealii::Point<dim>>& support);
+  void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
+  std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
+  void number_surface();
+};
+
+}  // namespace softfinger::fem
