@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "comparisons/files.h"
 #include "comparisons/program_paths.h"
@@ -19,11 +21,14 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream stream(line);
-  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-  return cells;
+/// Parts of `line`, which has to outlive them.
+void split(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
+  for (std::size_t start = 0; start <= line.size();) {
+    const std::size_t end = std::min(line.find(',', start), line.size());
+    cells.push_back(line.substr(start, end - start));
+    start = end + 1;
+  }
 }
 
 const std::vector<std::string>& own_columns() {
@@ -127,33 +132,39 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
   AtlasFile atlas;
   std::istringstream lines(text);
   std::vector<std::string> header;
+  std::vector<std::string_view> cells;
+  std::vector<std::vector<QuantityErrors>*> models;  // whose columns follow, in that order
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    const std::string where = fmt::format("{}:{}", file, number);
     if (line.rfind("# ", 0) == 0) {
       const std::size_t colon = line.find(": ");
       if (colon != std::string::npos)
         atlas.provenance.emplace_back(line.substr(2, colon - 2), line.substr(colon + 2));
       continue;
     }
-    std::vector<std::string> cells = split(line);
+    split(line, cells);
     const std::size_t own = own_columns().size();
     if (header.empty()) {
-      header = cells;
+      header.assign(cells.begin(), cells.end());
       if (header.size() < own ||
           !std::equal(own_columns().begin(), own_columns().end(), header.begin()) ||
           (header.size() - own) % kQuantities != 0)
-        throw InputError(where, "header of the error atlas", "", "that of this version");
+        throw InputError(fmt::format("{}:{}", file, number), "header of the error atlas", "",
+                         "that of this version");
+      for (std::size_t column = own; column < header.size(); column += kQuantities)
+        models.push_back(&atlas.errors[header[column].substr(0, header[column].find(' '))]);
       continue;
     }
     cells.resize(header.size());
     const auto value = [&](std::size_t column) {
       if (cells[column].empty()) return kNaN;
-      char* end = nullptr;
-      const double parsed = std::strtod(cells[column].c_str(), &end);
-      if (*end != '\0' || !std::isfinite(parsed))
-        throw InputError(where, header[column], cells[column], "a finite number");
+      double parsed = kNaN;
+      const char* end = cells[column].data() + cells[column].size();
+      const auto read = std::from_chars(cells[column].data(), end, parsed);
+      if (read.ec != std::errc() || read.ptr != end || !std::isfinite(parsed))
+        throw InputError(fmt::format("{}:{}", file, number), header[column],
+                         std::string(cells[column]), "a finite number");
       return parsed;
     };
     AtlasRun run;
@@ -175,10 +186,9 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
     run.cost_s = value(column++);
     run.coarse_cost_s = value(column++);
     atlas.runs.push_back(run);
-    for (; column < header.size(); column += kQuantities) {
-      QuantityErrors errors;
-      for (std::size_t q = 0; q < kQuantities; ++q) errors[q] = value(column + q);
-      atlas.errors[header[column].substr(0, header[column].find(' '))].push_back(errors);
+    for (std::vector<QuantityErrors>* errors : models) {
+      errors->emplace_back();
+      for (double& error : errors->back()) error = value(column++);
     }
   }
   return atlas;

@@ -497,7 +497,8 @@ TEST_F(Program, PredictsWithAnErrorThatTheAtlasKnows) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 1e9]"));
   const ProgramRun result = run({"predict", file.string(), "--json", "--torque-rule", "paper"});
   ASSERT_EQ(result.status, 0) << result.err;
-  for (const json& answer : json::parse(result.out)["results"]) {
+  const json predicted = json::parse(result.out);
+  for (const json& answer : predicted["results"]) {
     if (answer["a_m"].is_null()) continue;
     if (answer["load_N"] == 1.0) {
       for (const char* quantity : {"a", "b", "indentation", "area", "peak_pressure", "max_torque"})
@@ -533,7 +534,8 @@ TEST_F(Program, SelectsNoModelInWordsWhereNoneIsEnough) {
   const ProgramRun result = run({"select", "silicone_pad_2mm", "--tolerance", "0.05", "--models",
                                  "hertz,winkler,thin_incompressible", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
-  for (const json& choice : json::parse(result.out)["choices"]) {
+  const json selected = json::parse(result.out);
+  for (const json& choice : selected["choices"]) {
     EXPECT_TRUE(choice["model"].is_null()) << choice;
     EXPECT_NE(choice["reason"].get<std::string>().find("none of the allowed models"),
               std::string::npos);
