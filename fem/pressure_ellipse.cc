@@ -9,25 +9,21 @@
 namespace softfinger::fem {
 namespace {
 
-/// All products X^i Y^j with i + j <= degree.
-class Polynomial {
- public:
-  explicit Polynomial(int degree) : degree_(degree), values_((degree + 1) * (degree + 2) / 2) {}
-  Eigen::Index size() const { return values_.size(); }
-  const Eigen::VectorXd& operator()(double X, double Y) {
-    Eigen::Index k = 0;
-    double x_power = 1;
-    for (int i = 0; i <= degree_; ++i, x_power *= X) {
-      double term = x_power;
-      for (int j = 0; i + j <= degree_; ++j, term *= Y) values_[k++] = term;
-    }
-    return values_;
-  }
+/// Products X^i Y^j with i + j <= degree.
+constexpr int terms_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
- private:
-  int degree_;
-  Eigen::VectorXd values_;
-};
+/// All of them.
+template <int degree>
+Eigen::Matrix<double, terms_of(degree), 1> polynomial(double X, double Y) {
+  Eigen::Matrix<double, terms_of(degree), 1> values;
+  int k = 0;
+  double x_power = 1;
+  for (int i = 0; i <= degree; ++i, x_power *= X) {
+    double term = x_power;
+    for (int j = 0; i + j <= degree; ++j, term *= Y) values[k++] = term;
+  }
+  return values;
+}
 
 /// Finds the face under a point: the finest faces form a regular grid.
 class FaceGrid {
@@ -67,13 +63,14 @@ class FaceGrid {
   std::vector<int> index_;
 };
 
+/// The size of the polynomial is fixed, since the sums over a hundred thousand points are in it.
+template <int degree>
 class Fit {
  public:
   Fit(const std::vector<SurfaceNode>& nodes, const std::vector<SurfaceFace>& faces,
-      const Eigen::VectorXd& force, int degree, const SurfaceDeformation* deformation)
+      const Eigen::VectorXd& force, const SurfaceDeformation* deformation)
       : faces_(faces),
         grid_(faces),
-        polynomial_(degree),
         deformation_(deformation),
         root_weight_(static_cast<Eigen::Index>(nodes.size())) {
     for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -83,7 +80,7 @@ class Fit {
 
   /// Residual with the best polynomial for these semi-axes.
   Eigen::VectorXd residual(double a, double b, double diamond) {
-    const Eigen::MatrixXd model =
+    const Eigen::Matrix<double, Eigen::Dynamic, terms> model =
         root_weight_.cwiseInverse().asDiagonal() * moments(a, b, diamond).transpose();
     const auto factor = model.householderQr();
     coefficients_ = factor.solve(target_);
@@ -94,17 +91,20 @@ class Fit {
   bool left_patch() const { return left_patch_; }
 
  private:
+  static constexpr int terms = terms_of(degree);
+  using Moments = Eigen::Matrix<double, terms, Eigen::Dynamic>;
+
   /// Moments of root times polynomial (rows) with every shape function (columns). With the edge at
   /// g(v) in scaled polar coordinates and r = g sin t the root is cos t: dA = a b g² sin t cos t dt
   /// dv.
-  Eigen::MatrixXd moments(double a, double b, double diamond) {
+  Moments moments(double a, double b, double diamond) {
     left_patch_ = false;
     const int steps = grid_.points_per_quarter();
     const double step = M_PI / 2 / steps;
     const Eigen::ArrayXd angle = step * (Eigen::ArrayXd::LinSpaced(steps, 0, steps - 1) + 0.5);
     const Eigen::ArrayXd sine = angle.sin(), cosine = angle.cos();
     const Eigen::ArrayXd edge = 1 + diamond * (4 * angle).cos();
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(polynomial_.size(), target_.size());
+    Moments result = Moments::Zero(terms, target_.size());
     // Of a deformed surface, how far each ray's end is from the centre, x in units of a and y of b.
     Eigen::ArrayXd deformed_edge = Eigen::ArrayXd::Ones(steps);
     const auto deformed_radius = [&](const Eigen::Vector3d& position) {
@@ -139,11 +139,12 @@ class Fit {
           x = radius * edge[j] * cosine[j];
           y = radius * edge[j] * sine[j];
         }
-        const Eigen::VectorXd& values = polynomial_(x * x, y * y);
+        const Eigen::Matrix<double, terms, 1> values =
+            area * root * polynomial<degree>(x * x, y * y);
         for (int k = 0; k < 9; ++k)
           if (face->node[static_cast<std::size_t>(k)] >= 0)
             result.col(face->node[static_cast<std::size_t>(k)]) +=
-                area * root * along_x[k % 3] * along_y[k / 3] * values;
+                along_x[k % 3] * along_y[k / 3] * values;
       }
     return result;
   }
@@ -155,23 +156,17 @@ class Fit {
 
   const std::vector<SurfaceFace>& faces_;
   const FaceGrid grid_;
-  Polynomial polynomial_;
   const SurfaceDeformation* deformation_;
   Eigen::VectorXd root_weight_, target_;
-  Eigen::VectorXd coefficients_;
+  Eigen::Matrix<double, terms, 1> coefficients_;
   bool left_patch_ = false;
 };
 
-}  // namespace
-
-PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
-                                     const std::vector<SurfaceFace>& faces,
-                                     const Eigen::VectorXd& force, double a, double b,
-                                     const SurfaceDeformation* deformation) {
-  // The thinner the layer, the flatter the pressure inside and the steeper at the edge (lengths are
-  // in units of the thickness).
-  const int degree = std::min(a, b) < 4 ? 2 : 3;
-  Fit fit(nodes, faces, force, degree, deformation);
+template <int degree>
+PressureEllipse fit_of_degree(const std::vector<SurfaceNode>& nodes,
+                              const std::vector<SurfaceFace>& faces, const Eigen::VectorXd& force,
+                              double a, double b, const SurfaceDeformation* deformation) {
+  Fit<degree> fit(nodes, faces, force, deformation);
   Eigen::Vector3d unknown(std::log(a), std::log(b), 0);
   const auto residual = [&](const Eigen::Vector3d& u) {
     return fit.residual(std::exp(u[0]), std::exp(u[1]), u[2]);
@@ -220,6 +215,18 @@ PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
   throw ConvergenceError(
       "fit of the contact ellipse", limit, current.norm() / force.norm(),
       "the pressure is not that of one elliptic contact, or the mesh is too coarse");
+}
+
+}  // namespace
+
+PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
+                                     const std::vector<SurfaceFace>& faces,
+                                     const Eigen::VectorXd& force, double a, double b,
+                                     const SurfaceDeformation* deformation) {
+  // The thinner the layer, the flatter the pressure inside and the steeper at the edge (lengths are
+  // in units of the thickness).
+  return std::min(a, b) < 4 ? fit_of_degree<2>(nodes, faces, force, a, b, deformation)
+                            : fit_of_degree<3>(nodes, faces, force, a, b, deformation);
 }
 
 }  // namespace softfinger::fem

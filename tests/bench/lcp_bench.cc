@@ -66,31 +66,44 @@ struct Row {
   int failures = 0;
 };
 
-Row solve_cold(const std::vector<ContactLcp>& problems, int repetitions,
-               std::vector<double>* all_us = nullptr) {
-  const int contacts = problems.front().contacts();
-  ContactLcpSolver solver(contacts, int(problems.front().vertices.cols()));
+/// The same scenes under several numbers of vertices: a machine whose speed changes by the second
+/// would otherwise show in their ratios, so they take turns.
+std::vector<Row> solve_in_turns(const std::vector<std::vector<ContactLcp>>& sets, int repetitions,
+                                std::vector<std::vector<double>>* all_us = nullptr) {
+  const int contacts = sets.front().front().contacts();
+  std::vector<ContactLcpSolver> solvers;
+  for (const auto& problems : sets)
+    solvers.emplace_back(contacts, int(problems.front().vertices.cols()));
   ContactSolution solution;
   solution.resize(contacts);
-  Row row;
-  std::vector<double> times;
-  for (const ContactLcp& problem : problems) {
-    std::vector<double> same;
-    LcpResult result;
-    for (int i = 0; i < repetitions; ++i) {
-      const double start = cpu_us();
-      result = solver.solve(problem, solution);
-      same.push_back(cpu_us() - start);
+  std::vector<Row> rows(sets.size());
+  std::vector<std::vector<double>> times(sets.size());
+  for (std::size_t scene = 0; scene < sets.front().size(); ++scene) {
+    std::vector<std::vector<double>> same(sets.size());
+    std::vector<LcpResult> results(sets.size());
+    for (int i = 0; i < repetitions; ++i)
+      for (std::size_t n = 0; n < sets.size(); ++n) {
+        const double start = cpu_us();
+        results[n] = solvers[n].solve(sets[n][scene], solution);
+        same[n].push_back(cpu_us() - start);
+      }
+    for (std::size_t n = 0; n < sets.size(); ++n) {
+      times[n].push_back(quantile(same[n], 0.5));
+      rows[n].failures += results[n].status != LcpStatus::solved;
+      rows[n].residual = std::max(rows[n].residual, results[n].residual);
+      rows[n].pivots += double(results[n].pivots) / double(sets[n].size());
     }
-    times.push_back(quantile(same, 0.5));
-    row.failures += result.status != LcpStatus::solved;
-    row.residual = std::max(row.residual, result.residual);
-    row.pivots += double(result.pivots) / double(problems.size());
   }
-  row.median_us = quantile(times, 0.5);
-  row.p90_us = quantile(times, 0.9);
+  for (std::size_t n = 0; n < sets.size(); ++n) {
+    rows[n].median_us = quantile(times[n], 0.5);
+    rows[n].p90_us = quantile(times[n], 0.9);
+  }
   if (all_us) *all_us = times;
-  return row;
+  return rows;
+}
+
+Row solve_cold(const std::vector<ContactLcp>& problems, int repetitions) {
+  return solve_in_turns({problems}, repetitions).front();
 }
 
 #ifdef SOFTFINGER_SICONOS
@@ -191,29 +204,36 @@ void compare_cold(double siconos_s) {
   static_cast<void>(siconos_s);
 #endif
   std::printf("\n");
-  const auto run = [&](int contacts, int vertices, bool with_siconos) {
-    const auto problems = make_problems(64, contacts, vertices, FrictionRule::facets);
-    std::vector<double> ours_us;
-    const Row row = solve_cold(problems, contacts > 20 ? 3 : 9, &ours_us);
-    std::printf("%8d %4d %10.1f %10.1f %9.1e %7.1f %6d", contacts, vertices, row.median_us,
-                row.p90_us, row.residual, row.pivots, row.failures);
+  const auto run = [&](int contacts, const std::vector<int>& numbers, bool with_siconos) {
+    std::vector<std::vector<ContactLcp>> sets;
+    for (const int vertices : numbers)
+      sets.push_back(make_problems(64, contacts, vertices, FrictionRule::facets));
+    std::vector<std::vector<double>> ours_us;
+    const std::vector<Row> rows = solve_in_turns(sets, contacts > 20 ? 3 : 9, &ours_us);
+    for (std::size_t n = 0; n < sets.size(); ++n) {
+      const Row& row = rows[n];
+      std::printf("%8d %4d %10.1f %10.1f %9.1e %7.1f %6d", contacts, numbers[n], row.median_us,
+                  row.p90_us, row.residual, row.pivots, row.failures);
 #ifdef SOFTFINGER_SICONOS
-    if (with_siconos) {
-      int tried = 0;
-      double ratio = 0;
-      const Row peer = solve_by_siconos(problems, ours_us, siconos_s, tried, ratio);
-      std::printf(" | %12.1f %9.1e %3d of %2d %7.0f", peer.median_us, peer.residual, peer.failures,
-                  tried, ratio);
-    }
+      if (with_siconos && contacts * numbers[n] <= 640) {
+        int tried = 0;
+        double ratio = 0;
+        const Row peer = solve_by_siconos(sets[n], ours_us[n], siconos_s, tried, ratio);
+        std::printf(" | %12.1f %9.1e %3d of %2d %7.0f", peer.median_us, peer.residual,
+                    peer.failures, tried, ratio);
+      }
 #else
-    static_cast<void>(with_siconos);
+      static_cast<void>(with_siconos);
 #endif
-    std::printf("\n");
-    std::fflush(stdout);
+      std::printf("\n");
+      std::fflush(stdout);
+    }
+    if (rows.size() > 1)
+      std::printf("%8d u = %d costs %.2f times u = %d\n", contacts, numbers.back(),
+                  rows.back().median_us / rows.front().median_us, numbers.front());
   };
-  for (const int contacts : {1, 5, 10, 20})
-    for (const int vertices : {16, 32, 128}) run(contacts, vertices, contacts * vertices <= 640);
-  run(100, 16, false);
+  for (const int contacts : {1, 5, 10, 20}) run(contacts, {16, 32, 128}, true);
+  run(100, {16}, false);
 }
 
 const char* name(FrictionRule rule) {

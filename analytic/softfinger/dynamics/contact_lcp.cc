@@ -224,7 +224,7 @@ void ContactLcpSolver::Workspace::use_vertices(const Eigen::Matrix3Xd& vertices)
     known_radius = u > 0 ? vertices.colwise().norm().maxCoeff() : 0;
     choose_first_vertices();
   }
-  system.vertices.leftCols(u) = vertices;
+  system.share_vertices(vertices);
   system.vertex_radius = known_radius;
 }
 

@@ -45,7 +45,9 @@ class ContactSystem {
         is_used_(in_use_.size()),
         uncovered_(std::size_t(capacity) * std::size_t(vertex_capacity + 2)),
         pairs_(uncovered_.size()),
-        shift_(capacity) {}
+        shift_(capacity),
+        shared_(vertex_capacity, 3),
+        along_(vertex_capacity) {}
 
   int contacts = 0, count = 0;  ///< count: vertices per contact, or room for them
   /// Whether contact i has the vertices count i, count i + 1, ... of its own, made by
@@ -152,6 +154,13 @@ class ContactSystem {
     return best;
   }
 
+  /// The vertices of all contacts, 3 x count.
+  template <class Vertices>
+  void share_vertices(const Vertices& shared) {
+    vertices.leftCols(count) = shared;
+    shared_.topRows(count) = shared.transpose();
+  }
+
   /// Which vertices take part: none, then those that the caller adds.
   void use_no_vertices() {
     std::fill(is_used_.begin(), is_used_.begin() + contacts * count, char(false));
@@ -211,13 +220,19 @@ class ContactSystem {
     const FrictionShape* shape = shapes[std::size_t(contact)];
     return shape ? shape->boundary(direction, nullptr) : direction.stableNormalized();
   }
-  /// The unused vertex with the least vertex . slip below `least`, -1: none.
-  int vertex_against(int contact, const Eigen::Vector3d& slip, double least) const {
+  /// Of the shared vertices. The unused one with the least vertex . slip below `least`, -1: none.
+  int vertex_against(int contact, const Eigen::Vector3d& slip, double least) {
+    auto along = along_.head(count);
+    along = slip[0] * shared_.col(0).head(count) + slip[1] * shared_.col(1).head(count) +
+            slip[2] * shared_.col(2).head(count);
+    // Mostly none is violated, and the least is not in use: seen without branches.
     int best = -1;
+    if (!(along.minCoeff(&best) < least)) return -1;
+    if (!is_used_[std::size_t(contact * count + best)]) return best;
+    best = -1;
     for (int j = 0; j < count; ++j) {
-      const double along = vertex(contact, j).dot(slip);
-      if (along >= least || is_used_[std::size_t(contact * count + j)]) continue;
-      least = along;
+      if (along[j] >= least || is_used_[std::size_t(contact * count + j)]) continue;
+      least = along[j];
       best = j;
     }
     return best;
@@ -425,6 +440,8 @@ class ContactSystem {
   int numbered_contacts_ = -1, numbered_count_ = -1;
   bool all_covered_ = true, is_shifted_ = false;
   Motion shift_;
+  Eigen::MatrixX3d shared_;  ///< the shared vertices, one per row
+  Eigen::VectorXd along_;    ///< of each shared vertex, its product with a slip
 };
 
 }  // namespace softfinger::internal
