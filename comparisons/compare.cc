@@ -435,6 +435,7 @@ int compare(const CompareOptions& options) {
   // Both refuse before anything is written.
   fem_program();
   error_atlas();
+  finite_strain_atlas();
   make_writable_folder(options.output);
   // After all that may be refused in a single line.
   if (const auto ids = cases_left_out(options.output / "report.json", file_of_id); !ids.empty())
@@ -481,6 +482,7 @@ int compare(const CompareOptions& options) {
   const std::string text = dump(report);
   // The page only: the numbers are the program's own, and the same in every report.
   report["atlas"] = atlas_with_marks(runs);
+  report["finite_strain"] = finite_strain_overview(finite_strain_atlas().file());
   write_files_together({{options.output / "results.csv", results_csv(report)},
                         {options.output / "report.json", text},
                         {options.output / "report.html", comparisons::render_report(report)}});

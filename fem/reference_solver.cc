@@ -15,6 +15,7 @@
 #include "fem/memory.h"
 #include "fem/model_cache.h"
 #include "fem/pressing.h"
+#include "fem/stopwatch.h"
 #include "fem/surface_series.h"
 #include "fem/write_compliance.h"
 #include "softfinger/input/errors.h"
@@ -280,19 +281,6 @@ std::string time_to_go(const std::vector<LevelResult>& done, int elements) {
       done.back().wall_s *
           std::pow(static_cast<double>(elements) / done.back().elements_per_semi_axis, order));
 }
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  /// Of all threads: what the answer costs on a machine that is busy with others too.
-  double cpu_seconds() const { return static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC; }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::clock_t cpu_ = std::clock();
-};
 
 /// The problem in the units of its layer.
 Pressing pressing_of(const Problem& problem) {

@@ -298,6 +298,45 @@ json atlas_overview(const AtlasFile& atlas) {
       {"marks", json::array()}};
 }
 
+json finite_strain_overview(const AtlasFile& atlas) {
+  // Where fingertips of rubber work: touched lightly, held, pressed hard.
+  const std::vector<std::pair<double, double>> depths = {{0, 0.05}, {0.05, 0.15}, {0.15, 0.6}};
+  std::set<double> poisson_ratios;
+  for (const AtlasRun& run : atlas.runs) poisson_ratios.insert(run.poisson_ratio);
+  json groups = json::array();
+  for (const char* kind : {"finite_sphere", "finite_curved"})
+    for (const double nu : poisson_ratios)
+      for (const auto& [from, to] : depths) {
+        std::vector<std::size_t> chosen;
+        double largest_a_over_R = 0;
+        for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
+          const AtlasRun& run = atlas.runs[r];
+          const double depth = run.answer[std::size_t(Quantity::indentation)];
+          if (run.kind != kind || run.poisson_ratio != nu || !(depth > from && depth <= to))
+            continue;
+          chosen.push_back(r);
+          largest_a_over_R = std::max(
+              largest_a_over_R, run.answer[std::size_t(Quantity::a)] * run.thickness_over_radius);
+        }
+        if (chosen.empty()) continue;
+        json models = json::array();
+        for (const auto& [name, errors] : atlas.errors) {
+          std::vector<QuantityErrors> of_group;
+          for (const std::size_t r : chosen) of_group.push_back(errors[r]);
+          json by_quantity = quantiles_by_quantity(of_group);
+          if (by_quantity[kQuantityNames[0]].is_null()) continue;
+          models.push_back({{"model", name}, {"quantiles", by_quantity}});
+        }
+        groups.push_back({{"kind", kind},
+                          {"poisson_ratio", nu},
+                          {"indentation_over_thickness", {from, to}},
+                          {"largest_a_over_R", rounded(largest_a_over_R)},
+                          {"count", chosen.size()},
+                          {"models", models}});
+      }
+  return groups;
+}
+
 json map_mark(const Case& contact_case, const ContactProblem& problem) {
   return {{"id", contact_case.id},
           {"load_N", problem.load.normal_force_N},

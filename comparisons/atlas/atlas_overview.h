@@ -13,6 +13,10 @@ namespace softfinger {
 /// second.
 nlohmann::json atlas_overview(const AtlasFile& atlas);
 
+/// How far each model and linear finite elements are off at finite strain, by indentation and
+/// Poisson's ratio (report/README.md, "finite_strain"): quantiles over the runs of each kind.
+nlohmann::json finite_strain_overview(const AtlasFile& atlas);
+
 /// Where a contact lies on the maps: {"id", "load_N", "poisson_ratio", "radii_ratio", "s", "seed"};
 /// s by the bonded layer, null without answer.
 nlohmann::json map_mark(const Case& contact_case, const ContactProblem& problem);

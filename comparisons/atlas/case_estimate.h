@@ -9,7 +9,8 @@
 namespace softfinger {
 
 /// The bounds of a model on a case's contact: of a flat layer, or, where the case asks for finite
-/// elements on the finger's own curved core, of one bent over a round finger pressed on a plane.
+/// elements on the finger's own curved core, of one bent over a round finger pressed on a plane;
+/// where it asks for finite strain, against that.
 /// @param model  its name, or "fem"
 ErrorAtlas::Estimate estimate_error(const std::string& model, const Case& contact_case,
                                     const ContactProblem& problem);

@@ -58,12 +58,17 @@ double contact_size(const ContactProblem& problem) {
   return std::sqrt(prediction.a_m * prediction.b_m) / problem.layer.thickness_m;
 }
 
+bool has_own_radius(const AtlasRun& run) {
+  return run.kind.rfind("finite_", 0) == 0 || run.kind.rfind("linear_", 0) == 0;
+}
+
 ContactProblem problem_of(const AtlasRun& run) {
   ContactProblem problem;
   const double nu = run.poisson_ratio;
   problem.layer = {1, 1 - nu * nu, nu};
-  // Flat against the contact, so that no model complains of steep surfaces.
-  const double radius_m = 1e3 * std::max(1., run.s);
+  // Linear ones flat against the contact, so that no model complains of steep surfaces.
+  const double radius_m =
+      has_own_radius(run) ? 1 / run.thickness_over_radius : 1e3 * std::max(1., run.s);
   problem.radii = {radius_m * std::sqrt(run.radii_ratio), radius_m / std::sqrt(run.radii_ratio), 0};
   problem.load.friction_coefficient = run.friction_coefficient > 0 ? run.friction_coefficient : 0.5;
   // ln s grows with ln P, at a slope between 1/6 and 1/3.
@@ -195,8 +200,9 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
 }
 
 ErrorAtlas::ErrorAtlas(AtlasFile atlas) : atlas_(std::move(atlas)) {
-  flat_ = grid_of("flat", &AtlasRun::radii_ratio);
-  curved_ = grid_of("curved", &AtlasRun::thickness_over_radius);
+  grids_["flat"] = grid_of("flat", &AtlasRun::radii_ratio);
+  for (const char* kind : {"curved", "finite_sphere", "finite_curved"})
+    grids_[kind] = grid_of(kind, &AtlasRun::thickness_over_radius);
 }
 
 ErrorAtlas::Grid ErrorAtlas::grid_of(const std::string& kind, double AtlasRun::*second) const {
@@ -264,6 +270,7 @@ double logarithm(double value) { return std::log(value); }
 }  // namespace
 
 ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const ContactProblem& problem,
+                                          const std::string& kind,
                                           double thickness_over_radius) const {
   Estimate result;
   const auto columns = atlas_.errors.find(model);
@@ -276,16 +283,18 @@ ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const Contac
     result.outside = "the error atlas knows one elastic layer, not two";
     return result;
   }
-  const bool curved = thickness_over_radius > 0;
-  const Grid& grid = curved ? curved_ : flat_;
+  const bool flat = kind == "flat";
+  const Grid& grid = grids_.at(kind);
   const double ratio = std::max(1., problem.radii.major_m / problem.radii.minor_m);
-  if (curved && ratio > 1 + 1e-6) {
-    result.outside = "the error atlas knows curved layers on round fingers only";
+  if (!flat && ratio > 1 + 1e-6) {
+    result.outside = kind == "curved"
+                         ? "the error atlas knows curved layers on round fingers only"
+                         : "the error atlas knows round contacts only at finite strain";
     return result;
   }
   const std::array<double, 3> at = {problem.layer.poisson_ratio,
-                                    curved ? thickness_over_radius : ratio, contact_size(problem)};
-  const std::array<const char*, 3> names = {"Poisson's ratio", curved ? "h/R" : "R'/R''",
+                                    flat ? ratio : thickness_over_radius, contact_size(problem)};
+  const std::array<const char*, 3> names = {"Poisson's ratio", flat ? "R'/R''" : "h/R",
                                             "s = sqrt(ab)/h"};
   std::array<Place, 3> places;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -352,11 +361,22 @@ nlohmann::json to_json(const std::optional<QuantityErrors>& bound) {
   return json;
 }
 
+namespace {
+
+ErrorAtlas read_atlas(const char* name) {
+  const auto path = share_folder() / name;
+  return ErrorAtlas(parse_atlas(read_text_file(path), path.string()));
+}
+
+}  // namespace
+
 const ErrorAtlas& error_atlas() {
-  static const ErrorAtlas atlas = [] {
-    const auto path = share_folder() / "error_atlas.csv";
-    return ErrorAtlas(parse_atlas(read_text_file(path), path.string()));
-  }();
+  static const ErrorAtlas atlas = read_atlas("error_atlas.csv");
+  return atlas;
+}
+
+const ErrorAtlas& finite_strain_atlas() {
+  static const ErrorAtlas atlas = read_atlas("finite_strain.csv");
   return atlas;
 }
 

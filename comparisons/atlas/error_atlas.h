@@ -24,9 +24,11 @@ using QuantityErrors = std::array<double, kQuantities>;  ///< relative
 /// A run of the finite elements. A contact on a flat layer is known by three numbers: nu, R'/R''
 /// and s = sqrt(ab)/h, the last one as the bonded layer has it.
 struct AtlasRun {
-  std::string kind;  ///< "flat", "curved" or "friction"
+  /// "flat", "curved" or "friction"; at finite strain "finite_sphere" on a flat layer or
+  /// "finite_curved", and their linear twins "linear_sphere" and "linear_curved".
+  std::string kind;
   double poisson_ratio = 0, radii_ratio = 1, s = 0;
-  double thickness_over_radius = 0;  ///< h/R of a curved finger, else 0
+  double thickness_over_radius = 0;  ///< h/R of a curved finger or of a sphere, else 0
   double friction_coefficient = 0;
   /// a/h, b/h, d/h, area/h², peak pressure/E*, max torque/(mu P h).
   QuantityErrors answer{};
@@ -38,6 +40,9 @@ struct AtlasRun {
   double cost_s = 0,
          coarse_cost_s = 0;  ///< CPU, of both meshes; of the coarse one and what went before
 };
+
+/// Whether h/R counts, as it does at finite strain; linear answers follow from s and h alone.
+bool has_own_radius(const AtlasRun& run);
 
 /// Contact problem of a run: h = 1 m, E* = 1 Pa, the load that gives its s.
 ContactProblem problem_of(const AtlasRun& run);
@@ -72,10 +77,10 @@ class ErrorAtlas {
   /// 1/2: |interpolated error| + half the spread of the corners' errors + a quarter of the finite
   /// elements' own stated error there. Never extrapolates.
   /// @param model  its name, or "fem": what the finite elements state of themselves at level 2
-  /// @param thickness_over_radius  h/R where the layer is bent over a round finger: then against
-  ///   finite elements on such fingers, pressed on a plane; 0: a flat layer
+  /// @param kind  of the runs: "flat", "curved", "finite_sphere" or "finite_curved"
+  /// @param thickness_over_radius  h/R, of all kinds but flat ones
   Estimate estimate(const std::string& model, const ContactProblem& problem,
-                    double thickness_over_radius = 0) const;
+                    const std::string& kind = "flat", double thickness_over_radius = 0) const;
 
   /// The time of one answer as it was when the atlas was made, in ns; NaN for unknown models.
   double cost_ns(const std::string& model) const;
@@ -91,8 +96,7 @@ class ErrorAtlas {
   Grid grid_of(const std::string& kind, double AtlasRun::*second) const;
 
   AtlasFile atlas_;
-  Grid flat_;    ///< (nu, R'/R'', s)
-  Grid curved_;  ///< (nu, h/R, s)
+  std::map<std::string, Grid> grids_;  ///< of flat ones (nu, R'/R'', s), of others (nu, h/R, s)
 };
 
 /// s = sqrt(ab)/h by the bonded layer, by which runs and questions are placed; NaN without answer.
@@ -104,5 +108,9 @@ nlohmann::json to_json(const std::optional<QuantityErrors>& bound);
 /// The atlas beside the program, read once.
 /// @throws InputError when it is missing or damaged
 const ErrorAtlas& error_atlas();
+
+/// The one at finite strain, neo-Hookean with a quadratic volume energy. A "model" of it is
+/// "fem_linear", the finite elements of linear theory.
+const ErrorAtlas& finite_strain_atlas();
 
 }  // namespace softfinger

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -34,10 +35,20 @@ std::string name_of(const AtlasRun& run) {
                      run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
 }
 
-/// A curved finger has its own radius: that over the one of `problem_of`. s stays with the load
-/// times the radius, indentation and pressure then go with the load.
+/// A linear curved finger's own radius over the one of `problem_of`. s stays with the load times
+/// the radius, indentation and pressure then go with the load.
 double radius_scale(const AtlasRun& run, const ContactProblem& unit) {
   return run.kind == "curved" ? 1 / run.thickness_over_radius / unit.radii.major_m : 1;
+}
+
+bool is_on_curved_layer(const AtlasRun& run) {
+  return run.kind == "curved" || run.kind == "linear_curved" || run.kind == "finite_curved";
+}
+bool is_on_sphere(const AtlasRun& run) {
+  return run.kind == "linear_sphere" || run.kind == "finite_sphere";
+}
+bool is_finite_strain(const AtlasRun& run) {
+  return run.kind == "finite_sphere" || run.kind == "finite_curved";
 }
 
 json fem_problem_of(const AtlasRun& run) {
@@ -56,7 +67,14 @@ json fem_problem_of(const AtlasRun& run) {
       {"load_N", unit.load.normal_force_N / scale * kModulus_Pa * kThickness_m * kThickness_m},
       {"friction_coefficient", unit.load.friction_coefficient},
       {"level", 2}};
-  if (run.kind == "curved") {
+  if (is_on_sphere(run)) problem["sphere_radius_m"] = kThickness_m / run.thickness_over_radius;
+  if (is_finite_strain(run)) {
+    problem["kinematics"] = "finite";
+    problem["layer"]["material"] = "neo_hookean";
+    problem["layer"]["volumetric"] = "quadratic";
+    problem["layer"]["mooney_rivlin_share"] = 0;
+  }
+  if (is_on_curved_layer(run)) {
     const double radius_m = kThickness_m / run.thickness_over_radius;
     problem["fingertip"] = {{"pad",
                              {{"shape", "ellipsoid"},
@@ -148,6 +166,27 @@ std::vector<AtlasRun> designed_runs() {
   return runs;
 }
 
+std::vector<AtlasRun> finite_strain_runs() {
+  std::vector<AtlasRun> runs;
+  for (const char* kind : {"finite_sphere", "finite_curved", "linear_sphere", "linear_curved"})
+    for (const double curved : {0.05, 0.15, 0.3})
+      for (const double nu : {0.3, 0.45, 0.49})
+        for (const double s : {0.3, 0.6, 1., 1.6, 2.5, 4.}) {
+          // d/h is about s² h/R / 2, and half of it where the layer cannot change its volume.
+          // Beyond 0.4 and a/R of 0.6 it is no fingertip any more.
+          const double deepest = nu > 0.4 ? 0.8 : 0.55;
+          if (s * s * curved > deepest || s * curved > 0.6) continue;
+          AtlasRun run;
+          run.kind = kind;
+          run.poisson_ratio = nu;
+          run.s = s;
+          run.thickness_over_radius = curved;
+          run.friction_coefficient = 0.5;
+          runs.push_back(run);
+        }
+  return runs;
+}
+
 std::vector<AtlasRun> random_runs(int count, unsigned seed) {
   std::mt19937_64 generator(seed);
   // Not std::uniform_real_distribution: its numbers differ between libraries.
@@ -195,7 +234,10 @@ std::optional<AtlasFile> make_atlas(const std::vector<AtlasRun>& designed,
     if (run % std::size_t(options.parts) == std::size_t(options.part) && finished(run).is_null())
       pending.push_back(run);
   std::stable_sort(pending.begin(), pending.end(), [&](std::size_t left, std::size_t right) {
-    return atlas.runs[left].radii_ratio > atlas.runs[right].radii_ratio;
+    const auto weight = [](const AtlasRun& run) {
+      return run.radii_ratio + (is_finite_strain(run) ? 100 * run.thickness_over_radius : 0);
+    };
+    return weight(atlas.runs[left]) > weight(atlas.runs[right]);
   });
   std::vector<FemBatch> work(pending.size());
   for (std::size_t i = 0; i < pending.size(); ++i) work[i].problems = {problems[pending[i]]};
@@ -249,10 +291,28 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Of the linear finite elements on the same contacts, relative to those at finite strain.
+void judge_linear_theory(AtlasFile& atlas) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  auto& errors = atlas.errors["fem_linear"];
+  for (const AtlasRun& run : atlas.runs) {
+    errors.emplace_back().fill(is_finite_strain(run) ? kNaN : 0);
+    if (!is_finite_strain(run)) continue;
+    const std::string kind = is_on_sphere(run) ? "linear_sphere" : "linear_curved";
+    for (const AtlasRun& linear : atlas.runs)
+      if (linear.kind == kind && linear.poisson_ratio == run.poisson_ratio && linear.s == run.s &&
+          linear.thickness_over_radius == run.thickness_over_radius)
+        for (std::size_t q = 0; q < kQuantities; ++q)
+          errors.back()[q] = linear.answer[q] / run.answer[q] - 1;
+  }
+}
+
 }  // namespace
 
 void judge_models(AtlasFile& atlas) {
+  const bool finite_strain = std::any_of(atlas.runs.begin(), atlas.runs.end(), is_finite_strain);
   atlas.errors.clear();
+  if (finite_strain) judge_linear_theory(atlas);
   auto& provenance = atlas.provenance;
   provenance.erase(
       std::remove_if(provenance.begin(), provenance.end(),
@@ -260,11 +320,14 @@ void judge_models(AtlasFile& atlas) {
       provenance.end());
   std::vector<double> costs_ns;
   for (const AtlasRun& run : atlas.runs)
-    if (run.kind == "flat" && std::isfinite(run.cost_s)) costs_ns.push_back(1e9 * run.cost_s);
+    if ((run.kind == "flat" || is_finite_strain(run)) && std::isfinite(run.cost_s))
+      costs_ns.push_back(1e9 * run.cost_s);
   provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));
   for (const PressureModel* model : all_pressure_models()) {
     // A law that was fitted to a finger says nothing of other layers.
     if (model->card().name == "power_law") continue;
+    // What large strain changes is no error of linear elasticity, nor of a contact without radius.
+    if (model->card().name == "finite_strain_layer" && !finite_strain) continue;
     auto& errors = atlas.errors[std::string(model->card().name)];
     costs_ns.clear();
     for (const AtlasRun& run : atlas.runs) {

@@ -13,6 +13,10 @@ namespace softfinger {
 /// twists over the friction coefficient.
 std::vector<AtlasRun> designed_runs();
 
+/// Spheres on flat layers and round fingers on planes at finite strain (neo-Hookean, quadratic
+/// volume energy) over (nu, h/R, s), each with its linear twin.
+std::vector<AtlasRun> finite_strain_runs();
+
 /// Contacts drawn at random from within the grid, to test bounds with: ln s, ln R'/R'', and nu by
 /// the measure of its grid. The same for the same seed.
 std::vector<AtlasRun> random_runs(int count, unsigned seed);

@@ -18,7 +18,7 @@ struct Options {
   std::string folder = "softfinger-atlas", output, command_line;
   int jobs = default_job_count(), random = 0;
   unsigned seed = 1;
-  bool models_only = false;
+  bool models_only = false, finite_strain = false;
 };
 
 /// Rank and size under mpirun, whichever MPI it is.
@@ -78,8 +78,10 @@ int run(const Options& options) {
   settings.jobs = options.jobs;
   settings.command = options.command_line;
   std::tie(settings.part, settings.parts) = rank_and_size();
-  const auto atlas = make_atlas(
-      options.random > 0 ? random_runs(options.random, options.seed) : designed_runs(), settings);
+  const auto atlas = make_atlas(options.random > 0      ? random_runs(options.random, options.seed)
+                                : options.finite_strain ? finite_strain_runs()
+                                                        : designed_runs(),
+                                settings);
   if (!atlas) return 1;
   if (!options.output.empty()) write_file_atomically(options.output, to_csv(*atlas));
   if (options.random > 0) write_to_stdout(judge_bounds(*atlas));
@@ -110,11 +112,15 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
                    "100000")
       ->check(CLI::Range(1, 100000));
   command->add_option("--seed", options->seed, "of the random contacts; default: 1");
+  command->add_flag("--finite-strain", options->finite_strain,
+                    "instead the atlas at finite strain: rubber layers pressed far, each with its "
+                    "linear twin");
   command->add_flag("--models-only", options->models_only,
                     "only asks the models again, for the finite-element answers in --output");
   command->footer(
       "Samples:\n"
       "  softfinger atlas --output error_atlas.csv --jobs 2\n"
+      "  softfinger atlas --finite-strain --output finite_strain.csv\n"
       "  softfinger atlas --random 200 --seed 7 --folder unseen");
   command->callback([options, &action] { action = [options] { return run(*options); }; });
 }

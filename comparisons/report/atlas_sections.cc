@@ -288,6 +288,54 @@ std::string error_causes_section(const Json& report) {
          "<p>Added to it, whichever model:</p>\n<ul>" + common + "</ul>\n";
 }
 
+std::string finite_strain_section(const Json& report) {
+  const Json& groups = child(report, "finite_strain");
+  if (!groups.is_array() || groups.empty()) return "";
+  constexpr std::array<NamedQuantity, 4> kJudged{
+      {{"a", "a"}, {"area", "area"}, {"indentation", "d"}, {"max_torque", "torque"}}};
+  const auto tables_of = [&](const std::string& kind) {
+    std::string rows;
+    for (const Json& group : groups) {
+      if (text(group, "kind") != kind) continue;
+      const Json& depth = child(group, "indentation_over_thickness");
+      std::string where = fmt::format(
+          "<th scope=\"rowgroup\" rowspan=\"{}\">ν {}, d/h {}–{}<small>{} contacts, a/R to "
+          "{}</small></th>",
+          child(group, "models").size(), plain(number(group, "poisson_ratio")),
+          plain(element(depth, 0)), plain(element(depth, 1)), plain(number(group, "count")),
+          significant(number(group, "largest_a_over_R"), 1, 2));
+      for (const Json& model : child(group, "models")) {
+        const std::string name = text(model, "model");
+        rows += "<tr>" + where + "<th scope=\"row\">" +
+                (name == "fem_linear" ? "linear FEM" : model_key(report, name)) + "</th>";
+        where.clear();
+        for (const NamedQuantity& quantity : kJudged) {
+          const Json& quantiles = child(child(model, "quantiles"), quantity.key);
+          const auto median = number(quantiles, "median"), worst = number(quantiles, "worst");
+          rows += median && worst ? fmt::format("<td>{} <small>worst: {}</small></td>",
+                                                percent(*median), percent(*worst))
+                                  : "<td>–</td>";
+        }
+        rows += "</tr>\n";
+      }
+    }
+    std::string head = heading("contacts") + heading("model");
+    for (const NamedQuantity& quantity : kJudged) head += heading(quantity.name);
+    return table(head, rows);
+  };
+  return "<h2 id=\"finite-strain\">What large deformation changes</h2>\n"
+         "<p>Every model and the linear finite elements at the same load, against finite elements "
+         "at finite strain (a neo-Hookean layer, the contact followed on its deformed surface): "
+         "how deep a rubber layer may be pressed before a linear theory is the wrong one. "
+         "Medians and worst of |relative error|; area and torque are those of the inclined, "
+         "deformed surface.</p>\n" +
+         details("A sphere on a flat layer", tables_of("finite_sphere")) +
+         details(
+             "A round finger with a curved layer on a plane: its curvature is in the numbers "
+             "too",
+             tables_of("finite_curved"));
+}
+
 std::string atlas_provenance(const Json& report) {
   if (!has_atlas(report)) return "";
   const Json& atlas = child(report, "atlas");

@@ -234,6 +234,7 @@ std::string case_filter(const Json& report) {
 std::string body(const Json& report) {
   const std::string simulator = simulator_table(report), cards = model_cards(report);
   const std::string speed = speed_accuracy_section(report);
+  const std::string finite_strain = finite_strain_section(report);
   const bool atlas = !speed.empty();
   std::string out =
       "<header><h1>Soft-finger contact: which model holds?</h1>\n"
@@ -243,6 +244,7 @@ std::string body(const Json& report) {
       (simulator.empty() ? "" : "<a href=\"#simulator\">For a simulator</a> ") +
       (atlas ? "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> "
              : "") +
+      (finite_strain.empty() ? "" : "<a href=\"#finite-strain\">Large deformation</a> ") +
       "<a href=\"#reading\">How to read</a> " +
       (cards.empty() ? "" : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
@@ -250,7 +252,7 @@ std::string body(const Json& report) {
          overview_charts() + usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
   for (const Json& report_case : child(report, "cases")) out += case_section(report, report_case);
   return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
-         how_to_read(report) + cards + provenance(report);
+         finite_strain + how_to_read(report) + cards + provenance(report);
 }
 
 }  // namespace

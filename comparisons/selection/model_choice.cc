@@ -46,7 +46,8 @@ Candidate candidate_of(const PressureModel& model, const Case& contact_case,
 Candidate finite_elements(const Case& contact_case, const ContactProblem& problem) {
   Candidate candidate;
   candidate.model = "fem";
-  candidate.cost_us = error_atlas().cost_ns("fem") * 1e-3;
+  const ErrorAtlas& atlas = contact_case.fem_finite ? finite_strain_atlas() : error_atlas();
+  candidate.cost_us = atlas.cost_ns("fem") * 1e-3;
   const auto estimate = estimate_error("fem", contact_case, problem);
   candidate.bound = estimate.bound;
   if (!estimate.bound)

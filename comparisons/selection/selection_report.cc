@@ -106,7 +106,8 @@ json geometry_fit(const PressureModel& model, const LoadChoice& load) {
 json causes(const Case& contact_case, const SelectionOptions& options, const LoadChoice& load) {
   const AtlasFile& atlas = error_atlas().file();
   // Outside the atlas the nearest run says nothing.
-  if (contact_case.fem_curved || !estimate_error("fem", contact_case, load.problem).bound)
+  if (contact_case.fem_curved || contact_case.fem_finite ||
+      !estimate_error("fem", contact_case, load.problem).bound)
     return nullptr;
   std::size_t index = 0;
   const AtlasRun* run = nearest_run(atlas, load.problem, index);

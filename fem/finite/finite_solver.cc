@@ -1,13 +1,13 @@
 #include "fem/finite/finite_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 
 #include "fem/finite/deformed_contact.h"
 #include "fem/memory.h"
+#include "fem/stopwatch.h"
 #include "meshes/generation/object_surface.h"
 #include "softfinger/input/errors.h"
 
@@ -62,16 +62,6 @@ double rounded(double semi_axis) {
   constexpr double step = 1e-3;
   return std::exp(step * std::round(std::log(semi_axis) / step));
 }
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// One mesh's answer, and the shape that the next mesh is made for.
 struct Measured {
@@ -190,6 +180,7 @@ class Levels {
     result.complementarity_residual = equilibrium.complementarity_residual;
     result.fit_residual = measured.contact.fit_residual;
     result.wall_s = watch.seconds();
+    result.cpu_s = watch.cpu_seconds();
     const PressingHistory& history = pressing.history();
     progress_("level " + std::to_string(level) + ": unknowns " + std::to_string(result.unknowns) +
               ", contact nodes " + std::to_string(result.active_nodes) + ", load steps " +
@@ -326,6 +317,7 @@ Result solve_finite(const Problem& problem, const Pressing& pressing, const Prog
                               problem.contact.layer.youngs_modulus_Pa);
   }
   result.wall_s = total.seconds();
+  result.cpu_s = total.cpu_seconds();
   result.peak_memory_MB = peak_memory_MB();
   return result;
 }

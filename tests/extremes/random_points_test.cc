@@ -39,7 +39,8 @@ struct Effort {
 /// discretise and iterate are as exact as they state, and are asked for seconds only.
 Effort effort_for(const PressureModel& model) {
   if (!model.card().hot_path) return {400, 8, 2, 0.2, 1e-5, 3e-3};
-  const bool tabulated = model.card().name == "bonded_layer";
+  const bool tabulated =
+      model.card().name == "bonded_layer" || model.card().name == "finite_strain_layer";
   return {1000000, 1, 1e9, 1e-9, 1e-12, tabulated ? 1e-4 : 1e-12};
 }
 
