@@ -323,13 +323,30 @@ std::string finite_strain_section(const Json& report) {
     for (const NamedQuantity& quantity : kJudged) head += heading(quantity.name);
     return table(head, rows);
   };
+  // The softest and deepest: what a silicone fingertip does that grips hard.
+  std::string answer;
+  for (const Json& group : groups) {
+    if (text(group, "kind") != "finite_sphere") continue;
+    answer.clear();
+    for (const Json& model : child(group, "models")) {
+      const std::string name = text(model, "model");
+      const auto worst = number(child(child(model, "quantiles"), "max_torque"), "worst");
+      if (!worst) continue;
+      answer +=
+          fmt::format("{}{} {}", answer.empty() ? "" : ", ",
+                      name == "fem_linear" ? "linear FEM" : escape(label(name)), percent(*worst));
+    }
+    answer = fmt::format("At ν {}, pressed to d/h {} and more, the torque is off by at most: {}.",
+                         plain(number(group, "poisson_ratio")),
+                         plain(element(child(group, "indentation_over_thickness"), 0)), answer);
+  }
   return "<h2 id=\"finite-strain\">What large deformation changes</h2>\n"
          "<p>Every model and the linear finite elements at the same load, against finite elements "
          "at finite strain (a neo-Hookean layer, the contact followed on its deformed surface): "
          "how deep a rubber layer may be pressed before a linear theory is the wrong one. "
          "Medians and worst of |relative error|; area and torque are those of the inclined, "
-         "deformed surface.</p>\n" +
-         details("A sphere on a flat layer", tables_of("finite_sphere")) +
+         "deformed surface. " +
+         answer + "</p>\n" + details("A sphere on a flat layer", tables_of("finite_sphere")) +
          details(
              "A round finger with a curved layer on a plane: its curvature is in the numbers "
              "too",
