@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "fem/finite/finite_pressing.h"
 #include "fem/frictional_contact.h"
@@ -25,6 +26,32 @@ namespace softfinger::fem::finite {
 /// what N exceeds its component along the load.
 FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient,
                      const PlaneMotion& velocity);
+
+/// Full slip with a rigid velocity, as `slide`, with the pressure that friction moves: its forces
+/// shear the pressed layer, which the object holds by other normal forces, N + dN, which change
+/// friction. The object keeps its load and does not tilt; of the touching nodes none is pulled, and
+/// no other one comes to touch. In the linear limit this is `FrictionalContact::slide`.
+class SuperposedSlide {
+ public:
+  /// Factorises the layer's tangent four times, for motions odd or even in x and in y.
+  /// @throws ConvergenceError where the pressed state is not stable against such motions
+  SuperposedSlide(FinitePressing& pressing, double friction_coefficient);
+
+  /// @throws ConvergenceError when pressure and friction do not settle
+  FrictionWrench slide(const PlaneMotion& velocity) const;
+
+ private:
+  /// Of one parity: changes of the touching nodes' forces per tangential force on them.
+  struct Response {
+    Eigen::MatrixXd normal_force, load;  ///< n x 2n: of N, and of its component along the load
+  };
+
+  TouchingNodes nodes_;
+  double friction_coefficient_;
+  Eigen::VectorXd cosine_;  ///< of the object's slope at each node
+  std::vector<Response> responses_;
+  Eigen::VectorXd normal_by_approach_, load_by_approach_;  ///< n: per approach of the object
+};
 
 /// A twist about the normal through the contact's centre, from stick to full slip at constant load.
 ///

@@ -172,94 +172,133 @@ TEST(SuperposedTwist, GoesFromStickToTheTorqueOfItsPressure) {
   }
 }
 
-/// Stiffness at the start and torque at some angles, both over those of linear elasticity on the
-/// same mesh, for a contact of the same size at any approach.
-struct AgainstLinear {
-  double stiffness, worst_torque;
+/// A contact of the same size at any small approach, pressed by both kinematics on one mesh.
+struct SmallContact {
+  SmallContact(double approach, double poisson_ratio) {
+    const LayerDiscretisation mesh = mesh_for(1.0, 0.7);
+    Pressing linear;
+    linear.major = 0.8 / approach;
+    linear.minor = 0.4 / approach;
+    linear.sphere = std::numeric_limits<double>::infinity();
+    linear.approach = approach;
+    linear.poisson_ratio = poisson_ratio;
+    pressed = press_on(make_layer(mesh, linear), linear);
+    // About the undeformed state this energy has the very element of linear elasticity; of the
+    // other one the volumetric strain that the pressures do not resolve is softer.
+    MaterialChoice choice;
+    choice.volumetric = finite::VolumetricLaw::logarithmic;
+    pressing = std::make_unique<FinitePressing>(
+        layer_under(finite::quadric(linear.major, linear.minor), mesh, poisson_ratio,
+                    /*whole=*/false, choice));
+    pressing->press({0, approach});
+    quarters =
+        std::make_unique<QuarterCompliances>(friction_compliances(contact(), Invariance::none));
+  }
+
+  /// Stuck tractions are singular at the edge: a node more or less there counts, so those of finite
+  /// strain.
+  PressedContact contact() const {
+    return {*pressed.model,   pressed.gap,      pressing->equilibrium().force,
+            pressed.moment_a, pressed.moment_b, pressed.load(),
+            kFriction};
+  }
+
+  Pressed pressed;
+  std::unique_ptr<FinitePressing> pressing;
+  std::unique_ptr<QuarterCompliances> quarters;
 };
 
-AgainstLinear against_linear(double approach, double poisson_ratio) {
-  const LayerDiscretisation mesh = mesh_for(1.0, 0.7);
-  Pressing linear;
-  linear.major = 0.8 / approach;
-  linear.minor = 0.4 / approach;
-  linear.sphere = std::numeric_limits<double>::infinity();
-  linear.approach = approach;
-  linear.poisson_ratio = poisson_ratio;
-  const Pressed pressed = press_on(make_layer(mesh, linear), linear);
-  // About the undeformed state this energy has the very element of linear elasticity; of the other
-  // one the volumetric strain that the pressures do not resolve is softer.
-  MaterialChoice choice;
-  choice.volumetric = finite::VolumetricLaw::logarithmic;
-  auto pressing = layer_under(finite::quadric(linear.major, linear.minor), mesh, poisson_ratio,
-                              /*whole=*/false, choice);
-  pressing.press({0, approach});
-  SuperposedTwist twist(pressing, kFriction);
+/// Strains and slopes are of the order of the approach, here 1e-3.
+constexpr double kSmallLoad = 2e-3;
 
-  // Stuck tractions are singular at the edge: a node more or less there counts, so the same ones.
-  const PressedContact contact{*pressed.model,   pressed.gap,      pressing.equilibrium().force,
-                               pressed.moment_a, pressed.moment_b, pressed.load(),
-                               kFriction};
-  const QuarterCompliances quarters = friction_compliances(contact, Invariance::none);
-  AgainstLinear result{twist.stiffness() / stuck_torsional_stiffness(contact, quarters), 0};
-  const SurfaceCompliance surface = surface_compliance(quarters, Invariance::half_turn);
-  Eigen::VectorXd gap(surface.size());
-  for (Index i = 0; i < gap.size(); ++i)
-    gap[i] = pressed.gap[surface.model_node[static_cast<std::size_t>(i)]];
-  FrictionalContact state(surface, gap, pressed.load(), kFriction);
-  const double full = state.torque_of_pressure();
-  for (const double angle : angles(pressing, twist)) {
-    twist.turn_to(angle);
-    state.move_to({0, 0, angle});
+struct AgainstLinear {
+  double stiffness, worst_torque;  ///< a ratio; a difference over the torque at full slip
+};
+
+AgainstLinear twisted(double approach, double poisson_ratio) {
+  const SmallContact small(approach, poisson_ratio);
+  SuperposedTwist twist(*small.pressing, kFriction);
+  AgainstLinear result{
+      twist.stiffness() / stuck_torsional_stiffness(small.contact(), *small.quarters), 0};
+  const SurfaceCompliance surface = surface_compliance(*small.quarters, Invariance::half_turn);
+  std::vector<PlaneMotion> motions;
+  for (const double angle : angles(*small.pressing, twist)) motions.push_back({0, 0, angle});
+  const auto linear = move_through(small.contact(), surface, motions, [](auto&&...) {});
+  const double full = linear.back().wrench.torque;
+  for (const FrictionState& expected : linear) {
+    twist.turn_to(expected.motion.turn_rad);
     result.worst_torque =
-        std::max(result.worst_torque, std::abs(twist.torque() - state.wrench().torque) / full);
+        std::max(result.worst_torque, std::abs(twist.torque() - expected.wrench.torque) / full);
   }
   return result;
 }
 
 TEST(SuperposedTwist, IsLinearElasticityForSmallLoads) {
   for (const double nu : {0.3, 0.49}) {
-    const AgainstLinear at_2 = against_linear(1e-3, nu), at_1 = against_linear(5e-4, nu);
-    constexpr double small_load = 2e-3;
-    EXPECT_NEAR(at_2.stiffness, 1, small_load);
+    const AgainstLinear at_2 = twisted(1e-3, nu), at_1 = twisted(5e-4, nu);
+    EXPECT_NEAR(at_2.stiffness, 1, kSmallLoad);
     // It departs in proportion to the load: nothing else is left.
     EXPECT_NEAR((at_1.stiffness - 1) / (at_2.stiffness - 1), 0.5, 0.01);
     // The linear solver lets the twist move the pressure, which is of second order here too.
-    EXPECT_LT(at_2.worst_torque, small_load);
+    EXPECT_LT(at_2.worst_torque, kSmallLoad);
     EXPECT_LT(at_1.worst_torque, at_2.worst_torque);
   }
 }
 
+/// Worst difference of points of the limit surface, over mu P and the largest torque.
+double difference(const SmallContact& small, const std::vector<FrictionWrench>& found,
+                  const std::vector<FrictionState>& expected) {
+  const double force = kFriction * small.pressed.load(), arm = small.pressed.torque_arm();
+  double worst = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    worst = std::max({worst, std::abs(found[i].force_x - expected[i].wrench.force_x) / force,
+                      std::abs(found[i].force_y - expected[i].wrench.force_y) / force,
+                      std::abs(found[i].torque - expected[i].wrench.torque) / (force * arm)});
+  return worst;
+}
+
 TEST(Slide, IsTheSumOverTheLinearPressureForSmallLoads) {
-  const LayerDiscretisation mesh = mesh_for(1.0, 0.7);
-  Pressing linear;
-  linear.major = 800;
-  linear.minor = 400;
-  linear.sphere = std::numeric_limits<double>::infinity();
-  linear.approach = 1e-3;
-  linear.poisson_ratio = 0.49;
-  const Pressed pressed = press_on(make_layer(mesh, linear), linear);
-  auto pressing = layer_under(finite::quadric(800, 400), mesh, 0.49);
-  pressing.press({0, 1e-3});
-  const double limit = kFriction * pressed.load(), arm = pressed.torque_arm();
-  for (const PlaneMotion& velocity : spread_velocities(12, arm)) {
-    FrictionWrench expected;
-    const auto& nodes = pressed.model->nodes();
+  const SmallContact small(1e-3, 0.49);
+  const std::vector<PlaneMotion> velocities = spread_velocities(12, small.pressed.torque_arm());
+  std::vector<FrictionWrench> found;
+  std::vector<FrictionState> expected;
+  for (const PlaneMotion& velocity : velocities) {
+    found.push_back(finite::slide(*small.pressing, kFriction, velocity));
+    FrictionWrench sum;
+    const auto& nodes = small.pressed.model->nodes();
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (const double x : {-nodes[i].x, nodes[i].x})
         for (const double y : {-nodes[i].y, nodes[i].y}) {
           Eigen::Vector2d along(velocity.x - velocity.turn_rad * y,
                                 velocity.y + velocity.turn_rad * x);
-          along *= kFriction * pressed.contact.force[static_cast<Index>(i)] / along.norm();
-          expected.force_x += along.x();
-          expected.force_y += along.y();
-          expected.torque += x * along.y() - y * along.x();
+          along *= kFriction * small.pressed.contact.force[static_cast<Index>(i)] / along.norm();
+          sum.force_x += along.x();
+          sum.force_y += along.y();
+          sum.torque += x * along.y() - y * along.x();
         }
-    const FrictionWrench found = finite::slide(pressing, kFriction, velocity);
-    constexpr double small_load = 2e-3;
-    EXPECT_NEAR(found.force_x, expected.force_x, small_load * limit);
-    EXPECT_NEAR(found.force_y, expected.force_y, small_load * limit);
-    EXPECT_NEAR(found.torque, expected.torque, small_load * limit * arm);
+    expected.push_back({velocity, sum, 1, 1});
+  }
+  EXPECT_LT(difference(small, found, expected), kSmallLoad);
+}
+
+TEST(SuperposedSlide, IsLinearElasticityForSmallLoads) {
+  for (const double nu : {0.3, 0.49}) {
+    const SmallContact small(1e-3, nu);
+    const std::vector<PlaneMotion> velocities = spread_velocities(12, small.pressed.torque_arm());
+    const auto expected = slide_through(
+        small.contact(), surface_compliance(*small.quarters, Invariance::none), velocities);
+    const finite::SuperposedSlide slides(*small.pressing, kFriction);
+    std::vector<FrictionWrench> found, frictionless;
+    for (const PlaneMotion& velocity : velocities) {
+      found.push_back(slides.slide(velocity));
+      frictionless.push_back(finite::slide(*small.pressing, kFriction, velocity));
+    }
+    // Friction moves the pressure by this much; it moves the edge too, to second order, where only
+    // the linear solver follows.
+    const double moved = difference(small, frictionless, expected);
+    EXPECT_GT(moved, 0.02);
+    EXPECT_LT(moved, 0.1);
+    EXPECT_LT(difference(small, found, expected), kSmallLoad + moved * moved);
   }
 }
 
