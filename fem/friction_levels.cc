@@ -32,16 +32,16 @@ Wrench in_newtons(const FrictionWrench& wrench, const Problem& problem) {
   return {force * wrench.force_x, force * wrench.force_y, force * h * wrench.torque};
 }
 
-FrictionPlan plan_friction(const PressedContact& contact, double stiffness,
-                           const Problem& problem) {
+}  // namespace
+
+FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem) {
   const FrictionRequest& request = problem.friction;
   const double h = problem.contact.layer.thickness_m;
-  const double torque = torque_of_pressure(contact), mu = contact.friction_coefficient;
   FrictionPlan plan;
   if (request.torsion) {
     // In units of the angle at which the stuck contact would carry the whole torque, half of it is
     // there at 0.7, and slip has reached the innermost nodes by about 8.
-    const double unit = torque / stiffness, first = 0.05, last = 10;
+    const double unit = scale.torque / scale.stiffness, first = 0.05, last = 10;
     for (int i = 0; i < request.increments; ++i) {
       const double share =
           request.increments > 1 ? static_cast<double>(i) / (request.increments - 1) : 1;
@@ -50,14 +50,14 @@ FrictionPlan plan_friction(const PressedContact& contact, double stiffness,
           {angle * request.twist_axis_y_m / h, -angle * request.twist_axis_x_m / h, angle});
     }
   }
-  const double arm = torque / (mu * contact.load);
+  const double arm = scale.torque / scale.force;
   plan.velocities = spread_velocities(request.limit_surface, arm);
   if (request.increments_to_slip > 0)
     for (const PlaneMotion& velocity : plan.velocities) {
       // A half-space slips everywhere after about mu P / (4 G b); a layer is stiffer. Small steps
       // first: slip begins at once at the edge.
       const double smallest_shear_modulus = 1.0 / 3;  // in units of E
-      const double reach = mu * contact.load / (smallest_shear_modulus * contact.b) /
+      const double reach = scale.force / (smallest_shear_modulus * scale.b) /
                            std::hypot(velocity.x, velocity.y, arm * velocity.turn_rad);
       std::vector<PlaneMotion> path;
       for (int i = 1; i <= request.increments_to_slip; ++i) {
@@ -70,6 +70,8 @@ FrictionPlan plan_friction(const PressedContact& contact, double stiffness,
     }
   return plan;
 }
+
+namespace {
 
 std::vector<FrictionIncrement> in_newtons(const std::vector<FrictionState>& states,
                                           const Problem& problem) {
@@ -92,7 +94,10 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   const QuarterCompliances quarters =
       friction_compliances(contact, request.limit_surface == 0 ? of_twist : Invariance::none, kept);
   result.stiffness = stuck_torsional_stiffness(contact, quarters);
-  if (!plan) plan = plan_friction(contact, result.stiffness, problem);
+  if (!plan)
+    plan = plan_friction({result.stiffness, torque_of_pressure(contact),
+                          contact.friction_coefficient * contact.load, contact.b},
+                         problem);
   if (request.torsion) {
     const SurfaceCompliance surface = surface_compliance(quarters, of_twist);
     progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, " +

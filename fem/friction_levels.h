@@ -23,6 +23,15 @@ struct FrictionPlan {
   double edge = 1;  ///< relative radius
 };
 
+/// What the motions of a plan are scaled by, in the units of the model.
+struct FrictionScale {
+  double stiffness = 0;          ///< of the stuck contact against a turn
+  double torque = 0, force = 0;  ///< mu int p r dA, mu P
+  double b = 0;                  ///< smaller semi-axis
+};
+
+FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem);
+
 /// @param kept      compliances of this mesh from earlier contacts, and for later ones; or null
 /// @param plan      made here when it has none, by the first level, and followed by the next
 /// @param on_state  called after each increment of the twist, for output

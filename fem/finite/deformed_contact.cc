@@ -105,16 +105,18 @@ DeformedContact measure(const FinitePressing& pressing) {
   return contact;
 }
 
+Eigen::VectorXd nodal_area(const FinitePressing& pressing) {
+  const auto& nodes = pressing.layer().nodes();
+  const DeformedSurface surface(pressing.layer());
+  Eigen::VectorXd area(static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    area[static_cast<Eigen::Index>(i)] =
+        nodes[i].weight * surface.at(nodes[i].x, nodes[i].y).area_ratio;
+  return area;
+}
+
 Eigen::VectorXd nodal_pressure(const FinitePressing& pressing) {
-  const FiniteLayer& layer = pressing.layer();
-  const DeformedSurface surface(layer);
-  Eigen::VectorXd pressure = pressing.equilibrium().normal_force;
-  for (std::size_t i = 0; i < layer.nodes().size(); ++i) {
-    const SurfaceNode& node = layer.nodes()[i];
-    double& value = pressure[static_cast<Eigen::Index>(i)];
-    if (value > 0) value /= node.weight * surface.at(node.x, node.y).area_ratio;
-  }
-  return pressure;
+  return pressing.equilibrium().normal_force.cwiseQuotient(nodal_area(pressing));
 }
 
 }  // namespace softfinger::fem::finite

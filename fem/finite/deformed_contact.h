@@ -20,6 +20,9 @@ struct DeformedContact {
 /// @throws ConvergenceError when the fit leaves the patch
 DeformedContact measure(const FinitePressing& pressing);
 
+/// Share of the deformed surface of each surface node.
+Eigen::VectorXd nodal_area(const FinitePressing& pressing);
+
 /// Cauchy pressure of each surface node: its force over its share of the deformed surface.
 Eigen::VectorXd nodal_pressure(const FinitePressing& pressing);
 

@@ -23,6 +23,22 @@ namespace {
 using Dof = LayerSpace::Dof;
 constexpr int dim = LayerSpace::dim;
 
+/// It comes first in its column.
+double& diagonal(SparseSymmetricMatrix& matrix, int unknown) {
+  return matrix
+      .value[static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(unknown)])];
+}
+
+/// Adds a spring that all but fixes the unknown. @returns its stiffness
+double hold(SparseSymmetricMatrix& matrix, int unknown) {
+  // This much stiffer than a node's own stiffness it leaves all but two digits of the latter.
+  constexpr double spring_ratio = 100;
+  double& entry = diagonal(matrix, unknown);
+  const double spring = spring_ratio * std::abs(entry);
+  entry += spring;
+  return spring;
+}
+
 }  // namespace
 
 struct FiniteLayer::State {
@@ -57,6 +73,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   Eigen::VectorXd displacement_of(const std::vector<Dof>& indices,
                                   const dealii::Vector<double>& field) const;
   double smallest_volume_ratio() const;
+  double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::VectorXd& force);
   void factorise();
   dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
 };
@@ -193,48 +210,55 @@ double FiniteLayer::strain_energy() const {
 }
 
 double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force) {
-  auto& self = *implementation_;
-  self.frames = frames;
-  self.stiffness = 0;
-  self.linearisations.resize(self.geometries.size());
-  dealii::Vector<double> residual(self.dofs.n_dofs()), internal(self.dofs.n_dofs());
+  const double out_of_balance = implementation_->assemble(frames, force);
+  implementation_->factorise();
+  return out_of_balance;
+}
+
+/// Tangent and residual. @returns the largest nodal force out of balance
+double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_frames,
+                                             const Eigen::VectorXd& force) {
+  frames = node_frames;
+  stiffness = 0;
+  linearisations.resize(geometries.size());
+  dealii::Vector<double> residual_of_dofs(dofs.n_dofs()), internal(dofs.n_dofs());
   std::vector<Eigen::Matrix3d> axes;
   for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
 
-  const unsigned int size = self.element.n_dofs_per_cell();
+  const unsigned int size = element.n_dofs_per_cell();
   std::vector<Dof> indices(size);
   dealii::FullMatrix<double> of_element(size, size);
   dealii::Vector<double> residual_of_element(size), internal_of_element(size);
-  for (const auto& cell : self.dofs.active_cell_iterators()) {
+  for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     const std::size_t cell_index = cell->active_cell_index();
-    ElementLinearisation linear = finite::linearise(
-        self.geometries[cell_index], *self.material, self.state.elements[cell_index],
-        self.displacement_of(indices, self.state.displacement));
+    ElementLinearisation linear =
+        finite::linearise(geometries[cell_index], *material, state.elements[cell_index],
+                          displacement_of(indices, state.displacement));
     bool touches = false;
     for (unsigned int i = 0; i < size; ++i) {
-      residual_of_element[i] = linear.residual[self.place[i]];
-      internal_of_element[i] = linear.force[self.place[i]];
-      touches = touches || self.surface_node[indices[i]] >= 0;
+      residual_of_element[i] = linear.residual[place[i]];
+      internal_of_element[i] = linear.force[place[i]];
+      touches = touches || surface_node[indices[i]] >= 0;
       for (unsigned int j = 0; j < size; ++j)
-        of_element(i, j) = linear.stiffness(self.place[i], self.place[j]);
+        of_element(i, j) = linear.stiffness(place[i], place[j]);
     }
     linear.stiffness.resize(0, 0);
-    self.linearisations[cell_index] = std::move(linear);
-    if (touches) self.turn_to_frames(axes, indices, of_element);
-    self.constraints.distribute_local_to_global(of_element, indices, self.stiffness);
-    self.constraints.distribute_local_to_global(residual_of_element, indices, residual);
-    self.constraints.distribute_local_to_global(internal_of_element, indices, internal);
+    linearisations[cell_index] = std::move(linear);
+    if (touches) turn_to_frames(axes, indices, of_element);
+    constraints.distribute_local_to_global(of_element, indices, stiffness);
+    constraints.distribute_local_to_global(residual_of_element, indices, residual_of_dofs);
+    constraints.distribute_local_to_global(internal_of_element, indices, internal);
   }
 
   // Surface nodes are no masters of hanging ones: their forces can be turned here, at the end.
   double out_of_balance = 0;
-  std::vector<char> is_surface(self.dofs.n_dofs(), 0);
+  std::vector<char> is_surface(dofs.n_dofs(), 0);
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const auto& dof = self.node_dofs[i];
+    const auto& dof = node_dofs[i];
     Eigen::Vector3d turned, turned_internal;
     for (std::size_t c = 0; c < 3; ++c) {
-      turned[static_cast<Eigen::Index>(c)] = residual[dof[c]];
+      turned[static_cast<Eigen::Index>(c)] = residual_of_dofs[dof[c]];
       turned_internal[static_cast<Eigen::Index>(c)] = internal[dof[c]];
       is_surface[dof[c]] = 1;
     }
@@ -246,21 +270,19 @@ double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen:
     stiffness_of_curvature = axes[i].transpose() * stiffness_of_curvature * axes[i];
     for (std::size_t c = 0; c < 3; ++c) {
       const auto row = static_cast<Eigen::Index>(c);
-      residual[dof[c]] = turned[row];
-      if (self.free.of_dof[dof[c]] >= 0)
+      residual_of_dofs[dof[c]] = turned[row];
+      if (free.of_dof[dof[c]] >= 0)
         out_of_balance = std::max(out_of_balance, std::abs(turned_internal[row]));
       for (std::size_t d = 0; d < 3; ++d)
-        self.stiffness.add(dof[c], dof[d],
-                           stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
+        stiffness.add(dof[c], dof[d], stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
     }
   }
-  self.residual.resize(self.free.count);
-  for (Dof i = 0; i < self.dofs.n_dofs(); ++i) {
-    if (self.free.of_dof[i] < 0) continue;
-    self.residual[self.free.of_dof[i]] = residual[i];
+  residual.resize(free.count);
+  for (Dof i = 0; i < dofs.n_dofs(); ++i) {
+    if (free.of_dof[i] < 0) continue;
+    residual[free.of_dof[i]] = residual_of_dofs[i];
     if (!is_surface[i]) out_of_balance = std::max(out_of_balance, std::abs(internal[i]));
   }
-  self.factorise();
   return out_of_balance;
 }
 
@@ -273,20 +295,9 @@ void FiniteLayer::Implementation::factorise() {
   SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
   if (dissection.empty()) dissect(matrix, free);
   const std::vector<int> ordering = dissection_of(free);
-  // The diagonal comes first in its column.
-  const auto diagonal = [&](int unknown) -> double& {
-    return matrix
-        .value[static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(unknown)])];
-  };
-  // Springs this much stiffer than a node's own stiffness leave all but two digits of the latter.
-  constexpr double spring_ratio = 100;
   springs.resize(static_cast<Eigen::Index>(normal_unknowns.size()));
-  for (std::size_t i = 0; i < normal_unknowns.size(); ++i) {
-    double& entry = diagonal(normal_unknowns[i]);
-    const double spring = spring_ratio * std::abs(entry);
-    springs[static_cast<Eigen::Index>(i)] = spring;
-    entry += spring;
-  }
+  for (std::size_t i = 0; i < normal_unknowns.size(); ++i)
+    springs[static_cast<Eigen::Index>(i)] = hold(matrix, normal_unknowns[i]);
   constexpr double first_shift = 1e-3, largest_shift = 1;
   shift = 0;
   factor.reset();  // before the next one takes its memory
@@ -297,7 +308,8 @@ void FiniteLayer::Implementation::factorise() {
       const double next = shift == 0 ? first_shift : 10 * shift;
       if (next > largest_shift) throw;
       for (int unknown = 0; unknown < matrix.size; ++unknown)
-        diagonal(unknown) += (next - shift) * std::abs(diagonal(unknown)) / (1 + shift);
+        diagonal(matrix, unknown) +=
+            (next - shift) * std::abs(diagonal(matrix, unknown)) / (1 + shift);
       shift = next;
     }
   }
@@ -316,6 +328,39 @@ SurfaceResponse FiniteLayer::surface_response() const {
   response.stiffness = 0.5 * (held + held.transpose());
   response.stiffness.diagonal() -= self.springs;
   return response;
+}
+
+Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& frames,
+                                                  const Eigen::VectorXd& force, Parity parity,
+                                                  const std::vector<int>& nodes) {
+  auto& self = *implementation_;
+  self.factor.reset();  // before the next one takes its memory
+  self.assemble(frames, force);
+  const Unknowns unknowns = self.free_unknowns(parity);
+  SparseSymmetricMatrix matrix = self.lower_triangle(self.stiffness, unknowns);
+  if (self.dissection.empty()) self.dissect(matrix, unknowns);
+  std::vector<int> last;
+  std::vector<Eigen::Index> place;  // of each in the 3 x 3 blocks
+  std::vector<double> springs;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int unknown = unknowns.of_dof[self.node_dofs[static_cast<std::size_t>(nodes[i])][c]];
+      if (unknown < 0) continue;
+      last.push_back(unknown);
+      place.push_back(static_cast<Eigen::Index>(3 * i + c));
+      // The object holds the normals: without it the pressed surface would be unstable.
+      springs.push_back(c == 2 ? hold(matrix, unknown) : 0);
+    }
+  const Eigen::MatrixXd compliance =
+      CholeskyFactor(matrix, self.dissection_of(unknowns), last).compliance_of_last();
+  Eigen::MatrixXd held =
+      compliance.llt().solve(Eigen::MatrixXd::Identity(compliance.rows(), compliance.cols()));
+  held = 0.5 * (held + held.transpose()).eval();
+  held.diagonal() -= Eigen::Map<const Eigen::VectorXd>(springs.data(), held.rows());
+  const auto size = static_cast<Eigen::Index>(3 * nodes.size());
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
+  stiffness(place, place) = held;
+  return stiffness;
 }
 
 double FiniteLayer::find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement) {

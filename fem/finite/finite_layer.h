@@ -72,6 +72,18 @@ class FiniteLayer {
   /// @returns smallest volume ratio; where that is not positive, `linearise` must not be called
   double take_step(double fraction);
 
+  /// How some surface nodes resist small motions superposed on the present state: their forces per
+  /// displacement with all else free, in 3 x 3 blocks along the axes of their frames. The tangent
+  /// is the deformed state's own, geometric stiffness and the frames' `curvature_force` included.
+  /// Rows and columns of components that the parity fixes are zero; a whole layer takes every
+  /// motion. Factorises, which ends what `linearise` made.
+  /// @param frames  one for each surface node
+  /// @param nodes   that an object holds along their normals
+  /// @throws ConvergenceError where the state so held is not stable against these motions
+  Eigen::MatrixXd superposed_stiffness(const std::vector<NodeFrame>& frames,
+                                       const Eigen::VectorXd& force, Parity parity,
+                                       const std::vector<int>& nodes);
+
   /// displacement_m, contact_pressure_Pa and, per element, the volume ratio, on the undeformed
   /// mesh, atomically: warped by the displacement it is the deformed layer.
   /// @param pressure  Cauchy pressure of each surface node, in units of E

@@ -65,6 +65,42 @@ std::vector<FinitePressing::Touch> FinitePressing::touches() const {
   return result;
 }
 
+std::vector<NodeFrame> FinitePressing::frames(const std::vector<Touch>& touching,
+                                              const Eigen::VectorXd& force) const {
+  std::vector<NodeFrame> result(touching.size());
+  for (std::size_t i = 0; i < touching.size(); ++i) {
+    // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it.
+    result[i].axes =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), touching[i].normal)
+            .toRotationMatrix();
+    result[i].curvature_force = force[static_cast<Index>(i)] * touching[i].curvature;
+  }
+  return result;
+}
+
+TouchingNodes FinitePressing::touching_nodes() const {
+  TouchingNodes result;
+  for (std::size_t i = 0; i < layer_->nodes().size(); ++i)
+    if (equilibrium_.force[static_cast<Index>(i)] > 0) result.node.push_back(static_cast<int>(i));
+  const std::vector<NodeFrame> of_all = frames(touches(), equilibrium_.force);
+  result.position.resize(3, static_cast<Index>(result.node.size()));
+  for (std::size_t i = 0; i < result.node.size(); ++i) {
+    const auto node = static_cast<std::size_t>(result.node[i]);
+    const Eigen::Vector3d at = layer_->position(node);
+    result.position.col(static_cast<Index>(i)) = at;
+    result.axes.push_back(of_all[node].axes);
+    result.object.push_back(object_->over(at.x(), at.y()).value());
+  }
+  result.force = equilibrium_.force(result.node);
+  result.normal_force = equilibrium_.normal_force(result.node);
+  return result;
+}
+
+Eigen::MatrixXd FinitePressing::superposed_stiffness(Parity parity) {
+  return layer_->superposed_stiffness(frames(touches(), equilibrium_.force),
+                                      equilibrium_.normal_force, parity, touching_nodes().node);
+}
+
 Eigen::Vector3d FinitePressing::normal(std::size_t node) const {
   const Eigen::Vector3d at = layer_->position(node);
   const auto over = object_->over(at.x(), at.y());
@@ -84,20 +120,15 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
   for (int iteration = 1; iteration <= most_iterations; ++iteration) {
     ++history_.iterations;
     const std::vector<Touch> touching = touches();
-    std::vector<NodeFrame> frames(touching.size());
     Eigen::VectorXd secant(contact_force.size()), gap(contact_force.size());
     for (std::size_t i = 0; i < touching.size(); ++i) {
       const auto row = static_cast<Index>(i);
-      // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it.
-      frames[i].axes =
-          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), touching[i].normal)
-              .toRotationMatrix();
-      frames[i].curvature_force = contact_force[row] * touching[i].curvature;
       secant[row] = touching[i].secant;
       gap[row] = touching[i].gap;
     }
-    const double balance = layer_->linearise(frames, contact_force.cwiseProduct(secant)) /
-                           std::max(1e-300, contact_force.maxCoeff());
+    const double balance =
+        layer_->linearise(frames(touching, contact_force), contact_force.cwiseProduct(secant)) /
+        std::max(1e-300, contact_force.maxCoeff());
     history_.shifts += layer_->shift() > 0;
     failed_iteration_ = iteration;
     failed_residual_ = balance;

@@ -39,6 +39,17 @@ struct Equilibrium {
   double moment_a = 0, moment_b = 0;    ///< semi-axes from second moments, in the block: rough
 };
 
+/// The nodes that touch, as they are: what friction acts on.
+struct TouchingNodes {
+  std::vector<int> node;                ///< of the layer, ascending
+  Eigen::Matrix3Xd position;            ///< present
+  std::vector<Eigen::Matrix3d> axes;    ///< of their frames: tangents and outward normal
+  std::vector<ObjectHeight> object;     ///< over each
+  Eigen::VectorXd force, normal_force;  ///< as in `Equilibrium`
+
+  Eigen::Index size() const { return position.cols(); }
+};
+
 /// How it was reached.
 struct PressingHistory {
   int steps = 0;       ///< of load, converged ones
@@ -68,11 +79,21 @@ class FinitePressing {
   /// Normals of the object at the nodes' present positions: outward from the finger.
   Eigen::Vector3d normal(std::size_t node) const;
 
+  /// Of the present equilibrium.
+  TouchingNodes touching_nodes() const;
+
+  /// Of these nodes, about the present equilibrium: `FiniteLayer::superposed_stiffness`.
+  Eigen::MatrixXd superposed_stiffness(Parity parity);
+
+  /// Sums over the layer's nodes times this are sums over the contact.
+  int copies() const { return layer_->whole() ? 1 : 4; }
+
  private:
   struct Touch;
   std::vector<Touch> touches() const;
   bool try_step(const Drive& drive, bool limited, Equilibrium& reached);
-  int copies() const { return layer_->whole() ? 1 : 4; }
+  std::vector<NodeFrame> frames(const std::vector<Touch>& touching,
+                                const Eigen::VectorXd& force) const;
   void describe(Equilibrium& equilibrium) const;
 
   std::shared_ptr<FiniteLayer> layer_;

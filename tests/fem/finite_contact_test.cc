@@ -249,9 +249,6 @@ std::string refusal(const Problem& problem) {
 
 TEST(FiniteStrain, WhatItDoesNotHaveIsRefused) {
   Problem problem = problem_of(0.02, 0.02, 0.45, 1);
-  problem.friction.torsion = true;
-  EXPECT_NE(refusal(problem).find("torsion"), std::string::npos);
-  problem = problem_of(0.02, 0.02, 0.45, 1);
   problem.finite_strain->name = finite::MaterialName::yeoh;
   problem.finite_strain->yeoh_second = -1;
   EXPECT_NE(refusal(problem).find("stable material"), std::string::npos);

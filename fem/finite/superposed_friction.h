@@ -1,0 +1,107 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fem/finite/finite_pressing.h"
+#include "fem/frictional_contact.h"
+
+/// Coulomb friction on a contact pressed at finite strain, in units of h and E.
+///
+/// The contact is pressed without friction; friction then acts on the surface as it lies deformed:
+/// at the nodes' present positions x, in the object's tangent planes, with the limits mu N of the
+/// present normal forces. Its motions are small ones superposed on that state (A. E. Green, R. S.
+/// Rivlin, R. T. Shield, Proc. R. Soc. A 211, 1952): the tangent stiffness is that of the deformed
+/// state, with the stresses' own stiffness and with contact forces that follow the object's
+/// normals.
+///
+/// What that leaves out are effects of second order in friction's own strain. By the half turn
+/// about the normal and the mirrors of the contact they are even in the angle of a twist; they are
+/// of the order of the energy that friction stores over that of the pressing.
+namespace softfinger::fem::finite {
+
+/// Full slip with a rigid velocity of the object, v = (v_x, v_y) + omega e_z x x: each node carries
+/// mu N along the part of v in its tangent plane. N is that of the frictionless contact. So a turn
+/// has the torque mu sum N r, and a shift the force mu sum N sqrt(1 - n_x²), larger than mu P by
+/// what N exceeds its component along the load.
+FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient,
+                     const PlaneMotion& velocity);
+
+/// Full slip with a rigid velocity, as `slide`, with the pressure that friction moves: its forces
+/// shear the pressed layer, which the object holds by other normal forces, N + dN, which change
+/// friction. The object keeps its load and does not tilt; of the touching nodes none is pulled, and
+/// no other one comes to touch. In the linear limit this is `FrictionalContact::slide`.
+class SuperposedSlide {
+ public:
+  /// Factorises the layer's tangent four times, for motions odd or even in x and in y.
+  /// @throws ConvergenceError where the pressed state is not stable against such motions
+  SuperposedSlide(FinitePressing& pressing, double friction_coefficient);
+
+  /// @throws ConvergenceError when pressure and friction do not settle
+  FrictionWrench slide(const PlaneMotion& velocity) const;
+
+ private:
+  /// Of one parity: changes of the touching nodes' forces per tangential force on them.
+  struct Response {
+    Eigen::MatrixXd normal_force, load;  ///< n x 2n: of N, and of its component along the load
+  };
+
+  TouchingNodes nodes_;
+  double friction_coefficient_;
+  Eigen::VectorXd cosine_;  ///< of the object's slope at each node
+  std::vector<Response> responses_;
+  Eigen::VectorXd normal_by_approach_, load_by_approach_;  ///< n: per approach of the object
+};
+
+/// A twist about the normal through the contact's centre, from stick to full slip at constant load.
+///
+/// Of the object's turn theta the surface would follow w_0 theta without friction: nothing under an
+/// object of revolution, with any other one the change of its heights. Tangential forces q and slip
+/// s then obey, with the normals held on the object, C q + s = (e_z x x - w_0) theta along the
+/// tangents, and Coulomb's law by `solve_friction`. Reaction of the object: an odd change of the
+/// pressure, which moves no torque to first order; the limits leave it out.
+class SuperposedTwist {
+ public:
+  /// Factorises the layer's tangent for motions odd in x and y.
+  /// @throws ConvergenceError where the pressed state is not stable against a twist
+  SuperposedTwist(FinitePressing& pressing, double friction_coefficient);
+
+  /// Torque per angle while every node sticks, E h³.
+  double stiffness() const;
+
+  /// Turns the object from where it is to this angle, one increment with the slip law at its end.
+  /// @throws ConvergenceError from `solve_friction`
+  void turn_to(double angle_rad);
+
+  /// Moment of friction's forces about the normal through the centre, E h³.
+  double torque() const;
+  /// Share of the deformed contact's area that slips, 0 to 1.
+  double slip_fraction() const;
+  /// Energy of what friction's forces strain the pressed layer by, E h³.
+  double stored_energy() const;
+  /// Of all increments: friction's forces times their slip, E h³.
+  double dissipated_energy() const { return dissipated_; }
+  /// Sum of the nodal forces' odd change, in magnitude, over the load.
+  double pressure_change() const;
+  /// Largest tangential displacement of a touching node, in h.
+  double largest_displacement() const;
+
+  /// Displacements of the touching nodes along their tangents per angle without friction, w_0.
+  const Eigen::VectorXd& frictionless() const { return frictionless_; }
+
+ private:
+  Eigen::VectorXd displacement() const;
+
+  TouchingNodes nodes_;
+  int copies_;
+  Eigen::VectorXd area_, limit_;
+  Eigen::MatrixXd stiffness_;    ///< 3 n x 3 n, of the superposed motions
+  Eigen::MatrixXd compliance_;   ///< 2 n x 2 n along the tangents, normals held
+  Eigen::VectorXd turn_;         ///< 2 n: e_z x x along the tangents
+  Eigen::VectorXd normal_turn_;  ///< n: e_z x x along the normals
+  Eigen::VectorXd frictionless_;
+  Eigen::VectorXd force_, slip_;  ///< 2 n: on the layer; of the object against the layer
+  double angle_ = 0, dissipated_ = 0;
+};
+
+}  // namespace softfinger::fem::finite

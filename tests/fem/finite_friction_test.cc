@@ -1,0 +1,413 @@
+// Friction on contacts pressed at finite strain: against linear elasticity for small loads, against
+// pressings of their own, and against what has to hold for any.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem/finite/deformed_contact.h"
+#include "fem/finite/superposed_friction.h"
+#include "fem/friction_study.h"
+#include "fem/pressing.h"
+#include "fem/reference_solver.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+using Eigen::Index;
+using finite::FinitePressing;
+using finite::MaterialChoice;
+using finite::SuperposedTwist;
+
+constexpr double kFriction = 0.5;
+
+/// A mesh with cells of a quarter of the contact.
+LayerDiscretisation mesh_for(double a, double b) {
+  LayerDiscretisation mesh;
+  mesh.a = a;
+  mesh.b = b;
+  mesh.elements_per_semi_axis = 4;
+  mesh.patch = 1.6;
+  return mesh;
+}
+
+FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> object,
+                           const LayerDiscretisation& mesh, double poisson_ratio,
+                           bool whole = false, const MaterialChoice& choice = {}) {
+  return {std::make_shared<finite::FiniteLayer>(mesh, nullptr, whole,
+                                                finite::make_material(choice, 1.0, poisson_ratio)),
+          std::move(object)};
+}
+
+/// Angles from mostly stuck to full slip, in units of the one at which the stuck contact would
+/// carry the torque of full slip.
+std::vector<double> angles(const FinitePressing& pressing, const SuperposedTwist& twist) {
+  const double unit = finite::slide(pressing, kFriction, {0, 0, 1}).torque / twist.stiffness();
+  std::vector<double> result;
+  for (double share = 0.02; share < 20; share *= 1.4) result.push_back(share * unit);
+  return result;
+}
+
+/// A quadric turned about the normal.
+class TurnedQuadric : public finite::RigidObject {
+ public:
+  TurnedQuadric(double major, double minor, double angle_rad) {
+    const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
+    curvature_ = turn * Eigen::Vector2d(1 / major, 1 / minor).asDiagonal() * turn.transpose();
+  }
+  std::optional<finite::ObjectHeight> over(double x, double y) const override {
+    const Eigen::Vector2d at(x, y), slope = curvature_ * at;
+    return finite::ObjectHeight{0.5 * slope.dot(at), slope, curvature_};
+  }
+
+ private:
+  Eigen::Matrix2d curvature_;
+};
+
+TEST(SuperposedTwist, FollowsPressingsUnderTheTurnedObject) {
+  // The layer's tangent for motions odd in x and y, with what the pressed state's stresses and the
+  // turning contact forces add, against central differences of whole pressings without friction,
+  // which know no linearisation: error (angle)², and Newton's own over the angle.
+  constexpr double angle = 1e-3;
+  LayerDiscretisation mesh = mesh_for(1.3, 0.8);
+  mesh.elements_per_semi_axis = 3;
+  mesh.extent = 2;
+  std::vector<Eigen::Vector3d> turned[2];
+  for (const int side : {0, 1}) {
+    auto pressing = layer_under(std::make_shared<TurnedQuadric>(8, 3, side == 0 ? -angle : angle),
+                                mesh, 0.45, true);
+    pressing.press({0, 0.15});
+    for (std::size_t i = 0; i < pressing.layer().nodes().size(); ++i)
+      turned[side].push_back(pressing.layer().position(i));
+  }
+  auto pressing = layer_under(std::make_shared<TurnedQuadric>(8, 3, 0), mesh, 0.45, true);
+  pressing.press({0, 0.15});
+  const finite::TouchingNodes nodes = pressing.touching_nodes();
+  const SuperposedTwist twist(pressing, kFriction);
+  Eigen::VectorXd expected(2 * nodes.size());
+  for (Index i = 0; i < nodes.size(); ++i) {
+    const auto node = static_cast<std::size_t>(nodes.node[static_cast<std::size_t>(i)]);
+    expected.segment<2>(2 * i) = nodes.axes[static_cast<std::size_t>(i)].leftCols<2>().transpose() *
+                                 (turned[1][node] - turned[0][node]) / (2 * angle);
+  }
+  const double largest = expected.cwiseAbs().maxCoeff();
+  EXPECT_GT(largest, 0.02);  // it is worth comparing
+  EXPECT_LT((twist.frictionless() - expected).cwiseAbs().maxCoeff(), 1e-4 * largest);
+}
+
+TEST(SuperposedTwist, IsTheSameByAQuarterAndAsAWhole) {
+  double stiffness[2];
+  std::vector<double> torque[2];
+  for (const bool whole : {false, true}) {
+    LayerDiscretisation mesh = mesh_for(1.1, 0.8);
+    mesh.elements_per_semi_axis = 3;
+    auto pressing = layer_under(finite::quadric(8, 4), mesh, 0.49, whole);
+    pressing.press({0, 0.12});
+    SuperposedTwist twist(pressing, kFriction);
+    stiffness[whole] = twist.stiffness();
+    for (const double angle : {0.01, 0.05, 0.2, 1.0}) {
+      twist.turn_to(angle);
+      torque[whole].push_back(twist.torque());
+    }
+  }
+  // Two presses that Newton's method ends at 1e-9, through a factor of condition about 1e5 whose
+  // springs cost two digits; `solve_friction` stops at 1e-9.
+  EXPECT_NEAR(stiffness[1] / stiffness[0], 1, 1e-6);
+  for (std::size_t i = 0; i < torque[0].size(); ++i)
+    EXPECT_NEAR(torque[1][i] / torque[0][i], 1, 1e-6);
+}
+
+TEST(SuperposedTwist, LosesAndStoresWhatTheObjectDoes) {
+  // Under an object of revolution friction's moment is all of the torque. Between two increments it
+  // is nearly a straight line; the law holds at the end of each, which dissipates more by what the
+  // slipping forces turn, to second order in the step.
+  auto pressing = layer_under(finite::sphere(5), mesh_for(1.6, 1.6), 0.49);
+  pressing.press({0, 0.3});
+  SuperposedTwist twist(pressing, kFriction);
+  const double end = 2 * angles(pressing, twist).back() / 20;
+  double work = 0, torque = 0, dissipated = 0;
+  constexpr int steps = 200;
+  for (int i = 1; i <= steps; ++i) {
+    twist.turn_to(end * i / steps);
+    work += 0.5 * (torque + twist.torque()) * end / steps;
+    torque = twist.torque();
+    // Where nothing slips yet, `solve_friction` leaves 1e-9 of the motion.
+    EXPECT_GE(twist.dissipated_energy(), dissipated - 1e-9 * work);
+    dissipated = twist.dissipated_energy();
+  }
+  EXPECT_NEAR((twist.stored_energy() + twist.dissipated_energy()) / work, 1, 1e-3);
+  EXPECT_GT(twist.stored_energy(), 0.1 * work);
+  EXPECT_GT(twist.dissipated_energy(), 0.1 * work);
+}
+
+TEST(SuperposedTwist, GoesFromStickToTheTorqueOfItsPressure) {
+  for (const double nu : {0.3, 0.49}) {
+    auto pressing = layer_under(finite::sphere(5), mesh_for(1.5, 1.5), nu);
+    pressing.press({0, 0.3});
+    SuperposedTwist twist(pressing, kFriction);
+    double torque = 0, slip = 0;
+    for (const double angle : angles(pressing, twist)) {
+      twist.turn_to(angle);
+      EXPECT_GT(twist.torque(), torque);
+      EXPECT_GE(twist.slip_fraction(), slip);
+      EXPECT_LE(twist.torque(), twist.stiffness() * angle);
+      torque = twist.torque();
+      slip = twist.slip_fraction();
+    }
+    EXPECT_EQ(slip, 1);
+    // All forces along the circles: the arm that is measured on the deformed surface.
+    const double full =
+        kFriction * pressing.equilibrium().load * finite::measure(pressing).torque_arm;
+    // The mesh is no body of revolution: of the surface's motion some hundredths go sideways, and
+    // of the slip a twentieth of that at the last angles; its square is missing.
+    EXPECT_NEAR(torque / full, 1, 1e-6);
+    EXPECT_NEAR(finite::slide(pressing, kFriction, {0, 0, 1}).torque / full, 1, 1e-12);
+  }
+}
+
+/// A contact of the same size at any small approach, pressed by both kinematics on one mesh.
+struct SmallContact {
+  SmallContact(double approach, double poisson_ratio) {
+    const LayerDiscretisation mesh = mesh_for(1.0, 0.7);
+    Pressing linear;
+    linear.major = 0.8 / approach;
+    linear.minor = 0.4 / approach;
+    linear.sphere = std::numeric_limits<double>::infinity();
+    linear.approach = approach;
+    linear.poisson_ratio = poisson_ratio;
+    pressed = press_on(make_layer(mesh, linear), linear);
+    // About the undeformed state this energy has the very element of linear elasticity; of the
+    // other one the volumetric strain that the pressures do not resolve is softer.
+    MaterialChoice choice;
+    choice.volumetric = finite::VolumetricLaw::logarithmic;
+    pressing = std::make_unique<FinitePressing>(
+        layer_under(finite::quadric(linear.major, linear.minor), mesh, poisson_ratio,
+                    /*whole=*/false, choice));
+    pressing->press({0, approach});
+    quarters =
+        std::make_unique<QuarterCompliances>(friction_compliances(contact(), Invariance::none));
+  }
+
+  /// Stuck tractions are singular at the edge: a node more or less there counts, so those of finite
+  /// strain.
+  PressedContact contact() const {
+    return {*pressed.model,   pressed.gap,      pressing->equilibrium().force,
+            pressed.moment_a, pressed.moment_b, pressed.load(),
+            kFriction};
+  }
+
+  Pressed pressed;
+  std::unique_ptr<FinitePressing> pressing;
+  std::unique_ptr<QuarterCompliances> quarters;
+};
+
+/// Strains and slopes are of the order of the approach, here 1e-3.
+constexpr double kSmallLoad = 2e-3;
+
+struct AgainstLinear {
+  double stiffness, worst_torque;  ///< a ratio; a difference over the torque at full slip
+};
+
+AgainstLinear twisted(double approach, double poisson_ratio) {
+  const SmallContact small(approach, poisson_ratio);
+  SuperposedTwist twist(*small.pressing, kFriction);
+  AgainstLinear result{
+      twist.stiffness() / stuck_torsional_stiffness(small.contact(), *small.quarters), 0};
+  const SurfaceCompliance surface = surface_compliance(*small.quarters, Invariance::half_turn);
+  std::vector<PlaneMotion> motions;
+  for (const double angle : angles(*small.pressing, twist)) motions.push_back({0, 0, angle});
+  const auto linear = move_through(small.contact(), surface, motions, [](auto&&...) {});
+  const double full = linear.back().wrench.torque;
+  for (const FrictionState& expected : linear) {
+    twist.turn_to(expected.motion.turn_rad);
+    result.worst_torque =
+        std::max(result.worst_torque, std::abs(twist.torque() - expected.wrench.torque) / full);
+  }
+  return result;
+}
+
+TEST(SuperposedTwist, IsLinearElasticityForSmallLoads) {
+  for (const double nu : {0.3, 0.49}) {
+    const AgainstLinear at_2 = twisted(1e-3, nu), at_1 = twisted(5e-4, nu);
+    EXPECT_NEAR(at_2.stiffness, 1, kSmallLoad);
+    // It departs in proportion to the load: nothing else is left.
+    EXPECT_NEAR((at_1.stiffness - 1) / (at_2.stiffness - 1), 0.5, 0.01);
+    // The linear solver lets the twist move the pressure, which is of second order here too.
+    EXPECT_LT(at_2.worst_torque, kSmallLoad);
+    EXPECT_LT(at_1.worst_torque, at_2.worst_torque);
+  }
+}
+
+/// Worst difference of points of the limit surface, over mu P and the largest torque.
+double difference(const SmallContact& small, const std::vector<FrictionWrench>& found,
+                  const std::vector<FrictionState>& expected) {
+  const double force = kFriction * small.pressed.load(), arm = small.pressed.torque_arm();
+  double worst = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    worst = std::max({worst, std::abs(found[i].force_x - expected[i].wrench.force_x) / force,
+                      std::abs(found[i].force_y - expected[i].wrench.force_y) / force,
+                      std::abs(found[i].torque - expected[i].wrench.torque) / (force * arm)});
+  return worst;
+}
+
+TEST(Slide, IsTheSumOverTheLinearPressureForSmallLoads) {
+  const SmallContact small(1e-3, 0.49);
+  const std::vector<PlaneMotion> velocities = spread_velocities(12, small.pressed.torque_arm());
+  std::vector<FrictionWrench> found;
+  std::vector<FrictionState> expected;
+  for (const PlaneMotion& velocity : velocities) {
+    found.push_back(finite::slide(*small.pressing, kFriction, velocity));
+    FrictionWrench sum;
+    const auto& nodes = small.pressed.model->nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (const double x : {-nodes[i].x, nodes[i].x})
+        for (const double y : {-nodes[i].y, nodes[i].y}) {
+          Eigen::Vector2d along(velocity.x - velocity.turn_rad * y,
+                                velocity.y + velocity.turn_rad * x);
+          along *= kFriction * small.pressed.contact.force[static_cast<Index>(i)] / along.norm();
+          sum.force_x += along.x();
+          sum.force_y += along.y();
+          sum.torque += x * along.y() - y * along.x();
+        }
+    expected.push_back({velocity, sum, 1, 1});
+  }
+  EXPECT_LT(difference(small, found, expected), kSmallLoad);
+}
+
+TEST(SuperposedSlide, IsLinearElasticityForSmallLoads) {
+  for (const double nu : {0.3, 0.49}) {
+    const SmallContact small(1e-3, nu);
+    const std::vector<PlaneMotion> velocities = spread_velocities(12, small.pressed.torque_arm());
+    const auto expected = slide_through(
+        small.contact(), surface_compliance(*small.quarters, Invariance::none), velocities);
+    const finite::SuperposedSlide slides(*small.pressing, kFriction);
+    std::vector<FrictionWrench> found, frictionless;
+    for (const PlaneMotion& velocity : velocities) {
+      found.push_back(slides.slide(velocity));
+      frictionless.push_back(finite::slide(*small.pressing, kFriction, velocity));
+    }
+    // Friction moves the pressure by this much; it moves the edge too, to second order, where only
+    // the linear solver follows.
+    const double moved = difference(small, frictionless, expected);
+    EXPECT_GT(moved, 0.02);
+    EXPECT_LT(moved, 0.1);
+    EXPECT_LT(difference(small, found, expected), kSmallLoad + moved * moved);
+  }
+}
+
+TEST(Slide, DissipatesMostInItsOwnDirection) {
+  // Of all friction within Coulomb's limits the one of a motion gives it the largest power, so the
+  // wrenches of full slip lie on a convex surface with the velocities for normals.
+  auto pressing = layer_under(finite::quadric(8, 4), mesh_for(1.6, 1.1), 0.49);
+  pressing.press({0, 0.2});
+  const std::vector<PlaneMotion> velocities = spread_velocities(30, 0.8);
+  std::vector<FrictionWrench> wrenches;
+  for (const PlaneMotion& velocity : velocities)
+    wrenches.push_back(finite::slide(pressing, kFriction, velocity));
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    const auto power = [&](const FrictionWrench& wrench) {
+      return velocities[i].x * wrench.force_x + velocities[i].y * wrench.force_y +
+             velocities[i].turn_rad * wrench.torque;
+    };
+    for (const FrictionWrench& other : wrenches)
+      EXPECT_LE(power(other), power(wrenches[i]) * (1 + 1e-12));
+  }
+  // A shift: more than mu P, because the normals lean; at most by the steepest one.
+  const double force = finite::slide(pressing, kFriction, {1, 0, 0}).force_x;
+  const double limit = kFriction * pressing.equilibrium().load;
+  EXPECT_GT(force, limit);
+  EXPECT_LT(force, limit / std::cos(pressing.equilibrium().steepest_rad));
+}
+
+constexpr double kThickness_m = 2e-3, kModulus_Pa = 3e5;
+
+Problem problem_of(double major_m, double minor_m, double poisson_ratio, double approach) {
+  Problem problem;
+  problem.contact.radii = {major_m, minor_m, 0};
+  problem.contact.layer = {kThickness_m, kModulus_Pa, poisson_ratio};
+  problem.contact.load = {0, kFriction};
+  problem.approach_m = approach * kThickness_m;
+  problem.finite_strain = MaterialChoice();
+  problem.friction.torsion = true;
+  problem.friction.limit_surface = 24;
+  return problem;
+}
+
+TEST(FiniteFriction, AnswersAsLinearElasticityForSmallLoads) {
+  for (const double nu : {0.3, 0.49}) {
+    Problem problem = problem_of(1.0, 0.5, nu, 1e-3);
+    const auto silent = [](const std::string&) {};
+    const Result finite_strain = solve(problem, silent);
+    problem.finite_strain.reset();
+    const Result linear = solve(problem, silent);
+    ASSERT_TRUE(finite_strain.torsion && linear.torsion);
+    const Torsion &one = *finite_strain.torsion, &other = *linear.torsion;
+    // Meshes of their own: stated errors, and what the load changes.
+    constexpr double small_load = 2e-3;
+    EXPECT_NEAR(one.stiffness_Nm_per_rad / other.stiffness_Nm_per_rad, 1,
+                one.stiffness_error + other.stiffness_error + small_load);
+    EXPECT_NEAR(one.full_slip_Nm / other.full_slip_Nm, 1, small_load);
+    ASSERT_EQ(one.increments.size(), other.increments.size());
+    ASSERT_EQ(finite_strain.limit_surface.size(), linear.limit_surface.size());
+    const double force = kFriction * linear.finest.load_N, torque = linear.finest.max_torque_Nm;
+    const double tolerance =
+        finite_strain.limit_surface_error + linear.limit_surface_error + small_load;
+    for (std::size_t i = 0; i < linear.limit_surface.size(); ++i) {
+      const Wrench &found = finite_strain.limit_surface[i].wrench,
+                   &expected = linear.limit_surface[i].wrench;
+      EXPECT_NEAR(found.force_x_N, expected.force_x_N, tolerance * force);
+      EXPECT_NEAR(found.force_y_N, expected.force_y_N, tolerance * force);
+      EXPECT_NEAR(found.torque_Nm, expected.torque_Nm, tolerance * torque);
+    }
+  }
+}
+
+TEST(FiniteFriction, OfADeeplyPressedSphereCostsLittleBesideThePressing) {
+  Problem problem = problem_of(0.01, 0.01, 0.49, 0.3);
+  problem.sphere_radius_m = 0.01;
+  const auto seconds_of = [&] {
+    const std::clock_t start = std::clock();
+    const Result result = solve(problem, [](const std::string&) {});
+    if (result.torsion) {
+      EXPECT_NEAR(result.torsion->full_slip_Nm / result.finest.max_torque_Nm, 1, 1e-9);
+      EXPECT_GT(result.torsion->increments.back().slip_fraction, 0.98);
+      EXPECT_GT(result.torsion->curve_error, 0.05) << "no small motion: its error has to say so";
+    }
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  const double with = seconds_of();
+  problem.friction = {};
+  const double pressing = seconds_of();
+  RecordProperty("pressing_cpu_s", std::to_string(pressing));
+  RecordProperty("friction_cpu_s", std::to_string(with - pressing));
+  // One more tangent and factor beside the dozen of the pressing.
+  EXPECT_LT(with - pressing, pressing);
+}
+
+std::string refusal(const Problem& problem) {
+  try {
+    solve(problem, [](const std::string&) {});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FiniteFriction, WhatItDoesNotHaveIsRefused) {
+  Problem problem = problem_of(0.02, 0.02, 0.45, 0.1);
+  problem.friction.twist_axis_x_m = 1e-4;
+  EXPECT_NE(refusal(problem).find("twist_axis_m"), std::string::npos);
+  problem = problem_of(0.02, 0.02, 0.45, 0.1);
+  problem.friction.increments_to_slip = 5;
+  EXPECT_NE(refusal(problem).find("increments_to_slip"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace softfinger::fem
