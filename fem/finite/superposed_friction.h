@@ -37,6 +37,7 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
 class SuperposedSlide {
  public:
   /// Factorises the layer's tangent four times, for motions odd or even in x and in y.
+  /// @pre the layer is a quarter
   /// @throws ConvergenceError where the pressed state is not stable against such motions
   SuperposedSlide(FinitePressing& pressing, double friction_coefficient);
 
