@@ -118,7 +118,7 @@ SuperposedSlide::SuperposedSlide(FinitePressing& pressing, double friction_coeff
     const Eigen::MatrixXd load = -(cosine_.asDiagonal() * stiffness(of.normal, Eigen::all));
     const Eigen::MatrixXd compliance = tangential_compliance(stiffness);
     responses_.push_back({normal_force(Eigen::all, of.tangential) * compliance,
-                          load(Eigen::all, of.tangential) * compliance});
+                          load(Eigen::all, of.tangential) * compliance, compliance});
     if (parity != 0) continue;
     // The object's approach pushes the normals, and the nodes give way along the tangents.
     Eigen::VectorXd displacement(3 * count);
@@ -129,7 +129,7 @@ SuperposedSlide::SuperposedSlide(FinitePressing& pressing, double friction_coeff
   }
 }
 
-FrictionWrench SuperposedSlide::slide(const PlaneMotion& velocity) const {
+SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const {
   const Index count = nodes_.size();
   const double load = images * nodes_.force.sum();
   Eigen::MatrixXd normal_force = nodes_.normal_force.replicate(1, images);
@@ -147,9 +147,12 @@ FrictionWrench SuperposedSlide::slide(const PlaneMotion& velocity) const {
       lift(i, image) = axes.row(2).head<2>() * along;
     }
 
-  constexpr int limit = 100;
+  constexpr int limit = 1000;
   constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
-  double change = 0, not_pulled = 0;
+  // Shear lifts the surface before a point and lowers it behind: on the whole the pressure's change
+  // oscillates with the shear's, which a large share of each step would amplify.
+  constexpr double smallest_share = 1.0 / 64;
+  double change = 0, previous = 0, share = 1, not_pulled = 0;
   for (int iteration = 1; iteration <= limit; ++iteration) {
     Eigen::MatrixXd force(2 * count, images);
     for (int image = 0; image < images; ++image)
@@ -157,15 +160,16 @@ FrictionWrench SuperposedSlide::slide(const PlaneMotion& velocity) const {
         force.col(image).segment<2>(2 * i) =
             friction_coefficient_ * normal_force(i, image) * direction.col(image).segment<2>(2 * i);
     Eigen::MatrixXd next = nodes_.normal_force.replicate(1, images);
-    double along_load = load + not_pulled;
+    double along_load = load + not_pulled, energy = 0;
     for (int parity = 0; parity < images; ++parity) {
       Eigen::VectorXd of_parity = Eigen::VectorXd::Zero(2 * count);
       for (int image = 0; image < images; ++image)
         of_parity += sign(image, parity) / images * force.col(image);
-      const Eigen::VectorXd moved =
-          responses_[static_cast<std::size_t>(parity)].normal_force * of_parity;
+      const Response& response = responses_[static_cast<std::size_t>(parity)];
+      const Eigen::VectorXd moved = response.normal_force * of_parity;
+      energy += 0.5 * images * of_parity.dot(response.displacement * of_parity);
       for (int image = 0; image < images; ++image) next.col(image) += sign(image, parity) * moved;
-      if (parity == 0) along_load += images * (responses_.front().load * of_parity).sum();
+      if (parity == 0) along_load += images * (response.load * of_parity).sum();
     }
     along_load -= friction_coefficient_ * normal_force.cwiseProduct(lift).sum();
     const double approach = (load - along_load) / (images * load_by_approach_.sum());
@@ -173,9 +177,11 @@ FrictionWrench SuperposedSlide::slide(const PlaneMotion& velocity) const {
     not_pulled = -(cosine_.transpose() * next.cwiseMin(0.0)).sum();
     next = next.cwiseMax(0.0);
     change = (next - normal_force).cwiseAbs().sum() / load;
-    normal_force = std::move(next);
+    if (iteration > 1 && change > 0.9 * previous) share = std::max(smallest_share, share / 2);
+    previous = change;
+    normal_force += share * (next - normal_force);
     if (change > tolerance) continue;
-    FrictionWrench result;
+    FrictionWrench wrench;
     for (int image = 0; image < images; ++image)
       for (Index i = 0; i < count; ++i) {
         const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes_.position.col(i));
@@ -183,11 +189,11 @@ FrictionWrench SuperposedSlide::slide(const PlaneMotion& velocity) const {
             mirror(image).cwiseProduct(nodes_.axes[static_cast<std::size_t>(i)].leftCols<2>() *
                                        direction.col(image).segment<2>(2 * i));
         const Eigen::Vector3d on_node = friction_coefficient_ * normal_force(i, image) * along;
-        result.force_x += on_node.x();
-        result.force_y += on_node.y();
-        result.torque += turned(position).dot(on_node);
+        wrench.force_x += on_node.x();
+        wrench.force_y += on_node.y();
+        wrench.torque += turned(position).dot(on_node);
       }
-    return result;
+    return {wrench, energy};
   }
   throw ConvergenceError("full slip on the deformed layer", limit, change,
                          "pressure and friction keep changing each other; is the coefficient of "
@@ -202,7 +208,7 @@ SuperposedTwist::SuperposedTwist(FinitePressing& pressing, double friction_coeff
       stiffness_(pressing.superposed_stiffness({/*odd_x=*/true, /*odd_y=*/true})) {
   const Index count = nodes_.size();
   turn_.resize(2 * count);
-  normal_turn_.resize(count);
+  Eigen::VectorXd normal_turn(count);  // e_z x x along the normals
   // Along the tangents: forces that hold the nodes while the object turns under them, because it
   // turns the forces' directions, and because its heights change.
   Eigen::VectorXd holding(2 * count);
@@ -212,16 +218,15 @@ SuperposedTwist::SuperposedTwist(FinitePressing& pressing, double friction_coeff
     const ObjectHeight& object = nodes_.object[node];
     const Eigen::Vector3d turn = turned(nodes_.position.col(i));
     turn_.segment<2>(2 * i) = axes.leftCols<2>().transpose() * turn;
-    normal_turn_[i] = axes.col(2).dot(turn);
+    normal_turn[i] = axes.col(2).dot(turn);
     Eigen::Vector3d follower = Eigen::Vector3d::Zero();
     follower.head<2>() = nodes_.force[i] * (object.curvature * turn.head<2>() -
                                             Eigen::Vector2d(-object.slope.y(), object.slope.x()));
     holding.segment<2>(2 * i) = axes.leftCols<2>().transpose() * follower;
   }
   const Rows of = rows(count);
-  holding += stiffness_(of.tangential, of.normal) * normal_turn_;
+  holding += stiffness_(of.tangential, of.normal) * normal_turn;
   compliance_ = tangential_compliance(stiffness_);
-
   frictionless_ = -compliance_ * holding;
   // What a mirror plane fixes is never pushed; any compliance keeps the node's two components apart
   // and lets the other one move.
@@ -262,21 +267,15 @@ double SuperposedTwist::stored_energy() const {
   return 0.5 * copies_ * force_.dot(compliance_ * force_);
 }
 
-Eigen::VectorXd SuperposedTwist::displacement() const {
-  return compliance_ * force_ + angle_ * frictionless_;
-}
-
 double SuperposedTwist::pressure_change() const {
-  const Eigen::VectorXd along = displacement();
-  Eigen::VectorXd all(3 * nodes_.size());
-  for (Index i = 0; i < nodes_.size(); ++i)
-    all.segment<3>(3 * i) << along.segment<2>(2 * i), angle_ * normal_turn_[i];
-  return (normal_force_by_displacement(nodes_, stiffness_) * all).cwiseAbs().sum() /
+  const Eigen::MatrixXd change = normal_force_by_displacement(nodes_, stiffness_);
+  const Eigen::VectorXd sheared = compliance_ * force_;
+  return (change(Eigen::all, rows(nodes_.size()).tangential) * sheared).cwiseAbs().sum() /
          nodes_.force.sum();
 }
 
 double SuperposedTwist::largest_displacement() const {
-  const Eigen::VectorXd along = displacement();
+  const Eigen::VectorXd along = compliance_ * force_ + angle_ * frictionless_;
   double largest = 0;
   for (Index i = 0; i < nodes_.size(); ++i)
     largest = std::max(largest, along.segment<2>(2 * i).norm());

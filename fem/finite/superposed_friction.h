@@ -15,9 +15,12 @@
 /// state, with the stresses' own stiffness and with contact forces that follow the object's
 /// normals.
 ///
-/// What that leaves out are effects of second order in friction's own strain. By the half turn
-/// about the normal and the mirrors of the contact they are even in the angle of a twist; they are
-/// of the order of the energy that friction stores over that of the pressing.
+/// What that leaves out are effects of second order in friction's own strain, even in the angle of
+/// a twist: sheared at constant thickness, the layer pushes the object away by E/L, E the energy
+/// that friction stores, L the shorter of thickness and contact (exact for the torsion of a
+/// neo-Hookean cylinder of length L: R. S. Rivlin, Phil. Trans. R. Soc. A 242, 1949). At a constant
+/// load as much of it moves elsewhere: E/(P L) is the relative size of what is left out. It is
+/// small where mu² p << G.
 namespace softfinger::fem::finite {
 
 /// Full slip with a rigid velocity of the object, v = (v_x, v_y) + omega e_z x x: each node carries
@@ -34,16 +37,22 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
 class SuperposedSlide {
  public:
   /// Factorises the layer's tangent four times, for motions odd or even in x and in y.
+  /// @pre the layer is a quarter
   /// @throws ConvergenceError where the pressed state is not stable against such motions
   SuperposedSlide(FinitePressing& pressing, double friction_coefficient);
 
+  struct Slid {
+    FrictionWrench wrench;
+    double stored_energy;  ///< of what friction's forces strain the pressed layer by, E h³
+  };
   /// @throws ConvergenceError when pressure and friction do not settle
-  FrictionWrench slide(const PlaneMotion& velocity) const;
+  Slid slide(const PlaneMotion& velocity) const;
 
  private:
-  /// Of one parity: changes of the touching nodes' forces per tangential force on them.
+  /// Of one parity: changes of the touching nodes' forces and places per tangential force on them.
   struct Response {
     Eigen::MatrixXd normal_force, load;  ///< n x 2n: of N, and of its component along the load
+    Eigen::MatrixXd displacement;        ///< 2n x 2n, along the tangents
   };
 
   TouchingNodes nodes_;
@@ -81,7 +90,7 @@ class SuperposedTwist {
   double stored_energy() const;
   /// Of all increments: friction's forces times their slip, E h³.
   double dissipated_energy() const { return dissipated_; }
-  /// Sum of the nodal forces' odd change, in magnitude, over the load.
+  /// Sum of the nodal normal forces' odd change by friction, in magnitude, over the load.
   double pressure_change() const;
   /// Largest tangential displacement of a touching node, in h.
   double largest_displacement() const;
@@ -90,15 +99,12 @@ class SuperposedTwist {
   const Eigen::VectorXd& frictionless() const { return frictionless_; }
 
  private:
-  Eigen::VectorXd displacement() const;
-
   TouchingNodes nodes_;
   int copies_;
   Eigen::VectorXd area_, limit_;
-  Eigen::MatrixXd stiffness_;    ///< 3 n x 3 n, of the superposed motions
-  Eigen::MatrixXd compliance_;   ///< 2 n x 2 n along the tangents, normals held
-  Eigen::VectorXd turn_;         ///< 2 n: e_z x x along the tangents
-  Eigen::VectorXd normal_turn_;  ///< n: e_z x x along the normals
+  Eigen::MatrixXd stiffness_;   ///< 3 n x 3 n, of the superposed motions
+  Eigen::MatrixXd compliance_;  ///< 2 n x 2 n along the tangents, normals held
+  Eigen::VectorXd turn_;        ///< 2 n: e_z x x along the tangents
   Eigen::VectorXd frictionless_;
   Eigen::VectorXd force_, slip_;  ///< 2 n: on the layer; of the object against the layer
   double angle_ = 0, dissipated_ = 0;
