@@ -252,6 +252,7 @@ json load_json(const LoadRun& run, const fs::path& output, LoadErrors& errors) {
   }
   json models = json::array();
   for (const PressureModel* model : all_pressure_models()) {
+    if (model->card().finite_strain && !contact_case.fem_finite) continue;
     const ModelAnswer answer =
         ask_model(*model, contact_case.problem(run.geometry.radii, run.load_N), kCostBudget_ns);
     models.push_back(model_json(answer, run.fem));

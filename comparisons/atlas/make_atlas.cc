@@ -327,7 +327,7 @@ void judge_models(AtlasFile& atlas) {
     // A law that was fitted to a finger says nothing of other layers.
     if (model->card().name == "power_law") continue;
     // What large strain changes is no error of linear elasticity, nor of a contact without radius.
-    if (model->card().name == "finite_strain_layer" && !finite_strain) continue;
+    if (model->card().finite_strain && !finite_strain) continue;
     auto& errors = atlas.errors[std::string(model->card().name)];
     costs_ns.clear();
     for (const AtlasRun& run : atlas.runs) {

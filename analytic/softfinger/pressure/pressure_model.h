@@ -19,6 +19,7 @@ struct ModelCard {
   std::string_view validity;     ///< where it holds, in words
   std::string_view cost;         ///< order of magnitude, e.g. "about 100 ns"
   bool hot_path = true;          ///< fit for a simulator's inner loop: microseconds, no allocation
+  bool finite_strain = false;    ///< of large deformation: linear elasticity is not its judge
 };
 
 /// One assumption of a model, measured on the problem at hand: it holds while `value` stays

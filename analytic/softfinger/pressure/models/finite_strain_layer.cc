@@ -46,7 +46,9 @@ class FiniteStrainLayer final : public PressureModel {
         "was "
         "not fitted to a within 1.4 %, d 1.1 %, torque 0.5 %, peak pressure 1.6 %; on all runs "
         "1.4, 2.3, 1.7 and 4.5 %",
-        "below 1 microsecond"};
+        "below 1 microsecond",
+        true,
+        true};
     return card;
   }
 
