@@ -100,23 +100,30 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
   command->add_option("--folder", options->folder,
                       "finished runs are kept here: the same command goes on after an "
                       "interruption; default: ./softfinger-atlas");
-  command->add_option("--output", options->output, "the CSV file to write when all runs are there");
+  CLI::Option* output = command->add_option("--output", options->output,
+                                            "the CSV file to write when all runs are there");
   command
       ->add_option("--jobs", options->jobs,
                    "finite-element processes side by side, 1 to 64; default: the cores, at most 8")
       ->check(CLI::Range(1, 64));
-  command
-      ->add_option("--random", options->random,
-                   "instead N contacts drawn at random, against which the bounds of the installed "
-                   "atlas are judged: how many errors lie inside, how tight the bounds are; 1 to "
-                   "100000")
-      ->check(CLI::Range(1, 100000));
+  CLI::Option* random =
+      command
+          ->add_option(
+              "--random", options->random,
+              "instead N contacts drawn at random, against which the bounds of the installed "
+              "atlas are judged: how many errors lie inside, how tight the bounds are; 1 to "
+              "100000")
+          ->check(CLI::Range(1, 100000));
   command->add_option("--seed", options->seed, "of the random contacts; default: 1");
-  command->add_flag("--finite-strain", options->finite_strain,
-                    "instead the atlas at finite strain: rubber layers pressed far, each with its "
-                    "linear twin");
-  command->add_flag("--models-only", options->models_only,
-                    "only asks the models again, for the finite-element answers in --output");
+  CLI::Option* finite_strain = command->add_flag(
+      "--finite-strain", options->finite_strain,
+      "instead the atlas at finite strain: rubber layers pressed far, each with its linear twin");
+  finite_strain->excludes(random);
+  command
+      ->add_flag("--models-only", options->models_only,
+                 "only asks the models again, for the finite-element answers in --output")
+      ->needs(output)
+      ->excludes(random, finite_strain);
   command->footer(
       "Samples:\n"
       "  softfinger atlas --output error_atlas.csv --jobs 2\n"
