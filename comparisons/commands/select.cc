@@ -45,7 +45,7 @@ std::vector<std::string> allowed_models(const std::string& typed) {
 }
 
 /// e_n by the finite elements at six loads, evenly spaced in ln P.
-std::vector<double> fem_table(const ContactProblem& problem, double least_N, double largest_N) {
+FemEccentricity fem_table(const ContactProblem& problem, double least_N, double largest_N) {
   constexpr int kLoads = 6;
   Case contact;
   contact.id = "contact";
@@ -58,19 +58,22 @@ std::vector<double> fem_table(const ContactProblem& problem, double least_N, dou
     batch.problems.push_back(fem_problem(contact, geometry,
                                          least_N * std::pow(largest_N / least_N, i / (kLoads - 1.)),
                                          contact.fem_level));
-  std::vector<double> eccentricity_m(kLoads, 0);
+  FemEccentricity found;
+  found.eccentricity_m.assign(kLoads, 0);
   std::string failure;
   FemCallbacks callbacks;
   callbacks.on_answer = [&](FemIndex which, const FemAnswer& answer) {
-    if (answer.result.is_null())
+    if (answer.result.is_null()) {
       failure = answer.failure;
-    else
-      eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
+      return;
+    }
+    found.eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
+    found.error = std::max(found.error, answer.result.at("error").at("max_torque").get<double>());
   };
   remark(fmt::format("finite elements at {} loads", kLoads));
   run_fem(fem_program().string(), {batch}, 1, callbacks);
   if (!failure.empty()) throw ConvergenceError("finite elements of a contact", 0, 0, failure);
-  return eccentricity_m;
+  return found;
 }
 
 /// A path or a built-in name; empty: a case.

@@ -15,6 +15,7 @@
 namespace softfinger {
 
 using simulation::ContactRule;
+using simulation::EccentricityOverLoad;
 using simulation::RecordedContact;
 using simulation::Recording;
 using simulation::Scene;
@@ -27,8 +28,11 @@ namespace {
 /// What one pair of bodies did, kept as the worst of all its contacts at all times.
 struct PairUse {
   PairChoice choice;
-  ContactProblem problem;  ///< at the largest load
+  ContactProblem problem;      ///< at the largest load
+  EccentricityOverLoad table;  ///< of finite elements, where they are needed
 };
+
+using Uses = std::map<std::pair<int, int>, PairUse>;
 
 /// The wrench over (mu P, mu P, mu P e_n).
 Eigen::Vector3d scaled_wrench(const RecordedContact& contact) {
@@ -38,8 +42,8 @@ Eigen::Vector3d scaled_wrench(const RecordedContact& contact) {
          limit_N;
 }
 
-std::map<std::pair<int, int>, PairUse> uses_of(const Scene& scene, const Recording& recording) {
-  std::map<std::pair<int, int>, PairUse> uses;
+Uses uses_of(const Scene& scene, const Recording& recording) {
+  Uses uses;
   for (const auto& frame : recording.frames)
     for (const RecordedContact& contact : frame.contacts) {
       if (!(contact.semi_axis_b_m > 0) || !(contact.eccentricity_m > 0) ||
@@ -119,22 +123,80 @@ void decide(PairUse& use, double tolerance) {
                   percent(model.worst));
   choice.reason +=
       exact ? fmt::format("at its limit the ellipsoid is off by {}", percent(choice.surface_change))
-      : choice.surface_change > 0 ? fmt::format("at its limit the ellipsoid is off by {} only",
-                                                percent(choice.surface_change))
-                                  : std::string("where it works ellipsoid and exact limit surface agree");
+      : choice.surface_change > 0
+          ? fmt::format("at its limit the ellipsoid is off by {} only",
+                        percent(choice.surface_change))
+          : std::string("where it works ellipsoid and exact limit surface agree");
 }
 
-void set_rule(Scene& scene, const PairChoice& choice) {
+void set_rule(Scene& scene, const PairUse& use) {
+  const PairChoice& choice = use.choice;
   ContactRule rule = scene.rule(choice.a, choice.b);
   rule.exact_limit_surface = choice.detail >= ContactDetail::limit_surface;
-  if (choice.detail == ContactDetail::point)
-    rule.model = "rigid";
-  else
-    rule.model = choice.model;
+  rule.model = choice.detail == ContactDetail::point ? "rigid" : choice.model;
+  if (choice.detail == ContactDetail::fem_table) rule.eccentricity_table = use.table;
   const std::size_t count = scene.bodies.size(), a = std::size_t(choice.a),
                     b = std::size_t(choice.b);
   scene.rule_of_pair[a * count + b] = scene.rule_of_pair[b * count + a] = int(scene.rules.size());
   scene.rules.push_back(rule);
+}
+
+/// The model with the smallest known error; null: of none is it known.
+const Candidate* nearest_model(const Choice& choice) {
+  const Candidate* nearest = nullptr;
+  for (const Candidate& candidate : choice.candidates)
+    if (candidate.bound && (!nearest || candidate.worst < nearest->worst)) nearest = &candidate;
+  return nearest;
+}
+
+bool alike(const ContactProblem& first, const ContactProblem& other) {
+  const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
+  return near(first.radii.major_m, other.radii.major_m) &&
+         near(first.radii.minor_m, other.radii.minor_m) &&
+         near(first.layer.thickness_m, other.layer.thickness_m) &&
+         first.layer.youngs_modulus_Pa == other.layer.youngs_modulus_Pa &&
+         first.layer.poisson_ratio == other.layer.poisson_ratio;
+}
+
+/// Tables for the pairs that need finite elements; pairs that are alike share one over the loads of
+/// them all. Where a model is known as well, the better of the two serves.
+/// @returns whether a table serves
+bool ask_finite_elements(Uses& uses, const FemTable& fem_table) {
+  std::vector<PairUse*> asking;
+  for (auto& [pair, use] : uses)
+    if (use.choice.detail == ContactDetail::fem_table) asking.push_back(&use);
+  bool any = false;
+  while (!asking.empty()) {
+    const auto others = std::stable_partition(
+        asking.begin(), asking.end(),
+        [first = asking.front()](PairUse* use) { return alike(first->problem, use->problem); });
+    EccentricityOverLoad table;
+    table.least_load_N = asking.front()->choice.least_load_N;
+    for (auto use = asking.begin(); use != others; ++use) {
+      table.least_load_N = std::min(table.least_load_N, (*use)->choice.least_load_N);
+      table.largest_load_N = std::max(table.largest_load_N, (*use)->choice.largest_load_N);
+    }
+    table.largest_load_N = std::max(table.largest_load_N, 1.01 * table.least_load_N);
+    const FemEccentricity found =
+        fem_table(asking.front()->problem, table.least_load_N, table.largest_load_N);
+    table.eccentricity_m = found.eccentricity_m;
+    const double error = found.error + interpolation_error(found.eccentricity_m);
+    for (auto use = asking.begin(); use != others; ++use) {
+      PairChoice& choice = (*use)->choice;
+      choice.reason += "; the table of finite elements is within " + percent(error);
+      if (error > choice.allowed_error) choice.reason += ", no better is known";
+      const Candidate* nearest = nearest_model(choice.pressure);
+      if (nearest && nearest->worst <= error) {
+        choice.detail = ContactDetail::limit_surface;
+        choice.model = nearest->model;
+        continue;
+      }
+      (*use)->table = table;
+      any = true;
+    }
+    asking.erase(asking.begin(), others);
+  }
+  return any;
 }
 
 MotionChange change_between(const Recording& accurate, const Recording& chosen) {
@@ -183,8 +245,16 @@ Simulation run(const Scene& scene, const char* which) {
 
 }  // namespace
 
-SceneChoice choose_for_scene(const Scene& scene, double tolerance,
-                             const EccentricityTable& fem_table,
+double interpolation_error(const std::vector<double>& eccentricity_m) {
+  double missed = 0;
+  for (std::size_t i = 1; i + 1 < eccentricity_m.size(); ++i)
+    missed = std::max(missed, std::abs(std::log(eccentricity_m[i] * eccentricity_m[i] /
+                                                (eccentricity_m[i - 1] * eccentricity_m[i + 1]))) /
+                                  2);
+  return missed / 4;
+}
+
+SceneChoice choose_for_scene(const Scene& scene, double tolerance, const FemTable& fem_table,
                              const std::function<void(const std::string&)>& progress) {
   SceneChoice result;
   Scene accurate = scene;
@@ -192,21 +262,21 @@ SceneChoice choose_for_scene(const Scene& scene, double tolerance,
   for (ContactRule& rule : accurate.rules)
     if (rule.model != "given" && rule.model != "rigid") rule.model = "auto";
   progress(fmt::format("{}: {} steps with exact limit surfaces", scene.id, scene.steps()));
-  const Simulation reference = run(accurate, "the most accurate simulation");
+  Simulation reference = run(accurate, "the most accurate simulation");
+
+  Uses uses = uses_of(accurate, reference.recording);
+  for (auto& [pair, use] : uses) decide(use, tolerance);
+  if (ask_finite_elements(uses, fem_table)) {
+    for (const auto& [pair, use] : uses)
+      if (use.choice.detail == ContactDetail::fem_table) set_rule(accurate, use);
+    progress(fmt::format("{}: the same with e_n of finite elements", scene.id));
+    reference = run(accurate, "the most accurate simulation");
+  }
   result.accurate_step_ms = simulation::percentile(reference.step_ms, 0.5);
 
-  auto uses = uses_of(accurate, reference.recording);
-  for (auto& [pair, use] : uses) decide(use, tolerance);
   while (true) {
     result.scene = accurate;
-    for (auto& [pair, use] : uses) {
-      set_rule(result.scene, use.choice);
-      if (use.choice.detail != ContactDetail::fem_table) continue;
-      auto& table = result.scene.rules.back().eccentricity_table;
-      table.least_load_N = use.choice.least_load_N;
-      table.largest_load_N = std::max(use.choice.largest_load_N, 1.01 * use.choice.least_load_N);
-      table.eccentricity_m = fem_table(use.problem, table.least_load_N, table.largest_load_N);
-    }
+    for (const auto& [pair, use] : uses) set_rule(result.scene, use);
     progress(fmt::format("{}: the same with what {} pairs of bodies need", scene.id, uses.size()));
     const Simulation chosen = run(result.scene, "with the models chosen");
     result.chosen_step_ms = simulation::percentile(chosen.step_ms, 0.5);

@@ -52,16 +52,28 @@ struct SceneChoice {
   simulation::Scene scene;                          ///< with what was chosen
 };
 
-/// e_n in m at loads evenly spaced in ln P from the least to the largest; may take seconds.
-using EccentricityTable = std::function<std::vector<double>(
-    const ContactProblem& problem, double least_load_N, double largest_load_N)>;
+/// What finite elements say of e_n over the load.
+struct FemEccentricity {
+  std::vector<double> eccentricity_m;  ///< at loads evenly spaced in ln P, least to largest
+  double error = 0;                    ///< relative, the largest that they state for one of them
+};
 
-/// Simulates the scene with the bonded layer and exact limit surfaces, decides, simulates again,
-/// and where the motion changes by more than the tolerance, adds detail until it does not.
-/// @param fem_table  called only where no model is accurate enough
+/// May take seconds.
+using FemTable = std::function<FemEccentricity(const ContactProblem& problem, double least_load_N,
+                                               double largest_load_N)>;
+
+/// What lines between samples in ln e_n over ln P miss, relative: a quarter of what they miss where
+/// every second sample is left out, since that falls with the square of the spacing.
+double interpolation_error(const std::vector<double>& eccentricity_m);
+
+/// Simulates the scene as accurately as it can, decides, simulates again, and where the motion
+/// changes by more than the tolerance, adds detail until it does not. The most accurate simulation
+/// has exact limit surfaces, with e_n of the bonded layer or, for pairs whose models are not known
+/// to be as accurate, of finite elements.
+/// @param fem_table  called only where no model is accurate enough, once for pairs that are alike
 /// @throws InputError, ConvergenceError when the accurate simulation fails
 SceneChoice choose_for_scene(const simulation::Scene& scene, double tolerance,
-                             const EccentricityTable& fem_table,
+                             const FemTable& fem_table,
                              const std::function<void(const std::string&)>& progress);
 
 nlohmann::json to_json(const SceneChoice& choice, double tolerance);

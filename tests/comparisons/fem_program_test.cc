@@ -298,4 +298,18 @@ TEST_F(FemProgram, TakesAnArrayOfProblems) {
   EXPECT_EQ(first["a_m"], last["a_m"]);
 }
 
+TEST_F(FemProgram, GivesASceneItsTable) {
+  // Below what the atlas knows of the models: finite elements decide.
+  const ProgramRun run =
+      run_softfinger(start, {"select", "pinch", "--tolerance", "0.0005", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json selected = json::parse(run.out);
+  ASSERT_EQ(selected["choices"].size(), 2u);
+  for (const json& choice : selected["choices"])
+    EXPECT_NE(choice["reason"].get<std::string>().find("the table of finite elements is within"),
+              std::string::npos)
+        << choice;
+  EXPECT_TRUE(selected["motion_holds"].get<bool>());
+}
+
 }  // namespace softfinger::tests
