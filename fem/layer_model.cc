@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <deque>
 
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
@@ -23,7 +24,7 @@ using dealii::types::global_dof_index;
 struct LayerModel::Implementation : LayerSpace {
   using LayerSpace::LayerSpace;
 
-  double poisson_ratio = 0;
+  std::vector<ElasticConstants> sublayers;
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;  ///< without the symmetries
   std::vector<Eigen::Matrix3d> frames;     ///< of a bent layer's surface nodes
@@ -43,11 +44,14 @@ void LayerModel::Implementation::assemble() {
     pattern.copy_from(dynamic);
   }
   stiffness.reinit(pattern);
-  ElementStiffness of_cell(*mapping, element, poisson_ratio, shape != nullptr);
+  std::deque<ElementStiffness> of_sublayer;  // which cannot be moved
+  for (const ElasticConstants& constants : sublayers)
+    of_sublayer.emplace_back(*mapping, element, constants.poisson_ratio, shape != nullptr);
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
-    dealii::FullMatrix<double> of_element = of_cell(cell);
+    dealii::FullMatrix<double> of_element = of_sublayer[cell->material_id()](cell);
+    of_element *= sublayers[cell->material_id()].youngs_ratio;
     if (!frames.empty()) turn_to_frames(frames, indices, of_element);
     constraints.distribute_local_to_global(of_element, indices, stiffness);
   }
@@ -64,17 +68,24 @@ void LayerModel::Implementation::set_frames() {
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
                        std::shared_ptr<const LayerShape> shape, bool whole)
+    : LayerModel(discretisation, std::vector<ElasticConstants>{{1, poisson_ratio}},
+                 std::move(shape), whole) {}
+
+LayerModel::LayerModel(const LayerDiscretisation& discretisation,
+                       std::vector<ElasticConstants> sublayers,
+                       std::shared_ptr<const LayerShape> shape, bool whole)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
-  implementation_->poisson_ratio = poisson_ratio;
+  implementation_->sublayers = std::move(sublayers);
   if (implementation_->shape) implementation_->set_frames();
   implementation_->factorise();
 }
 
-LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
-                       const meshes::LayerMesh& mesh, double thickness_m)
+LayerModel::LayerModel(const LayerDiscretisation& discretisation,
+                       std::vector<ElasticConstants> sublayers, const meshes::LayerMesh& mesh,
+                       double thickness_m)
     : implementation_(std::make_unique<Implementation>(discretisation, mesh, thickness_m)) {
   auto& self = *implementation_;
-  self.poisson_ratio = poisson_ratio;
+  self.sublayers = std::move(sublayers);
   const auto is_flat = [](const SurfaceNode& node) { return node.normal.z() > 1 - 1e-12; };
   if (!std::all_of(self.nodes.begin(), self.nodes.end(), is_flat)) self.set_frames();
   self.factorise();
@@ -155,7 +166,7 @@ void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force
   dealii::GridTools::scale(thickness_m, self.triangulation);
   self.bending *= thickness_m;
   write_solution(path, *self.mapping, self.dofs, displacement_m, pressure_Pa, youngs_modulus_Pa,
-                 self.poisson_ratio);
+                 self.sublayers);
   self.bending /= thickness_m;
   dealii::GridTools::scale(1 / thickness_m, self.triangulation);
 }

@@ -19,6 +19,8 @@ struct LayerDiscretisation {
   int elements_per_semi_axis = 8;  ///< finest cells along b
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
   double extent = 6;               ///< free side wall at a + extent, b + extent
+  /// Depths of the interfaces between bonded sublayers, from the surface on: no cell crosses one.
+  std::vector<double> interfaces;
 
   /// How far the block may go along x and y: the surface may end. Infinite for a flat layer.
   double reach_x = std::numeric_limits<double>::infinity();
@@ -68,6 +70,16 @@ struct Parity {
   bool odd_x = false, odd_y = false;
 };
 
+/// What a sublayer is made of.
+struct ElasticConstants {
+  double youngs_ratio = 1;   ///< E over the unit of stress
+  double poisson_ratio = 0;  ///< 0 <= nu < 1/2
+
+  bool operator==(const ElasticConstants& other) const {
+    return youngs_ratio == other.youngs_ratio && poisson_ratio == other.poisson_ratio;
+  }
+};
+
 /// Elastic layer bonded to a rigid base, condensed on the displacements of its surface nodes: a
 /// quarter of it where layer and load are symmetric about x = 0 and y = 0, else the whole. Lengths
 /// / h, stresses / E: one model serves every load, radius, modulus and coefficient of friction for
@@ -78,15 +90,19 @@ struct Parity {
 /// 1/2.
 class LayerModel {
  public:
-  /// @param poisson_ratio  0 <= nu < 1/2
-  /// @param shape          null: flat
-  /// @param whole          all of the layer instead of a quarter
+  /// @param sublayers  from the surface inwards, one more than interfaces
+  /// @param shape      null: flat
+  /// @param whole      all of the layer instead of a quarter
   /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation.
+  LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
+             std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
+  /// A homogeneous one with E = 1.
   LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
              std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
   /// All of a layer whose coarse mesh comes from outside: its cells near the contact are halved
   /// until `elements_per_semi_axis` of them lie along b.
-  LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
+  /// @param sublayers  of the mesh's regions
+  LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              const meshes::LayerMesh& mesh, double thickness_m);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;

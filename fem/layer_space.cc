@@ -40,8 +40,14 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   lattice.refinements = std::max(0, static_cast<int>(std::floor(std::log2(1.0 / fine_x) + 0.1)));
   const double coarsening = std::ldexp(1.0, lattice.refinements);
   auto& block = lattice.block;
-  block.thickness = 1;
-  block.cells_z = std::max(1, static_cast<int>(std::floor(1.0 / (coarsening * fine_y) + 0.4)));
+  block.sublayers.clear();
+  double top = 0;
+  for (std::size_t i = 0; i <= discretisation.interfaces.size(); ++i) {
+    const double bottom = i < discretisation.interfaces.size() ? discretisation.interfaces[i] : 1;
+    const double cells = (bottom - top) / (coarsening * fine_y);
+    block.sublayers.push_back({bottom - top, std::max(1, static_cast<int>(cells + 0.4))});
+    top = bottom;
+  }
   block.cell_x = coarsening * fine_x;
   block.cell_y = coarsening * fine_y;
   block.inner_x = discretisation.patch * discretisation.a;
@@ -75,6 +81,7 @@ void make_triangulation(const meshes::HexahedralMesh& mesh,
     for (std::size_t v = 0; v < 8; ++v)
       cells[i].vertices[v] =
           static_cast<unsigned int>(mesh.cells[i][static_cast<std::size_t>(lexicographic[v])]);
+    cells[i].material_id = static_cast<dealii::types::material_id>(mesh.region[i]);
   }
   dealii::SubCellData none;
   std::vector<unsigned int> all;  // the vertices that mirror images share
@@ -102,6 +109,7 @@ meshes::HexahedralMesh with_mirror_images(const meshes::HexahedralMesh& quarter)
           for (const std::size_t face : {0, 4}) std::swap(cell[face + 1], cell[face + 3]);
         whole.cells.push_back(cell);
       }
+      whole.region.insert(whole.region.end(), quarter.region.begin(), quarter.region.end());
     }
   return whole;
 }
@@ -138,8 +146,10 @@ void make_triangulation(const meshes::LayerMesh& mesh, double thickness,
   for (const auto& vertex : mesh.hexahedra.vertices)
     vertices.emplace_back(vertex.x() / thickness, vertex.y() / thickness, vertex.z() / thickness);
   std::vector<dealii::CellData<dim>> cells;
-  for (const auto& vertices_of : mesh.hexahedra.cells) {
+  for (std::size_t i = 0; i < mesh.hexahedra.cells.size(); ++i) {
+    const auto& vertices_of = mesh.hexahedra.cells[i];
     cells.emplace_back();
+    cells.back().material_id = static_cast<dealii::types::material_id>(mesh.hexahedra.region[i]);
     for (std::size_t v = 0; v < 8; ++v) {
       constexpr std::array<std::size_t, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
       cells.back().vertices[v] = static_cast<unsigned int>(vertices_of[lexicographic[v]]);

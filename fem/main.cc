@@ -147,6 +147,15 @@ fem::Problem parse(const json& input) {
                              layer.at("poisson_ratio").get<double>()};
     if (input.value("kinematics", "linear") == "finite")
       problem.finite_strain = read_material(layer);
+    std::vector<std::string> regions;
+    for (const json& sublayer : layer.value("sublayers", json::array())) {
+      problem.sublayers.push_back({{sublayer.at("thickness_m").get<double>(),
+                                    sublayer.at("youngs_modulus_Pa").get<double>(),
+                                    sublayer.at("poisson_ratio").get<double>()},
+                                   read_material(sublayer)});
+      regions.push_back(sublayer.value("name", ""));
+    }
+    if (regions.empty()) regions = {"layer"};
     if (optional(input, "approach_m")) problem.approach_m = input.at("approach_m").get<double>();
     problem.contact.load = {problem.approach_m != 0 ? 0.0 : input.at("load_N").get<double>(),
                             input.at("friction_coefficient").get<double>()};
@@ -156,7 +165,7 @@ fem::Problem parse(const json& input) {
       const json& mesh = input.at("layer_mesh");
       problem.mesh_name = mesh.dump();
       problem.mesh = std::make_shared<const meshes::LayerMesh>(meshes::read_layer_mesh(
-          mesh.at("mesh").get<std::string>(), mesh.at("metres_per_unit").get<double>()));
+          mesh.at("mesh").get<std::string>(), mesh.at("metres_per_unit").get<double>(), regions));
     }
     if (optional(input, "friction")) {
       const json& friction = input.at("friction");

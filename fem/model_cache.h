@@ -14,14 +14,15 @@ namespace softfinger::fem {
 
 /// What has to agree for one contact to be answered on another one's meshes.
 struct LayerIdentity {
-  double poisson_ratio = 0;
+  std::vector<ElasticConstants> sublayers;
+  std::vector<double> interfaces;
   std::string fingertip;  ///< tells bent layers, in units of h, apart; empty: flat
   bool whole = false;
   int level = 2;  ///< as in `Problem`
 
   bool operator==(const LayerIdentity& other) const {
-    return poisson_ratio == other.poisson_ratio && fingertip == other.fingertip &&
-           whole == other.whole && level == other.level;
+    return sublayers == other.sublayers && interfaces == other.interfaces &&
+           fingertip == other.fingertip && whole == other.whole && level == other.level;
   }
 };
 

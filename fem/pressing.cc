@@ -69,6 +69,7 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
   LayerDiscretisation guess;
   guess.a = low * stretch;
   guess.b = low / stretch;
+  guess.interfaces = pressing.interfaces;
   if (pressing.fingertip) {
     guess.reach_x = pressing.bent.reach_x;
     guess.reach_y = pressing.bent.reach_y;
@@ -89,10 +90,10 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
                                              const Pressing& pressing) {
   if (pressing.mesh)
-    return std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
-                                              *pressing.mesh, pressing.thickness_m);
-  return std::make_shared<const LayerModel>(discretisation, pressing.poisson_ratio,
-                                            pressing.bent.shape, pressing.whole());
+    return std::make_shared<const LayerModel>(discretisation, pressing.sublayers, *pressing.mesh,
+                                              pressing.thickness_m);
+  return std::make_shared<const LayerModel>(discretisation, pressing.sublayers, pressing.bent.shape,
+                                            pressing.whole());
 }
 
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {

@@ -16,7 +16,11 @@ struct Pressing {
   double sphere = 0;            ///< radius, infinite for a paraboloid
   double load = 0;              ///< P / (E h²); 0: by approach
   double approach = 0;          ///< d / h, in place of the load
-  double poisson_ratio = 0;
+  double poisson_ratio = 0;     ///< of the layer as a whole
+  /// Depths of the interfaces between bonded sublayers, and what these are made of, from the
+  /// surface on.
+  std::vector<double> interfaces;
+  std::vector<ElasticConstants> sublayers;
   double thickness_m = 1;
   Fingertip fingertip;  ///< none: a flat layer, and the gap of the relative radii
   FingertipShape bent;

@@ -72,6 +72,27 @@ void check(const Problem& problem) {
         "the relative radii's own value, both of them (an exact sphere on a flat layer)");
   if (problem.contact.has_object_layer())
     throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
+  double depth_m = 0;
+  for (const Sublayer& sublayer : problem.sublayers) {
+    positive(sublayer.layer.thickness_m, "sublayer's thickness_m");
+    positive(sublayer.layer.youngs_modulus_Pa, "sublayer's youngs_modulus_Pa");
+    if (!(sublayer.layer.poisson_ratio >= 0 && sublayer.layer.poisson_ratio <= 0.5))
+      throw InputError(problem.name, "sublayer's poisson_ratio",
+                       text("%.9g", sublayer.layer.poisson_ratio), "0 <= nu <= 1/2");
+    // Elements of a thinner one could not be as small as it is anywhere under the contact.
+    constexpr double thinnest = 0.02;
+    if (sublayer.layer.thickness_m < thinnest * layer.thickness_m)
+      throw InputError(problem.name, "sublayer's thickness_m",
+                       text("%g", sublayer.layer.thickness_m),
+                       text("at least 2 %% of all of them, %g", thinnest * layer.thickness_m));
+    depth_m += sublayer.layer.thickness_m;
+  }
+  if (!problem.sublayers.empty() && std::abs(depth_m / layer.thickness_m - 1) > 1e-9)
+    throw InputError(problem.name, "sublayers' thickness_m", text("%.9g in sum", depth_m),
+                     text("the layer's, %.9g", layer.thickness_m));
+  if (!problem.sublayers.empty() && !problem.compliance_file.empty())
+    throw InputError(problem.name, "compliance_file", problem.compliance_file,
+                     "a homogeneous layer: the file's head has one E and nu");
   const FrictionRequest& friction = problem.friction;
   if (problem.fingertip && problem.mesh)
     throw InputError(problem.name, "mesh of the layer", problem.mesh_name,
@@ -283,6 +304,26 @@ std::string time_to_go(const std::vector<LevelResult>& done, int elements) {
 }
 
 /// The problem in the units of its layer.
+void set_sublayers(const Problem& problem, Pressing& pressing) {
+  // The pressure is condensed, which takes a finite bulk modulus. What that changes at nu = 1/2 is
+  // of the order of (ab/h²) 1e-8 (measured: 2e-5 in d at a/h = 20).
+  const auto compressible = [](double poisson_ratio) {
+    return std::min(poisson_ratio, 0.5 - 1e-8);
+  };
+  const ElasticLayer& layer = problem.contact.layer;
+  pressing.poisson_ratio = compressible(layer.poisson_ratio);
+  pressing.sublayers = {{1, pressing.poisson_ratio}};
+  if (problem.sublayers.empty()) return;
+  pressing.sublayers.clear();
+  double depth_m = 0;
+  for (const Sublayer& sublayer : problem.sublayers) {
+    pressing.sublayers.push_back({sublayer.layer.youngs_modulus_Pa / layer.youngs_modulus_Pa,
+                                  compressible(sublayer.layer.poisson_ratio)});
+    if (depth_m > 0) pressing.interfaces.push_back(depth_m / layer.thickness_m);
+    depth_m += sublayer.layer.thickness_m;
+  }
+}
+
 Pressing pressing_of(const Problem& problem) {
   const RelativeRadii& radii = problem.contact.radii;
   const ElasticLayer& layer = problem.contact.layer;
@@ -295,9 +336,7 @@ Pressing pressing_of(const Problem& problem) {
     pressing.approach = problem.approach_m / h;
   else
     pressing.load = problem.contact.load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
-  // The pressure is condensed, which takes a finite bulk modulus. What that changes at nu = 1/2 is
-  // of the order of (ab/h²) 1e-8 (measured: 2e-5 in d at a/h = 20).
-  pressing.poisson_ratio = std::min(layer.poisson_ratio, 0.5 - 1e-8);
+  set_sublayers(problem, pressing);
   pressing.thickness_m = h;
   pressing.mesh = problem.mesh;
   if (problem.fingertip) {
@@ -410,7 +449,8 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
   const ElasticLayer& layer = problem.contact.layer;
   const double h = layer.thickness_m;
   const Pressing pressing = pressing_of(problem);
-  LayerIdentity identity{pressing.poisson_ratio, "", pressing.whole(), problem.level};
+  LayerIdentity identity{pressing.sublayers, pressing.interfaces, "", pressing.whole(),
+                         problem.level};
   if (problem.mesh) identity.fingertip = problem.mesh_name + text(", h %.17g", h);
   if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + text(", h %.17g", h);
 

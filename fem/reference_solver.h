@@ -31,6 +31,12 @@ struct FrictionRequest {
   bool any() const { return torsion || limit_surface > 0; }
 };
 
+/// One of several bonded sublayers.
+struct Sublayer {
+  ElasticLayer layer;
+  finite::MaterialChoice material;  ///< at finite strain
+};
+
 /// What to solve. The gap is that of `contact.radii`; with a finite `sphere_radius_m` the
 /// indenter's paraboloid is replaced by the exact sphere of that radius (both radii must equal it).
 struct Problem {
@@ -44,6 +50,9 @@ struct Problem {
   /// The layer's mesh from outside, in place of the flat layer; null: our own.
   std::shared_ptr<const meshes::LayerMesh> mesh;
   std::string mesh_name;  ///< meshes of one name are one
+  /// From the surface inwards, together as thick as the contact's layer, whose E and nu then only
+  /// stand for their order of magnitude; of a mesh from outside: its regions. None: homogeneous.
+  std::vector<Sublayer> sublayers;
   FrictionRequest friction;
   /// Finite strain of this material, its small-strain constants those of the contact's layer; none:
   /// linear elasticity.

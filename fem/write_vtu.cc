@@ -55,32 +55,37 @@ struct ProjectedDivergence {
 
 class Stress : public dealii::DataPostprocessorTensor<dim> {
  public:
-  Stress(const ProjectedDivergence& divergence, double youngs_modulus_Pa, double poisson_ratio)
+  Stress(const ProjectedDivergence& divergence, double youngs_modulus_Pa,
+         const std::vector<ElasticConstants>& sublayers)
       : DataPostprocessorTensor("stress_Pa",
                                 dealii::update_gradients | dealii::update_quadrature_points),
         divergence_(divergence),
-        shear_Pa_(youngs_modulus_Pa / 2 / (1 + poisson_ratio)),
-        lame_Pa_(youngs_modulus_Pa * poisson_ratio /
-                 ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))) {}
+        youngs_modulus_Pa_(youngs_modulus_Pa),
+        sublayers_(sublayers) {}
 
   void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
                              std::vector<dealii::Vector<double>>& stress) const override {
     const Cell cell = inputs.get_cell<dim>();
     const auto& coefficients = divergence_.coefficients[cell->active_cell_index()];
+    const ElasticConstants& constants = sublayers_[cell->material_id()];
+    const double nu = constants.poisson_ratio;
+    const double shear_Pa = constants.youngs_ratio * youngs_modulus_Pa_ / 2 / (1 + nu);
+    const double lame_Pa = shear_Pa * 2 * nu / (1 - 2 * nu);
     for (unsigned int p = 0; p < stress.size(); ++p) {
       const double volumetric =
           coefficients.dot(divergence_.basis(inputs.evaluation_points[p], *cell));
       const auto& gradient = inputs.solution_gradients[p];
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          stress[p][i * dim + j] = shear_Pa_ * (gradient[i][j] + gradient[j][i]) +
-                                   (i == j ? lame_Pa_ * volumetric : 0.0);
+          stress[p][i * dim + j] =
+              shear_Pa * (gradient[i][j] + gradient[j][i]) + (i == j ? lame_Pa * volumetric : 0.0);
     }
   }
 
  private:
   const ProjectedDivergence& divergence_;
-  const double shear_Pa_, lame_Pa_;
+  const double youngs_modulus_Pa_;
+  const std::vector<ElasticConstants>& sublayers_;
 };
 
 class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
@@ -99,9 +104,9 @@ void write_solution(const std::string& path, const dealii::Mapping<dim>& mapping
                     const dealii::DoFHandler<dim>& dofs,
                     const dealii::Vector<double>& displacement_m,
                     const dealii::Vector<double>& contact_pressure_Pa, double youngs_modulus_Pa,
-                    double poisson_ratio) {
+                    const std::vector<ElasticConstants>& sublayers) {
   const ProjectedDivergence divergence(mapping, dofs, displacement_m);
-  const Stress stress(divergence, youngs_modulus_Pa, poisson_ratio);
+  const Stress stress(divergence, youngs_modulus_Pa, sublayers);
   const ContactPressure contact_pressure;
   dealii::DataOut<dim> output;
   const std::vector<dealii::DataComponentInterpretation::DataComponentInterpretation> vector(
@@ -110,6 +115,12 @@ void write_solution(const std::string& path, const dealii::Mapping<dim>& mapping
                          vector);
   output.add_data_vector(dofs, displacement_m, stress);
   output.add_data_vector(dofs, contact_pressure_Pa, contact_pressure);
+  dealii::Vector<float> sublayer(dofs.get_triangulation().n_active_cells());
+  for (const auto& cell : dofs.active_cell_iterators())
+    sublayer[cell->active_cell_index()] = static_cast<float>(cell->material_id());
+  output.attach_triangulation(dofs.get_triangulation());
+  if (sublayers.size() > 1)
+    output.add_data_vector(sublayer, "sublayer", dealii::DataOut<dim>::type_cell_data);
   output.build_patches(
       mapping, 2, dealii::DataOut<dim>::curved_inner_cells);  // the quadratic element's own nodes
 

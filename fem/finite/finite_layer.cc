@@ -49,9 +49,9 @@ struct FiniteLayer::State {
 struct FiniteLayer::Implementation : LayerSpace {
   using LayerSpace::LayerSpace;
 
-  std::shared_ptr<const Material> material;
-  std::vector<ElementGeometry> geometries;  ///< per cell
-  std::vector<unsigned int> place;          ///< of an element's unknown, ordered by component
+  std::vector<std::shared_ptr<const Material>> materials;  ///< of the sublayers
+  std::vector<ElementGeometry> geometries;                 ///< per cell
+  std::vector<unsigned int> place;  ///< of an element's unknown, ordered by component
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;
   Unknowns free;
@@ -139,10 +139,10 @@ double FiniteLayer::Implementation::smallest_volume_ratio() const {
 
 FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
                          std::shared_ptr<const LayerShape> shape, bool whole,
-                         std::shared_ptr<const Material> material)
+                         std::vector<std::shared_ptr<const Material>> materials)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
   auto& self = *implementation_;
-  self.material = std::move(material);
+  self.materials = std::move(materials);
   self.require_unconstrained_surface();
   self.set_geometries();
   dealii::DynamicSparsityPattern dynamic(self.dofs.n_dofs());
@@ -203,7 +203,8 @@ double FiniteLayer::strain_energy() const {
   for (const auto& cell : self.dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     const std::size_t i = cell->active_cell_index();
-    energy += finite::strain_energy(self.geometries[i], *self.material, self.state.elements[i],
+    energy += finite::strain_energy(self.geometries[i], *self.materials[cell->material_id()],
+                                    self.state.elements[i],
                                     self.displacement_of(indices, self.state.displacement));
   }
   return energy;
@@ -233,8 +234,8 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
     cell->get_dof_indices(indices);
     const std::size_t cell_index = cell->active_cell_index();
     ElementLinearisation linear =
-        finite::linearise(geometries[cell_index], *material, state.elements[cell_index],
-                          displacement_of(indices, state.displacement));
+        finite::linearise(geometries[cell_index], *materials[cell->material_id()],
+                          state.elements[cell_index], displacement_of(indices, state.displacement));
     bool touches = false;
     for (unsigned int i = 0; i < size; ++i) {
       residual_of_element[i] = linear.residual[place[i]];

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fem/finite/element.h"
@@ -27,8 +28,14 @@ class FiniteLayer {
  public:
   /// @param shape  null: flat
   /// @param whole  all of the layer instead of a quarter
+  /// @param materials  of the sublayers, from the surface inwards
   FiniteLayer(const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
-              bool whole, std::shared_ptr<const Material> material);
+              bool whole, std::vector<std::shared_ptr<const Material>> materials);
+  /// A homogeneous one.
+  FiniteLayer(const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+              bool whole, std::shared_ptr<const Material> material)
+      : FiniteLayer(discretisation, std::move(shape), whole,
+                    std::vector<std::shared_ptr<const Material>>{std::move(material)}) {}
   ~FiniteLayer();
   FiniteLayer(const FiniteLayer&) = delete;
   FiniteLayer& operator=(const FiniteLayer&) = delete;

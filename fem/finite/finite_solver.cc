@@ -44,6 +44,19 @@ void check_approach(const Problem& problem, const Pressing& pressing) {
                      "less than the layer's thickness, which would be pressed through");
 }
 
+/// Of the sublayers, in units of the layer's E.
+std::vector<std::shared_ptr<const Material>> materials_of(const Problem& problem,
+                                                          const Pressing& pressing) {
+  std::vector<std::shared_ptr<const Material>> result;
+  for (std::size_t i = 0; i < pressing.sublayers.size(); ++i) {
+    const auto& [youngs_ratio, poisson_ratio] = pressing.sublayers[i];
+    result.push_back(make_material(
+        problem.sublayers.empty() ? *problem.finite_strain : problem.sublayers[i].material,
+        youngs_ratio, poisson_ratio));
+  }
+  return result;
+}
+
 std::shared_ptr<const RigidObject> object_of(const Pressing& pressing) {
   if (pressing.fingertip) {
     // A thousandth of the thickness is far below any radius that a layer bears.
@@ -94,14 +107,14 @@ class Levels {
         pressing_(pressing),
         progress_(progress),
         stop_(stop),
-        material_(make_material(*problem.finite_strain, 1.0, pressing.poisson_ratio)),
+        materials_(materials_of(problem, pressing)),
         object_(object_of(pressing)) {}
 
   /// A mesh pressed by all of the load.
   FinitePressing pressed(const LayerDiscretisation& mesh) const {
     check_reach(mesh);
     FinitePressing result(
-        std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape, /*whole=*/false, material_),
+        std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape, /*whole=*/false, materials_),
         object_);
     try {
       result.press({pressing_.load, pressing_.approach});
@@ -283,7 +296,7 @@ class Levels {
   const Pressing& pressing_;
   const Progress& progress_;
   const StopRequested& stop_;
-  std::shared_ptr<const Material> material_;
+  std::vector<std::shared_ptr<const Material>> materials_;
   std::shared_ptr<const RigidObject> object_;
 };
 

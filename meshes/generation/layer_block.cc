@@ -3,6 +3,7 @@
 #include <gmsh.h>
 
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <unordered_map>
 
@@ -49,12 +50,25 @@ Division divide(double inner, double length, double cell, double growth) {
 }  // namespace
 
 HexahedralMesh mesh_layer_block(const LayerBlock& block) {
-  for (const double length : {block.inner_x, block.inner_y, block.length_x, block.length_y,
-                              block.thickness, block.cell_x, block.cell_y, block.growth - 1})
+  std::vector<double> lengths = {block.inner_x, block.inner_y, block.length_x,  block.length_y,
+                                 block.cell_x,  block.cell_y,  block.growth - 1};
+  for (const BlockSublayer& sublayer : block.sublayers) lengths.push_back(sublayer.thickness);
+  for (const double length : lengths)
     if (!(length > 0))
       throw InputError("layer block", "length", std::to_string(length), "> 0 (and growth > 1)");
   const Division x = divide(block.inner_x, block.length_x, block.cell_x, block.growth);
   const Division y = divide(block.inner_y, block.length_y, block.cell_y, block.growth);
+  // gmsh's extrusion goes up from the core.
+  double thickness = 0;
+  for (const BlockSublayer& sublayer : block.sublayers) thickness += sublayer.thickness;
+  std::vector<int> cells;
+  std::vector<double> up_to;  // share of the thickness
+  double below = 0;
+  for (auto sublayer = block.sublayers.rbegin(); sublayer != block.sublayers.rend(); ++sublayer) {
+    cells.push_back(sublayer->cells);
+    up_to.push_back((below += sublayer->thickness) / thickness);
+  }
+  up_to.back() = 1;
 
   const GmshSession session("layer");
   namespace geo = gmsh::model::geo;
@@ -62,7 +76,7 @@ HexahedralMesh mesh_layer_block(const LayerBlock& block) {
   const double xs[] = {0, x.inner, block.length_x}, ys[] = {0, y.inner, block.length_y};
   int point[3][3], along_x[3][2], along_y[2][3];
   for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) point[j][i] = geo::addPoint(xs[i], ys[j], -block.thickness);
+    for (int i = 0; i < 3; ++i) point[j][i] = geo::addPoint(xs[i], ys[j], -thickness);
   const auto line = [](int from, int to, const Division& division, bool graded) {
     const int tag = geo::addLine(from, to);
     mesh::setTransfiniteCurve(tag, (graded ? division.graded : division.uniform) + 1, "Progression",
@@ -81,8 +95,7 @@ HexahedralMesh mesh_layer_block(const LayerBlock& block) {
       mesh::setTransfiniteSurface(surface);
       mesh::setRecombine(2, surface);
       gmsh::vectorpair extruded;
-      geo::extrude({{2, surface}}, 0, 0, block.thickness, extruded, {block.cells_z}, {},
-                   /*recombine=*/true);
+      geo::extrude({{2, surface}}, 0, 0, thickness, extruded, cells, up_to, /*recombine=*/true);
     }
   geo::synchronize();
   gmsh::model::mesh::generate(3);
@@ -105,9 +118,19 @@ HexahedralMesh mesh_layer_block(const LayerBlock& block) {
   result.cells.resize(element_tags.size());
   for (std::size_t i = 0; i < element_nodes.size(); ++i)
     result.cells[i / 8][i % 8] = index.at(element_nodes[i]);
-  const std::size_t expected = static_cast<std::size_t>(x.uniform + x.graded) *
-                               static_cast<std::size_t>(y.uniform + y.graded) *
-                               static_cast<std::size_t>(block.cells_z);
+  for (const auto& cell : result.cells) {
+    double depth = 0;
+    for (const int vertex : cell)
+      depth -= result.vertices[static_cast<std::size_t>(vertex)].z() / 8;
+    int region = 0;
+    for (double bottom = block.sublayers[0].thickness; depth > bottom;)
+      bottom += block.sublayers[static_cast<std::size_t>(++region)].thickness;
+    result.region.push_back(region);
+  }
+  const std::size_t expected =
+      static_cast<std::size_t>(x.uniform + x.graded) *
+      static_cast<std::size_t>(y.uniform + y.graded) *
+      static_cast<std::size_t>(std::accumulate(cells.begin(), cells.end(), 0));
   if (result.cells.size() != expected)
     throw InputError("layer block", "hexahedra", std::to_string(result.cells.size()),
                      std::to_string(expected) + " (gmsh left other elements)");

@@ -11,17 +11,25 @@ namespace softfinger::meshes {
 struct HexahedralMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 8>> cells;
+  std::vector<int> region;  ///< of each cell: of which sublayer it is a part
 };
 
-/// A quarter of a layer, [0, length_x] x [0, length_y] x [-thickness, 0], in any unit of length:
-/// uniform cells over the inner rectangle, growing geometrically from there to the side walls.
+/// A sublayer of a block.
+struct BlockSublayer {
+  double thickness = 1;
+  int cells = 2;  ///< through the thickness
+};
+
+/// A quarter of a layer, [0, length_x] x [0, length_y] x [-its thickness, 0], in any unit of
+/// length: uniform cells over the inner rectangle, growing geometrically from there to the side
+/// walls.
 struct LayerBlock {
   double inner_x = 1, inner_y = 1;    ///< extent of the uniform part, up to one cell more is made
   double length_x = 6, length_y = 6;  ///< > inner
-  double thickness = 1;
   double cell_x = 0.5, cell_y = 0.5;  ///< cell size in the uniform part
-  int cells_z = 2;                    ///< through the thickness
   double growth = 1.4;                ///< ratio of neighbouring cells in the graded part, > 1
+  /// From the surface inwards. No cell reaches from one into the next.
+  std::vector<BlockSublayer> sublayers = {{}};
 };
 
 /// Meshes the block by gmsh's transfinite interpolation: all hexahedra.

@@ -27,7 +27,10 @@ std::string dimension_text(int dimension) { return dimension == 3 ? "volume" : "
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path) {}
+  Reader(const std::string& path, const std::vector<std::string>& regions) : path_(path) {
+    for (const std::string& region : regions) allowed_groups_ += "volume \"" + region + "\", ";
+    allowed_groups_ += "surfaces \"contact\" and \"core\"";
+  }
 
   /// @param type  the only one allowed
   Group group(int dimension, const std::string& name, int type, const char* allowed) const {
@@ -42,8 +45,7 @@ class Reader {
       there += (there.empty() ? "" : ", ") + dimension_text(found_dimension) + " \"" + found + "\"";
     }
     throw InputError(path_, "physical " + dimension_text(dimension), "\"" + name + "\" is missing",
-                     "volume \"layer\", surfaces \"contact\" and \"core\"; the file has " +
-                         (there.empty() ? "none" : there));
+                     allowed_groups_ + "; the file has " + (there.empty() ? "none" : there));
   }
 
  private:
@@ -76,7 +78,7 @@ class Reader {
     return group;
   }
 
-  std::string path_;
+  std::string path_, allowed_groups_;
 };
 
 /// Smallest Jacobian determinant at a corner: a trilinear cell that has none below zero there is
@@ -105,7 +107,8 @@ std::array<int, count> sorted(std::array<int, count> vertices) {
 
 }  // namespace
 
-LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit) {
+LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
+                          const std::vector<std::string>& regions) {
   if (!std::ifstream(path))
     throw InputError(path, "mesh of the layer", "", "a gmsh file (.msh) that can be read");
   const GmshSession session("layer mesh");
@@ -114,10 +117,12 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit) {
   } catch (...) {  // of whatever type this version of gmsh throws
     throw InputError(path, "mesh of the layer", "", "a gmsh file (.msh)");
   }
-  const Reader reader(path);
-  const Group layer =
-      reader.group(3, "layer", hexahedron, "8-node hexahedra only (gmsh: recombined, first order)");
-  const char* const quadrilaterals = "4-node quadrilaterals only, faces of \"layer\"";
+  const Reader reader(path, regions);
+  std::vector<Group> volumes;
+  for (const std::string& region : regions)
+    volumes.push_back(reader.group(3, region, hexahedron,
+                                   "8-node hexahedra only (gmsh: recombined, first order)"));
+  const char* const quadrilaterals = "4-node quadrilaterals only, faces of the layer";
   const Group surfaces[] = {reader.group(2, "contact", quadrilateral, quadrilaterals),
                             reader.group(2, "core", quadrilateral, quadrilaterals)};
 
@@ -129,31 +134,35 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit) {
   LayerMesh result;
   HexahedralMesh& mesh = result.hexahedra;
   std::unordered_map<std::size_t, int> vertex;  // those of the layer only
-  for (std::size_t i = 0; i < layer.elements.size(); ++i) {
-    std::array<int, 8> cell{};
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      const std::size_t tag = layer.nodes[8 * i + corner];
-      const auto [entry, is_new] = vertex.emplace(tag, static_cast<int>(mesh.vertices.size()));
-      if (is_new) {
-        const double* at = &coordinates[3 * place.at(tag)];
-        mesh.vertices.push_back(metres_per_unit * Eigen::Vector3d(at[0], at[1], at[2]));
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    for (std::size_t i = 0; i < volumes[r].elements.size(); ++i) {
+      const Group& layer = volumes[r];
+      std::array<int, 8> cell{};
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        const std::size_t tag = layer.nodes[8 * i + corner];
+        const auto [entry, is_new] = vertex.emplace(tag, static_cast<int>(mesh.vertices.size()));
+        if (is_new) {
+          const double* at = &coordinates[3 * place.at(tag)];
+          mesh.vertices.push_back(metres_per_unit * Eigen::Vector3d(at[0], at[1], at[2]));
+        }
+        cell[corner] = entry->second;
       }
-      cell[corner] = entry->second;
+      const double corner = smallest_corner(mesh, cell);
+      if (!(corner > 0)) {
+        Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+        for (const int v : cell) centre += mesh.vertices[static_cast<std::size_t>(v)] / 8;
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "determinant %.3g mm³ at a corner, near (%.4g, %.4g, %.4g) mm", 1e9 * corner,
+                      1e3 * centre.x(), 1e3 * centre.y(), 1e3 * centre.z());
+        throw InputError(path,
+                         "element " + std::to_string(layer.elements[i]) + " of \"" + regions[r] +
+                             "\" is inverted",
+                         text, "> 0 at every corner");
+      }
+      mesh.cells.push_back(cell);
+      mesh.region.push_back(static_cast<int>(r));
     }
-    const double corner = smallest_corner(mesh, cell);
-    if (!(corner > 0)) {
-      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-      for (const int v : cell) centre += mesh.vertices[static_cast<std::size_t>(v)] / 8;
-      char text[160];
-      std::snprintf(text, sizeof text,
-                    "determinant %.3g mm³ at a corner, near (%.4g, %.4g, %.4g) mm", 1e9 * corner,
-                    1e3 * centre.x(), 1e3 * centre.y(), 1e3 * centre.z());
-      throw InputError(path,
-                       "element " + std::to_string(layer.elements[i]) + " of \"layer\" is inverted",
-                       text, "> 0 at every corner");
-    }
-    mesh.cells.push_back(cell);
-  }
 
   std::map<std::array<int, 4>, int> cells_at;  // a face of one cell is an outer one
   constexpr int faces[6][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4},
@@ -180,7 +189,7 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit) {
         throw InputError(path,
                          "element " + std::to_string(group.elements[i]) + " of \"" +
                              (surface == 0 ? "contact" : "core") + "\"",
-                         "", "an outer face of a hexahedron of \"layer\"");
+                         "", "an outer face of a hexahedron of the layer");
       chosen.push_back(face);
     }
   }

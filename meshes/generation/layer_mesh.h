@@ -18,9 +18,11 @@ struct LayerMesh {
 
 /// Reads a gmsh file with the physical groups "layer" (a volume), "contact" and "core" (surfaces).
 /// @param metres_per_unit  of the file's coordinates
+/// @param regions          volumes in place of "layer": a cell's region is its volume's place here
 /// @throws InputError for a file that cannot be read, a group that is missing or empty, elements of
-/// "layer" that are not 8-node hexahedra or are inverted, surface elements that are no outer faces
+/// a volume that are not 8-node hexahedra or are inverted, surface elements that are no outer faces
 /// of them.
-LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit);
+LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
+                          const std::vector<std::string>& regions = {"layer"});
 
 }  // namespace softfinger::meshes

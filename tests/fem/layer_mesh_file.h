@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iomanip>
 #include <string>
+#include <vector>
 
 #include "meshes/generation/layer_block.h"
 
@@ -12,8 +13,9 @@ namespace softfinger::tests {
 /// Writes a flat block as a user's mesher would, in mm and gmsh's format 2.2, with one thing or
 /// another wrong on demand.
 struct LayerMeshFile {
-  meshes::LayerBlock block;  ///< a quarter, in mm
-  std::string layer = "layer", contact = "contact", core = "core";
+  meshes::LayerBlock block;                     ///< a quarter, in mm
+  std::vector<std::string> layers = {"layer"};  ///< volumes of the block's sublayers
+  std::string contact = "contact", core = "core";
   double contact_reach_mm = INFINITY;  ///< of the surface "contact" along x and y
   int inverted = -1;                   ///< a cell whose top and bottom are exchanged
   int split = -1;                      ///< a cell with a tetrahedron in its place
@@ -21,10 +23,11 @@ struct LayerMeshFile {
   void write(const std::string& path) const {
     const meshes::HexahedralMesh quarter = meshes::mesh_layer_block(block);
     std::ofstream file(path);
-    file << std::setprecision(17)
-         << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n3 1 \"" << layer
-         << "\"\n2 2 \"" << contact << "\"\n2 3 \"" << core << "\"\n$EndPhysicalNames\n$Nodes\n"
-         << 4 * quarter.vertices.size() << '\n';
+    file << std::setprecision(17) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n"
+         << 2 + layers.size() << "\n2 1 \"" << contact << "\"\n2 2 \"" << core << "\"\n";
+    for (std::size_t i = 0; i < layers.size(); ++i)
+      file << "3 " << 3 + i << " \"" << layers[i] << "\"\n";
+    file << "$EndPhysicalNames\n$Nodes\n" << 4 * quarter.vertices.size() << '\n';
     // Vertices on the planes between the quarters have to be shared.
     const auto vertices = static_cast<int>(quarter.vertices.size());
     const double signs[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
@@ -42,6 +45,8 @@ struct LayerMeshFile {
              << signs[image][1] * at.y() << ' ' << at.z() << '\n';
       }
     file << "$EndNodes\n$Elements\n";
+    double thickness = 0;
+    for (const auto& sublayer : block.sublayers) thickness += sublayer.thickness;
     std::string elements;
     int count = 0;
     const auto add = [&](int type, int group, const std::vector<int>& nodes) {
@@ -53,6 +58,7 @@ struct LayerMeshFile {
     for (int image = 0; image < 4; ++image)
       for (std::size_t c = 0; c < quarter.cells.size(); ++c) {
         const auto& cell = quarter.cells[c];
+        const int volume = 3 + quarter.region[c];
         std::vector<int> bottom, top;
         double z_top = -1e9, z_bottom = 1e9, reach = 0;
         for (std::size_t i = 0; i < 4; ++i) {
@@ -68,14 +74,14 @@ struct LayerMeshFile {
         }
         if (image == 0 && static_cast<int>(c) == inverted) std::swap(bottom, top);
         if (image == 0 && static_cast<int>(c) == split) {
-          add(4, 1, {bottom[0], bottom[1], bottom[2], top[0]});
+          add(4, volume, {bottom[0], bottom[1], bottom[2], top[0]});
         } else {
           std::vector<int> all = bottom;
           all.insert(all.end(), top.begin(), top.end());
-          add(5, 1, all);
+          add(5, volume, all);
         }
-        if (std::abs(z_top) < 1e-9 && reach <= contact_reach_mm) add(3, 2, top);
-        if (std::abs(z_bottom + block.thickness) < 1e-9) add(3, 3, bottom);
+        if (std::abs(z_top) < 1e-9 && reach <= contact_reach_mm) add(3, 1, top);
+        if (std::abs(z_bottom + thickness) < 1e-9) add(3, 2, bottom);
       }
     file << count << '\n' << elements << "$EndElements\n";
   }

@@ -26,8 +26,7 @@ class UserMesh : public testing::Test {
     block.inner_x = block.inner_y = 2.5;
     block.cell_x = block.cell_y = 1.25;
     block.length_x = block.length_y = 15;
-    block.thickness = 2;
-    block.cells_z = 2;
+    block.sublayers = {{2, 2}};
     block.growth = 1.5;
   }
   ~UserMesh() override { std::filesystem::remove(path); }
@@ -97,7 +96,7 @@ TEST_F(UserMesh, WithoutAGroupIsRefused) {
   file.contact = "top";
   expect_refusal("surface \"top\"");
   file.contact = "contact";
-  file.layer = "rubber";
+  file.layers = {"rubber"};
   expect_refusal("\"layer\" is missing");
 }
 

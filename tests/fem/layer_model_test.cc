@@ -72,7 +72,7 @@ TEST(LayerModel, RefusesAFolderThatCannotBeWritten) {
 
 TEST(LayerBlock, IsFilledByHexahedraOfPositiveVolume) {
   meshes::LayerBlock block;
-  block.cells_z = 3;
+  block.sublayers = {{1, 3}};
   const auto mesh = meshes::mesh_layer_block(block);
   double volume = 0;
   for (const auto& cell : mesh.cells) {
@@ -85,7 +85,8 @@ TEST(LayerBlock, IsFilledByHexahedraOfPositiveVolume) {
     EXPECT_GT(box, 0);
     volume += box;
   }
-  EXPECT_NEAR(volume, block.length_x * block.length_y * block.thickness, 1e-9 * volume);
+  EXPECT_NEAR(volume, block.length_x * block.length_y * block.sublayers[0].thickness,
+              1e-9 * volume);
 }
 
 TEST(LayerBlock, GrowsNoFasterThanAsked) {
