@@ -148,15 +148,55 @@ void read_winkler_modulus(const TomlReader& reader, const toml::table& table, Ca
             : WinklerModulus::oedometric;
 }
 
+std::vector<std::string> with_material_keys(std::vector<std::string> keys) {
+  keys.insert(keys.end(), {"material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"});
+  return keys;
+}
+
+/// The tables of [[layer]], or none where there is only one layer.
+std::vector<const toml::table*> sublayer_tables(const toml::table& root) {
+  std::vector<const toml::table*> tables;
+  const toml::array* list = root["layer"].as_array();
+  if (!list || !list->is_array_of_tables()) return {};
+  for (const toml::node& entry : *list) tables.push_back(entry.as_table());
+  return tables;
+}
+
+/// [[layer]], from the surface inwards.
+void read_sublayers(const TomlReader& reader, const std::vector<const toml::table*>& tables,
+                    Case& result) {
+  double compliance = 0, poisson = 0;
+  for (const toml::table* table : tables) {
+    reader.check_keys(
+        *table, "[[layer]]",
+        with_material_keys({"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"}));
+    Sublayer sublayer;
+    if (const toml::node* name = table->get("name")) {
+      sublayer.name = reader.text(*name, "name");
+      for (const Sublayer& other : result.sublayers)
+        if (other.name == sublayer.name) reader.refuse(*name, "name", "each name once");
+    }
+    sublayer.layer = reader.elastic_layer(*table, "[[layer]]");
+    result.layer.thickness_m += sublayer.layer.thickness_m;
+    compliance += sublayer.layer.thickness_m / sublayer.layer.youngs_modulus_Pa;
+    poisson += sublayer.layer.thickness_m * sublayer.layer.poisson_ratio;
+    result.sublayers.push_back(sublayer);
+  }
+  result.layer.youngs_modulus_Pa = result.layer.thickness_m / compliance;
+  result.layer.poisson_ratio = poisson / result.layer.thickness_m;
+}
+
 /// [layer] on the finger, [object_layer] on the object; at least one of them.
 void read_layers(const TomlReader& reader, const toml::table& root, Case& result) {
   const toml::node* on_object = root.get("object_layer");
   result.layer_on_object = on_object && !root.contains("layer");
-  if (!result.layer_on_object) {
+  if (const auto tables = sublayer_tables(root); !tables.empty()) {
+    read_sublayers(reader, tables, result);
+  } else if (!result.layer_on_object) {
     const toml::table& table = reader.required_table(root, "layer");
     reader.check_keys(table, "[layer]",
-                      {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio", "winkler_modulus",
-                       "material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"});
+                      with_material_keys({"thickness_mm", "youngs_modulus_kPa", "poisson_ratio",
+                                          "winkler_modulus"}));
     result.layer = reader.elastic_layer(table, "[layer]");
     read_winkler_modulus(reader, table, result);
   }
@@ -272,18 +312,17 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
     }
 }
 
-/// What only finite strain has in [layer].
-void read_material(const TomlReader& reader, const toml::table& root, Case& result) {
-  const toml::node* layer = root.get("layer");
-  if (!layer) return;
-  const toml::table& table = *layer->as_table();
-  if (!result.fem_finite) {
+/// What only finite strain has in the table of a layer.
+/// @param name  of the table, as typed
+FiniteStrain read_material(const TomlReader& reader, const toml::table& table, const char* name,
+                           bool finite) {
+  FiniteStrain material;
+  if (!finite) {
     for (const char* key : {"material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"})
       if (const toml::node* node = table.get(key))
         reader.refuse(*node, key, "nothing here: it needs [fem] kinematics = \"finite\"");
-    return;
+    return material;
   }
-  FiniteStrain& material = *result.fem_finite;
   if (const toml::node* node = table.get("material"))
     material.material = reader.choice(*node, "material", {"neo_hookean", "mooney_rivlin", "yeoh"});
   if (const toml::node* node = table.get("volumetric"))
@@ -292,7 +331,7 @@ void read_material(const TomlReader& reader, const toml::table& root, Case& resu
     const toml::node* node = table.get(key);
     if (node && material.material != of)
       reader.refuse(*node, key, std::string("nothing here: it needs material = \"") + of + "\"");
-    return material.material == of ? &reader.required(table, "[layer]", key) : nullptr;
+    return material.material == of ? &reader.required(table, name, key) : nullptr;
   };
   if (const toml::node* node = require("mooney_rivlin_share", "mooney_rivlin"))
     material.mooney_rivlin_share =
@@ -300,6 +339,25 @@ void read_material(const TomlReader& reader, const toml::table& root, Case& resu
   if (const toml::node* node = require("yeoh_ratios", "yeoh"))
     material.yeoh_ratios =
         reader.numbers(*node, "yeoh_ratios", 2, "two numbers, c20/c10 and c30/c10");
+  return material;
+}
+
+void read_materials(const TomlReader& reader, const toml::table& root, Case& result) {
+  const auto tables = sublayer_tables(root);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    result.sublayers[i].material =
+        read_material(reader, *tables[i], "[[layer]]", result.fem_finite.has_value());
+    if (!result.fem_mesh.empty() && result.sublayers[i].name.empty())
+      reader.say(*tables[i], "[[layer]] needs a name: that of its volume in the mesh of the layer");
+  }
+  if (result.sublayers.size() == 1 && result.fem_mesh.empty()) {
+    if (result.fem_finite) result.fem_finite = result.sublayers[0].material;
+    result.sublayers.clear();  // a homogeneous layer after all
+  }
+  if (!tables.empty() || !root.contains("layer")) return;
+  const FiniteStrain material =
+      read_material(reader, *root["layer"].as_table(), "[layer]", result.fem_finite.has_value());
+  if (result.fem_finite) result.fem_finite = material;
 }
 
 /// At finite strain the layer is wrapped around a finger of which more than the curvature counts:
@@ -334,7 +392,7 @@ Case parse_case(const std::string& text, const fs::path& file) {
   read_contact(reader, reader.required_table(root, "contact"), result);
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
-  read_material(reader, root, result);
+  read_materials(reader, root, result);
   settle_finger_shape(geometry, result);
   return result;
 }

@@ -55,6 +55,13 @@ struct FiniteStrain {
   std::vector<double> yeoh_ratios;  ///< two, or none
 };
 
+/// One of several bonded layers.
+struct Sublayer {
+  std::string name;  ///< may be empty, but with a mesh, whose volume it names
+  ElasticLayer layer;
+  FiniteStrain material;  ///< at finite strain
+};
+
 /// A case with every value checked, in SI units.
 struct Case {
   std::string id;
@@ -64,7 +71,11 @@ struct Case {
   std::variant<RelativeRadii, BodyPair> geometry;
   std::string geometry_where;  ///< "file:line" of [geometry], for messages
   ElasticLayer layer;          ///< the finger's, or the only one
-  ElasticLayer object_layer;   ///< thickness 0: one of the bodies is rigid
+  /// From the surface inwards where [[layer]] repeats; empty: `layer` is homogeneous. `layer` then
+  /// is what stands for them in the models: as thick, 1/E and nu averaged over the thickness, which
+  /// is exact for columns that stretch freely.
+  std::vector<Sublayer> sublayers;
+  ElasticLayer object_layer;  ///< thickness 0: one of the bodies is rigid
   /// The file has an [object_layer] and no [layer]: a rigid finger. For a quadric gap it does not
   /// matter which of the two carries the layer; `layer` then is the object's.
   bool layer_on_object = false;

@@ -254,7 +254,7 @@ json load_json(const LoadRun& run, const fs::path& output, LoadErrors& errors) {
   for (const PressureModel* model : all_pressure_models()) {
     if (model->card().finite_strain && !contact_case.fem_finite) continue;
     const ModelAnswer answer =
-        ask_model(*model, contact_case.problem(run.geometry.radii, run.load_N), kCostBudget_ns);
+        ask_model(*model, contact_case, run.geometry.radii, run.load_N, kCostBudget_ns);
     models.push_back(model_json(answer, run.fem));
     ModelError error;
     error.model = model->card().name;
@@ -463,16 +463,19 @@ int compare(const CompareOptions& options) {
       all_trusted = all_trusted && errors.back().fem_trusted;
     }
     const Verdict verdict = compose_verdict(errors, kTolerance);
+    json sublayers = json::array();
+    for (const Sublayer& sublayer : contact_case.sublayers) {
+      sublayers.push_back(layer_json(sublayer.layer));
+      sublayers.back()["name"] = sublayer.name;
+    }
     report["cases"].push_back({{"id", contact_case.id},
                                {"question", contact_case.question},
                                {"verdict", verdict.sentence},
                                {"verdict_class", verdict.verdict_class},
                                {"file", contact_case.file.filename().string()},
                                {"case_toml", contact_case.text},
-                               {"layer",
-                                {{"thickness_m", contact_case.layer.thickness_m},
-                                 {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
-                                 {"poisson_ratio", contact_case.layer.poisson_ratio}}},
+                               {"layer", layer_json(contact_case.layer)},
+                               {"sublayers", sublayers},
                                {"friction_coefficient", contact_case.friction_coefficient},
                                {"loads", loads}});
     answer += fmt::format("{}: {}\n", contact_case.id, verdict.sentence);

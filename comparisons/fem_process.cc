@@ -64,6 +64,13 @@ nlohmann::json fingertip(const Case& contact_case, const LocalGeometry& geometry
            placed_body(pair.object, patch ? patch->object_fit : none, pair.angle_rad - axis_rad)}};
 }
 
+void add_material(const FiniteStrain& material, nlohmann::json& layer) {
+  layer["material"] = material.material;
+  layer["volumetric"] = material.volumetric;
+  layer["mooney_rivlin_share"] = material.mooney_rivlin_share;
+  if (!material.yeoh_ratios.empty()) layer["yeoh_ratios"] = material.yeoh_ratios;
+}
+
 }  // namespace
 
 nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geometry, double load_N,
@@ -76,20 +83,19 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
                             {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                             {"axis_rad", geometry.radii.axis_rad},
                             {"sphere_radius_m", finite_or_null(geometry.sphere_radius_m)},
-                            {"layer",
-                             {{"thickness_m", contact_case.layer.thickness_m},
-                              {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
-                              {"poisson_ratio", contact_case.layer.poisson_ratio}}},
+                            {"layer", layer_json(contact_case.layer)},
                             {"load_N", load_N},
                             {"friction_coefficient", contact_case.friction_coefficient},
                             {"level", level}};
   if (const auto& finite = contact_case.fem_finite) {
     problem["kinematics"] = "finite";
-    nlohmann::json& layer = problem["layer"];
-    layer["material"] = finite->material;
-    layer["volumetric"] = finite->volumetric;
-    layer["mooney_rivlin_share"] = finite->mooney_rivlin_share;
-    if (!finite->yeoh_ratios.empty()) layer["yeoh_ratios"] = finite->yeoh_ratios;
+    add_material(*finite, problem["layer"]);
+  }
+  for (const Sublayer& sublayer : contact_case.sublayers) {
+    nlohmann::json entry = layer_json(sublayer.layer);
+    entry["name"] = sublayer.name;
+    if (contact_case.fem_finite) add_material(sublayer.material, entry);
+    problem["layer"]["sublayers"].push_back(entry);
   }
   if (!contact_case.fem_mesh.empty()) {
     // A mesh that was written anew is another problem.

@@ -142,6 +142,31 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
   return answer;
 }
 
+ModelAnswer ask_model(const PressureModel& model, const Case& contact_case,
+                      const RelativeRadii& radii, double load_N, double time_budget_ns) {
+  ModelAnswer answer = ask_model(model, contact_case.problem(radii, load_N), time_budget_ns);
+  check_homogeneity(contact_case, answer.prediction.validity);
+  return answer;
+}
+
+void check_homogeneity(const Case& contact_case, Validity& validity) {
+  if (contact_case.sublayers.empty()) return;
+  double contrast = 1;
+  for (const Sublayer& one : contact_case.sublayers)
+    for (const Sublayer& other : contact_case.sublayers) {
+      const auto bulk_modulus_Pa = [](const ElasticLayer& layer) {
+        return layer.youngs_modulus_Pa / (3 * (1 - 2 * std::min(layer.poisson_ratio, 0.4999)));
+      };
+      contrast = std::max({contrast, one.layer.youngs_modulus_Pa / other.layer.youngs_modulus_Pa,
+                           bulk_modulus_Pa(one.layer) / bulk_modulus_Pa(other.layer)});
+    }
+  // Small contacts feel the outermost sublayer alone, large ones all of them in series: nowhere is
+  // the mean of two that differ by more than a tenth good to a tenth.
+  validity.add({"homogeneous", contrast, 1.1, true,
+                "the models know one homogeneous layer, here one with 1/E and nu averaged over the "
+                "sublayers' thickness: ask finite elements"});
+}
+
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
   const auto deviation = [&](double Prediction::*quantity) {
@@ -302,6 +327,12 @@ nlohmann::json patch_to_json(const LocalGeometry& geometry) {
           {"object", fit(patch.object_fit)}};
 }
 
+nlohmann::json layer_json(const ElasticLayer& layer) {
+  return {{"thickness_m", layer.thickness_m},
+          {"youngs_modulus_Pa", layer.youngs_modulus_Pa},
+          {"poisson_ratio", layer.poisson_ratio}};
+}
+
 std::string millimetres(double length_m) {
   return std::isfinite(length_m) ? fmt::format("{:.5g} mm", length_m * 1e3) : "flat";
 }
@@ -315,6 +346,11 @@ std::string describe(const Case& contact_case) {
       fmt::format("{}: {} {}", contact_case.id,
                   contact_case.layer_on_object ? "rigid finger, object's layer" : "layer",
                   layer_text(contact_case.layer));
+  for (std::size_t i = 0; i < contact_case.sublayers.size(); ++i) {
+    const Sublayer& sublayer = contact_case.sublayers[i];
+    text += (i == 0 ? " on average of " : " over ") +
+            (sublayer.name.empty() ? "" : sublayer.name + " ") + layer_text(sublayer.layer);
+  }
   if (contact_case.object_layer.thickness_m > 0)
     text += "; object's layer " + layer_text(contact_case.object_layer) + "; ";
   else

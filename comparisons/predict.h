@@ -69,6 +69,13 @@ std::vector<std::string> slow_models();
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns);
 
+/// The same of a case, with a check of what no model knows: whether its layer is homogeneous.
+ModelAnswer ask_model(const PressureModel& model, const Case& contact_case,
+                      const RelativeRadii& radii, double load_N, double time_budget_ns);
+
+/// Fails where a case has several sublayers.
+void check_homogeneity(const Case& contact_case, Validity& validity);
+
 /// Fills `deviations` of a model of the hot path that has an answer: first order, with the
 /// covariance of the fitted R' and R'' (propagated_std). NaN where a neighbouring problem has no
 /// answer. Twenty more predictions.
@@ -100,6 +107,9 @@ nlohmann::json to_json(const std::optional<PowerLawFit>& fit);
 
 /// What to tell about that fit: its parameters and scatter, and loads outside the data's range.
 std::vector<std::string> power_law_remarks(const Case& contact_case);
+
+/// thickness_m, youngs_modulus_Pa, poisson_ratio.
+nlohmann::json layer_json(const ElasticLayer& layer);
 
 /// null for NaN and infinity.
 nlohmann::json finite_or_null(double value);

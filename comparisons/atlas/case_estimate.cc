@@ -60,6 +60,8 @@ ErrorAtlas::Estimate estimate_at_finite_strain(const std::string& model, const C
 
 ErrorAtlas::Estimate estimate_error(const std::string& model, const Case& contact_case,
                                     const ContactProblem& problem) {
+  if (!contact_case.sublayers.empty())
+    return outside("the error atlas knows homogeneous layers only");
   if (contact_case.fem_finite) return estimate_at_finite_strain(model, contact_case, problem);
   if (!contact_case.fem_mesh.empty())
     return outside("the error atlas knows no layers of a user's own mesh");

@@ -69,8 +69,7 @@ int run(const Options& options) {
       if (options.gap == "sampled" && model->card().name == "layer_fft")
         answers.push_back(ask_sampled_gap(resolver, geometry, contact_case, load_N));
       else
-        answers.push_back(
-            ask_model(*model, contact_case.problem(geometry.radii, load_N), budget_ns));
+        answers.push_back(ask_model(*model, contact_case, geometry.radii, load_N, budget_ns));
       estimate(contact_case, rule, answers.back());
       if (geometry.patch) propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
@@ -87,11 +86,6 @@ int run(const Options& options) {
     remark("left out, slower than the others: " + joined(slow_models()) +
            "; ask with --model NAME or --model everything");
   if (options.json) {
-    const auto layer_json = [](const ElasticLayer& layer) {
-      return nlohmann::json({{"thickness_m", layer.thickness_m},
-                             {"youngs_modulus_Pa", layer.youngs_modulus_Pa},
-                             {"poisson_ratio", layer.poisson_ratio}});
-    };
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
         {"case", contact_case.id},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/predict.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::exporting {
@@ -21,7 +22,8 @@ bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 
 LoadPoint ask(const Case& contact_case, const RelativeRadii& radii, const PressureModel& model,
               double load_N) {
-  const Prediction prediction = model.predict(contact_case.problem(radii, load_N));
+  Prediction prediction = model.predict(contact_case.problem(radii, load_N));
+  check_homogeneity(contact_case, prediction.validity);
   std::string objections;
   for (const ValidityCheck& check : prediction.validity)
     if (!check.holds()) objections += (objections.empty() ? "" : "; ") + std::string(check.message);

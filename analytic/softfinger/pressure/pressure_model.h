@@ -49,7 +49,7 @@ class Validity {
   }
 
  private:
-  std::array<ValidityCheck, 6> checks_{};
+  std::array<ValidityCheck, 8> checks_{};
   std::size_t count_ = 0;
 };
 
