@@ -168,7 +168,7 @@ const Charts = (() => {
     const model = atlas.models.find((m) => m.model === element.dataset.model);
     const {poisson_ratio: ratios, s: sizes, radii_ratio: shapes} = atlas.grid;
     const shape = Math.min(settings.ratio, shapes.length - 1);
-    const nodes = (values) => ratios.map((_, i) => sizes.map((_, j) => values[(i * shapes.length + shape) * sizes.length + j]));
+    const nodes = (values) => ratios.map((_, i) => sizes.map((_, j) => values[(i * shapes.length + shape) * sizes.length + j] ?? NaN));
     const errors = nodes(model.grid[settings.quantity]);
     const margin = {left: 40, right: 8, top: 22, bottom: 34};
     const [inner, height] = [width - margin.left - margin.right, 170];
@@ -180,21 +180,14 @@ const Charts = (() => {
       return [upper - 1, Math.min(1, Math.max(0, (target - values[upper - 1]) / (values[upper] - values[upper - 1])))];
     };
     const [rows, columns] = [ratios.map(stiffening), sizes.map(Math.log)];
-    const value = (table, row, column) => {
-      const [i, u] = at(rows, row), [j, v] = at(columns, column);
-      let sum = 0;
-      for (const [di, wi] of [[0, 1 - u], [1, u]])
-        for (const [dj, wj] of [[0, 1 - v], [1, v]]) {
-          if (wi * wj === 0) continue;
-          if (!present(table[i + di][j + dj])) return NaN;
-          sum += wi * wj * table[i + di][j + dj];
-        }
-      return sum;
-    };
+    const between = (a, b, part) => (part === 0 ? a : part === 1 ? b : (1 - part) * a + part * b);
+    const value = (table, [i, u], [j, v]) => between(
+      between(table[i][j], table[i][j + 1], v), between(table[i + 1][j], table[i + 1][j + 1], v), u);
     // Finer than the grid of runs: straight lines between them, bent by no one.
     const [wide, high] = [72, 48];
-    const sampled = (table, change) => d3.range(high).flatMap((r) => d3.range(wide).map((c) => change(value(table,
-      rows[0] + (rows.at(-1) - rows[0]) * r / (high - 1), columns[0] + (columns.at(-1) - columns[0]) * c / (wide - 1)))));
+    const spread = (values, count) => d3.range(count).map((k) => at(values, values[0] + (values.at(-1) - values[0]) * k / (count - 1)));
+    const [fineRows, fineColumns] = [spread(rows, high), spread(columns, wide)];
+    const sampled = (table, change) => fineRows.flatMap((row) => fineColumns.map((column) => change(value(table, row, column))));
     const contours = d3.contours().size([wide, high]);
     const place = d3.geoTransform({
       point(px, py) { this.stream.point((px - 0.5) / (wide - 1) * inner, height - (py - 0.5) / (high - 1) * height); },
@@ -215,10 +208,11 @@ const Charts = (() => {
     if (model.holds)
       area.append("path").attr("d", path(contours.contour(sampled(nodes(model.holds), (v) => v), 0.5)))
         .attr("fill", "none").attr("stroke", "var(--ink)").attr("stroke-width", 1.8).attr("stroke-dasharray", "5 3");
+    // The cell of a value among the grid's and how far into it, for both directions.
     const title = frame.append("text").attr("y", -8).attr("fill", "currentColor").attr("font-weight", 600)
       .text(styleOf(model.model).label);
     frame.append("text").attr("x", -8).attr("y", -8).attr("text-anchor", "end").attr("fill", "currentColor").text("ν ↑");
-    if (errors.flat().filter(present).length < 2)
+    if (d3.count(errors.flat()) < 2)
       frame.append("text").attr("x", inner / 2).attr("y", 0.75 * height).attr("text-anchor", "middle").attr("fill", "var(--muted)").text("no answers at this R′/R″");
     frame.append("g").attr("transform", `translate(0,${height})`)
       .call(d3.axisBottom(x).tickValues([0.1, 0.3, 1, 3, 10].filter((v) => v >= sizes[0] && v <= sizes.at(-1))).tickFormat(d3.format("~g")).tickSizeOuter(0))
@@ -245,7 +239,7 @@ const Charts = (() => {
     svg.on("pointermove", (event) => {
       const [px, py] = d3.pointer(event, frame.node());
       if (px < 0 || py < 0 || px > inner || py > height) return title.text(styleOf(model.model).label);
-      const found = value(errors, y.invert(py), Math.log(x.invert(px)));
+      const found = value(errors, at(rows, y.invert(py)), at(columns, Math.log(x.invert(px))));
       title.text(`s ${number(Number(x.invert(px).toPrecision(2)))}, ν ${number(Number((0.501 - Math.exp(-y.invert(py))).toPrecision(3)))}: ` +
         (Number.isNaN(found) ? "no answer" : model.model.startsWith("fem") ? magnitude(Math.abs(found)) : percent(found)));
     }).on("pointerleave", () => title.text(styleOf(model.model).label));
