@@ -24,11 +24,56 @@ const Charts = (() => {
 
   const base = (width, height) => ({
     width, height, marginLeft: 46, marginRight: 12, marginTop: 22, marginBottom: 38,
-    grid: true,
     style: {fontSize: "12px", background: "transparent"},
   });
-  const tip = (points, options = {}) =>
-    Plot.tip(points, Plot.pointer({x: "x", y: "y", title: "title", fontSize: 12, lineHeight: 1.25, ...options}));
+  // Plot's own axes are eight marks to a picture and three elements to a tick, a third of the time of drawing
+  // it: these are two paths and the words.
+  function drawAxes(options, scales, {width, height, marginLeft, marginRight, marginTop, marginBottom}) {
+    const [right, bottom] = [width - marginRight, height - marginBottom];
+    // Half a pixel, like Plot's marks: lines are sharp where a pixel is a pixel.
+    const group = d3.create("svg:g").attr("transform", devicePixelRatio > 1 ? null : "translate(.5,.5)");
+    const path = (d, opacity) => group.append("path").attr("d", d.join("")).attr("stroke", "currentColor").attr("stroke-opacity", opacity);
+    const text = (words, x, y, anchor, shift) =>
+      group.append("text").attr("x", x).attr("y", y).attr("text-anchor", anchor).attr("dy", shift).text(words);
+    const places = {
+      x: {line: (at) => `M${at},${marginTop}V${bottom}`, mark: (at) => `M${at},${bottom}v6`,
+        label: (at, words) => text(words, at, bottom + 9, "middle", ".71em")},
+      y: {line: (at) => `M${marginLeft},${at}H${right}`, mark: (at) => `M${marginLeft},${at}h-6`,
+        label: (at, words) => text(words, marginLeft - 9, at, "end", ".32em")},
+    };
+    const lines = [], marks = [];
+    for (const [name, {line, mark, label}] of Object.entries(places)) {
+      const scale = scales[name];
+      const {ticks, tickFormat, tickSize, grid} = options[name];
+      const count = Array.isArray(ticks) ? undefined : ticks;
+      const values = Array.isArray(ticks) ? ticks : scale.ticks?.(count) ?? scale.domain();
+      const words = typeof tickFormat === "function" ? tickFormat : scale.tickFormat?.(count, tickFormat) ?? String;
+      for (const value of values) {
+        const at = scale(value) + (scale.bandwidth?.() ?? 0) / 2;
+        if (grid !== false) lines.push(line(at));
+        if (tickSize !== 0) marks.push(mark(at));
+        label(at, words(value));
+      }
+    }
+    path(lines, 0.1);
+    path(marks, 1);
+    if (options.x.label) text(options.x.label, width - 3, height - 3, "end");
+    if (options.y.label) text(options.y.label, 3, 3, "start", ".71em");
+    return group.node();
+  }
+  const plot = (options) => {
+    const svg = Plot.plot({
+      ...options, axis: null,
+      marks: [(_, scales, __, dimensions) => drawAxes(options, scales, dimensions), ...options.marks],
+    });
+    // The same in every picture, and each would make the browser match the whole page anew: report.css says it once.
+    svg.querySelector("style").remove();
+    return svg;
+  };
+  // A point's `title` is a function, asked when the point is touched: most of them never are.
+  const tip = (points, {pointer = Plot.pointer, ...options} = {}) => Plot.tip(points, pointer({
+    x: "x", y: "y", title: (p) => ({toString: p.title}), fontSize: 12, lineHeight: 1.25, ...options,
+  }));
 
   const legend = (entries) => {
     const list = document.createElement("ul");
@@ -55,7 +100,7 @@ const Charts = (() => {
 
   // Axes and marks that both charts of cost against error have.
   const costAxis = (width, domain) => ({
-    type: "log", domain, label: "time of one answer →", labelAnchor: "right", tickFormat: duration,
+    type: "log", domain, label: "time of one answer →", tickFormat: duration,
     ticks: decades(domain).filter((v) => width > 480 || Math.round(Math.log10(v)) % 3 === 0),
   });
   const errorAxis = (domain, label) => ({
@@ -76,7 +121,7 @@ const Charts = (() => {
       const style = styleOf(m.model);
       return {
         x: m.cost_ns, y: above(known.p95), median: above(known.median), worst: above(known.worst), style,
-        title: `${style.label}, ${duration(m.cost_ns)}\n${known.count} contacts\nmedian ${magnitude(known.median)}\n95 % of them within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
+        title: () => `${style.label}, ${duration(m.cost_ns)}\n${known.count} contacts\nmedian ${magnitude(known.median)}\n95 % of them within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
       };
     }).filter(present);
     if (quantity === "max_torque" && settings.within === "all") {
@@ -85,13 +130,13 @@ const Charts = (() => {
         const style = styleOf(m.model), known = m.paper_torque;
         spans.push({
           x: 1.22 * m.cost_ns, y: above(known.p95), median: above(known.median), worst: above(known.worst), style, paper: true,
-          title: `${style.label} with the paper’s √(ab) rule, ${duration(m.cost_ns)}\nmedian ${magnitude(known.median)}\n95 % within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
+          title: () => `${style.label} with the paper’s √(ab) rule, ${duration(m.cost_ns)}\nmedian ${magnitude(known.median)}\n95 % within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
         });
       }
     }
     const candidates = (load?.candidates ?? []).filter((c) => c.cost_us > 0 && present(c.bound?.[quantity])).map((c) => ({
       x: 1e3 * c.cost_us, y: above(c.bound[quantity]), style: styleOf(c.model), chosen: c.chosen,
-      title: `${styleOf(c.model).label} in this case, ${number(load.load_N)} N\n${duration(1e3 * c.cost_us)}\nstated error ${magnitude(c.bound[quantity])}${c.chosen ? "\nthe choice" : ""}`,
+      title: () => `${styleOf(c.model).label} in this case, ${number(load.load_N)} N\n${duration(1e3 * c.cost_us)}\nstated error ${magnitude(c.bound[quantity])}${c.chosen ? "\nthe choice" : ""}`,
     }));
     if (!spans.length && !candidates.length) return null;
     const everything = [...spans, ...candidates];
@@ -103,7 +148,7 @@ const Charts = (() => {
     const colour = (p) => p.style.colour;
     const exact = spans.filter((p) => !p.paper), paper = spans.filter((p) => p.paper);
     const tolerance = report.tolerance;
-    const plot = Plot.plot({
+    const picture = plot({
       ...base(width, 380),
       marginLeft: 60,
       x: costAxis(width, domain),
@@ -128,13 +173,13 @@ const Charts = (() => {
     });
     const shown = d3.groups(exact.concat(candidates), (p) => p.style.label)
       .map(([label, group]) => ({label, colour: group[0].style.colour}));
-    return stacked(plot, legend(shown));
+    return stacked(picture, legend(shown));
   }
 
   function drawFriction(width) {
     const points = atlas.friction_laws.filter((law) => law.cost_ns > 0 && law.error).map((law) => ({
       x: law.cost_ns, y: Math.max(1e-4, law.error.worst), median: Math.max(1e-4, law.error.median), name: law.name,
-      title: `${law.name}, ${duration(law.cost_ns)}\nmedian ${magnitude(law.error.median)}\nworst ${magnitude(law.error.worst)}`,
+      title: () => `${law.name}, ${duration(law.cost_ns)}\nmedian ${magnitude(law.error.median)}\nworst ${magnitude(law.error.worst)}`,
     }));
     if (!points.length) return null;
     const domain = [0.4 * d3.min(points, (p) => p.x), 40 * d3.max(points, (p) => p.x)];
@@ -145,7 +190,7 @@ const Charts = (() => {
     for (const point of d3.sort(points, (p) => pixel(p.y))) {
       point.label = pixel.invert(last = Math.max(pixel(point.y), last + 15));
     }
-    return Plot.plot({
+    return plot({
       ...base(width, 380),
       marginLeft: 60,
       x: costAxis(width, domain),
@@ -175,6 +220,7 @@ const Charts = (() => {
     if (inner < 40 || ratios.length < 2 || sizes.length < 2) return null;
     const x = d3.scaleLog().domain([sizes[0], sizes.at(-1)]).range([0, inner]);
     const y = d3.scaleLinear().domain([stiffening(ratios[0]), stiffening(ratios.at(-1))]).range([height, 0]);
+    // The cell of a value among the grid's and how far into it, for both directions.
     const at = (values, target) => {
       const upper = Math.min(values.length - 1, Math.max(1, d3.bisectRight(values, target)));
       return [upper - 1, Math.min(1, Math.max(0, (target - values[upper - 1]) / (values[upper] - values[upper - 1])))];
@@ -208,7 +254,6 @@ const Charts = (() => {
     if (model.holds)
       area.append("path").attr("d", path(contours.contour(sampled(nodes(model.holds), (v) => v), 0.5)))
         .attr("fill", "none").attr("stroke", "var(--ink)").attr("stroke-width", 1.8).attr("stroke-dasharray", "5 3");
-    // The cell of a value among the grid's and how far into it, for both directions.
     const title = frame.append("text").attr("y", -8).attr("fill", "currentColor").attr("font-weight", 600)
       .text(styleOf(model.model).label);
     frame.append("text").attr("x", -8).attr("y", -8).attr("text-anchor", "end").attr("fill", "currentColor").text("ν ↑");
@@ -359,5 +404,5 @@ const Charts = (() => {
     }).observe(document.body);
   }
 
-  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, tip, legend, stacked, start};
+  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, plot, tip, legend, stacked, start};
 })();
