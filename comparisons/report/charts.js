@@ -239,7 +239,8 @@ const Charts = (() => {
       point(px, py) { this.stream.point((px - 0.5) / (wide - 1) * inner, height - (py - 0.5) / (high - 1) * height); },
     });
     const path = d3.geoPath(place);
-    const svg = d3.create("svg").attr("width", width).attr("height", height + margin.top + margin.bottom)
+    const tall = height + margin.top + margin.bottom;
+    const svg = d3.create("svg").attr("width", width).attr("height", tall).attr("viewBox", `0 0 ${width} ${tall}`)
       .style("font-size", "11.5px");
     const clip = `clip-${element.dataset.model}`;
     svg.append("clipPath").attr("id", clip).append("rect").attr("width", inner).attr("height", height);
