@@ -24,11 +24,56 @@ const Charts = (() => {
 
   const base = (width, height) => ({
     width, height, marginLeft: 46, marginRight: 12, marginTop: 22, marginBottom: 38,
-    grid: true,
     style: {fontSize: "12px", background: "transparent"},
   });
-  const tip = (points, options = {}) =>
-    Plot.tip(points, Plot.pointer({x: "x", y: "y", title: "title", fontSize: 12, lineHeight: 1.25, ...options}));
+  // Plot's own axes are eight marks to a picture and three elements to a tick, a third of the time of drawing
+  // it: these are two paths and the words.
+  function drawAxes(options, scales, {width, height, marginLeft, marginRight, marginTop, marginBottom}) {
+    const [right, bottom] = [width - marginRight, height - marginBottom];
+    // Half a pixel, like Plot's marks: lines are sharp where a pixel is a pixel.
+    const group = d3.create("svg:g").attr("transform", devicePixelRatio > 1 ? null : "translate(.5,.5)");
+    const path = (d, opacity) => group.append("path").attr("d", d.join("")).attr("stroke", "currentColor").attr("stroke-opacity", opacity);
+    const text = (words, x, y, anchor, shift) =>
+      group.append("text").attr("x", x).attr("y", y).attr("text-anchor", anchor).attr("dy", shift).text(words);
+    const places = {
+      x: {line: (at) => `M${at},${marginTop}V${bottom}`, mark: (at) => `M${at},${bottom}v6`,
+        label: (at, words) => text(words, at, bottom + 9, "middle", ".71em")},
+      y: {line: (at) => `M${marginLeft},${at}H${right}`, mark: (at) => `M${marginLeft},${at}h-6`,
+        label: (at, words) => text(words, marginLeft - 9, at, "end", ".32em")},
+    };
+    const lines = [], marks = [];
+    for (const [name, {line, mark, label}] of Object.entries(places)) {
+      const scale = scales[name];
+      const {ticks, tickFormat, tickSize, grid} = options[name];
+      const count = Array.isArray(ticks) ? undefined : ticks;
+      const values = Array.isArray(ticks) ? ticks : scale.ticks?.(count) ?? scale.domain();
+      const words = typeof tickFormat === "function" ? tickFormat : scale.tickFormat?.(count, tickFormat) ?? String;
+      for (const value of values) {
+        const at = scale(value) + (scale.bandwidth?.() ?? 0) / 2;
+        if (grid !== false) lines.push(line(at));
+        if (tickSize !== 0) marks.push(mark(at));
+        label(at, words(value));
+      }
+    }
+    path(lines, 0.1);
+    path(marks, 1);
+    if (options.x.label) text(options.x.label, width - 3, height - 3, "end");
+    if (options.y.label) text(options.y.label, 3, 3, "start", ".71em");
+    return group.node();
+  }
+  const plot = (options) => {
+    const svg = Plot.plot({
+      ...options, axis: null,
+      marks: [(_, scales, __, dimensions) => drawAxes(options, scales, dimensions), ...options.marks],
+    });
+    // The same in every picture, and each would make the browser match the whole page anew: report.css says it once.
+    svg.querySelector("style").remove();
+    return svg;
+  };
+  // A point's `title` is a function, asked when the point is touched: most of them never are.
+  const tip = (points, {pointer = Plot.pointer, ...options} = {}) => Plot.tip(points, pointer({
+    x: "x", y: "y", title: (p) => ({toString: p.title}), fontSize: 12, lineHeight: 1.25, ...options,
+  }));
 
   const legend = (entries) => {
     const list = document.createElement("ul");
@@ -55,7 +100,7 @@ const Charts = (() => {
 
   // Axes and marks that both charts of cost against error have.
   const costAxis = (width, domain) => ({
-    type: "log", domain, label: "time of one answer →", labelAnchor: "right", tickFormat: duration,
+    type: "log", domain, label: "time of one answer →", tickFormat: duration,
     ticks: decades(domain).filter((v) => width > 480 || Math.round(Math.log10(v)) % 3 === 0),
   });
   const errorAxis = (domain, label) => ({
@@ -76,7 +121,7 @@ const Charts = (() => {
       const style = styleOf(m.model);
       return {
         x: m.cost_ns, y: above(known.p95), median: above(known.median), worst: above(known.worst), style,
-        title: `${style.label}, ${duration(m.cost_ns)}\n${known.count} contacts\nmedian ${magnitude(known.median)}\n95 % of them within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
+        title: () => `${style.label}, ${duration(m.cost_ns)}\n${known.count} contacts\nmedian ${magnitude(known.median)}\n95 % of them within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
       };
     }).filter(present);
     if (quantity === "max_torque" && settings.within === "all") {
@@ -85,13 +130,13 @@ const Charts = (() => {
         const style = styleOf(m.model), known = m.paper_torque;
         spans.push({
           x: 1.22 * m.cost_ns, y: above(known.p95), median: above(known.median), worst: above(known.worst), style, paper: true,
-          title: `${style.label} with the paper’s √(ab) rule, ${duration(m.cost_ns)}\nmedian ${magnitude(known.median)}\n95 % within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
+          title: () => `${style.label} with the paper’s √(ab) rule, ${duration(m.cost_ns)}\nmedian ${magnitude(known.median)}\n95 % within ${magnitude(known.p95)}\nworst ${magnitude(known.worst)}`,
         });
       }
     }
     const candidates = (load?.candidates ?? []).filter((c) => c.cost_us > 0 && present(c.bound?.[quantity])).map((c) => ({
       x: 1e3 * c.cost_us, y: above(c.bound[quantity]), style: styleOf(c.model), chosen: c.chosen,
-      title: `${styleOf(c.model).label} in this case, ${number(load.load_N)} N\n${duration(1e3 * c.cost_us)}\nstated error ${magnitude(c.bound[quantity])}${c.chosen ? "\nthe choice" : ""}`,
+      title: () => `${styleOf(c.model).label} in this case, ${number(load.load_N)} N\n${duration(1e3 * c.cost_us)}\nstated error ${magnitude(c.bound[quantity])}${c.chosen ? "\nthe choice" : ""}`,
     }));
     if (!spans.length && !candidates.length) return null;
     const everything = [...spans, ...candidates];
@@ -103,7 +148,7 @@ const Charts = (() => {
     const colour = (p) => p.style.colour;
     const exact = spans.filter((p) => !p.paper), paper = spans.filter((p) => p.paper);
     const tolerance = report.tolerance;
-    const plot = Plot.plot({
+    const picture = plot({
       ...base(width, 380),
       marginLeft: 60,
       x: costAxis(width, domain),
@@ -128,13 +173,13 @@ const Charts = (() => {
     });
     const shown = d3.groups(exact.concat(candidates), (p) => p.style.label)
       .map(([label, group]) => ({label, colour: group[0].style.colour}));
-    return stacked(plot, legend(shown));
+    return stacked(picture, legend(shown));
   }
 
   function drawFriction(width) {
     const points = atlas.friction_laws.filter((law) => law.cost_ns > 0 && law.error).map((law) => ({
       x: law.cost_ns, y: Math.max(1e-4, law.error.worst), median: Math.max(1e-4, law.error.median), name: law.name,
-      title: `${law.name}, ${duration(law.cost_ns)}\nmedian ${magnitude(law.error.median)}\nworst ${magnitude(law.error.worst)}`,
+      title: () => `${law.name}, ${duration(law.cost_ns)}\nmedian ${magnitude(law.error.median)}\nworst ${magnitude(law.error.worst)}`,
     }));
     if (!points.length) return null;
     const domain = [0.4 * d3.min(points, (p) => p.x), 40 * d3.max(points, (p) => p.x)];
@@ -145,7 +190,7 @@ const Charts = (() => {
     for (const point of d3.sort(points, (p) => pixel(p.y))) {
       point.label = pixel.invert(last = Math.max(pixel(point.y), last + 15));
     }
-    return Plot.plot({
+    return plot({
       ...base(width, 380),
       marginLeft: 60,
       x: costAxis(width, domain),
@@ -168,39 +213,34 @@ const Charts = (() => {
     const model = atlas.models.find((m) => m.model === element.dataset.model);
     const {poisson_ratio: ratios, s: sizes, radii_ratio: shapes} = atlas.grid;
     const shape = Math.min(settings.ratio, shapes.length - 1);
-    const nodes = (values) => ratios.map((_, i) => sizes.map((_, j) => values[(i * shapes.length + shape) * sizes.length + j]));
+    const nodes = (values) => ratios.map((_, i) => sizes.map((_, j) => values[(i * shapes.length + shape) * sizes.length + j] ?? NaN));
     const errors = nodes(model.grid[settings.quantity]);
     const margin = {left: 40, right: 8, top: 22, bottom: 34};
     const [inner, height] = [width - margin.left - margin.right, 170];
     if (inner < 40 || ratios.length < 2 || sizes.length < 2) return null;
     const x = d3.scaleLog().domain([sizes[0], sizes.at(-1)]).range([0, inner]);
     const y = d3.scaleLinear().domain([stiffening(ratios[0]), stiffening(ratios.at(-1))]).range([height, 0]);
+    // The cell of a value among the grid's and how far into it, for both directions.
     const at = (values, target) => {
       const upper = Math.min(values.length - 1, Math.max(1, d3.bisectRight(values, target)));
       return [upper - 1, Math.min(1, Math.max(0, (target - values[upper - 1]) / (values[upper] - values[upper - 1])))];
     };
     const [rows, columns] = [ratios.map(stiffening), sizes.map(Math.log)];
-    const value = (table, row, column) => {
-      const [i, u] = at(rows, row), [j, v] = at(columns, column);
-      let sum = 0;
-      for (const [di, wi] of [[0, 1 - u], [1, u]])
-        for (const [dj, wj] of [[0, 1 - v], [1, v]]) {
-          if (wi * wj === 0) continue;
-          if (!present(table[i + di][j + dj])) return NaN;
-          sum += wi * wj * table[i + di][j + dj];
-        }
-      return sum;
-    };
+    const between = (a, b, part) => (part === 0 ? a : part === 1 ? b : (1 - part) * a + part * b);
+    const value = (table, [i, u], [j, v]) => between(
+      between(table[i][j], table[i][j + 1], v), between(table[i + 1][j], table[i + 1][j + 1], v), u);
     // Finer than the grid of runs: straight lines between them, bent by no one.
     const [wide, high] = [72, 48];
-    const sampled = (table, change) => d3.range(high).flatMap((r) => d3.range(wide).map((c) => change(value(table,
-      rows[0] + (rows.at(-1) - rows[0]) * r / (high - 1), columns[0] + (columns.at(-1) - columns[0]) * c / (wide - 1)))));
+    const spread = (values, count) => d3.range(count).map((k) => at(values, values[0] + (values.at(-1) - values[0]) * k / (count - 1)));
+    const [fineRows, fineColumns] = [spread(rows, high), spread(columns, wide)];
+    const sampled = (table, change) => fineRows.flatMap((row) => fineColumns.map((column) => change(value(table, row, column))));
     const contours = d3.contours().size([wide, high]);
     const place = d3.geoTransform({
       point(px, py) { this.stream.point((px - 0.5) / (wide - 1) * inner, height - (py - 0.5) / (high - 1) * height); },
     });
     const path = d3.geoPath(place);
-    const svg = d3.create("svg").attr("width", width).attr("height", height + margin.top + margin.bottom)
+    const tall = height + margin.top + margin.bottom;
+    const svg = d3.create("svg").attr("width", width).attr("height", tall).attr("viewBox", `0 0 ${width} ${tall}`)
       .style("font-size", "11.5px");
     const clip = `clip-${element.dataset.model}`;
     svg.append("clipPath").attr("id", clip).append("rect").attr("width", inner).attr("height", height);
@@ -218,7 +258,7 @@ const Charts = (() => {
     const title = frame.append("text").attr("y", -8).attr("fill", "currentColor").attr("font-weight", 600)
       .text(styleOf(model.model).label);
     frame.append("text").attr("x", -8).attr("y", -8).attr("text-anchor", "end").attr("fill", "currentColor").text("ν ↑");
-    if (errors.flat().filter(present).length < 2)
+    if (d3.count(errors.flat()) < 2)
       frame.append("text").attr("x", inner / 2).attr("y", 0.75 * height).attr("text-anchor", "middle").attr("fill", "var(--muted)").text("no answers at this R′/R″");
     frame.append("g").attr("transform", `translate(0,${height})`)
       .call(d3.axisBottom(x).tickValues([0.1, 0.3, 1, 3, 10].filter((v) => v >= sizes[0] && v <= sizes.at(-1))).tickFormat(d3.format("~g")).tickSizeOuter(0))
@@ -245,7 +285,7 @@ const Charts = (() => {
     svg.on("pointermove", (event) => {
       const [px, py] = d3.pointer(event, frame.node());
       if (px < 0 || py < 0 || px > inner || py > height) return title.text(styleOf(model.model).label);
-      const found = value(errors, y.invert(py), Math.log(x.invert(px)));
+      const found = value(errors, at(rows, y.invert(py)), at(columns, Math.log(x.invert(px))));
       title.text(`s ${number(Number(x.invert(px).toPrecision(2)))}, ν ${number(Number((0.501 - Math.exp(-y.invert(py))).toPrecision(3)))}: ` +
         (Number.isNaN(found) ? "no answer" : model.model.startsWith("fem") ? magnitude(Math.abs(found)) : percent(found)));
     }).on("pointerleave", () => title.text(styleOf(model.model).label));
@@ -365,5 +405,5 @@ const Charts = (() => {
     }).observe(document.body);
   }
 
-  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, tip, legend, stacked, start};
+  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, plot, tip, legend, stacked, start};
 })();

@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, settings, base, number} = Charts;
+  const {report, settings, base, plot, number} = Charts;
   const KINDS = [["valid", "answered, valid", "var(--map-0)"], ["answered", "answered outside its validity", "var(--map-1)"],
     ["refused", "refused", "var(--model-8)"]];
 
@@ -27,9 +27,9 @@
         return bar;
       });
     }).filter((bar) => bar.y2 > bar.y1);
-    return Plot.plot({
+    return plot({
       ...base(width, 170),
-      x: {type: axis.logarithmic ? "log" : "linear", label: `${axis.name} →`, labelAnchor: "right", tickFormat: axis.logarithmic ? power : "~g", ticks: 4},
+      x: {type: axis.logarithmic ? "log" : "linear", label: `${axis.name} →`, tickFormat: axis.logarithmic ? power : "~g", ticks: 4},
       y: {domain: [0, 100], label: "↑ %", ticks: 4},
       marks: [
         Plot.rect(bars, {x1: "x1", x2: "x2", y1: (b) => b.y1, y2: (b) => b.y2, fill: (b) => b.colour, title: "title", insetLeft: 0.5, insetRight: 0.5}),

@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, styleOf, present, number, percent, duration, niceTop, base, tip, legend, stacked} = Charts;
+  const {report, styleOf, present, number, percent, duration, niceTop, base, plot, tip, legend, stacked} = Charts;
   const FEM = styleOf("fem");
 
   // The reference first and broad, models on top and thin: a model that agrees hides neither.
@@ -17,6 +17,15 @@
     x: "x", y: "y", curve: "linear",
   });
 
+  // All dots of a curve in one path, as strokes without length: an element for each is slow to lay out.
+  const DOTS = {
+    strokeLinecap: "round",
+    curve: (context) => ({
+      lineStart() {}, lineEnd() {},
+      point(x, y) { context.moveTo(x, y); context.lineTo(x, y); },
+    }),
+  };
+
   function drawEllipse(width, {load}) {
     const drawn = entries(load).filter((e) => e.a_m > 0 && e.b_m > 0);
     if (!drawn.length) return null;
@@ -30,7 +39,7 @@
         const [x, y] = [a * Math.cos(t), b * Math.sin(t)];
         return {
           x: x * Math.cos(turn) - y * Math.sin(turn), y: x * Math.sin(turn) + y * Math.cos(turn),
-          title: `${e.style.label}\na ${number(1e3 * e.a_m)} mm\nb ${number(1e3 * e.b_m)} mm`,
+          title: () => `${e.style.label}\na ${number(1e3 * e.a_m)} mm\nb ${number(1e3 * e.b_m)} mm`,
         };
       });
     };
@@ -45,9 +54,9 @@
     const pixelsPerMm = 0.93 * Math.min(inner[0] / (2 * reach[0]), inner[1] / (2 * reach[1]));
     const half = inner.map((pixels) => pixels / (2 * pixelsPerMm));
     const reference = drawn.find((e) => e.model === "fem");
-    return Plot.plot({
+    return plot({
       ...frameOptions,
-      x: {domain: [-half[0], half[0]], label: "x along the long axis, mm →", labelAnchor: "right", ticks: width < 480 ? 5 : 7},
+      x: {domain: [-half[0], half[0]], label: "x along the long axis, mm →", ticks: width < 480 ? 5 : 7},
       y: {domain: [-half[1], half[1]], label: "↑ y, mm", ticks: 5},
       marks: [
         Plot.ruleX([0], {strokeOpacity: 0.25}), Plot.ruleY([0], {strokeOpacity: 0.25}),
@@ -56,7 +65,7 @@
               {x: "x", y: "y", curve: "linear", stroke: "none", fill: "var(--band)", fillOpacity: 0.22})]
           : []),
         ...drawn.map((e, i) => Plot.line(outlines[i], lineOptions(e))),
-        tip(all),
+        tip(all.filter((_, i) => i % 4 === 0)), // the words are the same all around
       ],
     });
   }
@@ -68,25 +77,27 @@
       const profile = e[`profile_${axis}`];
       return (profile?.x ?? []).map((x, i) => ({
         x: 1e3 * x, y: 1e-3 * profile.p[i],
-        title: `${e.style.label}\n${axis} ${number(1e3 * x)} mm\n${number(1e-3 * profile.p[i])} kPa`,
+        title: () => `${e.style.label}\n${axis} ${number(1e3 * x)} mm\n${number(1e-3 * profile.p[i])} kPa`,
       }));
     };
-    const highest = (some) => d3.max(some.flatMap((e) => [...points(e, "x"), ...points(e, "y")]), (p) => p.y);
+    const profiles = {x: drawn.map((e) => points(e, "x")), y: drawn.map((e) => points(e, "y"))};
+    const highest = (wanted) =>
+      d3.max([...profiles.x.filter(wanted), ...profiles.y.filter(wanted)].flat(), (p) => p.y);
     // A model that is off by a multiple may leave the picture, it must not flatten all the others.
-    const reference = highest(drawn.filter((e) => e.model === "fem"));
-    const top = 1.04 * Math.min(highest(drawn), reference > 0 ? 2.5 * reference : Infinity);
+    const reference = highest((_, i) => drawn[i].model === "fem");
+    const top = 1.04 * Math.min(highest(() => true), reference > 0 ? 2.5 * reference : Infinity);
     const panel = (axis, panelWidth) => {
-      const curves = drawn.map((e) => points(e, axis));
+      const curves = profiles[axis];
       const loaded = curves.flat().filter((p) => p.y > 0);
       const end = 1.06 * (d3.max(loaded, (p) => p.x) ?? 1);
-      return Plot.plot({
+      return plot({
         ...base(panelWidth, 290),
-        x: {domain: [0, end], label: `${axis === "x" ? "long axis x" : "short axis y"}, mm →`, labelAnchor: "right", ticks: panelWidth < 240 ? 3 : 5},
+        x: {domain: [0, end], label: `${axis === "x" ? "long axis x" : "short axis y"}, mm →`, ticks: panelWidth < 240 ? 3 : 5},
         y: {domain: [0, top], label: axis === "x" ? "↑ pressure, kPa" : null, ticks: 5},
         marks: [
           Plot.ruleY([0], {strokeOpacity: 0.4}),
           ...drawn.map((e, i) => e.model === "fem" ? null : Plot.line(curves[i], {...lineOptions(e), clip: true})),
-          ...drawn.map((e, i) => e.model === "fem" ? Plot.dot(curves[i], {x: "x", y: "y", r: 2.3, fill: e.style.colour, clip: true}) : null),
+          ...drawn.map((e, i) => e.model === "fem" ? Plot.line(curves[i], {...DOTS, x: "x", y: "y", stroke: e.style.colour, strokeWidth: 4.6, clip: true}) : null),
           tip(curves.flat().filter((p) => p.x <= end && p.y <= top)),
         ],
       });
@@ -111,7 +122,7 @@
       ...r, row: label(r), x: 1e3 * r.max_torque_Nm, paper: present(r.max_torque_paper_Nm) ? 1e3 * r.max_torque_paper_Nm : null,
       note: r.model === "fem" ? `${number(1e3 * r.max_torque_Nm)} ± ${(100 * stated).toPrecision(2)} %`
         : present(r.relative_error?.max_torque) ? percent(r.relative_error.max_torque) : number(1e3 * r.max_torque_Nm),
-      title: [label(r), `exact rule ${number(1e3 * r.max_torque_Nm)} mN·m`,
+      title: () => [label(r), `exact rule ${number(1e3 * r.max_torque_Nm)} mN·m`,
         ...(present(r.max_torque_paper_Nm) ? [`paper rule ${number(1e3 * r.max_torque_paper_Nm)} mN·m` +
           (present(r.relative_error?.max_torque_paper) ? ` (${percent(r.relative_error.max_torque_paper)})` : "")] : []),
       ].map((line) => r.model === "fem" ? line.replace("exact rule ", "") : line).join("\n"),
@@ -123,10 +134,10 @@
     const inner = width - Math.min(150, 14 + 7 * longest) - 12;
     const top = d3.max(bars, reachOf) * inner / Math.max(80, inner - 92);
     const fem = reference && 1e3 * reference.max_torque_Nm;
-    return Plot.plot({
+    return plot({
       ...base(width, Math.max(290, 60 + 34 * rows.length)),
       marginLeft: Math.min(150, 14 + 7 * longest),
-      x: {domain: [0, top], label: "maximal torque, mN·m →", labelAnchor: "right", ticks: 5},
+      x: {domain: [0, top], label: "maximal torque, mN·m →", ticks: 5},
       y: {domain, label: null, grid: false, tickSize: 0, padding: Math.max(0.35, 1 - rows.length / 7)},
       marks: [
         ...(fem ? [
@@ -142,7 +153,7 @@
         Plot.text(bars, {x: reachOf, y: "row", text: "note", dx: 10, textAnchor: "start"}),
         Plot.text(rows.filter((r) => !r.has_answer), {x: 0, y: label, text: () => "no answer", dx: 6, textAnchor: "start", fillOpacity: 0.6}),
         Plot.ruleX([0], {strokeOpacity: 0.5}),
-        Plot.tip(bars, Plot.pointerY({x: "x", y: "row", title: "title", fontSize: 12, lineHeight: 1.25, anchor: "bottom"})),
+        tip(bars, {y: "row", anchor: "bottom", pointer: Plot.pointerY}),
       ],
     });
   }
@@ -155,13 +166,13 @@
       const t = (Math.PI * i) / 80;
       const torque = 1e3 * e.max_torque_Nm * (1 + scale * (e.error?.max_torque ?? 0));
       const [x, y] = [sliding * Math.sin(t), torque * Math.cos(t)];
-      return {x, y, title: `${e.style.label}\nforce ${number(x)} N\ntorque ${number(y)} mN·m`};
+      return {x, y, title: () => `${e.style.label}\nforce ${number(x)} N\ntorque ${number(y)} mN·m`};
     });
     const curves = drawn.map((e) => curve(e));
     const reference = drawn.find((e) => e.model === "fem");
-    return Plot.plot({
+    return plot({
       ...base(width, 290),
-      x: {domain: [0, 1.04 * sliding], label: "tangential force, N →", labelAnchor: "right", ticks: width < 480 ? 5 : 8},
+      x: {domain: [0, 1.04 * sliding], label: "tangential force, N →", ticks: width < 480 ? 5 : 8},
       y: {domain: [0, niceTop(d3.max(curves.flat(), (p) => p.y))], label: "↑ torque, mN·m", ticks: 5},
       marks: [
         Plot.ruleY([0], {strokeOpacity: 0.4}), Plot.ruleX([0], {strokeOpacity: 0.4}),
@@ -186,7 +197,7 @@
       if (!present(error) || !(cost > 0)) return null;
       return {
         x: cost, y: Math.max(FLOOR, Math.abs(error)), model: e.model, style: e.style, valid: e.valid,
-        title: `${e.style.label}\n${c.id}, ${number(load.load_N)} N\ntorque ${isFem ? "± " + (100 * error).toPrecision(2) + " %" : percent(error)}\n${duration(cost)}`,
+        title: () => `${e.style.label}\n${c.id}, ${number(load.load_N)} N\ntorque ${isFem ? "± " + (100 * error).toPrecision(2) + " %" : percent(error)}\n${duration(cost)}`,
       };
     }).filter(present);
     if (!points.length) return null;
@@ -197,10 +208,10 @@
     const domain = [0.4 * d3.min(points, (p) => p.x), 4 * d3.max(points, (p) => p.x)];
     const range = [0.6 * d3.min(points, (p) => p.y), 1.6 * d3.max(points, (p) => p.y)];
     const decades = ([low, high]) => d3.range(-9, 15).map((k) => 10 ** k).filter((v) => v >= low && v <= high);
-    return Plot.plot({
+    return plot({
       ...base(width, 330),
       marginLeft: 54,
-      x: {type: "log", domain, label: "time of one answer →", labelAnchor: "right", tickFormat: duration,
+      x: {type: "log", domain, label: "time of one answer →", tickFormat: duration,
         ticks: decades(domain).filter((v) => width > 480 || Math.round(Math.log10(v)) % 3 === 0)},
       y: {type: "log", domain: range, ticks: decades(range), label: "↑ error of the maximal torque",
         tickFormat: (v) => `${Number((100 * v).toPrecision(1))} %`},
@@ -225,24 +236,24 @@
       return {
         x: load.s, y: String(c.poisson_ratio), colour: styleOf(best.model).colour, label: styleOf(best.model).label,
         usable: best.usable,
-        title: [`${c.id}, ${number(load.load_N)} N`, `s ${number(load.s)}, ν ${c.poisson_ratio}`,
+        title: () => [`${c.id}, ${number(load.load_N)} N`, `s ${number(load.s)}, ν ${c.poisson_ratio}`,
           ...ranked.map((m) => `${styleOf(m.model).label}: off by ${percent(m.score).replace("+", "")}${m.valid ? "" : ", outside its validity"}`)].join("\n"),
       };
     })).filter(present);
     if (!points.length) return null;
     const labels = d3.groups(points, (p) => p.label).map(([label, group]) => ({label, colour: group[0].colour}));
     const rows = d3.sort(new Set(points.map((p) => p.y)), Number).reverse();
-    const plot = Plot.plot({
+    const picture = plot({
       ...base(width, Math.max(220, Math.min(330, 110 + 52 * rows.length))),
       marginLeft: 58,
-      x: {type: "log", nice: true, label: "contact size s = √(ab)/h →", labelAnchor: "right", tickFormat: "~g", ticks: 6},
-      y: {type: "point", domain: rows, label: "↑ Poisson ratio ν", labelAnchor: "top", padding: 0.7, tickSize: 0},
+      x: {type: "log", nice: true, label: "contact size s = √(ab)/h →", tickFormat: "~g", ticks: 6},
+      y: {type: "point", domain: rows, label: "↑ Poisson ratio ν", padding: 0.7, tickSize: 0},
       marks: [
         Plot.dot(points, {x: "x", y: "y", r: 6, stroke: "colour", strokeWidth: 2, fill: (p) => (p.usable ? p.colour : "var(--page)"), fillOpacity: (p) => (p.usable ? 0.8 : 1)}),
         tip(points),
       ],
     });
-    return stacked(plot, legend(labels));
+    return stacked(picture, legend(labels));
   }
 
   Charts.start({cost: drawCost, map: drawMap, ellipse: drawEllipse, pressure: drawPressure, torque: drawTorque, ellipsoid: drawEllipsoid},

@@ -2,24 +2,24 @@
 "use strict";
 
 (() => {
-  const {report, styleOf, present, number, magnitude, decades, base, tip, legend, stacked} = Charts;
+  const {report, styleOf, present, number, magnitude, decades, base, plot, tip, legend, stacked} = Charts;
 
   function drawSweep(width, {load}) {
     const {load_N: loads, models} = report.curves;
     const lines = models.map((m) => ({
       style: styleOf(m.model),
       points: m.worst.map((error, i) => (present(error) && error > 0 ? {
-        x: loads[i], y: error, title: `${styleOf(m.model).label}\n${number(loads[i])} N: within ${magnitude(error)}`,
+        x: loads[i], y: error, title: () => `${styleOf(m.model).label}\n${number(loads[i])} N: within ${magnitude(error)}`,
       } : {x: loads[i], y: NaN})),
     })).filter((line) => line.points.some((p) => p.y > 0));
     if (!lines.length) return null;
     const known = lines.flatMap((line) => line.points.filter((p) => p.y > 0));
     const range = [0.6 * Math.min(report.tolerance, d3.min(known, (p) => p.y)), 1.6 * Math.max(report.tolerance, d3.max(known, (p) => p.y))];
     const domain = d3.extent(loads);
-    const plot = Plot.plot({
+    const picture = plot({
       ...base(width, 300),
       marginLeft: 60,
-      x: {type: "log", domain, label: "load, N →", labelAnchor: "right", tickFormat: "~g", ticks: 6},
+      x: {type: "log", domain, label: "load, N →", tickFormat: "~g", ticks: 6},
       y: {type: "log", domain: range, label: "↑ stated error, largest of the judged quantities",
         ticks: decades(range), tickFormat: (v) => `${Number((100 * v).toPrecision(1))} %`},
       marks: [
@@ -30,7 +30,7 @@
         tip(known),
       ],
     });
-    return stacked(plot, legend(lines.map((line) => line.style)));
+    return stacked(picture, legend(lines.map((line) => line.style)));
   }
 
   Charts.start({sweep: drawSweep}, report.cases);
