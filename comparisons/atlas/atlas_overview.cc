@@ -304,7 +304,7 @@ json finite_strain_overview(const AtlasFile& atlas) {
   std::set<double> poisson_ratios;
   for (const AtlasRun& run : atlas.runs) poisson_ratios.insert(run.poisson_ratio);
   json groups = json::array();
-  for (const char* kind : {"finite_sphere", "finite_curved"})
+  for (const char* kind : {"finite_sphere", "finite_curved", "finite_pad"})
     for (const double nu : poisson_ratios)
       for (const auto& [from, to] : depths) {
         std::vector<std::size_t> chosen;

@@ -24,11 +24,13 @@ using QuantityErrors = std::array<double, kQuantities>;  ///< relative
 /// A run of the finite elements. A contact on a flat layer is known by three numbers: nu, R'/R''
 /// and s = sqrt(ab)/h, the last one as the bonded layer has it.
 struct AtlasRun {
-  /// "flat", "curved" or "friction"; at finite strain "finite_sphere" on a flat layer or
-  /// "finite_curved", and their linear twins "linear_sphere" and "linear_curved".
+  /// "flat", "curved" or "friction"; at finite strain "finite_sphere" on a flat layer,
+  /// "finite_curved" or "finite_pad" (a paraboloid on a flat layer), and their linear twins
+  /// "linear_sphere", "linear_curved" and "linear_pad".
   std::string kind;
   double poisson_ratio = 0, radii_ratio = 1, s = 0;
-  double thickness_over_radius = 0;  ///< h/R of a curved finger or of a sphere, else 0
+  double thickness_over_radius =
+      0;  ///< h/R of a curved finger, sphere or pad, R = sqrt(R' R''); else 0
   double friction_coefficient = 0;
   /// a/h, b/h, d/h, area/h², peak pressure/E*, max torque/(mu P h).
   QuantityErrors answer{};

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "comparisons/case.h"
 #include "comparisons/fem_process.h"
 #include "comparisons/files.h"
 #include "comparisons/program_paths.h"
@@ -47,9 +48,7 @@ bool is_on_curved_layer(const AtlasRun& run) {
 bool is_on_sphere(const AtlasRun& run) {
   return run.kind == "linear_sphere" || run.kind == "finite_sphere";
 }
-bool is_finite_strain(const AtlasRun& run) {
-  return run.kind == "finite_sphere" || run.kind == "finite_curved";
-}
+bool is_finite_strain(const AtlasRun& run) { return run.kind.rfind("finite_", 0) == 0; }
 
 json fem_problem_of(const AtlasRun& run) {
   const ContactProblem unit = problem_of(run);
@@ -166,6 +165,30 @@ std::vector<AtlasRun> designed_runs() {
   return runs;
 }
 
+/// The suite's silicone pads and the seed's fingers by their relative radii, from a touch to a hard
+/// grip.
+void add_pads(const char* kind, std::vector<AtlasRun>& runs) {
+  for (const char* name :
+       {"silicone_pad_1mm", "silicone_pad_2mm", "silicone_pad_3mm", "seed_thumb_silicone",
+        "seed_thumb", "seed_ring_finger", "nearly_incompressible"}) {
+    const Case pad = read_case(find_case_file(name));
+    const RelativeRadii radii = std::get<RelativeRadii>(pad.geometry);
+    for (const double load_N : {0.01, 0.1, 1., 3., 10.}) {
+      AtlasRun run;
+      run.kind = kind;
+      run.poisson_ratio = pad.layer.poisson_ratio;
+      run.radii_ratio = radii.major_m / radii.minor_m;
+      run.s = contact_size(pad.problem(radii, load_N));
+      run.thickness_over_radius = pad.layer.thickness_m / std::sqrt(radii.major_m * radii.minor_m);
+      run.friction_coefficient = 0.5;
+      // Beyond d/h of 0.4 or so, as above, the layer is as good as pressed through.
+      if (run.s * run.s * run.thickness_over_radius > (run.poisson_ratio > 0.4 ? 0.8 : 0.55))
+        continue;
+      runs.push_back(run);
+    }
+  }
+}
+
 std::vector<AtlasRun> finite_strain_runs() {
   std::vector<AtlasRun> runs;
   for (const char* kind : {"finite_sphere", "finite_curved", "linear_sphere", "linear_curved"})
@@ -184,6 +207,7 @@ std::vector<AtlasRun> finite_strain_runs() {
           run.friction_coefficient = 0.5;
           runs.push_back(run);
         }
+  for (const char* kind : {"finite_pad", "linear_pad"}) add_pads(kind, runs);
   return runs;
 }
 
@@ -298,9 +322,10 @@ void judge_linear_theory(AtlasFile& atlas) {
   for (const AtlasRun& run : atlas.runs) {
     errors.emplace_back().fill(is_finite_strain(run) ? kNaN : 0);
     if (!is_finite_strain(run)) continue;
-    const std::string kind = is_on_sphere(run) ? "linear_sphere" : "linear_curved";
+    const std::string kind = "linear_" + run.kind.substr(std::string("finite_").size());
     for (const AtlasRun& linear : atlas.runs)
       if (linear.kind == kind && linear.poisson_ratio == run.poisson_ratio && linear.s == run.s &&
+          linear.radii_ratio == run.radii_ratio &&
           linear.thickness_over_radius == run.thickness_over_radius)
         for (std::size_t q = 0; q < kQuantities; ++q)
           errors.back()[q] = linear.answer[q] / run.answer[q] - 1;

@@ -14,7 +14,7 @@ namespace softfinger {
 std::vector<AtlasRun> designed_runs();
 
 /// Spheres on flat layers and round fingers on planes at finite strain (neo-Hookean, quadratic
-/// volume energy) over (nu, h/R, s), each with its linear twin.
+/// volume energy) over (nu, h/R, s), and built-in pads over the load, each with its linear twin.
 std::vector<AtlasRun> finite_strain_runs();
 
 /// Contacts drawn at random from within the grid, to test bounds with: ln s, ln R'/R'', and nu by

@@ -350,7 +350,11 @@ std::string finite_strain_section(const Json& report) {
          details(
              "A round finger with a curved layer on a plane: its curvature is in the numbers "
              "too",
-             tables_of("finite_curved"));
+             tables_of("finite_curved")) +
+         details(
+             "The suite’s silicone pads and the seed’s fingers, 0.01 to 10 N: paraboloids on flat "
+             "layers",
+             tables_of("finite_pad"));
 }
 
 std::string atlas_provenance(const Json& report) {

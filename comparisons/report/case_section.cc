@@ -369,6 +369,12 @@ std::string model_key(const Json& report, const std::string& model) {
       drawn.colour, model == "fem" ? "3.5" : "2.5", drawn.dash, escape(label(model)));
 }
 
+std::string layer_text(const Json& layer) {
+  return fmt::format("{} mm, E {} kPa, ν {}", plain(number(layer, "thickness_m"), 1e3),
+                     plain(number(layer, "youngs_modulus_Pa"), 1e-3),
+                     plain(number(layer, "poisson_ratio")));
+}
+
 std::string case_section(const Json& report, const Json& report_case) {
   const Json& layer = child(report_case, "layer");
   const Json& loads = child(report_case, "loads");
@@ -381,10 +387,18 @@ std::string case_section(const Json& report, const Json& report_case) {
       escape(case_anchor(report_case)), id, escape(searched_text(report_case)), id,
       question.empty() ? id : question, escape(text(report_case, "verdict_class")),
       verdict_badge(report_case), escape(text(report_case, "verdict")));
-  out += fmt::format(
-      "<p class=\"facts\">Layer {} mm, E {} kPa, ν {} · friction coefficient {}</p>\n",
-      plain(number(layer, "thickness_m"), 1e3), plain(number(layer, "youngs_modulus_Pa"), 1e-3),
-      plain(number(layer, "poisson_ratio")), plain(number(report_case, "friction_coefficient")));
+  const Json& sublayers = child(report_case, "sublayers");
+  out += "<p class=\"facts\">";
+  if (sublayers.is_array() && !sublayers.empty()) {
+    out += "From the surface inwards: ";
+    for (const Json& sublayer : sublayers)
+      out += fmt::format("{} {}, ", escape(text(sublayer, "name")), layer_text(sublayer));
+    out += "bonded · for the models on average ";
+  } else {
+    out += "Layer ";
+  }
+  out += fmt::format("{} · friction coefficient {}</p>\n", layer_text(layer),
+                     plain(number(report_case, "friction_coefficient")));
   if (loads.is_array() && loads.size() > 1) {
     // Without JavaScript every load is shown and nothing needs to be chosen: the script reveals it.
     out += "<div class=\"loads\" role=\"group\" aria-label=\"Load\" hidden><span>Load</span>";

@@ -93,6 +93,72 @@ TEST(Case, RefusesParametersOfAnotherMaterial) {
   EXPECT_NE(message("volumetric = \"cubic\"").find("logarithmic"), std::string::npos);
 }
 
+std::string sublayer_case(const std::string& layers, const std::string& fem = "") {
+  return "id = \"x\"\n[geometry]\nrelative_radii_mm = [20.0, 5.0]\n" + layers +
+         "[contact]\nload_N = 1\nfriction_coefficient = 0.5\n" + fem;
+}
+
+const std::string kSkin =
+    "[[layer]]\nname = \"skin\"\nthickness_mm = 1\nyoungs_modulus_kPa = 600\n"
+    "poisson_ratio = 0.4\n";
+const std::string kPulp =
+    "[[layer]]\nname = \"pulp\"\nthickness_mm = 3\nyoungs_modulus_kPa = 200\n"
+    "poisson_ratio = 0.48\n";
+
+TEST(Case, TakesSublayersFromTheSurfaceInwards) {
+  const Case result = parse_case(sublayer_case(kSkin + kPulp), "x.toml");
+  ASSERT_EQ(result.sublayers.size(), 2u);
+  EXPECT_EQ(result.sublayers[0].name, "skin");
+  EXPECT_DOUBLE_EQ(result.sublayers[1].layer.thickness_m, 3e-3);
+  // In series: 4 mm over 1 mm/600 kPa + 3 mm/200 kPa.
+  EXPECT_DOUBLE_EQ(result.layer.thickness_m, 4e-3);
+  EXPECT_DOUBLE_EQ(result.layer.youngs_modulus_Pa, 240e3);
+  EXPECT_DOUBLE_EQ(result.layer.poisson_ratio, 0.46);
+}
+
+TEST(Case, GivesEachSublayerItsMaterial) {
+  const Case result =
+      parse_case(sublayer_case(kSkin + "material = \"yeoh\"\nyeoh_ratios = [0.1, 0.01]\n" + kPulp,
+                               "[fem]\nkinematics = \"finite\"\n"),
+                 "x.toml");
+  EXPECT_EQ(result.sublayers[0].material.material, "yeoh");
+  EXPECT_EQ(result.sublayers[1].material.material, "neo_hookean");
+}
+
+TEST(Case, TakesOneTableOfAListAsTheLayer) {
+  const Case result = parse_case(
+      sublayer_case(kPulp + "volumetric = \"logarithmic\"\n", "[fem]\nkinematics = \"finite\"\n"),
+      "x.toml");
+  EXPECT_TRUE(result.sublayers.empty());
+  EXPECT_DOUBLE_EQ(result.layer.youngs_modulus_Pa, 200e3);
+  EXPECT_EQ(result.fem_finite->volumetric, "logarithmic");
+}
+
+TEST(Case, RefusesSublayersThatMakeNoSense) {
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      parse_case(text, "x.toml");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no refusal";
+  };
+  EXPECT_NE(message(sublayer_case(kSkin + kSkin)).find("each name once"), std::string::npos);
+  EXPECT_NE(message(sublayer_case(kSkin + "[[layer]]\nthickness_mm = 1\n"))
+                .find("[[layer]] needs youngs_modulus_kPa"),
+            std::string::npos)
+      << message(sublayer_case(kSkin + "[[layer]]\nthickness_mm = 1\n"));
+  EXPECT_NE(message(sublayer_case(kSkin + kPulp + "material = \"yeoh\"\n")).find("material"),
+            std::string::npos);
+  EXPECT_NE(message(sublayer_case(kSkin + kPulp + "winkler_modulus = \"youngs\"\n"))
+                .find("winkler_modulus"),
+            std::string::npos);
+  const std::string nameless =
+      "[[layer]]\nthickness_mm = 1\nyoungs_modulus_kPa = 600\npoisson_ratio = 0.4\n";
+  EXPECT_NE(message(sublayer_case(kSkin + nameless, "[fem]\nmesh = \"layer.msh\"\n")).find("name"),
+            std::string::npos);
+}
+
 TEST(Case, WrapsALayerAtFiniteStrainAroundABodyThatCloses) {
   const auto shape = [](const std::string& keys) {
     const Case result = parse_case(

@@ -298,6 +298,23 @@ TEST_F(FemProgram, TakesAnArrayOfProblems) {
   EXPECT_EQ(first["a_m"], last["a_m"]);
 }
 
+TEST_F(FemProgram, TakesSublayersAtSmallAndAtFiniteStrain) {
+  const std::pair<std::string, std::string> sublayers = {
+      "[layer]\nthickness_mm = 2.0\nyoungs_modulus_kPa = 300.0\npoisson_ratio = 0.45\n",
+      "[[layer]]\nthickness_mm = 0.5\nyoungs_modulus_kPa = 900\npoisson_ratio = 0.45\n"
+      "[[layer]]\nthickness_mm = 1.5\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"};
+  const double homogeneous_m = solve({write_case()})["indentation_m"];
+  const double small_m = solve({write_case({sublayers})})["indentation_m"];
+  EXPECT_LT(small_m, 0.95 * homogeneous_m) << "under a skin three times as hard";
+  const json finite =
+      solve({write_case({sublayers,
+                         {"friction_coefficient = 0.8\n",
+                          "friction_coefficient = 0.8\n[fem]\nkinematics = \"finite\"\n"}})});
+  EXPECT_EQ(finite["kinematics"], "finite");
+  // As far from linear theory as homogeneous layers are at this d/h (finite_strain.csv).
+  EXPECT_NEAR(finite["indentation_m"].get<double>() / small_m, 1, 0.1);
+}
+
 TEST_F(FemProgram, GivesASceneItsTable) {
   // Below what the atlas knows of the models: finite elements decide.
   const ProgramRun run =

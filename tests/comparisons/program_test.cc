@@ -548,6 +548,21 @@ TEST_F(Program, SelectsNoModelInWordsWhereNoneIsEnough) {
   }
 }
 
+TEST_F(Program, SaysThatItsModelsKnowOneHomogeneousLayer) {
+  const ProgramRun result = run({"predict", "skin_over_pulp", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  for (const json& answer : json::parse(result.out)["results"]) {
+    EXPECT_FALSE(answer["valid"].get<bool>()) << answer;
+    EXPECT_TRUE(answer["error_estimate"].is_null());
+    const auto& checks = answer["validity"];
+    const bool said = std::any_of(checks.begin(), checks.end(), [](const json& check) {
+      return check["check"] == "homogeneous" && check["value"] == 8.0 &&
+             !check["holds"].get<bool>();
+    });
+    EXPECT_TRUE(said) << answer;
+  }
+}
+
 TEST_F(Program, SelectsWhatASceneRequires) {
   const ProgramRun result = run({"select", "pinch", "--tolerance", "0.05", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
