@@ -161,40 +161,41 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   return pressed;
 }
 
+PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::VectorXd& force) {
+  const double total = force.sum();
+  const Eigen::Vector2d mean = position * force / total;
+  const Eigen::Matrix2d second = position * force.asDiagonal() * position.transpose() / total;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> moments(second - mean * mean.transpose());
+  const Eigen::Vector2d along = moments.eigenvectors().col(1);
+  double turn_rad = std::atan2(along.y(), along.x());
+  if (turn_rad > M_PI / 2) turn_rad -= M_PI;
+  if (turn_rad <= -M_PI / 2) turn_rad += M_PI;
+  return {moments.eigenvalues()[1], moments.eigenvalues()[0], turn_rad};
+}
+
 namespace {
 
 /// Semi-axes of the ellipse whose pressure p0 (1 - r²)^n has the nodal pressure's second moments,
 /// peak and load.
 ContactShape shape_from_moments(const Pressed& pressed) {
   const auto& nodes = pressed.model->nodes();
-  double total = 0;
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+  const Eigen::VectorXd& force = pressed.contact.force;
+  Eigen::Matrix2Xd position(2, force.size());
   ContactShape shape;
-  for (Index i = 0; i < pressed.contact.force.size(); ++i) {
-    const double force = pressed.contact.force[i];
-    const Eigen::Vector2d at = nodes[static_cast<std::size_t>(i)].position.head<2>();
-    total += force;
-    mean += force * at;
-    second += force * at * at.transpose();
+  for (Index i = 0; i < force.size(); ++i) {
+    position.col(i) = nodes[static_cast<std::size_t>(i)].position.head<2>();
     shape.peak = std::max(shape.peak, pressed.pressure(i));
   }
-  mean /= total;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> moments(second / total -
-                                                               mean * mean.transpose());
-  const Eigen::Vector2d variance = moments.eigenvalues();  // ascending
+  const PressureMoments moments = moments_of(position, force);
   // <x²> = a²/(2n + 4), and n + 1 = pi a b p0 / P.
   double exponent = 0.7;
   for (int iteration = 0; iteration < 100; ++iteration) {
-    const double area = M_PI * (2 * exponent + 4) * std::sqrt(variance.prod());
-    exponent = std::clamp(area * shape.peak / total - 1, 0.1, 2.0);
+    const double area = M_PI * (2 * exponent + 4) * std::sqrt(moments.major * moments.minor);
+    exponent = std::clamp(area * shape.peak / force.sum() - 1, 0.1, 2.0);
   }
-  shape.a = std::sqrt((2 * exponent + 4) * variance[1]);
-  shape.b = std::sqrt((2 * exponent + 4) * variance[0]);
-  const Eigen::Vector2d along = moments.eigenvectors().col(1);
-  shape.turn_rad = std::atan2(along.y(), along.x());
-  if (shape.turn_rad > M_PI / 2) shape.turn_rad -= M_PI;
-  if (shape.turn_rad <= -M_PI / 2) shape.turn_rad += M_PI;
+  shape.a = std::sqrt((2 * exponent + 4) * moments.major);
+  shape.b = std::sqrt((2 * exponent + 4) * moments.minor);
+  shape.turn_rad = moments.turn_rad;
   shape.block_a = pressed.moment_a;
   shape.block_b = pressed.moment_b;
   return shape;

@@ -77,6 +77,16 @@ struct ContactShape {
   double fit_residual = 0;          ///< of the pressure's fit, relative to the mean pressure
 };
 
+/// Second moments of a pressure about its centre.
+struct PressureMoments {
+  double major = 0, minor = 0;  ///< variances along the principal axes, major >= minor
+  double turn_rad = 0;          ///< of the first one from x, in (-pi/2, pi/2]
+};
+
+/// @param position  of each node, seen along the load
+/// @param force     on each, its component along the load
+PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::VectorXd& force);
+
 /// From the fit of `pressure_ellipse` where the contact is symmetric; from the pressure's second
 /// moments elsewhere, where the contact is an ellipse only more or less.
 ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing);

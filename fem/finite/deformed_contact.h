@@ -4,19 +4,25 @@
 
 namespace softfinger::fem::finite {
 
-/// A symmetric contact as measured on the deformed surface, in units of h and E.
+/// A contact as measured on the deformed surface, in units of h and E.
 struct DeformedContact {
-  double a = 0, b = 0;              ///< from the centre to the edge along x and y, deformed
-  double block_a = 0, block_b = 0;  ///< the same edge in the undeformed block, for the next mesh
+  double a = 0, b = 0;              ///< semi-axes seen along the load, deformed
+  double turn_rad = 0;              ///< of the long one from x; 0 where symmetry holds it
+  double block_a = 0, block_b = 0;  ///< along x and y in the undeformed block, for the next mesh
   double area = 0;                  ///< of the deformed, inclined surface in contact
-  double peak = 0;                  ///< Cauchy pressure at the centre
+  double peak = 0;                  ///< largest Cauchy pressure
   double torque_arm = 0;            ///< int p r dA / P on the deformed surface
   double projected_arm = 0;         ///< int p n_z r dA / P
   double fit_residual = 0;          ///< of the pressure's fit, relative to the mean pressure
 };
 
-/// Fits the edge of the pressure in the undeformed block, where the surface's shape functions are
-/// those of a regular grid, and follows it into the deformed state by the displacements.
+/// Of a quarter, fits the edge of the pressure in the undeformed block, where the surface's shape
+/// functions are those of a regular grid, and follows it into the deformed state by the
+/// displacements. Of a whole layer, where the contact is an ellipse only more or less: the ellipse
+/// that has the area seen along the load, which touching nodes know to some tenths of a cell around
+/// it, and the axes of the pressure's second moments. The moments alone, with the pressure's power
+/// of 1 - r² from its peak as in linear elasticity, are 4 to 7 % high at d/h = 0.2 to 0.4: no power
+/// is the pressure of a deeply pressed layer.
 /// @throws ConvergenceError when the fit leaves the patch
 DeformedContact measure(const FinitePressing& pressing);
 

@@ -30,9 +30,15 @@ std::unique_ptr<const RigidObject> quadric(double major, double minor);
 std::unique_ptr<const RigidObject> sphere(double radius);
 
 /// Any surface by its height, with central differences over `step` for the derivatives: exact for
-/// quadrics, relative error (step/radius)² for other smooth surfaces. On facets the slope is that
-/// over the step's width.
+/// quadrics, relative error (step/radius)² for other smooth surfaces.
 std::unique_ptr<const RigidObject> sampled(
     std::function<std::optional<double>(double x, double y)> height, double step);
+
+/// A faceted surface by its height on a lattice of this spacing, the control points of a cubic
+/// spline: twice differentiable, its edges rounded over two spacings. Planes stay as they are,
+/// quadrics move along the load by spacing² times the mean curvature over 3, everywhere the same.
+/// On the facets themselves Newton's method would find no slope where nodes touch at an edge.
+std::unique_ptr<const RigidObject> smoothed(
+    std::function<std::optional<double>(double x, double y)> height, double spacing);
 
 }  // namespace softfinger::fem::finite

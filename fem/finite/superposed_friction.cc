@@ -71,9 +71,52 @@ Eigen::MatrixXd normal_force_by_displacement(const TouchingNodes& nodes,
   return result;
 }
 
+/// Of the object's slope at each node.
+Eigen::VectorXd cosine(const TouchingNodes& nodes) {
+  Eigen::VectorXd result(nodes.size());
+  for (Index i = 0; i < nodes.size(); ++i)
+    result[i] = nodes.axes[static_cast<std::size_t>(i)](2, 2);
+  return result;
+}
+
+/// Upward component of forces along the tangents, summed.
+double lift_of(const TouchingNodes& nodes, const Eigen::VectorXd& force) {
+  double result = 0;
+  for (Index i = 0; i < nodes.size(); ++i)
+    result += nodes.axes[static_cast<std::size_t>(i)].row(2).head<2>() * force.segment<2>(2 * i);
+  return result;
+}
+
+/// Normal forces and the friction that they limit, which moves them in turn.
+/// @param next   the normal forces that friction within the limits of others makes; none is pulled
+/// @param start  one column per image
+/// @throws ConvergenceError when they do not settle
+template <class Next>
+Eigen::MatrixXd settled(const char* stage, const Eigen::MatrixXd& start, double load,
+                        const Next& next) {
+  constexpr int limit = 1000;
+  constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
+  // Shear lifts the surface before a point and lowers it behind: on the whole the pressure's change
+  // oscillates with the shear's, which a large share of each step would amplify.
+  constexpr double smallest_share = 1.0 / 64;
+  Eigen::MatrixXd normal_force = start;
+  double change = 0, previous = 0, share = 1;
+  for (int iteration = 1; iteration <= limit; ++iteration) {
+    const Eigen::MatrixXd step = next(normal_force) - normal_force;
+    change = step.cwiseAbs().sum() / load;
+    if (iteration > 1 && change > 0.9 * previous) share = std::max(smallest_share, share / 2);
+    previous = change;
+    normal_force += share * step;
+    if (change <= tolerance) return normal_force;
+  }
+  throw ConvergenceError(stage, limit, change,
+                         "pressure and friction keep changing each other; is the coefficient of "
+                         "friction very large?");
+}
+
 /// Images of a quarter of the contact, bit 0: mirrored at x = 0, bit 1: at y = 0. Seen in its
-/// mirror, a field that is odd where bit 0 (1) of the parity is set has this sign on an image.
-constexpr int images = 4;
+/// mirror, a field that is odd where bit 0 (1) of the parity is set has this sign on an image. A
+/// whole contact is its only image, and has only the parity 0.
 double sign(int image, int parity) {
   return ((image & parity & 1) != 0) != ((image & parity & 2) != 0) ? -1 : 1;
 }
@@ -105,37 +148,50 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
   return result;
 }
 
+TangentialResponse::TangentialResponse(const TouchingNodes& nodes, const Eigen::MatrixXd& stiffness)
+    : displacement(tangential_compliance(stiffness)) {
+  const Rows of = rows(nodes.size());
+  normal_force =
+      normal_force_by_displacement(nodes, stiffness)(Eigen::all, of.tangential) * displacement;
+  load = -(cosine(nodes).asDiagonal() * stiffness(of.normal, of.tangential)) * displacement;
+}
+
+ApproachResponse::ApproachResponse(const TouchingNodes& nodes, const Eigen::MatrixXd& stiffness,
+                                   const TangentialResponse& tangential) {
+  // It pushes the normals, and the nodes give way along the tangents.
+  const Rows of = rows(nodes.size());
+  const Eigen::VectorXd slope = cosine(nodes);
+  displacement = tangential.displacement * (stiffness(of.tangential, of.normal) * slope);
+  Eigen::VectorXd of_all(3 * nodes.size());
+  for (Index i = 0; i < nodes.size(); ++i) {
+    of_all.segment<2>(3 * i) = displacement.segment<2>(2 * i);
+    of_all[3 * i + 2] = -slope[i];
+    displacement.segment<2>(2 * i) +=
+        nodes.axes[static_cast<std::size_t>(i)].row(2).head<2>().transpose();
+  }
+  normal_force = normal_force_by_displacement(nodes, stiffness) * of_all;
+  load = -(slope.asDiagonal() * (stiffness(of.normal, Eigen::all) * of_all));
+}
+
 SuperposedSlide::SuperposedSlide(FinitePressing& pressing, double friction_coefficient)
-    : nodes_(pressing.touching_nodes()), friction_coefficient_(friction_coefficient) {
-  const Index count = nodes_.size();
-  const Rows of = rows(count);
-  cosine_.resize(count);
-  for (Index i = 0; i < count; ++i) cosine_[i] = nodes_.axes[static_cast<std::size_t>(i)](2, 2);
-  for (int parity = 0; parity < images; ++parity) {
+    : nodes_(pressing.touching_nodes()),
+      images_(pressing.copies()),
+      friction_coefficient_(friction_coefficient) {
+  for (int parity = 0; parity < images_; ++parity) {
     const Eigen::MatrixXd stiffness =
         pressing.superposed_stiffness({(parity & 1) != 0, (parity & 2) != 0});
-    const Eigen::MatrixXd normal_force = normal_force_by_displacement(nodes_, stiffness);
-    const Eigen::MatrixXd load = -(cosine_.asDiagonal() * stiffness(of.normal, Eigen::all));
-    const Eigen::MatrixXd compliance = tangential_compliance(stiffness);
-    responses_.push_back({normal_force(Eigen::all, of.tangential) * compliance,
-                          load(Eigen::all, of.tangential) * compliance, compliance});
-    if (parity != 0) continue;
-    // The object's approach pushes the normals, and the nodes give way along the tangents.
-    Eigen::VectorXd displacement(3 * count);
-    displacement(of.normal) = -cosine_;
-    displacement(of.tangential) = compliance * (stiffness(of.tangential, of.normal) * cosine_);
-    normal_by_approach_ = normal_force * displacement;
-    load_by_approach_ = load * displacement;
+    responses_.emplace_back(nodes_, stiffness);
+    if (parity == 0) approach_ = {nodes_, stiffness, responses_.front()};
   }
 }
 
 SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const {
   const Index count = nodes_.size();
-  const double load = images * nodes_.force.sum();
-  Eigen::MatrixXd normal_force = nodes_.normal_force.replicate(1, images);
+  const double load = images_ * nodes_.force.sum();
+  const Eigen::VectorXd slope = cosine(nodes_);
   // In the frames' mirrors, like all that follows: directions of slip.
-  Eigen::MatrixXd direction(2 * count, images), lift(count, images);
-  for (int image = 0; image < images; ++image)
+  Eigen::MatrixXd direction(2 * count, images_);
+  for (int image = 0; image < images_; ++image)
     for (Index i = 0; i < count; ++i) {
       const Eigen::Matrix3d& axes = nodes_.axes[static_cast<std::size_t>(i)];
       const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes_.position.col(i));
@@ -144,68 +200,66 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
       Eigen::Vector2d along = axes.leftCols<2>().transpose() * mirror(image).cwiseProduct(at);
       if (along.norm() > 0) along.normalize();
       direction.col(image).segment<2>(2 * i) = along;
-      lift(i, image) = axes.row(2).head<2>() * along;
     }
 
-  constexpr int limit = 1000;
-  constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
-  // Shear lifts the surface before a point and lowers it behind: on the whole the pressure's change
-  // oscillates with the shear's, which a large share of each step would amplify.
-  constexpr double smallest_share = 1.0 / 64;
-  double change = 0, previous = 0, share = 1, not_pulled = 0;
-  for (int iteration = 1; iteration <= limit; ++iteration) {
-    Eigen::MatrixXd force(2 * count, images);
-    for (int image = 0; image < images; ++image)
+  double not_pulled = 0, energy = 0;
+  const Eigen::MatrixXd pressed = nodes_.normal_force.replicate(1, images_);
+  const auto next_pressure = [&](const Eigen::MatrixXd& normal_force) {
+    Eigen::MatrixXd force(2 * count, images_);
+    for (int image = 0; image < images_; ++image)
       for (Index i = 0; i < count; ++i)
         force.col(image).segment<2>(2 * i) =
             friction_coefficient_ * normal_force(i, image) * direction.col(image).segment<2>(2 * i);
-    Eigen::MatrixXd next = nodes_.normal_force.replicate(1, images);
-    double along_load = load + not_pulled, energy = 0;
-    for (int parity = 0; parity < images; ++parity) {
+    Eigen::MatrixXd next = pressed;
+    double along_load = load + not_pulled;
+    energy = 0;
+    for (int parity = 0; parity < images_; ++parity) {
       Eigen::VectorXd of_parity = Eigen::VectorXd::Zero(2 * count);
-      for (int image = 0; image < images; ++image)
-        of_parity += sign(image, parity) / images * force.col(image);
-      const Response& response = responses_[static_cast<std::size_t>(parity)];
+      for (int image = 0; image < images_; ++image)
+        of_parity += sign(image, parity) / images_ * force.col(image);
+      const TangentialResponse& response = responses_[static_cast<std::size_t>(parity)];
       const Eigen::VectorXd moved = response.normal_force * of_parity;
-      energy += 0.5 * images * of_parity.dot(response.displacement * of_parity);
-      for (int image = 0; image < images; ++image) next.col(image) += sign(image, parity) * moved;
-      if (parity == 0) along_load += images * (response.load * of_parity).sum();
+      energy += 0.5 * images_ * of_parity.dot(response.displacement * of_parity);
+      for (int image = 0; image < images_; ++image) next.col(image) += sign(image, parity) * moved;
+      if (parity == 0) along_load += images_ * (response.load * of_parity).sum();
     }
-    along_load -= friction_coefficient_ * normal_force.cwiseProduct(lift).sum();
-    const double approach = (load - along_load) / (images * load_by_approach_.sum());
-    next.colwise() += approach * normal_by_approach_;
-    not_pulled = -(cosine_.transpose() * next.cwiseMin(0.0)).sum();
-    next = next.cwiseMax(0.0);
-    change = (next - normal_force).cwiseAbs().sum() / load;
-    if (iteration > 1 && change > 0.9 * previous) share = std::max(smallest_share, share / 2);
-    previous = change;
-    normal_force += share * (next - normal_force);
-    if (change > tolerance) continue;
-    FrictionWrench wrench;
-    for (int image = 0; image < images; ++image)
-      for (Index i = 0; i < count; ++i) {
-        const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes_.position.col(i));
-        const Eigen::Vector3d along =
-            mirror(image).cwiseProduct(nodes_.axes[static_cast<std::size_t>(i)].leftCols<2>() *
-                                       direction.col(image).segment<2>(2 * i));
-        const Eigen::Vector3d on_node = friction_coefficient_ * normal_force(i, image) * along;
-        wrench.force_x += on_node.x();
-        wrench.force_y += on_node.y();
-        wrench.torque += turned(position).dot(on_node);
-      }
-    return {wrench, energy};
-  }
-  throw ConvergenceError("full slip on the deformed layer", limit, change,
-                         "pressure and friction keep changing each other; is the coefficient of "
-                         "friction very large?");
+    for (int image = 0; image < images_; ++image) along_load -= lift_of(nodes_, force.col(image));
+    const double approach = (load - along_load) / (images_ * approach_.load.sum());
+    next.colwise() += approach * approach_.normal_force;
+    not_pulled = -(slope.transpose() * next.cwiseMin(0.0)).sum();
+    return Eigen::MatrixXd(next.cwiseMax(0.0));
+  };
+  const Eigen::MatrixXd normal_force =
+      settled("full slip on the deformed layer", pressed, load, next_pressure);
+  FrictionWrench wrench;
+  for (int image = 0; image < images_; ++image)
+    for (Index i = 0; i < count; ++i) {
+      const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes_.position.col(i));
+      const Eigen::Vector3d along =
+          mirror(image).cwiseProduct(nodes_.axes[static_cast<std::size_t>(i)].leftCols<2>() *
+                                     direction.col(image).segment<2>(2 * i));
+      const Eigen::Vector3d on_node = friction_coefficient_ * normal_force(i, image) * along;
+      wrench.force_x += on_node.x();
+      wrench.force_y += on_node.y();
+      wrench.torque += turned(position).dot(on_node);
+    }
+  return {wrench, energy};
 }
 
 SuperposedTwist::SuperposedTwist(FinitePressing& pressing, double friction_coefficient)
+    : SuperposedTwist(pressing, friction_coefficient,
+                      pressing.superposed_stiffness({/*odd_x=*/true, /*odd_y=*/true})) {}
+
+SuperposedTwist::SuperposedTwist(const FinitePressing& pressing, double friction_coefficient,
+                                 const Eigen::MatrixXd& stiffness)
     : nodes_(pressing.touching_nodes()),
       copies_(pressing.copies()),
+      friction_coefficient_(friction_coefficient),
       area_(nodal_area(pressing)(nodes_.node)),
       limit_(friction_coefficient * nodes_.normal_force),
-      stiffness_(pressing.superposed_stiffness({/*odd_x=*/true, /*odd_y=*/true})) {
+      response_(nodes_, stiffness),
+      compliance_(response_.displacement) {
+  if (copies_ == 1) approach_ = {nodes_, stiffness, response_};
   const Index count = nodes_.size();
   turn_.resize(2 * count);
   Eigen::VectorXd normal_turn(count);  // e_z x x along the normals
@@ -225,8 +279,7 @@ SuperposedTwist::SuperposedTwist(FinitePressing& pressing, double friction_coeff
     holding.segment<2>(2 * i) = axes.leftCols<2>().transpose() * follower;
   }
   const Rows of = rows(count);
-  holding += stiffness_(of.tangential, of.normal) * normal_turn;
-  compliance_ = tangential_compliance(stiffness_);
+  holding += stiffness(of.tangential, of.normal) * normal_turn;
   frictionless_ = -compliance_ * holding;
   // What a mirror plane fixes is never pushed; any compliance keeps the node's two components apart
   // and lets the other one move.
@@ -242,12 +295,41 @@ double SuperposedTwist::stiffness() const {
 }
 
 void SuperposedTwist::turn_to(double angle_rad) {
-  const Eigen::VectorXd target = angle_rad * (turn_ - frictionless_) - slip_;
-  solve_friction(compliance_, limit_, target, force_);
+  Eigen::VectorXd target;
+  const auto rub = [&] {
+    target = angle_rad * (turn_ - frictionless_) - slip_;
+    if (copies_ == 1) target -= approached_ * approach_.displacement;
+    solve_friction(compliance_, limit_, target, force_);
+  };
+  if (copies_ == 1)
+    settle(rub);
+  else
+    rub();
   const Eigen::VectorXd slipped = target - compliance_ * force_;
   slip_ += slipped;
   dissipated_ += copies_ * force_.dot(slipped);
   angle_ = angle_rad;
+}
+
+void SuperposedTwist::settle(const std::function<void()>& rub) {
+  const double load = nodes_.force.sum();
+  const Eigen::VectorXd slope = cosine(nodes_);
+  double not_pulled = 0;
+  limit_ = friction_coefficient_ *
+           settled("twist on the deformed layer", limit_ / friction_coefficient_, load,
+                   [&](const Eigen::MatrixXd& normal_force) {
+                     limit_ = friction_coefficient_ * normal_force;
+                     rub();
+                     const double along_load =
+                         not_pulled + (response_.load * force_).sum() - lift_of(nodes_, force_);
+                     approached_ = -along_load / approach_.load.sum();
+                     const Eigen::VectorXd next = nodes_.normal_force +
+                                                  response_.normal_force * force_ +
+                                                  approached_ * approach_.normal_force;
+                     not_pulled = -slope.dot(next.cwiseMin(0.0));
+                     return Eigen::MatrixXd(next.cwiseMax(0.0));
+                   });
+  rub();
 }
 
 double SuperposedTwist::torque() const { return copies_ * turn_.dot(force_); }
@@ -256,7 +338,7 @@ double SuperposedTwist::slip_fraction() const {
   double slipping = 0, touching = 0;
   for (Index i = 0; i < nodes_.size(); ++i) {
     // The centre of a twist does not move, and carries nothing.
-    if (nodes_.position.col(i).head<2>().norm() < 1e-9) continue;
+    if (limit_[i] <= 0 || nodes_.position.col(i).head<2>().norm() < 1e-9) continue;
     touching += area_[i];
     if (force_.segment<2>(2 * i).norm() >= limit_[i] * (1 - 1e-9)) slipping += area_[i];
   }
@@ -268,10 +350,9 @@ double SuperposedTwist::stored_energy() const {
 }
 
 double SuperposedTwist::pressure_change() const {
-  const Eigen::MatrixXd change = normal_force_by_displacement(nodes_, stiffness_);
-  const Eigen::VectorXd sheared = compliance_ * force_;
-  return (change(Eigen::all, rows(nodes_.size()).tangential) * sheared).cwiseAbs().sum() /
-         nodes_.force.sum();
+  Eigen::VectorXd change = response_.normal_force * force_;
+  if (copies_ == 1) change += approached_ * approach_.normal_force;
+  return change.cwiseAbs().sum() / nodes_.force.sum();
 }
 
 double SuperposedTwist::largest_displacement() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "fem/finite/finite_pressing.h"
@@ -23,6 +24,26 @@
 /// small where mu² p << G.
 namespace softfinger::fem::finite {
 
+/// What forces along the tangents of touching nodes do, for motions of one parity.
+struct TangentialResponse {
+  /// @param stiffness  3 n x 3 n, of the superposed motions
+  /// @throws ConvergenceError where the pressed state is not stable against such motions
+  TangentialResponse(const TouchingNodes& nodes, const Eigen::MatrixXd& stiffness);
+
+  Eigen::MatrixXd displacement;        ///< 2n x 2n, along the tangents, normals held
+  Eigen::MatrixXd normal_force, load;  ///< n x 2n: of N, and of its component along the load
+};
+
+/// What the object's approach does to touching nodes, each per unit of it.
+struct ApproachResponse {
+  ApproachResponse() = default;
+  ApproachResponse(const TouchingNodes& nodes, const Eigen::MatrixXd& stiffness,
+                   const TangentialResponse& tangential);
+
+  Eigen::VectorXd displacement;        ///< 2n, along the tangents, against the object
+  Eigen::VectorXd normal_force, load;  ///< n
+};
+
 /// Full slip with a rigid velocity of the object, v = (v_x, v_y) + omega e_z x x: each node carries
 /// mu N along the part of v in its tangent plane. N is that of the frictionless contact. So a turn
 /// has the torque mu sum N r, and a shift the force mu sum N sqrt(1 - n_x²), larger than mu P by
@@ -36,8 +57,8 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
 /// no other one comes to touch. In the linear limit this is `FrictionalContact::slide`.
 class SuperposedSlide {
  public:
-  /// Factorises the layer's tangent four times, for motions odd or even in x and in y.
-  /// @pre the layer is a quarter
+  /// Factorises the layer's tangent: of a quarter four times, for motions odd or even in x and in
+  /// y; of a whole layer once.
   /// @throws ConvergenceError where the pressed state is not stable against such motions
   SuperposedSlide(FinitePressing& pressing, double friction_coefficient);
 
@@ -49,17 +70,11 @@ class SuperposedSlide {
   Slid slide(const PlaneMotion& velocity) const;
 
  private:
-  /// Of one parity: changes of the touching nodes' forces and places per tangential force on them.
-  struct Response {
-    Eigen::MatrixXd normal_force, load;  ///< n x 2n: of N, and of its component along the load
-    Eigen::MatrixXd displacement;        ///< 2n x 2n, along the tangents
-  };
-
   TouchingNodes nodes_;
+  int images_;  ///< of what is meshed: 4 of a quarter, 1 of a whole layer
   double friction_coefficient_;
-  Eigen::VectorXd cosine_;  ///< of the object's slope at each node
-  std::vector<Response> responses_;
-  Eigen::VectorXd normal_by_approach_, load_by_approach_;  ///< n: per approach of the object
+  std::vector<TangentialResponse> responses_;  ///< per parity
+  ApproachResponse approach_;
 };
 
 /// A twist about the normal through the contact's centre, from stick to full slip at constant load.
@@ -67,11 +82,13 @@ class SuperposedSlide {
 /// Of the object's turn theta the surface would follow w_0 theta without friction: nothing under an
 /// object of revolution, with any other one the change of its heights. Tangential forces q and slip
 /// s then obey, with the normals held on the object, C q + s = (e_z x x - w_0) theta along the
-/// tangents, and Coulomb's law by `solve_friction`. Reaction of the object: an odd change of the
-/// pressure, which moves no torque to first order; the limits leave it out.
+/// tangents, and Coulomb's law by `solve_friction`. Reaction of the object: where the contact is
+/// symmetric an odd change of the pressure, which moves no torque to first order; the limits leave
+/// it out. Elsewhere the limits are those of the pressure as friction moves it, as for
+/// `SuperposedSlide`; what the turned object's heights change of it by themselves is left out.
 class SuperposedTwist {
  public:
-  /// Factorises the layer's tangent for motions odd in x and y.
+  /// Factorises the layer's tangent, of a quarter for motions odd in x and y.
   /// @throws ConvergenceError where the pressed state is not stable against a twist
   SuperposedTwist(FinitePressing& pressing, double friction_coefficient);
 
@@ -79,7 +96,7 @@ class SuperposedTwist {
   double stiffness() const;
 
   /// Turns the object from where it is to this angle, one increment with the slip law at its end.
-  /// @throws ConvergenceError from `solve_friction`
+  /// @throws ConvergenceError from `solve_friction`, or when pressure and friction do not settle
   void turn_to(double angle_rad);
 
   /// Moment of friction's forces about the normal through the centre, E h³.
@@ -90,7 +107,7 @@ class SuperposedTwist {
   double stored_energy() const;
   /// Of all increments: friction's forces times their slip, E h³.
   double dissipated_energy() const { return dissipated_; }
-  /// Sum of the nodal normal forces' odd change by friction, in magnitude, over the load.
+  /// Sum of the nodal normal forces' change by friction, in magnitude, over the load.
   double pressure_change() const;
   /// Largest tangential displacement of a touching node, in h.
   double largest_displacement() const;
@@ -99,15 +116,25 @@ class SuperposedTwist {
   const Eigen::VectorXd& frictionless() const { return frictionless_; }
 
  private:
+  SuperposedTwist(const FinitePressing& pressing, double friction_coefficient,
+                  const Eigen::MatrixXd& stiffness);
+
+  /// Finds friction and the limits that the pressure has as friction moves it.
+  /// @param rub  finds friction from the limits
+  void settle(const std::function<void()>& rub);
+
   TouchingNodes nodes_;
   int copies_;
+  double friction_coefficient_;
   Eigen::VectorXd area_, limit_;
-  Eigen::MatrixXd stiffness_;   ///< 3 n x 3 n, of the superposed motions
-  Eigen::MatrixXd compliance_;  ///< 2 n x 2 n along the tangents, normals held
+  TangentialResponse response_;
+  Eigen::MatrixXd compliance_;  ///< 2 n x 2 n along the tangents, normals held; no zero on it
+  ApproachResponse approach_;   ///< of a whole contact
   Eigen::VectorXd turn_;        ///< 2 n: e_z x x along the tangents
   Eigen::VectorXd frictionless_;
   Eigen::VectorXd force_, slip_;  ///< 2 n: on the layer; of the object against the layer
   double angle_ = 0, dissipated_ = 0;
+  double approached_ = 0;  ///< by the object, to keep its load
 };
 
 }  // namespace softfinger::fem::finite

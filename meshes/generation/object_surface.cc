@@ -82,6 +82,7 @@ class TriangulatedObject : public ObjectSurface {
     if (!hit) return std::nullopt;
     return hit->point.z();
   }
+  bool faceted() const override { return true; }
 
  private:
   PlacedSurface surface_;

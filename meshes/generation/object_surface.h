@@ -16,6 +16,9 @@ class ObjectSurface {
 
   /// Height of the surface above the contact plane z = 0; null where it has none over (x, y).
   virtual std::optional<double> height(double x, double y) const = 0;
+
+  /// Whether it has edges: what needs a slope has to smooth it.
+  virtual bool faceted() const { return false; }
 };
 
 /// Height 0.

@@ -1,0 +1,259 @@
+// Contacts without symmetry at finite strain, on all of the layer: against the quarter, against
+// linear elasticity for small loads, and against what has to hold for any.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "fem/finite/deformed_contact.h"
+#include "fem/finite/finite_pressing.h"
+#include "fem/pressing.h"
+#include "fem/reference_solver.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/generation/pad_surface.h"
+
+namespace softfinger::fem {
+namespace {
+
+using finite::DeformedContact;
+using finite::FinitePressing;
+using finite::MaterialChoice;
+
+const Progress silent = [](const std::string&) {};
+
+/// A mesh with cells of a third of the contact.
+LayerDiscretisation mesh_for(double a, double b) {
+  LayerDiscretisation mesh;
+  mesh.a = a;
+  mesh.b = b;
+  mesh.elements_per_semi_axis = 3;
+  mesh.patch = 1.6;
+  mesh.extent = 2;
+  return mesh;
+}
+
+FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> object,
+                           const LayerDiscretisation& mesh, std::shared_ptr<const LayerShape> shape,
+                           double poisson_ratio, bool whole = true,
+                           const MaterialChoice& choice = {}) {
+  return {std::make_shared<finite::FiniteLayer>(mesh, std::move(shape), whole,
+                                                finite::make_material(choice, 1.0, poisson_ratio)),
+          std::move(object)};
+}
+
+/// The layer on a finger, in units of its thickness.
+std::shared_ptr<const LayerShape> bent_onto(std::shared_ptr<const meshes::PadSurface> pad,
+                                            LayerDiscretisation& mesh) {
+  Fingertip fingertip;
+  fingertip.pad = std::move(pad);
+  const FingertipShape bent = shape_fingertip(fingertip, 1);
+  mesh.reach_x = bent.reach_x;
+  mesh.reach_y = bent.reach_y;
+  return bent.shape;
+}
+
+std::unique_ptr<const finite::RigidObject> sampled(
+    std::shared_ptr<const meshes::ObjectSurface> object) {
+  // Quadrics have no error from it: wide, against round-off.
+  constexpr double step = 0.1;
+  return finite::sampled([object](double x, double y) { return object->height(x, y); }, step);
+}
+
+/// Two presses that Newton's method ends at 1e-9, through factors of condition about 1e5 whose
+/// springs cost two digits.
+constexpr double kSameDiscretisation = 1e-7;
+
+void expect_the_same(FinitePressing& quarter, FinitePressing& whole, double approach) {
+  for (FinitePressing* pressing : {&quarter, &whole}) pressing->press({0, approach});
+  const finite::Equilibrium &expected = quarter.equilibrium(), &found = whole.equilibrium();
+  EXPECT_NEAR(found.load / expected.load, 1, kSameDiscretisation);
+  EXPECT_NEAR(found.energy / expected.energy, 1, kSameDiscretisation);
+  EXPECT_NEAR(found.moment_a / expected.moment_a, 1, kSameDiscretisation);
+  EXPECT_NEAR(found.moment_b / expected.moment_b, 1, kSameDiscretisation);
+  const DeformedContact fitted = measure(quarter), measured = measure(whole);
+  EXPECT_NEAR(measured.torque_arm / fitted.torque_arm, 1, kSameDiscretisation);
+  EXPECT_NEAR(measured.projected_arm / fitted.projected_arm, 1, kSameDiscretisation);
+  EXPECT_NEAR(measured.turn_rad, 0, 1e-6);
+  // What is stated for the edge between nodes, and for the fit on so coarse a mesh.
+  const double of_edge = 0.1 / quarter.layer().discretisation().elements_per_semi_axis;
+  constexpr double of_fit = 0.01;
+  EXPECT_NEAR(measured.a / fitted.a, 1, of_edge + of_fit);
+  EXPECT_NEAR(measured.b / fitted.b, 1, of_edge + of_fit);
+  EXPECT_NEAR(measured.area / fitted.area, 1, 2 * (of_edge + of_fit));
+}
+
+TEST(FiniteWhole, IsTheQuarterOfASymmetricContact) {
+  LayerDiscretisation mesh = mesh_for(1.4, 0.9);
+  auto quarter = layer_under(finite::quadric(8, 4), mesh, nullptr, 0.49, false);
+  auto whole = layer_under(finite::quadric(8, 4), mesh, nullptr, 0.49);
+  expect_the_same(quarter, whole, 0.2);
+  mesh = mesh_for(1.3, 1.2);
+  const auto shape = bent_onto(meshes::ellipsoid_pad(6, 5), mesh);
+  auto bent_quarter = layer_under(finite::sphere(20), mesh, shape, 0.3, false);
+  auto bent_whole = layer_under(finite::sphere(20), mesh, shape, 0.3);
+  expect_the_same(bent_quarter, bent_whole, 0.2);
+}
+
+TEST(FiniteWhole, TurnsWithFingerAndObject) {
+  // The layer's mesh does not turn: its error, of cells of a third of the contact; and for a and b
+  // what both state for an edge between nodes.
+  constexpr double angle = 0.4, meshes_error = 0.02, of_edges = 2 * 0.1 / 3;
+  DeformedContact contact[2];
+  double load[2];
+  for (const int i : {0, 1}) {
+    LayerDiscretisation mesh = mesh_for(1.4, 1.1);
+    const auto shape = bent_onto(meshes::paraboloid_pad(9, 5, i * angle), mesh);
+    auto pressing =
+        layer_under(sampled(meshes::quadric_object(40, 12, i * angle)), mesh, shape, 0.45);
+    pressing.press({0, 0.2});
+    contact[i] = measure(pressing);
+    load[i] = pressing.equilibrium().load;
+  }
+  EXPECT_NEAR(load[1] / load[0], 1, meshes_error);
+  EXPECT_NEAR(contact[1].a / contact[0].a, 1, of_edges);
+  EXPECT_NEAR(contact[1].b / contact[0].b, 1, of_edges);
+  EXPECT_NEAR(contact[1].torque_arm / contact[0].torque_arm, 1, meshes_error);
+  EXPECT_NEAR(contact[1].turn_rad - contact[0].turn_rad, angle, meshes_error);
+}
+
+TEST(FiniteWhole, WorkOfTheIndenterIsTheStrainEnergy) {
+  // As for the quarter: Boole's rule, and the kinks where nodes begin to touch.
+  for (const double nu : {0.3, 0.4999}) {
+    LayerDiscretisation mesh = mesh_for(1.6, 1.0);
+    const auto shape = bent_onto(meshes::tapered_pad(8, 4, 0.1), mesh);
+    auto pressing = layer_under(finite::quadric(30, 12), mesh, shape, nu);
+    double energy[5], load[5];
+    constexpr double start = 0.2, step = 1e-3;
+    for (int i = 0; i < 5; ++i) {
+      pressing.press({0, start + i * step});
+      energy[i] = pressing.equilibrium().energy;
+      load[i] = pressing.equilibrium().load;
+    }
+    const double work =
+        2 * step / 45 * (7 * load[0] + 32 * load[1] + 12 * load[2] + 32 * load[3] + 7 * load[4]);
+    EXPECT_NEAR(work / (energy[4] - energy[0]), 1, step / (320 * start)) << nu;
+  }
+}
+
+TEST(SmoothedObject, IsASmoothSurfaceThroughTheFacets) {
+  // Of planes nothing changes; a quadric keeps its slope and curvature and moves along the load.
+  constexpr double spacing = 0.05, slope = 0.3, curvature = 0.2;
+  const auto object = finite::smoothed(
+      [](double x, double y) { return slope * x + 0.5 * curvature * (x * x + y * y); }, spacing);
+  const auto at = object->over(0.123, -0.456);
+  ASSERT_TRUE(at);
+  EXPECT_NEAR(at->slope.x(), slope + curvature * 0.123, 1e-12);
+  EXPECT_NEAR(at->slope.y(), curvature * -0.456, 1e-12);
+  EXPECT_NEAR((at->curvature - curvature * Eigen::Matrix2d::Identity()).norm(), 0, 1e-9);
+  EXPECT_NEAR(at->height,
+              slope * 0.123 + 0.5 * curvature * (0.123 * 0.123 + 0.456 * 0.456) +
+                  spacing * spacing * curvature / 3,
+              1e-12);
+  // Across an edge slope and curvature are the height's own derivatives, without a jump.
+  const auto edge =
+      finite::smoothed([](double x, double y) { return std::abs(x + 0.3 * y); }, spacing);
+  constexpr double step = 1e-5;
+  for (double x = -0.2; x < 0.2; x += 0.013) {
+    const auto here = edge->over(x, 0.1), there = edge->over(x + step, 0.1);
+    EXPECT_NEAR((there->height - here->height) / step, here->slope.x(), 50 * step);
+    EXPECT_NEAR((there->slope.x() - here->slope.x()) / step, here->curvature(0, 0), 2000 * step);
+  }
+}
+
+/// A sphere's lower half in facets, as a scan has them.
+class FacetedSphere : public meshes::ObjectSurface {
+ public:
+  FacetedSphere(double radius, double facet)
+      : sphere_(meshes::sphere_object(radius)), facet_(facet) {}
+  std::optional<double> height(double x, double y) const override {
+    const double column = std::floor(x / facet_), row = std::floor(y / facet_);
+    const double u = x / facet_ - column, v = y / facet_ - row;
+    const auto corner = [&](double i, double j) {
+      return sphere_->height(facet_ * (column + i), facet_ * (row + j)).value();
+    };
+    return u > v ? corner(0, 0) + u * (corner(1, 0) - corner(0, 0)) +
+                       v * (corner(1, 1) - corner(1, 0))
+                 : corner(0, 0) + v * (corner(0, 1) - corner(0, 0)) +
+                       u * (corner(1, 1) - corner(0, 1));
+  }
+  bool faceted() const override { return true; }
+
+ private:
+  std::unique_ptr<const meshes::ObjectSurface> sphere_;
+  double facet_;
+};
+
+TEST(FiniteWhole, FacetedObjectIsTheSmoothOneWithinItsFacets) {
+  // Facets of 0.3 h, with edges of 0.06 rad, on a sphere of R = 5 h: within facet²/(4 R), seen from
+  // the first touch.
+  constexpr double h = 2e-3, R = 5 * h, facet = 0.3 * h;
+  Problem problem;
+  problem.contact = {{R * 0.8, R * 0.6, 0}, {h, 3e5, 0.45}, {0, 0.5}};
+  problem.approach_m = 0.15 * h;
+  problem.level = 1;
+  problem.finite_strain = MaterialChoice();
+  problem.fingertip.pad = meshes::tapered_pad(4 * R, 2 * R, 0.02 / h);
+  problem.fingertip.pad_name = "tapered";
+  problem.fingertip.object = meshes::sphere_object(R);
+  const Result smooth = solve(problem, silent);
+  problem.fingertip.object = std::make_shared<FacetedSphere>(R, facet);
+  const Result faceted = solve(problem, silent);
+  const double of_facets = facet * facet / (4 * R) / problem.approach_m;
+  // The load goes with the approach's power 3/2 to 2 or so.
+  EXPECT_NEAR(faceted.finest.load_N / smooth.finest.load_N, 1,
+              2.5 * of_facets + smooth.error.load + faceted.error.load);
+  EXPECT_NEAR(faceted.finest.a_m / smooth.finest.a_m, 1,
+              of_facets + smooth.error.a + faceted.error.a);
+  EXPECT_GT(smooth.error.a, 0.015);  // as stated for whole contacts
+}
+
+/// What finite strain finds over what linear elasticity does on one mesh, less one. The finger's
+/// and the object's radii go with the approach, so that the contact's size does not.
+struct Departure {
+  double load, torque_arm, peak, stretch, turn_rad;
+  double a;
+};
+
+Departure departure(double approach) {
+  constexpr double nu = 0.45;
+  LayerDiscretisation mesh = mesh_for(1.2, 0.8);
+  Pressing pressing;
+  pressing.fingertip.pad = meshes::tapered_pad(1.2 / approach, 0.6 / approach, 0.3 * approach);
+  pressing.fingertip.object = meshes::quadric_object(3 / approach, 1 / approach, 0.5);
+  pressing.approach = approach;
+  pressing.poisson_ratio = nu;
+  pressing.bent = shape_fingertip(pressing.fingertip, 1);
+  const Pressed linear = press_on(make_layer(mesh, pressing), pressing);
+  const ContactShape shape = measure_shape(linear, pressing);
+  // About the undeformed state this energy has the very element of linear elasticity.
+  MaterialChoice choice;
+  choice.volumetric = finite::VolumetricLaw::logarithmic;
+  auto finite_strain =
+      layer_under(sampled(pressing.fingertip.object), mesh, pressing.bent.shape, nu, true, choice);
+  finite_strain.press({0, approach});
+  const DeformedContact contact = measure(finite_strain);
+  return {finite_strain.equilibrium().load / linear.load() - 1,
+          contact.torque_arm / linear.torque_arm() - 1,
+          contact.peak / shape.peak - 1,
+          (contact.a / contact.b) / (shape.a / shape.b) - 1,
+          contact.turn_rad - shape.turn_rad,
+          contact.a / shape.a - 1};
+}
+
+TEST(FiniteWhole, IsLinearElasticityForSmallLoads) {
+  const Departure at_2 = departure(1e-3), at_1 = departure(5e-4);
+  for (double Departure::*quantity : {&Departure::load, &Departure::torque_arm, &Departure::peak,
+                                      &Departure::stretch, &Departure::turn_rad}) {
+    EXPECT_LT(std::abs(at_2.*quantity), 1e-3);
+    // It departs in proportion to the load: nothing else is left.
+    EXPECT_NEAR(at_1.*quantity / (at_2.*quantity), 0.5, 0.02);
+  }
+  // The area is by other means: what both state, on a mesh of three cells.
+  EXPECT_NEAR(at_2.a, 0, 0.03 + 0.1 / 3);
+}
+
+}  // namespace
+}  // namespace softfinger::fem
