@@ -113,11 +113,7 @@ class Levels {
   FinitePressing pressed(const LayerDiscretisation& mesh) const {
     check_reach(mesh);
     FinitePressing result(
-<<<<<<< HEAD
-        std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape, /*whole=*/false, materials_),
-=======
-        std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape, pressing_.whole(), material_),
->>>>>>> whole
+        std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape, pressing_.whole(), materials_),
         object_);
     try {
       result.press({pressing_.load, pressing_.approach});

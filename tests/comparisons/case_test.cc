@@ -145,7 +145,7 @@ TEST(Case, RefusesSublayersThatMakeNoSense) {
   };
   EXPECT_NE(message(sublayer_case(kSkin + kSkin)).find("each name once"), std::string::npos);
   EXPECT_NE(message(sublayer_case(kSkin + "[[layer]]\nthickness_mm = 1\n"))
-                .find("[[layer]] needs youngs_modulus_kPa"),
+                .find("[[layer]] has no youngs_modulus_kPa"),
             std::string::npos)
       << message(sublayer_case(kSkin + "[[layer]]\nthickness_mm = 1\n"));
   EXPECT_NE(message(sublayer_case(kSkin + kPulp + "material = \"yeoh\"\n")).find("material"),
