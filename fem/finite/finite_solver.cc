@@ -138,6 +138,23 @@ class Levels {
     return result;
   }
 
+  /// An object that ends within the contact has an edge there, which is no contact of two smooth
+  /// surfaces any more.
+  void check_covered(const FinitePressing& pressing) const {
+    const Equilibrium& found = pressing.equilibrium();
+    const auto& nodes = pressing.layer().nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (std::hypot(nodes[i].x / found.moment_a, nodes[i].y / found.moment_b) > 1) continue;
+      const Eigen::Vector3d at = pressing.layer().position(i);
+      if (object_->over(at.x(), at.y())) continue;
+      const double h = pressing_.thickness_m;
+      throw InputError(problem_.name, "object",
+                       text("no surface at x %.4g mm", 1e3 * h * at.x()) +
+                           text(", y %.4g mm from the contact point", 1e3 * h * at.y()),
+                       "an object that covers the contact, or less load: the finger slides off");
+    }
+  }
+
   /// Coarse meshes until mesh and contact agree in size.
   LayerDiscretisation find_size() const {
     LayerDiscretisation mesh = first_guess(pressing_);
@@ -157,6 +174,7 @@ class Levels {
                 std::to_string(trial.history().iterations) +
                 (found.reaches_rim ? ", contact at the rim" : ""));
       if (!found.reaches_rim && change < 0.08) {
+        check_covered(trial);
         const DeformedContact contact = measure(trial);
         mesh.a = rounded(contact.block_a);
         mesh.b = rounded(contact.block_b);
