@@ -14,6 +14,7 @@
 #include "fem/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
 namespace {
@@ -208,6 +209,38 @@ TEST(FiniteWhole, FacetedObjectIsTheSmoothOneWithinItsFacets) {
   EXPECT_NEAR(faceted.finest.a_m / smooth.finest.a_m, 1,
               of_facets + smooth.error.a + faceted.error.a);
   EXPECT_GT(smooth.error.a, 0.015);  // as stated for whole contacts
+}
+
+/// A table that ends.
+class Ledge : public meshes::ObjectSurface {
+ public:
+  explicit Ledge(double edge) : edge_(edge) {}
+  std::optional<double> height(double x, double) const override {
+    return x < edge_ ? std::optional<double>(0) : std::nullopt;
+  }
+
+ private:
+  double edge_;
+};
+
+TEST(FiniteWhole, ObjectThatEndsInTheContactIsRefused) {
+  constexpr double h = 2e-3, R = 5 * h;
+  Problem problem;
+  problem.contact = {{R, R, 0}, {h, 3e5, 0.45}, {0, 0.5}};
+  problem.approach_m = 0.1 * h;
+  problem.level = 1;
+  problem.finite_strain = MaterialChoice();
+  problem.fingertip.pad = meshes::sphere_pad(R);
+  problem.fingertip.pad_name = "sphere";
+  // The contact's radius is 0.8 h or so.
+  problem.fingertip.object = std::make_shared<Ledge>(0.4 * h);
+  try {
+    solve(problem, silent);
+    FAIL() << "no refusal";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("covers the contact"), std::string::npos)
+        << error.what();
+  }
 }
 
 /// What finite strain finds over what linear elasticity does on one mesh, less one. The finger's

@@ -85,8 +85,9 @@ class FiniteStrainLayer final : public PressureModel {
                              kLeastPoissonRatio, false,
                              "Poisson's ratio is below those that the correction was fitted to"});
     prediction.validity.add(
-        {"round_contact", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300), 1.1, true,
-         "the correction was fitted to round contacts; elongated ones have no stated error"});
+        {"round_contact", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300), 1.67,
+         true,
+         "the correction was judged on R'/R'' up to 5/3; longer contacts have no stated error"});
     return finite_or_no_answer(prediction);
   }
 
