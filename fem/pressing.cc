@@ -14,6 +14,10 @@ namespace softfinger::fem {
 
 using Eigen::Index;
 
+std::vector<ElasticConstants> Pressing::materials() const {
+  return sublayers.empty() ? std::vector<ElasticConstants>{{1, poisson_ratio}} : sublayers;
+}
+
 bool Pressing::whole() const {
   return mesh || (fingertip && !(fingertip.symmetric_object && bent.shape->symmetric()));
 }
@@ -90,10 +94,10 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
                                              const Pressing& pressing) {
   if (pressing.mesh)
-    return std::make_shared<const LayerModel>(discretisation, pressing.sublayers, *pressing.mesh,
+    return std::make_shared<const LayerModel>(discretisation, pressing.materials(), *pressing.mesh,
                                               pressing.thickness_m);
-  return std::make_shared<const LayerModel>(discretisation, pressing.sublayers, pressing.bent.shape,
-                                            pressing.whole());
+  return std::make_shared<const LayerModel>(discretisation, pressing.materials(),
+                                            pressing.bent.shape, pressing.whole());
 }
 
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {

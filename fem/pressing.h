@@ -20,11 +20,14 @@ struct Pressing {
   /// Depths of the interfaces between bonded sublayers, and what these are made of, from the
   /// surface on.
   std::vector<double> interfaces;
-  std::vector<ElasticConstants> sublayers;
+  std::vector<ElasticConstants> sublayers;  ///< none: homogeneous
   double thickness_m = 1;
   Fingertip fingertip;  ///< none: a flat layer, and the gap of the relative radii
   FingertipShape bent;
   std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
+
+  /// Of the sublayers, or of the homogeneous layer.
+  std::vector<ElasticConstants> materials() const;
 
   /// All of the layer has to be meshed: finger or object has no symmetry about x = 0 and y = 0.
   bool whole() const;

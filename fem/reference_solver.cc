@@ -312,9 +312,6 @@ void set_sublayers(const Problem& problem, Pressing& pressing) {
   };
   const ElasticLayer& layer = problem.contact.layer;
   pressing.poisson_ratio = compressible(layer.poisson_ratio);
-  pressing.sublayers = {{1, pressing.poisson_ratio}};
-  if (problem.sublayers.empty()) return;
-  pressing.sublayers.clear();
   double depth_m = 0;
   for (const Sublayer& sublayer : problem.sublayers) {
     pressing.sublayers.push_back({sublayer.layer.youngs_modulus_Pa / layer.youngs_modulus_Pa,
@@ -449,7 +446,7 @@ Result solve_with(ModelCache& models, Meshes allowed, const Problem& problem,
   const ElasticLayer& layer = problem.contact.layer;
   const double h = layer.thickness_m;
   const Pressing pressing = pressing_of(problem);
-  LayerIdentity identity{pressing.sublayers, pressing.interfaces, "", pressing.whole(),
+  LayerIdentity identity{pressing.materials(), pressing.interfaces, "", pressing.whole(),
                          problem.level};
   if (problem.mesh) identity.fingertip = problem.mesh_name + text(", h %.17g", h);
   if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + text(", h %.17g", h);

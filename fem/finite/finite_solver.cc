@@ -46,12 +46,11 @@ void check_approach(const Problem& problem, const Pressing& pressing) {
 std::vector<std::shared_ptr<const Material>> materials_of(const Problem& problem,
                                                           const Pressing& pressing) {
   std::vector<std::shared_ptr<const Material>> result;
-  for (std::size_t i = 0; i < pressing.sublayers.size(); ++i) {
-    const auto& [youngs_ratio, poisson_ratio] = pressing.sublayers[i];
-    result.push_back(make_material(
-        problem.sublayers.empty() ? *problem.finite_strain : problem.sublayers[i].material,
-        youngs_ratio, poisson_ratio));
-  }
+  for (const auto& [youngs_ratio, poisson_ratio] : pressing.materials())
+    result.push_back(make_material(problem.sublayers.empty()
+                                       ? *problem.finite_strain
+                                       : problem.sublayers[result.size()].material,
+                                   youngs_ratio, poisson_ratio));
   return result;
 }
 

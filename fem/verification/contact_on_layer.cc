@@ -155,7 +155,6 @@ Pressing pressing_of(const Problem& problem) {
       problem.contact.load.normal_force_N / (problem.contact.layer.youngs_modulus_Pa * h * h);
   // As the solver does: the condensed pressure takes a finite bulk modulus.
   pressing.poisson_ratio = std::min(problem.contact.layer.poisson_ratio, 0.5 - 1e-8);
-  pressing.sublayers = {{1, pressing.poisson_ratio}};
   pressing.thickness_m = h;
   pressing.fingertip = problem.fingertip;
   if (problem.fingertip) pressing.bent = shape_fingertip(problem.fingertip, h);
