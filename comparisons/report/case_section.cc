@@ -369,6 +369,7 @@ std::string model_key(const Json& report, const std::string& model) {
       drawn.colour, model == "fem" ? "3.5" : "2.5", drawn.dash, escape(label(model)));
 }
 
+/// As it was typed.
 std::string layer_text(const Json& layer) {
   return fmt::format("{} mm, E {} kPa, ν {}", plain(number(layer, "thickness_m"), 1e3),
                      plain(number(layer, "youngs_modulus_Pa"), 1e-3),
@@ -393,11 +394,14 @@ std::string case_section(const Json& report, const Json& report_case) {
     out += "From the surface inwards: ";
     for (const Json& sublayer : sublayers)
       out += fmt::format("{} {}, ", escape(text(sublayer, "name")), layer_text(sublayer));
-    out += "bonded · for the models on average ";
+    out += fmt::format("bonded · for the models on average {} mm, E {} kPa, ν {}",
+                       plain(number(layer, "thickness_m"), 1e3),
+                       significant(number(layer, "youngs_modulus_Pa"), 1e-3, 3),
+                       significant(number(layer, "poisson_ratio"), 1, 3));
   } else {
-    out += "Layer ";
+    out += "Layer " + layer_text(layer);
   }
-  out += fmt::format("{} · friction coefficient {}</p>\n", layer_text(layer),
+  out += fmt::format(" · friction coefficient {}</p>\n",
                      plain(number(report_case, "friction_coefficient")));
   if (loads.is_array() && loads.size() > 1) {
     // Without JavaScript every load is shown and nothing needs to be chosen: the script reveals it.
