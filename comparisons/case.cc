@@ -305,11 +305,8 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
     result.fem_mesh_metres_per_unit =
         reader.choice(*unit, "mesh_unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
   if (const toml::node* kinematics = table.get("kinematics"))
-    if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite") {
-      if (!result.fem_mesh.empty())
-        reader.refuse(*kinematics, "kinematics", "\"linear\" with a mesh of the layer");
+    if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite")
       result.fem_finite = FiniteStrain();
-    }
 }
 
 /// What only finite strain has in the table of a layer.

@@ -57,7 +57,8 @@ struct SurfaceNode {
 };
 
 /// A finest face of the surface, an axis-parallel rectangle, with the nodes of its biquadratic
-/// shape functions (index x + 3 y; -1 where the node cannot be touched).
+/// shape functions (index x + 3 y; -1 where the node cannot be touched). On a mesh from outside it
+/// is the unit square of its own coordinates, wherever it lies.
 struct SurfaceFace {
   double x = 0, y = 0, size_x = 0, size_y = 0;
   std::array<int, 9> node;

@@ -420,6 +420,10 @@ void LayerSpace::collect_surface(const std::vector<dealii::Point<dim>>& support)
       if (!touchable) continue;
       faces.push_back(surface);
       face_dofs.push_back(dofs_of_nodes);
+      face_places.emplace_back();
+      for (std::size_t k = 0; k < 9; ++k)
+        face_places.back()[k] = {surface.x + 0.5 * static_cast<double>(k % 3) * surface.size_x,
+                                 surface.y + 0.5 * static_cast<double>(k / 3) * surface.size_y, 0};
     }
 }
 
@@ -454,10 +458,20 @@ void LayerSpace::collect_meshed_surface(const std::vector<dealii::Point<dim>>& s
         continue;
       values.reinit(cell, f);
       cell->get_dof_indices(indices);
+      SurfaceFace surface{0, 0, 1, 1, {}};
+      surface.node.fill(-1);
+      std::array<std::array<Dof, 3>, 9> dofs_of_nodes{};
+      std::array<Eigen::Vector3d, 9> places;
       for (unsigned int i = 0; i < indices.size(); ++i) {
         const unsigned int c = element.system_to_component_index(i).first;
         if (!element.has_support_on_face(i, f)) continue;
         const auto& point = support[indices[i]];
+        // The cell's own coordinates along the face, of which f / 2 is constant.
+        const auto& unit = element.unit_support_point(i);
+        const auto place = static_cast<std::size_t>(std::lround(2 * unit[f / 2 == 0 ? 1 : 0]) +
+                                                    3 * std::lround(2 * unit[f / 2 == 2 ? 1 : 2]));
+        dofs_of_nodes[place][c] = indices[i];
+        places[place] = {point[0], point[1], point[2]};
         const double x = point[0] / patch_x, y = point[1] / patch_y;
         if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
         const auto [entry, is_new] =
@@ -473,6 +487,7 @@ void LayerSpace::collect_meshed_surface(const std::vector<dealii::Point<dim>>& s
           node_dofs.emplace_back();
         }
         const auto index = static_cast<std::size_t>(entry->second);
+        surface.node[place] = entry->second;
         node_dofs[index][c] = indices[i];
         if (c != 2) continue;
         for (const unsigned int q : values.quadrature_point_indices()) {
@@ -482,6 +497,9 @@ void LayerSpace::collect_meshed_surface(const std::vector<dealii::Point<dim>>& s
           nodes[index].normal += area * Eigen::Vector3d(normal[0], normal[1], normal[2]);
         }
       }
+      faces.push_back(surface);
+      face_dofs.push_back(dofs_of_nodes);
+      face_places.push_back(places);
     }
   for (SurfaceNode& node : nodes) {
     node.normal.normalize();

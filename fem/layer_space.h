@@ -59,8 +59,10 @@ struct LayerSpace {
   std::vector<std::array<Dof, 3>> node_dofs;      ///< of each surface node
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
-  /// Of all nine nodes of each face, those that cannot be touched included.
+  /// Of all nine nodes of each face, those that cannot be touched included, and where they are: in
+  /// the block, or on a mesh from outside in space.
   std::vector<std::array<std::array<Dof, 3>, 9>> face_dofs;
+  std::vector<std::array<Eigen::Vector3d, 9>> face_places;
   std::vector<int> surface_node;  ///< per dof; -1 elsewhere
   std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
 

@@ -142,14 +142,8 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   for (Index i = 0; i < count; ++i) {
     const double force = pressed.contact.force[i];
     if (force <= 0) continue;
-    if (nodes[static_cast<std::size_t>(i)].at_end) {
-      char place[80];
-      std::snprintf(place, sizeof place, "ends at x %.4g mm, y %.4g mm",
-                    1e3 * pressing.thickness_m * nodes[static_cast<std::size_t>(i)].x,
-                    1e3 * pressing.thickness_m * nodes[static_cast<std::size_t>(i)].y);
-      throw InputError("mesh of the layer", "physical surface \"contact\"", place,
-                       "one that covers the contact, which reaches that end; or a smaller load");
-    }
+    if (nodes[static_cast<std::size_t>(i)].at_end)
+      refuse_end_of_surface(nodes[static_cast<std::size_t>(i)], pressing.thickness_m);
     const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
     const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
     xx += force * x * x;
@@ -163,6 +157,14 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   pressed.moment_a = std::sqrt(5.4 * xx / total);
   pressed.moment_b = std::sqrt(5.4 * yy / total);
   return pressed;
+}
+
+void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {
+  char place[80];
+  std::snprintf(place, sizeof place, "ends at x %.4g mm, y %.4g mm", 1e3 * thickness_m * node.x,
+                1e3 * thickness_m * node.y);
+  throw InputError("mesh of the layer", "physical surface \"contact\"", place,
+                   "one that covers the contact, which reaches that end; or a smaller load");
 }
 
 PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::VectorXd& force) {

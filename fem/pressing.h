@@ -55,6 +55,10 @@ struct Pressed {
   double torque_arm() const;
 };
 
+/// Of a mesh from outside, whose surface ends at a node that an object touches.
+/// @throws InputError
+[[noreturn]] void refuse_end_of_surface(const SurfaceNode& node, double thickness_m);
+
 /// Semi-axes to begin meshing with: half-space and thin-layer stiffness added. It decides how
 /// many meshes are tried, never the result.
 LayerDiscretisation first_guess(const Pressing& pressing);

@@ -69,6 +69,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   State start;
   dealii::Vector<double> step;
 
+  void set_up(std::vector<std::shared_ptr<const Material>> of_sublayers);
   void set_geometries();
   Eigen::VectorXd displacement_of(const std::vector<Dof>& indices,
                                   const dealii::Vector<double>& field) const;
@@ -141,20 +142,29 @@ FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
                          std::shared_ptr<const LayerShape> shape, bool whole,
                          std::vector<std::shared_ptr<const Material>> materials)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
-  auto& self = *implementation_;
-  self.materials = std::move(materials);
-  self.require_unconstrained_surface();
-  self.set_geometries();
-  dealii::DynamicSparsityPattern dynamic(self.dofs.n_dofs());
-  dealii::DoFTools::make_sparsity_pattern(self.dofs, dynamic, self.constraints,
-                                          /*keep_constrained=*/false);
-  self.pattern.copy_from(dynamic);
-  self.stiffness.reinit(self.pattern);
-  self.free = self.free_unknowns(Parity{});
-  for (const auto& dofs_of_node : self.node_dofs)
-    self.normal_unknowns.push_back(self.free.of_dof[dofs_of_node[2]]);
-  self.state.displacement.reinit(self.dofs.n_dofs());
-  self.state.elements.resize(self.geometries.size());
+  implementation_->set_up(std::move(materials));
+}
+
+FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
+                         double thickness_m, std::vector<std::shared_ptr<const Material>> materials)
+    : implementation_(std::make_unique<Implementation>(discretisation, mesh, thickness_m)) {
+  implementation_->set_up(std::move(materials));
+}
+
+void FiniteLayer::Implementation::set_up(
+    std::vector<std::shared_ptr<const Material>> of_sublayers) {
+  materials = std::move(of_sublayers);
+  require_unconstrained_surface();
+  set_geometries();
+  dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
+  dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
+  pattern.copy_from(dynamic);
+  stiffness.reinit(pattern);
+  free = free_unknowns(Parity{});
+  for (const auto& dofs_of_node : node_dofs)
+    normal_unknowns.push_back(free.of_dof[dofs_of_node[2]]);
+  state.displacement.reinit(dofs.n_dofs());
+  state.elements.resize(geometries.size());
 }
 
 FiniteLayer::~FiniteLayer() = default;
@@ -178,11 +188,9 @@ Eigen::Vector3d FiniteLayer::position(std::size_t node) const {
 
 std::array<Eigen::Vector3d, 9> FiniteLayer::face_positions(std::size_t face) const {
   const auto& self = *implementation_;
-  const SurfaceFace& surface = self.faces[face];
   std::array<Eigen::Vector3d, 9> result;
   for (std::size_t k = 0; k < 9; ++k) {
-    result[k] = {surface.x + 0.5 * static_cast<double>(k % 3) * surface.size_x,
-                 surface.y + 0.5 * static_cast<double>(k / 3) * surface.size_y, 0};
+    result[k] = self.face_places[face][k];
     for (std::size_t c = 0; c < 3; ++c) {
       const Dof dof = self.face_dofs[face][k][c];
       result[k][static_cast<Eigen::Index>(c)] +=

@@ -36,6 +36,9 @@ class FiniteLayer {
               bool whole, std::shared_ptr<const Material> material)
       : FiniteLayer(discretisation, std::move(shape), whole,
                     std::vector<std::shared_ptr<const Material>>{std::move(material)}) {}
+  /// All of a layer whose coarse mesh comes from outside, as `LayerModel` has it.
+  FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
+              double thickness_m, std::vector<std::shared_ptr<const Material>> materials);
   ~FiniteLayer();
   FiniteLayer(const FiniteLayer&) = delete;
   FiniteLayer& operator=(const FiniteLayer&) = delete;

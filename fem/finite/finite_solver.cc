@@ -31,7 +31,6 @@ void check(const Problem& problem) {
     refuse("increments_to_slip", "0 with finite strain: full slip only");
   if (friction.torsion && (friction.twist_axis_x_m != 0 || friction.twist_axis_y_m != 0))
     refuse("twist_axis_m", "[0, 0] with finite strain: a twist about the contact's centre");
-  if (problem.mesh) refuse("mesh of the layer", "none with finite strain");
   if (!problem.compliance_file.empty())
     refuse("compliance_file", "none with finite strain, where it changes with the load");
 }
@@ -111,9 +110,12 @@ class Levels {
   /// A mesh pressed by all of the load.
   FinitePressing pressed(const LayerDiscretisation& mesh) const {
     check_reach(mesh);
-    FinitePressing result(
-        std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape, pressing_.whole(), materials_),
-        object_);
+    FinitePressing result(pressing_.mesh
+                              ? std::make_shared<FiniteLayer>(mesh, *pressing_.mesh,
+                                                              pressing_.thickness_m, materials_)
+                              : std::make_shared<FiniteLayer>(mesh, pressing_.bent.shape,
+                                                              pressing_.whole(), materials_),
+                          object_);
     try {
       result.press({pressing_.load, pressing_.approach});
     } catch (const ConvergenceError& error) {
@@ -134,6 +136,9 @@ class Levels {
                     " steep and the finger's surface slides off: less load or a larger object"
               : "the layer is nearly pressed through, or its surface folds: less load");
     }
+    for (const int node : result.touching_nodes().node)
+      if (const SurfaceNode& at = result.layer().nodes()[static_cast<std::size_t>(node)]; at.at_end)
+        refuse_end_of_surface(at, pressing_.thickness_m);
     return result;
   }
 
@@ -205,7 +210,7 @@ class Levels {
     const double h = pressing_.thickness_m, E = problem_.contact.layer.youngs_modulus_Pa;
     LevelResult& result = measured.result;
     result.level = level;
-    result.elements_per_semi_axis = mesh.elements_per_semi_axis;
+    result.elements_per_semi_axis = pressing.layer().discretisation().elements_per_semi_axis;
     result.unknowns = pressing.layer().unknowns();
     result.active_nodes = equilibrium.active;
     result.iterations = pressing.history().iterations;
@@ -396,6 +401,9 @@ Result solve_finite(const Problem& problem, const Pressing& pressing, const Prog
   for (const int level : {problem.level - 1, problem.level}) {
     if (stop()) throw Interrupted();
     choose_elements(mesh, level);
+    // As in linear elasticity: a mesh from outside may be finer than the levels ask for.
+    if (problem.mesh && !result.levels.empty())
+      mesh.elements_per_semi_axis = 2 * result.levels.back().elements_per_semi_axis;
     progress("level " + std::to_string(level) + ": " + std::to_string(mesh.elements_per_semi_axis) +
              " elements per semi-axis");
     finest.reset();  // before the next one takes its memory

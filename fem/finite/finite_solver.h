@@ -10,8 +10,8 @@ namespace softfinger::fem::finite {
 /// @param problem   checked, with `finite_strain`
 /// @param pressing  the same in units of the layer
 /// @throws InputError for what finite strain does not have: partial slip on the way to the limit
-/// surface, twists about another axis than the centre's, meshes from outside, contacts without
-/// symmetry; ConvergenceError with the load that was reached; Interrupted
+/// surface, twists about another axis than the centre's; ConvergenceError with the load that was
+/// reached; Interrupted
 Result solve_finite(const Problem& problem, const Pressing& pressing, const Progress& progress,
                     const StopRequested& stop);
 

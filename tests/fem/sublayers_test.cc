@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
@@ -248,6 +249,54 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutside) {
         << error.what();
   }
   std::filesystem::remove(path);
+}
+
+TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "softfinger_finite_sublayers_test.msh").string();
+  tests::LayerMeshFile file;
+  constexpr double thickness_m = 2e-3;
+  // The contact's semi-axes are 1.3 mm or so: cells of a third of it.
+  file.block.inner_x = file.block.inner_y = 1.8;
+  file.block.cell_x = file.block.cell_y = 0.45;
+  file.block.length_x = file.block.length_y = 12;
+  file.block.sublayers = {{0.5, 1}, {1.5, 2}};
+  file.block.growth = 1.6;
+  file.layers = {"skin", "pulp"};
+  file.write(path);
+  const std::vector<std::shared_ptr<const finite::Material>> materials = {
+      finite::make_material({}, 4, 0.45), finite::make_material({}, 1, 0.48)};
+  LayerDiscretisation mesh;
+  mesh.a = mesh.b = 0.65;
+  mesh.elements_per_semi_axis = 3;
+  mesh.patch = 1.5;
+  constexpr double radius = 5, approach = 0.12;
+  const auto pressed = [&](std::shared_ptr<finite::FiniteLayer> layer) {
+    finite::FinitePressing pressing(std::move(layer), finite::sphere(radius));
+    pressing.press({0, approach});
+    return pressing;
+  };
+  const finite::FinitePressing outside = pressed(std::make_shared<finite::FiniteLayer>(
+      mesh, meshes::read_layer_mesh(path, 1e-3, file.layers), thickness_m, materials));
+  std::filesystem::remove(path);
+  mesh.interfaces = {0.25};
+  const auto own = [&](int elements) {
+    mesh.elements_per_semi_axis = elements;
+    return pressed(std::make_shared<finite::FiniteLayer>(mesh, nullptr, false, materials));
+  };
+  const finite::FinitePressing coarse = own(3), fine = own(6);
+  const auto compare = [&](double one, double coarse_one, double fine_one, const char* what) {
+    // Two coarse meshes of one cell size, each off by what the fine one shows.
+    EXPECT_NEAR(one / fine_one, 1, 2 * std::abs(coarse_one / fine_one - 1) + 1e-3) << what;
+  };
+  compare(outside.equilibrium().load, coarse.equilibrium().load, fine.equilibrium().load, "load");
+  compare(outside.equilibrium().energy, coarse.equilibrium().energy, fine.equilibrium().energy,
+          "energy");
+  const finite::DeformedContact found = measure(outside), expected = measure(fine);
+  EXPECT_NEAR(found.torque_arm / expected.torque_arm, 1,
+              2 * std::abs(measure(coarse).torque_arm / expected.torque_arm - 1) + 1e-3);
+  // As stated for contacts whose area is that of touching nodes: 0.2/n.
+  EXPECT_NEAR(found.area / expected.area, 1, 0.2 / 3);
 }
 
 TEST(Sublayers, ThatMakeNoLayerAreRefused) {
