@@ -551,7 +551,8 @@ TEST_F(Program, SelectsNoModelInWordsWhereNoneIsEnough) {
 TEST_F(Program, SaysThatItsModelsKnowOneHomogeneousLayer) {
   const ProgramRun result = run({"predict", "skin_over_pulp", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
-  for (const json& answer : json::parse(result.out)["results"]) {
+  const json predicted = json::parse(result.out);
+  for (const json& answer : predicted["results"]) {
     EXPECT_FALSE(answer["valid"].get<bool>()) << answer;
     EXPECT_TRUE(answer["error_estimate"].is_null());
     const auto& checks = answer["validity"];
