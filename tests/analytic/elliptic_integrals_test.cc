@@ -53,7 +53,8 @@ TEST(EllipticIntegrals, SatisfyLegendresRelation) {
 TEST(EllipticIntegrals, ApproachTheirLogarithmWhenDegenerate) {
   for (const double q : {1e-20, 1e-100, 1e-290}) {
     const double K = std::log(4.0) - 0.5 * std::log(q);  // next term: q ln(q)
-    EXPECT_NEAR(elliptic_integrals(q).K() / K, 1, 1e-14) << q;
+    // Some twenty operations and a logarithm.
+    EXPECT_NEAR(elliptic_integrals(q).K() / K, 1, 20 * kEpsilon) << q;
     EXPECT_NEAR(elliptic_integrals(q).E(), 1, 1e-14) << q;
   }
   EXPECT_TRUE(std::isfinite(elliptic_integrals(0).K()));
