@@ -29,12 +29,17 @@ constexpr int kOwnVertices = 40;
 
 bool is_exact(const ContactLcp& problem) { return problem.friction_rule != FrictionRule::facets; }
 
-/// D_j^T v_t
-double slip_along(const ContactLcp& problem, const ContactSolution& solution, int contact,
-                  int vertex) {
+/// (v_t1, v_t2, e_n omega) of a contact.
+Eigen::Vector3d scaled_slip(const ContactLcp& problem, const ContactSolution& solution,
+                            int contact) {
   const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[contact]);
-  return problem.vertices.col(vertex).dot(
-      arms.cwiseProduct(solution.velocity.segment<3>(4 * contact + 1)));
+  return arms.cwiseProduct(solution.velocity.segment<3>(4 * contact + 1));
+}
+
+/// The least D_j^T v_t of all vertices; 0 if there are none.
+double slip_against(const ContactLcp& problem, const Eigen::Vector3d& slip) {
+  if (problem.vertices.cols() == 0) return 0;
+  return slip.transpose().lazyProduct(problem.vertices).minCoeff();
 }
 
 }  // namespace
@@ -61,7 +66,6 @@ struct ContactLcpSolver::Workspace {
         exact_impulse(4 * contacts),
         best_impulse(4 * contacts),
         continues_as(std::size_t(contacts)) {
-    known_vertices.resize(3, vertices);
     uncleaned.resize(contacts);
     last.impulse.resize(4 * contacts);
     last.basis.reserve(std::size_t(6 * contacts + 3));
@@ -72,8 +76,6 @@ struct ContactLcpSolver::Workspace {
   void check_continued(const ContactLcp& problem, const std::vector<int>& continued) const;
   void scale(const ContactLcp& problem);
   void cover(int attempt);
-  void use_vertices(const Eigen::Matrix3Xd& vertices);
-  void choose_first_vertices();
   internal::PathOptions options() const;
   void use_first_vertices(const ContactLcp& problem, bool all);
   PathEnd go_on_adding_vertices(PathEnd end, const ContactLcp& problem, ContactSolution& solution,
@@ -109,6 +111,7 @@ struct ContactLcpSolver::Workspace {
   Eigen::VectorXd exact_impulse, best_impulse;  ///< scaled
   double best_residual = 0;
   int newton_passes = 1;
+  int covering = 0;  ///< which covering vector
   /// What the last problem leaves to the next one.
   struct Memory {
     struct Entry {
@@ -123,11 +126,6 @@ struct ContactLcpSolver::Workspace {
   Memory last;
   std::vector<int> continues_as, basis;
   ContactSolution uncleaned;  ///< kept by extract_cleaned
-  static constexpr std::size_t kFirstVertices = 6;
-  std::array<int, kFirstVertices> first_vertices{};  ///< of known_vertices; -1: none
-  Eigen::Matrix3Xd known_vertices;
-  int known_count = -1;
-  double known_radius = 0;
 };
 
 void ContactLcpSolver::Workspace::check(const ContactLcp& problem) const {
@@ -181,7 +179,7 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
   if (exact)
     system.vertex_radius = 0;
   else
-    use_vertices(problem.vertices);
+    system.share_vertices(problem.vertices);
   for (int i = 0; i < nc; ++i) {
     const double mu = problem.friction_coefficient[i], arm_m = problem.eccentricity_m[i];
     const Eigen::Vector3d arms(1, 1, arm_m);
@@ -215,20 +213,8 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
   system.prepare();
 }
 
-/// The facets' vertices, and what is known of them: mostly the same ones as in the last problem.
-void ContactLcpSolver::Workspace::use_vertices(const Eigen::Matrix3Xd& vertices) {
-  const int u = int(vertices.cols());
-  if (known_count != u || known_vertices.leftCols(u) != vertices) {
-    known_count = u;
-    known_vertices.leftCols(u) = vertices;
-    known_radius = u > 0 ? vertices.colwise().norm().maxCoeff() : 0;
-    choose_first_vertices();
-  }
-  system.share_vertices(vertices);
-  system.vertex_radius = known_radius;
-}
-
 void ContactLcpSolver::Workspace::cover(int attempt) {
+  covering = attempt;
   const auto random = [attempt](int kind, int index) {
     return internal::hash_to_unit(std::uint64_t(4 * attempt + kind), std::uint64_t(index));
   };
@@ -254,14 +240,12 @@ void ContactLcpSolver::Workspace::find_unused_slip(const ContactLcp& problem,
   for (int i = 0; i < system.contacts; ++i) {
     if (system.has_friction[std::size_t(i)] && solution.impulse[4 * i] > 0) continue;
     solution.slip[i] = 0;
+    const Eigen::Vector3d slip = scaled_slip(problem, solution, i);
     if (is_exact(problem)) {
-      const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
-      const Eigen::Vector3d slip = arms.cwiseProduct(solution.velocity.segment<3>(4 * i + 1));
       if (slip.squaredNorm() > 0) solution.slip[i] = slip.dot(system.boundary_point(i, slip));
-      continue;
+    } else {
+      solution.slip[i] = std::max(0., -slip_against(problem, slip));
     }
-    for (int j = 0; j < system.count; ++j)
-      solution.slip[i] = std::max(solution.slip[i], -slip_along(problem, solution, i, j));
   }
 }
 
@@ -326,7 +310,8 @@ double ContactLcpSolver::Workspace::extract_cleaned(const ContactLcp& problem,
   uncleaned.velocity.head(4 * nc) = solution.velocity;
   uncleaned.slip.head(nc) = solution.slip;
   uncleaned.weights = solution.weights;
-  path.follow_from(system, exact_options, basis.data(), int(basis.size()));
+  if (path.follow_from(system, exact_options, basis.data(), int(basis.size())) == PathEnd::solved)
+    path.refine();
   result.pivots += path.pivots();
   const double cleaned = extract(problem, solution);
   if (cleaned < reached) return cleaned;
@@ -383,12 +368,6 @@ void ContactLcpSolver::Workspace::use_first_vertices(const ContactLcp& problem, 
           system.add_own_vertex(i, system.boundary_point(i, sign * Eigen::Vector3d::Unit(axis)));
     } else if (all) {
       for (int j = 0; j < system.count; ++j) system.use_vertex(i, j);
-    } else {
-      for (const int j : first_vertices)
-        if (j >= 0) system.use_vertex(i, j);
-      const Eigen::Vector3d free_slip = system.free_velocity.segment<3>(4 * i + 1);
-      const int against = system.vertex_against(i, free_slip, 0);
-      if (against >= 0) system.use_vertex(i, against);
     }
   }
 }
@@ -413,9 +392,14 @@ PathEnd ContactLcpSolver::Workspace::go_on_adding_vertices(PathEnd end, const Co
     result.pivots += path.pivots();
     if (end == PathEnd::solved) continue;
     if (is_warm) break;
+    basis.clear();
+    for (const Memory::Entry& entry : last.basis) basis.push_back(system.index(entry.pair));
+    system.cover_towards(basis.data(), int(basis.size()));
     end = path.follow(system, options);
     result.pivots += path.pivots();
+    cover(covering);
   }
+  if (end == PathEnd::solved && !is_exact(problem)) path.refine();
   return end;
 }
 
@@ -548,32 +532,10 @@ double ContactLcpSolver::Workspace::extract_exact(const ContactLcp& problem,
   solution.velocity.head(n) = problem.free_velocity;
   solution.velocity.noalias() += problem.delassus * solution.impulse;
   for (int i = 0; i < nc; ++i) {
-    const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
-    const Eigen::Vector3d slip = arms.cwiseProduct(solution.velocity.segment<3>(4 * i + 1));
+    const Eigen::Vector3d slip = scaled_slip(problem, solution, i);
     solution.slip[i] = slip.squaredNorm() > 0 ? slip.dot(system.boundary_point(i, slip)) : 0;
   }
   return exact_contact_residual(problem, solution);
-}
-
-/// Some vertices far apart, the first one among them.
-void ContactLcpSolver::Workspace::choose_first_vertices() {
-  first_vertices.fill(-1);
-  const int most = std::min(known_count, int(first_vertices.size()));
-  for (int n = 0; n < most; ++n) {
-    int farthest = 0;
-    double best = -1;
-    for (int j = 0; n > 0 && j < known_count; ++j) {
-      double nearest = std::numeric_limits<double>::infinity();
-      for (int m = 0; m < n; ++m)
-        nearest = std::min(
-            nearest, (known_vertices.col(j) - known_vertices.col(first_vertices[std::size_t(m)]))
-                         .squaredNorm());
-      if (nearest <= best) continue;
-      best = nearest;
-      farthest = j;
-    }
-    first_vertices[std::size_t(n)] = farthest;
-  }
 }
 
 LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
@@ -624,7 +586,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
   } else if (std::isfinite(result.residual) && result.proof != RayProof::infeasible &&
              best_attempt != result.attempts - 1) {
     follow(best_attempt);
-    extract_cleaned(problem, solution, result);
+    result.residual = extract_cleaned(problem, solution, result);
   }
   if (result.residual <= kTolerance) {
     result.status = LcpStatus::solved;
@@ -680,7 +642,7 @@ LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& so
 }
 
 double contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
-  const int nc = problem.contacts(), u = int(problem.vertices.cols());
+  const int nc = problem.contacts();
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
   double worst = 0;
@@ -694,18 +656,16 @@ double contact_residual(const ContactLcp& problem, const ContactSolution& soluti
     for (const ContactSolution::Weight& weight : solution.weights)
       if (weight.contact == i) slack -= weight.value;
     add(std::min(over(solution.slip[i], velocity_unit), over(slack, impulse_unit)));
-    for (int j = 0; j < u; ++j)
-      add(over(std::min(0., solution.slip[i] + slip_along(problem, solution, i, j)),
-               velocity_unit));
+    const double against = slip_against(problem, scaled_slip(problem, solution, i));
+    add(over(std::min(0., solution.slip[i] + against), velocity_unit));
   }
   for (const ContactSolution::Weight& weight : solution.weights) {
     const int i = weight.contact;
     const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
     const Eigen::Vector3d vertex = arms.cwiseProduct(problem.vertices.col(weight.vertex));
     const double diagonal = vertex.dot(problem.delassus.block<3, 3>(4 * i + 1, 4 * i + 1) * vertex);
-    add(over(std::min(diagonal * weight.value,
-                      solution.slip[i] + slip_along(problem, solution, i, weight.vertex)),
-             velocity_unit));
+    const double along = problem.vertices.col(weight.vertex).dot(scaled_slip(problem, solution, i));
+    add(over(std::min(diagonal * weight.value, solution.slip[i] + along), velocity_unit));
   }
   return worst;
 }

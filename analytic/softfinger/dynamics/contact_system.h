@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "softfinger/dynamics/friction_polytope.h"
 #include "softfinger/dynamics/lemke_path.h"
 #include "softfinger/friction/friction_shape.h"
 
@@ -43,11 +45,13 @@ class ContactSystem {
         in_use_(std::size_t(capacity) * std::size_t(vertex_capacity)),
         in_use_end_(std::size_t(capacity)),
         is_used_(in_use_.size()),
+        beta_cover_(in_use_.size()),
+        least_beta_cover_(capacity),
         uncovered_(std::size_t(capacity) * std::size_t(vertex_capacity + 2)),
+        is_basic_(uncovered_.size()),
         pairs_(uncovered_.size()),
         shift_(capacity),
-        shared_(vertex_capacity, 3),
-        along_(vertex_capacity) {}
+        polytope_(vertex_capacity) {}
 
   int contacts = 0, count = 0;  ///< count: vertices per contact, or room for them
   /// Whether contact i has the vertices count i, count i + 1, ... of its own, made by
@@ -56,8 +60,8 @@ class ContactSystem {
   Eigen::MatrixXd delassus;
   Eigen::VectorXd free_velocity;
   Eigen::Matrix3Xd vertices;
-  /// d of rows P and lambda, and of rows beta: slip_cover_i vertex_cover_j, with the smallest
-  /// vertex_cover 1.
+  /// d of rows P and lambda, and of rows beta, unless the path is led otherwise: slip_cover_i
+  /// vertex_cover_j, with the smallest vertex_cover 1.
   Eigen::VectorXd normal_cover, slip_cover, slack_cover, vertex_cover;
   /// Of the velocities and impulses of a contact: where all feel the same velocity, heavy ones have
   /// 1 and light ones less.
@@ -114,7 +118,7 @@ class ContactSystem {
     const Pair p = pair(i);
     if (p.kind == Kind::normal) return normal_cover[p.contact];
     if (p.kind == Kind::slip) return slack_cover[p.contact];
-    return slip_cover[p.contact] * vertex_cover[p.vertex];
+    return beta_cover_[std::size_t(p.contact * count + p.vertex)];
   }
   /// Column z0 of row i: its cover less what the shift of the basic z does to it.
   double cover_entry(int i) const { return cover(i) - (is_shifted_ ? w(shift_, i) : 0); }
@@ -132,6 +136,30 @@ class ContactSystem {
     for (int p = 0; p < k; ++p) uncovered_[std::size_t(rows[p])] = char(true);
     all_covered_ = k == 0;
     is_shifted_ = false;
+  }
+  /// A covering vector that leads straight to the solution with these basic z, if there is one:
+  /// with d = w0 - q, where w0 is zero in their rows, z = (1 - z0) z* has
+  /// w = (1 - z0) w* + z0 w0 for all z0 of [0, 1]. Small random w0 there avoid ties, and d > 0
+  /// holds everywhere, so that the path ends as that of any other covering vector.
+  void cover_towards(const int* basic, int k) {
+    constexpr double kSmall = 0.1;
+    std::fill(is_basic_.begin(), is_basic_.begin() + pairs(), char(false));
+    for (int p = 0; p < k; ++p) is_basic_[std::size_t(basic[p])] = char(true);
+    const auto lead = [this](int row, double constant) {
+      const double size =
+          natural_sizes[pair(row).contact] * (is_basic_[std::size_t(row)] ? kSmall : 1);
+      return std::max(-constant, 0.) + size * (1 + hash_to_unit(4, std::uint64_t(row)));
+    };
+    least_beta_cover_.setConstant(std::numeric_limits<double>::infinity());
+    for (int i = 0; i < contacts; ++i) {
+      normal_cover[i] = lead(i, free_velocity[4 * i]);
+      slack_cover[i] = lead(contacts + i, 0);
+      const Eigen::Vector3d free_slip = free_velocity.segment<3>(4 * i + 1);
+      for (int n = i * count; n < in_use_end_[std::size_t(i)]; ++n) {
+        const int j = in_use_[std::size_t(n)];
+        set_beta_cover(i, j, lead(2 * contacts + i * count + j, vertex(i, j).dot(free_slip)));
+      }
+    }
   }
   template <class IsActive>
   int first_row(const IsActive& is_active) const {
@@ -155,22 +183,24 @@ class ContactSystem {
   }
 
   /// The vertices of all contacts, 3 x count.
-  template <class Vertices>
-  void share_vertices(const Vertices& shared) {
+  void share_vertices(const Eigen::Matrix3Xd& shared) {
     vertices.leftCols(count) = shared;
-    shared_.topRows(count) = shared.transpose();
+    polytope_.set(shared);
+    vertex_radius = polytope_.radius();
   }
 
   /// Which vertices take part: none, then those that the caller adds.
   void use_no_vertices() {
     std::fill(is_used_.begin(), is_used_.begin() + contacts * count, char(false));
     for (int i = 0; i < contacts; ++i) in_use_end_[std::size_t(i)] = i * count;
+    least_beta_cover_.setConstant(std::numeric_limits<double>::infinity());
   }
   void use_vertex(int contact, int vertex) {
     char& used = is_used_[std::size_t(contact * count + vertex)];
     if (used) return;
     used = char(true);
     in_use_[std::size_t(in_use_end_[std::size_t(contact)]++)] = vertex;
+    set_beta_cover(contact, vertex, slip_cover[contact] * vertex_cover[vertex]);
   }
   /// A vertex for this contact alone; false if there is no room, or one like it.
   bool add_own_vertex(int contact, const Eigen::Vector3d& corner) {
@@ -220,34 +250,25 @@ class ContactSystem {
     const FrictionShape* shape = shapes[std::size_t(contact)];
     return shape ? shape->boundary(direction, nullptr) : direction.stableNormalized();
   }
-  /// Of the shared vertices. The unused one with the least vertex . slip below `least`, -1: none.
-  int vertex_against(int contact, const Eigen::Vector3d& slip, double least) {
-    auto along = along_.head(count);
-    along = slip[0] * shared_.col(0).head(count) + slip[1] * shared_.col(1).head(count) +
-            slip[2] * shared_.col(2).head(count);
-    // Mostly none is violated, and the least is not in use: seen without branches.
-    int best = -1;
-    if (!(along.minCoeff(&best) < least)) return -1;
-    if (!is_used_[std::size_t(contact * count + best)]) return best;
-    best = -1;
-    for (int j = 0; j < count; ++j) {
-      if (along[j] >= least || is_used_[std::size_t(contact * count + j)]) continue;
-      least = along[j];
-      best = j;
-    }
-    return best;
-  }
-  /// Of each contact, takes the most violated vertex into use; returns whether there was one.
+  /// Of the shared vertices, takes those into use that the last solution asks for: of each contact
+  /// with load that slips more than its vertices know, the one most against the slip and those of
+  /// the facet that its friction would be on if the other contacts kept their impulses. Returns
+  /// whether there was any new one. (A contact without load needs none: its lambda, whatever it is,
+  /// touches no other row.)
   bool use_violated_vertices(double tolerance) {
     bool found = false;
     for (int i = 0; i < contacts; ++i) {
-      if (!has_friction[std::size_t(i)]) continue;
-      const Eigen::Vector3d velocity = state_.velocity.segment<3>(4 * i + 1);
-      if (vertex_radius * velocity.norm() <= state_.slip[i]) continue;
-      const int worst = vertex_against(i, velocity, -tolerance * natural_sizes[i] - state_.slip[i]);
-      if (worst < 0) continue;
+      if (!has_friction[std::size_t(i)] || !(state_.impulse[4 * i] > 0)) continue;
+      const Eigen::Vector3d slip = state_.velocity.segment<3>(4 * i + 1);
+      const double known = state_.slip[i] + tolerance * natural_sizes[i];
+      if (vertex_radius * slip.norm() <= known) continue;
+      const int worst = polytope_.beyond(-slip, known);
+      if (worst < 0 || is_used_[std::size_t(i * count + worst)]) continue;
       use_vertex(i, worst);
       found = true;
+      FrictionPolytope::Facet facet;
+      if (!polytope_.find_facet(friction_alone(i), facet)) continue;
+      for (const int vertex : facet) use_vertex(i, vertex);
     }
     return found;
   }
@@ -299,6 +320,25 @@ class ContactSystem {
     for (int i = 0; i < contacts; ++i) for_blocking_vertices(i, blocking.theta, is_active, take);
   }
 
+  /// The friction of contact i under the exact rules if the other contacts, and its own load, kept
+  /// their impulses: a few fixed-point steps from the last solution.
+  Eigen::Vector3d friction_alone(int i) const {
+    constexpr int kSteps = 4;
+    const auto own = delassus.block<3, 3>(4 * i + 1, 4 * i + 1);
+    const Eigen::Vector3d metric = friction_metric(i);
+    Eigen::Vector3d friction = state_.impulse.segment<3>(4 * i + 1);
+    Eigen::Vector3d slip = state_.velocity.segment<3>(4 * i + 1);
+    for (int step = 0; step < kSteps; ++step) {
+      const Eigen::Vector3d target = metric.cwiseProduct(friction) - slip;
+      const Eigen::Vector3d excess =
+          friction_excess(shapes[std::size_t(i)], target, state_.impulse[4 * i], metric).excess;
+      const Eigen::Vector3d next = (target - excess).cwiseQuotient(metric);
+      slip += own * (next - friction);
+      friction = next;
+    }
+    return friction;
+  }
+
   /// W r
   void find_velocity(const Eigen::VectorXd& impulses, Eigen::VectorXd& velocity) const {
     velocity.head(4 * contacts).setZero();
@@ -313,6 +353,11 @@ class ContactSystem {
   }
 
  private:
+  void set_beta_cover(int contact, int vertex, double value) {
+    beta_cover_[std::size_t(contact * count + vertex)] = value;
+    least_beta_cover_[contact] = std::min(least_beta_cover_[contact], value);
+  }
+
   void number_pairs() {
     if (numbered_contacts_ == contacts && numbered_count_ == count) return;
     int index = 0;
@@ -414,19 +459,19 @@ class ContactSystem {
     if (std::isfinite(theta)) {
       const double z0 = state_.z0 + theta * direction_.z0;
       const double least = state_.slip[i] + theta * direction_.slip[i] +
-                           (all_covered_ ? slip_cover[i] * std::max(z0, 0.) : 0);
+                           (all_covered_ ? least_beta_cover_[i] * std::max(z0, 0.) : 0);
       const double longest = vertex_radius * (value + theta * slope).norm();
       if (longest < least) return;
     }
-    const double value_z0 = slip_cover[i] * state_.z0, slope_z0 = slip_cover[i] * direction_.z0;
     const int first_row = 2 * contacts + i * count;
     for (int n = i * count; n < in_use_end_[std::size_t(i)]; ++n) {
       const int j = in_use_[std::size_t(n)], row = first_row + j;
-      const double covered = uncovered_[std::size_t(row)] ? 0 : vertex_cover[j];
+      const double covered =
+          uncovered_[std::size_t(row)] ? 0 : beta_cover_[std::size_t(i * count + j)];
       const auto corner = vertex(i, j);
-      const double b = corner.dot(slope) + direction_.slip[i] + covered * slope_z0;
+      const double b = corner.dot(slope) + direction_.slip[i] + covered * direction_.z0;
       if (b >= 0 || is_active(row)) continue;
-      take(row, corner.dot(value) + state_.slip[i] + covered * value_z0, b);
+      take(row, corner.dot(value) + state_.slip[i] + covered * state_.z0, b);
     }
   }
 
@@ -435,13 +480,15 @@ class ContactSystem {
   Eigen::VectorXd blocks_;  ///< of W, those of neighbours_
   /// Vertices of contact i in use: in_use_[count i] up to in_use_end_[i].
   std::vector<int> in_use_, in_use_end_;
-  std::vector<char> is_used_, uncovered_;
+  std::vector<char> is_used_;
+  std::vector<double> beta_cover_;    ///< d of rows beta, of vertices in use
+  Eigen::VectorXd least_beta_cover_;  ///< of each contact; infinity where none is in use
+  std::vector<char> uncovered_, is_basic_;
   std::vector<Pair> pairs_;
   int numbered_contacts_ = -1, numbered_count_ = -1;
   bool all_covered_ = true, is_shifted_ = false;
   Motion shift_;
-  Eigen::MatrixX3d shared_;  ///< the shared vertices, one per row
-  Eigen::VectorXd along_;    ///< of each shared vertex, its product with a slip
+  FrictionPolytope polytope_;  ///< of the shared vertices
 };
 
 }  // namespace softfinger::internal

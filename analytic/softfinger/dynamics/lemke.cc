@@ -217,6 +217,7 @@ LcpResult LemkeSolver::Workspace::follow_paths(Eigen::Ref<Eigen::VectorXd> solut
       if (proof == RayProof::infeasible) break;
       continue;
     }
+    if (end == PathEnd::solved) path.refine();
     z.head(n).setZero();
     for (int p = 0; p < path.basis_size(); ++p)
       if (path.basis_column(p) != n) z[path.basis_column(p)] = std::max(0., path.basis_value(p));

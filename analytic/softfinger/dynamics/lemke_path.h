@@ -114,11 +114,33 @@ class LemkePath {
     if (!refresh()) return PathEnd::numerical;
     int entering = -1;
     bool entering_is_z = true;
-    if (!start_shifted(options, entering, entering_is_z)) {
-      refine();
-      return PathEnd::solved;
-    }
+    if (!start_shifted(options, entering, entering_is_z)) return PathEnd::solved;
     return go_on(options, entering, entering_is_z);
+  }
+
+  /// Once solved: corrects the values of the basis for as long as it helps; with a new inverse,
+  /// where the old one does not help enough.
+  void refine() {
+    constexpr int kMostCorrections = 6;
+    constexpr double kGood = 1e-15;
+    const int k = basis_.size();
+    for (const bool again : {false, true}) {
+      if (again && !invert_again(k)) return;
+      double last = std::numeric_limits<double>::infinity();
+      for (int correction = 0; correction < kMostCorrections; ++correction) {
+        double error = 0;
+        for (int p = 0; p < k; ++p) {
+          first_[p] = system_->state(rows_[std::size_t(p)]);
+          error = std::max(error, std::abs(first_[p]));
+        }
+        if (error >= 0.5 * last) break;
+        last = error;
+        basis_.solve(first_.data(), second_.data());
+        z_.head(k) -= second_.head(k);
+        system_->set_state(columns_.data(), z_.data(), k);
+      }
+      if (last <= kGood * std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>())) return;
+    }
   }
 
   int pivots() const { return pivots_; }
@@ -194,7 +216,6 @@ class LemkePath {
       }
       if (last) {
         ++pivots_;
-        refine();
         return PathEnd::solved;
       }
       entering_is_z = !leaving_is_z;
@@ -328,31 +349,6 @@ class LemkePath {
       z_.head(k) -= second_.head(k);
     }
     return true;
-  }
-
-  /// Corrects the values of the last basis for as long as it helps; with a new inverse, where the
-  /// old one does not help enough.
-  void refine() {
-    constexpr int kMostCorrections = 6;
-    constexpr double kGood = 1e-15;
-    const int k = basis_.size();
-    for (const bool again : {false, true}) {
-      if (again && !invert_again(k)) return;
-      double last = std::numeric_limits<double>::infinity();
-      for (int correction = 0; correction < kMostCorrections; ++correction) {
-        double error = 0;
-        for (int p = 0; p < k; ++p) {
-          first_[p] = system_->state(rows_[std::size_t(p)]);
-          error = std::max(error, std::abs(first_[p]));
-        }
-        if (error >= 0.5 * last) break;
-        last = error;
-        basis_.solve(first_.data(), second_.data());
-        z_.head(k) -= second_.head(k);
-        system_->set_state(columns_.data(), z_.data(), k);
-      }
-      if (last <= kGood * std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>())) return;
-    }
   }
 
   void exchange(bool entering_is_z, int entering, double theta, const Blocking& blocking) {
