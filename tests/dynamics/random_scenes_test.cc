@@ -24,9 +24,9 @@ bool is_wedged(const ContactLcp& problem, const ContactSolution& solution) {
   return largest > 1e6 * problem.free_velocity.lpNorm<Eigen::Infinity>();
 }
 
-Count solve(int scenes_to_solve, FrictionRule rule) {
+Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7) {
   const SixPatchShape shape(0.5, 0.5);
-  tests::RandomScenes scenes(7);
+  tests::RandomScenes scenes(seed);
   ContactLcpSolver solver(20, 64);
   ContactSolution solution;
   Count count;
@@ -54,6 +54,14 @@ Count solve(int scenes_to_solve, FrictionRule rule) {
 
 TEST(RandomScenes, NoneOfTenThousandFails) {
   const Count count = solve(10000, FrictionRule::facets);
+  EXPECT_EQ(count.failures + count.wedged, 0);
+  EXPECT_LE(count.worst, 1e-10);
+}
+
+/// One of these has contacts so nearly repeated on bodies so different that a ray of them looks
+/// like a proof that nothing can hold them apart.
+TEST(RandomScenes, NoneOfTenThousandOthersFails) {
+  const Count count = solve(10000, FrictionRule::facets, 3);
   EXPECT_EQ(count.failures + count.wedged, 0);
   EXPECT_LE(count.worst, 1e-10);
 }

@@ -339,11 +339,18 @@ RayProof ContactLcpSolver::Workspace::check_ray(const ContactLcp& problem,
     with_friction |= ray.impulse.segment<3>(4 * i + 1).norm() > kRoundOff * size;
   }
   solution.ray = impulse_scale.head(n).cwiseProduct(ray.impulse.head(n)) / size;
-  const double work = solution.ray.dot(problem.free_velocity);
+  // Impulses r that undo the work w of the ray y would need (W y)^T r >= w: where W y is not quite
+  // zero, contacts nearly repeated on bodies of very different mass, large ones still could.
+  constexpr double kLargestImpulse = 1e12;  // in units of what stops a contact's body
+  const double work = -solution.ray.dot(problem.free_velocity);
+  double most_undone = 0;
+  for (int row = 0; row < n; ++row)
+    most_undone += std::abs(problem.delassus.row(row).dot(solution.ray)) * impulse_scale[row];
+  if (!(work > kLargestImpulse * velocity_unit * most_undone)) return RayProof::none;
   // Of the whole ray: with round-off in few rows of it, work would be found where there is none.
   const double natural =
       solution.ray.lpNorm<Eigen::Infinity>() * problem.free_velocity.lpNorm<Eigen::Infinity>();
-  if (!(work < -kRoundOff * natural)) return RayProof::none;
+  if (!(work > kRoundOff * natural)) return RayProof::none;
   return with_friction ? RayProof::ray_only : RayProof::infeasible;
 }
 

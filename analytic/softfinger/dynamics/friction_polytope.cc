@@ -26,6 +26,7 @@ void FrictionPolytope::set(const Eigen::Matrix3Xd& vertices) {
 }
 
 int FrictionPolytope::beyond(const Eigen::Vector3d& direction, double most) {
+  if (count_ <= 0) return -1;
   auto along = along_.head(count_);
   along = direction[0] * vertices_.col(0).head(count_) +
           direction[1] * vertices_.col(1).head(count_) +
