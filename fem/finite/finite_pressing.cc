@@ -248,6 +248,14 @@ void FinitePressing::press(const Drive& drive) {
     } catch (const ConvergenceError&) {
       // Of the factorisation or of the active set: a shorter step is the remedy for both.
     }
+    // On a mesh made for a larger contact, nodes around the object can be pressed on where none is
+    // left under it.
+    constexpr double pressed_through = 1;
+    if (converged && reached.approach >= pressed_through) {
+      layer_->restore(*before);
+      throw ConvergenceError("finite strain", history_.iterations, reached.approach,
+                             "the layer is pressed through: less load");
+    }
     if (converged) {
       equilibrium_ = std::move(reached);
       ++history_.steps;

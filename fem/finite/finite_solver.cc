@@ -121,11 +121,12 @@ class Levels {
     } catch (const ConvergenceError& error) {
       const Equilibrium& last = result.equilibrium();
       const double E = problem_.contact.layer.youngs_modulus_Pa, h = pressing_.thickness_m;
-      char where[160];
+      char where[200];
+      // A first mesh for a load that is far too large is far too wide and coarse.
       std::snprintf(where, sizeof where,
                     "finite strain beyond %.4g N (indentation %.4g mm, %.3g of the thickness), the "
-                    "last load that is converged,",
-                    last.load * E * h * h, 1e3 * h * last.approach, last.approach);
+                    "last load that is converged on a mesh for a/h = %.3g,",
+                    last.load * E * h * h, 1e3 * h * last.approach, last.approach, mesh.a);
       // From there on a contact wraps around the object.
       constexpr double steep_rad = M_PI / 4;
       throw ConvergenceError(

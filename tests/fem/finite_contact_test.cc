@@ -159,6 +159,14 @@ TEST(FinitePressing, PathDoesNotMatter) {
   EXPECT_NEAR(by_load.equilibrium().approach, 0.2, 1e-9);
 }
 
+TEST(FinitePressing, NeverPassesThroughTheLayer) {
+  // Cells so wide that the object finds room between the nodes: it could go on for ever.
+  auto pressing = layer_under(finite::quadric(6, 4), 60, 60, {}, 0.49);
+  EXPECT_THROW(pressing.press({1e9, 0}), ConvergenceError);
+  EXPECT_GT(pressing.equilibrium().approach, 0);
+  EXPECT_LT(pressing.equilibrium().approach, 1);
+}
+
 TEST(FinitePressing, ElementDoesNotLock) {
   // On one coarse mesh, from nu = 0.49 to 0.4999 the load at given approach grows by the layer's
   // own stiffening (12 % for a contact of this size); an element that locks would make it several
