@@ -253,7 +253,7 @@ void FinitePressing::press(const Drive& drive) {
     constexpr double pressed_through = 1;
     if (converged && reached.approach >= pressed_through) {
       layer_->restore(*before);
-      throw ConvergenceError("finite strain", history_.iterations, reached.approach,
+      throw ConvergenceError("finite strain", history_.iterations, reached.out_of_balance,
                              "the layer is pressed through: less load");
     }
     if (converged) {

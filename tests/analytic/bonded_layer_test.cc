@@ -225,8 +225,8 @@ TEST(BondedLayer, IsContinuousAcrossTheEdgesOfItsTable) {
       const auto inside = unit_contact(1, kTableRadiiRatioMax * (1 - 1e-11), compressibility);
       const auto outside = unit_contact(1, kTableRadiiRatioMax * (1 + 1e-11), compressibility);
       // The ratio changes by 2e-11, and no exponent of it exceeds one; the rest is round-off.
-      EXPECT_NEAR(inside.a_m / outside.a_m, 1, 1e-10);
-      EXPECT_NEAR(inside.indentation_m / outside.indentation_m, 1, 1e-10);
+      EXPECT_NEAR(inside.a_m / outside.a_m, 1, 2e-11 + 1e-13);
+      EXPECT_NEAR(inside.indentation_m / outside.indentation_m, 1, 2e-11 + 1e-13);
     }
 }
 

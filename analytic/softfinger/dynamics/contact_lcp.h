@@ -71,9 +71,10 @@ struct ContactSolution {
 /// Solves ContactLcp by Lemke's algorithm. See LemkeSolver for the covering vector, ties and
 /// retries.
 /// - Each contact is scaled by 1/sqrt(W_nn), so that masses, units and time steps do not matter.
-/// - Friction starts with a few vertices; those that the solution violates are added, and the path
-///   goes on from its basis. When such a path ends in a ray, the problem with the vertices found so
-///   far is solved from the start; every other attempt has all vertices from the start.
+/// - The first path of facets is frictionless; contacts with load then get the vertices that the
+///   solution violates, and the path goes on from its basis. When such a path ends in a ray, the
+///   problem with the vertices found so far is solved from the start, led towards the last
+///   solution; every other attempt has all vertices from the start.
 /// - Rows of vertices are not stored: of each contact the path sees its 4 velocities, and looks at
 ///   single vertices only where the whole friction sphere would be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
