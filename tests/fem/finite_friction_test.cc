@@ -162,7 +162,8 @@ TEST(SuperposedTwist, GoesFromStickToTheTorqueOfItsPressure) {
       twist.turn_to(angle);
       EXPECT_GT(twist.torque(), torque);
       EXPECT_GE(twist.slip_fraction(), slip);
-      EXPECT_LE(twist.torque(), twist.stiffness() * angle);
+      // Where nothing slips yet, `solve_friction` leaves 1e-9 of the motion.
+      EXPECT_LE(twist.torque() / (twist.stiffness() * angle), 1 + 1e-9);
       torque = twist.torque();
       slip = twist.slip_fraction();
     }
