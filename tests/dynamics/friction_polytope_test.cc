@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <vector>
 
 #include "tests/dynamics/random_scene.h"
 
@@ -13,6 +16,9 @@ namespace {
 using internal::FrictionPolytope;
 
 constexpr double kRoundOff = 1e-11;  // of inverses of facets down to 1e-2 wide
+/// Vertices are moved along their own direction; weights of a unit direction, and a facet's normal
+/// in multiples of its distance, are below 10 for those of 6 vertices and more.
+constexpr double kMoved = 10 * FrictionPolytope::kMoved;
 
 Eigen::Vector3d random_direction(tests::RandomScenes& random) {
   return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
@@ -32,10 +38,37 @@ TEST(FrictionPolytope, FacetIsMetByTheRayAndNoVertexLiesAboveIt) {
       Eigen::Matrix3d corners;
       for (int c = 0; c < 3; ++c) corners.col(c) = vertices.col(facet[std::size_t(c)]);
       const Eigen::Matrix3d inverse = corners.inverse();
-      EXPECT_GE((inverse * direction).minCoeff(), -kRoundOff * size);
+      EXPECT_GE((inverse * direction).minCoeff(), -kMoved * size);
       const Eigen::RowVector3d normal = inverse.colwise().sum();
-      EXPECT_LE((normal * vertices).maxCoeff(), 1 + kRoundOff);
+      EXPECT_LE((normal * vertices).maxCoeff(), 1 + kMoved);
     }
+  }
+}
+
+TEST(FrictionPolytope, FindsTheSameFacetWhateverWasAskedBefore) {
+  tests::RandomScenes random(3);
+  for (const int count : {6, 16, 128}) {
+    const Eigen::Matrix3Xd& vertices = tests::friction_vertices(count);
+    // Inside facets, on their edges and at their corners.
+    std::vector<Eigen::Vector3d> directions = {Eigen::Vector3d::UnitX(), {0, -1, 0}, {1, 0, 1}};
+    for (int j = 0; j < count; ++j) directions.push_back(vertices.col(j));
+    for (int j = 1; j < count; ++j)  // of opposite ones there is no middle
+      directions.push_back(vertices.col(j) + 0.9 * vertices.col(j - 1));
+    for (int trial = 0; trial < 200; ++trial) directions.push_back(random_direction(random));
+    FrictionPolytope asked(count);
+    asked.set(vertices);
+    for (int round = 0; round < 2; ++round)
+      for (const Eigen::Vector3d& direction : directions) {
+        FrictionPolytope fresh(count);
+        fresh.set(vertices);
+        FrictionPolytope::Facet first, again;
+        ASSERT_TRUE(fresh.find_facet(direction, first))
+            << count << " vertices, towards " << direction.transpose();
+        ASSERT_TRUE(asked.find_facet(direction, again));
+        std::sort(first.begin(), first.end());
+        std::sort(again.begin(), again.end());
+        EXPECT_EQ(first, again) << count << " vertices, towards " << direction.transpose();
+      }
   }
 }
 
@@ -50,6 +83,7 @@ TEST(FrictionPolytope, VertexBeyondIsTheFarthestOne) {
       const Eigen::Vector3d direction = random_direction(random);
       int farthest = 0;
       const double most = (direction.transpose() * vertices).maxCoeff(&farthest);
+      EXPECT_NEAR(polytope.farthest(direction), most, kRoundOff);
       EXPECT_EQ(polytope.beyond(direction, most - kRoundOff), farthest);
       EXPECT_EQ(polytope.beyond(direction, most + kRoundOff), -1);
     }
@@ -72,6 +106,7 @@ TEST(FrictionPolytope, HasNoFacetWhereVerticesDoNotSurroundTheOrigin) {
   polytope.set(Eigen::Matrix3Xd(3, 0));
   EXPECT_FALSE(polytope.find_facet(Eigen::Vector3d::UnitX(), facet));
   EXPECT_EQ(polytope.beyond(Eigen::Vector3d::UnitX(), 0), -1);
+  EXPECT_EQ(polytope.farthest(Eigen::Vector3d::UnitX()), -std::numeric_limits<double>::infinity());
   Eigen::Matrix3Xd forces(3, 4);  // no torque: flat
   forces << 1, -1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 0;
   polytope.set(forces);

@@ -51,7 +51,10 @@ class ContactSystem {
         is_basic_(uncovered_.size()),
         pairs_(uncovered_.size()),
         shift_(capacity),
-        polytope_(vertex_capacity) {}
+        polytope_(vertex_capacity) {
+    used_.reserve(in_use_.size());
+    uncovered_rows_.reserve(uncovered_.size());
+  }
 
   int contacts = 0, count = 0;  ///< count: vertices per contact, or room for them
   /// Whether contact i has the vertices count i, count i + 1, ... of its own, made by
@@ -132,8 +135,9 @@ class ContactSystem {
   }
   double natural_size(int i) const { return i == pairs() ? 1 : natural_sizes[pair(i).contact]; }
   void cover_all_but(const int* rows, int k) {
-    std::fill(uncovered_.begin(), uncovered_.begin() + pairs(), char(false));
-    for (int p = 0; p < k; ++p) uncovered_[std::size_t(rows[p])] = char(true);
+    for (const int row : uncovered_rows_) uncovered_[std::size_t(row)] = char(false);
+    uncovered_rows_.assign(rows, rows + k);
+    for (const int row : uncovered_rows_) uncovered_[std::size_t(row)] = char(true);
     all_covered_ = k == 0;
     is_shifted_ = false;
   }
@@ -143,7 +147,6 @@ class ContactSystem {
   /// holds everywhere, so that the path ends as that of any other covering vector.
   void cover_towards(const int* basic, int k) {
     constexpr double kSmall = 0.1;
-    std::fill(is_basic_.begin(), is_basic_.begin() + pairs(), char(false));
     for (int p = 0; p < k; ++p) is_basic_[std::size_t(basic[p])] = char(true);
     const auto lead = [this](int row, double constant) {
       const double size =
@@ -160,6 +163,7 @@ class ContactSystem {
         set_beta_cover(i, j, lead(2 * contacts + i * count + j, vertex(i, j).dot(free_slip)));
       }
     }
+    for (int p = 0; p < k; ++p) is_basic_[std::size_t(basic[p])] = char(false);
   }
   template <class IsActive>
   int first_row(const IsActive& is_active) const {
@@ -189,16 +193,23 @@ class ContactSystem {
     vertex_radius = polytope_.radius();
   }
 
+  /// The least D_j^T v_t of all of them; 0 if there are none.
+  double slip_against(const Eigen::Vector3d& slip) const {
+    return polytope_.count() > 0 ? -polytope_.farthest(-slip) : 0;
+  }
+
   /// Which vertices take part: none, then those that the caller adds.
   void use_no_vertices() {
-    std::fill(is_used_.begin(), is_used_.begin() + contacts * count, char(false));
+    for (const int slot : used_) is_used_[std::size_t(slot)] = char(false);
+    used_.clear();
     for (int i = 0; i < contacts; ++i) in_use_end_[std::size_t(i)] = i * count;
     least_beta_cover_.setConstant(std::numeric_limits<double>::infinity());
   }
   void use_vertex(int contact, int vertex) {
-    char& used = is_used_[std::size_t(contact * count + vertex)];
-    if (used) return;
-    used = char(true);
+    const int slot = contact * count + vertex;
+    if (is_used_[std::size_t(slot)]) return;
+    is_used_[std::size_t(slot)] = char(true);
+    used_.push_back(slot);
     in_use_[std::size_t(in_use_end_[std::size_t(contact)]++)] = vertex;
     set_beta_cover(contact, vertex, slip_cover[contact] * vertex_cover[vertex]);
   }
@@ -441,10 +452,20 @@ class ContactSystem {
 
   template <class IsActive, class Take>
   void for_stored_rows(const IsActive& is_active, const Take& take) const {
+    const auto unless_uncovered = [this](int row, double value) {
+      return uncovered_[std::size_t(row)] ? 0 : value;
+    };
     for (int i = 0; i < contacts; ++i) {
-      if (!is_active(i)) take(i, w(state_, i), w(direction_, i));
-      if (has_friction[std::size_t(i)] && !is_active(contacts + i))
-        take(contacts + i, state(contacts + i), direction(contacts + i));
+      if (!is_active(i)) {
+        const double covered = unless_uncovered(i, normal_cover[i]);
+        take(i, state_.velocity[4 * i] + covered * state_.z0,
+             direction_.velocity[4 * i] + covered * direction_.z0);
+      }
+      const int row = contacts + i;
+      if (!has_friction[std::size_t(i)] || is_active(row)) continue;
+      const double covered = unless_uncovered(row, slack_cover[i]);
+      take(row, state_.slack[i] + covered * state_.z0,
+           direction_.slack[i] + covered * direction_.z0);
     }
   }
 
@@ -481,9 +502,11 @@ class ContactSystem {
   /// Vertices of contact i in use: in_use_[count i] up to in_use_end_[i].
   std::vector<int> in_use_, in_use_end_;
   std::vector<char> is_used_;
+  std::vector<int> used_;             ///< where it is true
   std::vector<double> beta_cover_;    ///< d of rows beta, of vertices in use
   Eigen::VectorXd least_beta_cover_;  ///< of each contact; infinity where none is in use
   std::vector<char> uncovered_, is_basic_;
+  std::vector<int> uncovered_rows_;  ///< where uncovered_ is true
   std::vector<Pair> pairs_;
   int numbered_contacts_ = -1, numbered_count_ = -1;
   bool all_covered_ = true, is_shifted_ = false;

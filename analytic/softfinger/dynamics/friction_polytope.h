@@ -20,27 +20,45 @@ class FrictionPolytope {
   double radius() const { return radius_; }  ///< length of the longest vertex
   Eigen::Vector3d vertex(int index) const { return vertices_.row(index); }
 
+  /// How far the farthest vertex lies along `direction`; -infinity where there are none.
+  double farthest(const Eigen::Vector3d& direction) const;
   /// Whether any vertex lies farther along `direction` than `most`: the farthest one, else -1.
-  int beyond(const Eigen::Vector3d& direction, double most);
+  int beyond(const Eigen::Vector3d& direction, double most) {
+    return beyond(vertices_, direction, most);
+  }
 
   using Facet = std::array<int, 3>;
-  /// The facet that a ray from the origin meets. False where there is none: too few vertices, or
-  /// not around the origin.
+  /// The facet that a ray from the origin meets; both ray and vertices are moved by up to kMoved of
+  /// their length, so that it meets no edge and no four lie in a plane: what is found does not
+  /// depend on what was asked before. False where there is none: too few vertices, or not around
+  /// the origin. Facets that were found are kept: to find them again costs a tenth.
   bool find_facet(const Eigen::Vector3d& direction, Facet& facet);
+  static constexpr double kMoved = 1e-8;
 
  private:
-  void choose_coarse_facets();
-
-  /// A facet of few vertices, from which the search starts.
-  struct CoarseFacet {
+  using Vertices = Eigen::MatrixX3d;  ///< one per row: products with a direction sum up columns
+  struct Cone {
     Facet corners;
     Eigen::Matrix3d inverse;  ///< of the matrix of the corners
+    /// The least of the three weights that make `ray`: >= 0 where it lies in the cone.
+    double least_weight(const Eigen::Vector3d& ray) const { return (inverse * ray).minCoeff(); }
   };
+  /// The facets of the hull of a few vertices: where a search starts, and what it has found there.
+  struct CoarseFacet {
+    Cone cone;
+    std::vector<Cone> found;
+  };
+
+  int beyond(const Vertices& vertices, const Eigen::Vector3d& direction, double most);
+  void choose_coarse_facets();
+  bool search(Cone& cone, const Eigen::Vector3d& ray);
+  Eigen::Vector3d moved(int index) const { return moved_.row(index); }
 
   int count_ = -1;
   double radius_ = 0;
-  Eigen::MatrixX3d vertices_;  ///< one per row: products with a direction are sums of columns
+  Vertices vertices_, moved_;
   Eigen::VectorXd along_;
+  int coarse_count_ = 0;
   std::vector<CoarseFacet> coarse_;
 };
 

@@ -76,8 +76,8 @@ class LemkePath {
       : basis_(largest_basis),
         columns_(std::size_t(largest_basis)),
         rows_(std::size_t(largest_basis)),
-        column_position_(std::size_t(most_pairs) + 1),
-        row_position_(std::size_t(most_pairs)),
+        column_position_(std::size_t(most_pairs) + 1, -1),
+        row_position_(std::size_t(most_pairs), -1),
         z_(largest_basis),
         dz_(largest_basis),
         first_(largest_basis),
@@ -160,10 +160,14 @@ class LemkePath {
     pivots_ = 0;
   }
 
+  /// Costs what the last basis held, however many pairs there are.
   void forget_basis() {
     basis_.clear();
-    std::fill(column_position_.begin(), column_position_.begin() + pairs_ + 1, -1);
-    std::fill(row_position_.begin(), row_position_.begin() + pairs_, -1);
+    for (int p = 0; p < listed_; ++p) {
+      column_position_[std::size_t(columns_[std::size_t(p)])] = -1;
+      row_position_[std::size_t(rows_[std::size_t(p)])] = -1;
+    }
+    listed_ = 0;
   }
 
   PathEnd go_on(const PathOptions& options, int entering, bool entering_is_z) {
@@ -388,10 +392,12 @@ class LemkePath {
   }
 
   void set_column(int p, int index) {
+    listed_ = std::max(listed_, p + 1);
     columns_[std::size_t(p)] = index;
     column_position_[std::size_t(index)] = p;
   }
   void set_row(int p, int index) {
+    listed_ = std::max(listed_, p + 1);
     rows_[std::size_t(p)] = index;
     row_position_[std::size_t(index)] = p;
   }
@@ -402,6 +408,7 @@ class LemkePath {
   std::vector<int> columns_, rows_, column_position_, row_position_;
   Eigen::VectorXd z_, dz_, first_, second_;
   Eigen::MatrixXd matrix_;
+  int listed_ = 0;  ///< of columns_ and rows_, since the last forget_basis
   int pivots_ = 0, entering_ = -1;
   bool entering_is_z_ = false;
 };
