@@ -102,6 +102,7 @@ struct ContactLcpSolver::Workspace {
         kept_friction(std::size_t(contacts)),
         exact_impulse(4 * contacts),
         best_impulse(4 * contacts),
+        least_along(contacts),
         continues_as(std::size_t(contacts)) {
     uncleaned.resize(contacts);
     last.impulse.resize(4 * contacts);
@@ -124,7 +125,7 @@ struct ContactLcpSolver::Workspace {
   void remember_basis();
   void remember(const ContactLcp& problem, const ContactSolution& solution);
   bool is_solved_by_zero() const;
-  void find_unused_slip(const ContactLcp& problem, ContactSolution& solution) const;
+  void find_unused_slip(const ContactLcp& problem, ContactSolution& solution);
   bool infeasible_without_friction(const ContactLcp& problem, ContactSolution& solution,
                                    LcpResult& result);
   double extract(const ContactLcp& problem, ContactSolution& solution);
@@ -146,9 +147,9 @@ struct ContactLcpSolver::Workspace {
   double velocity_unit = 1;
   std::vector<char> kept_friction;
   Eigen::VectorXd exact_impulse, best_impulse;  ///< scaled
+  Eigen::VectorXd least_along;                  ///< of each contact's vertices, its slip_against
   double best_residual = 0;
   int newton_passes = 1;
-  int covering = 0;  ///< which covering vector
   /// What the last problem leaves to the next one.
   struct Memory {
     struct Entry {
@@ -251,7 +252,6 @@ void ContactLcpSolver::Workspace::scale(const ContactLcp& problem) {
 }
 
 void ContactLcpSolver::Workspace::cover(int attempt) {
-  covering = attempt;
   const auto random = [attempt](int kind, int index) {
     return internal::hash_to_unit(std::uint64_t(4 * attempt + kind), std::uint64_t(index));
   };
@@ -260,9 +260,7 @@ void ContactLcpSolver::Workspace::cover(int attempt) {
     system.slip_cover[i] = 1 + random(1, i);
     system.slack_cover[i] = 1 + random(2, i);
   }
-  // Nearly equal, so that the path turns with the slip from vertex to vertex.
-  constexpr double kSpread = 0.1;
-  for (int j = 0; j < system.count; ++j) system.vertex_cover[j] = 1 + kSpread * random(3, j);
+  system.covering = attempt;
 }
 
 bool ContactLcpSolver::Workspace::is_solved_by_zero() const {
@@ -273,15 +271,16 @@ bool ContactLcpSolver::Workspace::is_solved_by_zero() const {
 
 /// The lambda of contacts without load or friction: no other row depends on it.
 void ContactLcpSolver::Workspace::find_unused_slip(const ContactLcp& problem,
-                                                   ContactSolution& solution) const {
+                                                   ContactSolution& solution) {
   for (int i = 0; i < system.contacts; ++i) {
+    const Eigen::Vector3d slip = scaled_slip(problem, solution, i);
+    if (!is_exact(problem)) least_along[i] = system.slip_against(slip);
     if (system.has_friction[std::size_t(i)] && solution.impulse[4 * i] > 0) continue;
     solution.slip[i] = 0;
-    const Eigen::Vector3d slip = scaled_slip(problem, solution, i);
     if (is_exact(problem)) {
       if (slip.squaredNorm() > 0) solution.slip[i] = slip.dot(system.boundary_point(i, slip));
     } else {
-      solution.slip[i] = std::max(0., -system.slip_against(slip));
+      solution.slip[i] = std::max(0., -least_along[i]);
     }
   }
 }
@@ -328,9 +327,7 @@ double ContactLcpSolver::Workspace::extract(const ContactLcp& problem, ContactSo
   solution.velocity.noalias() += problem.delassus * solution.impulse;
   find_unused_slip(problem, solution);
   // As `contact_residual`, several times faster where there are many vertices.
-  return residual_of(problem, solution, [&](int contact) {
-    return system.slip_against(scaled_slip(problem, solution, contact));
-  });
+  return residual_of(problem, solution, [this](int contact) { return least_along[contact]; });
 }
 
 /// The same, where Harris' tolerance has left something negative after a few more pivots without.
@@ -444,7 +441,7 @@ PathEnd ContactLcpSolver::Workspace::go_on_adding_vertices(PathEnd end, const Co
     system.cover_towards(basis.data(), int(basis.size()));
     end = path.follow(system, options);
     result.pivots += path.pivots();
-    cover(covering);
+    cover(system.covering);
   }
   if (end == PathEnd::solved && !is_exact(problem)) path.refine();
   return end;

@@ -33,7 +33,6 @@ class ContactSystem {
         normal_cover(capacity),
         slip_cover(capacity),
         slack_cover(capacity),
-        vertex_cover(vertex_capacity),
         natural_sizes(capacity),
         has_friction(std::size_t(capacity)),
         shapes(std::size_t(capacity)),
@@ -64,8 +63,10 @@ class ContactSystem {
   Eigen::VectorXd free_velocity;
   Eigen::Matrix3Xd vertices;
   /// d of rows P and lambda, and of rows beta, unless the path is led otherwise: slip_cover_i
-  /// vertex_cover_j, with the smallest vertex_cover 1.
-  Eigen::VectorXd normal_cover, slip_cover, slack_cover, vertex_cover;
+  /// times 1 to 1.1 for the vertices: nearly equal, so that the path turns with the slip from
+  /// vertex to vertex.
+  Eigen::VectorXd normal_cover, slip_cover, slack_cover;
+  int covering = 0;  ///< which vector of random numbers
   /// Of the velocities and impulses of a contact: where all feel the same velocity, heavy ones have
   /// 1 and light ones less.
   Eigen::VectorXd natural_sizes;
@@ -211,7 +212,11 @@ class ContactSystem {
     is_used_[std::size_t(slot)] = char(true);
     used_.push_back(slot);
     in_use_[std::size_t(in_use_end_[std::size_t(contact)]++)] = vertex;
-    set_beta_cover(contact, vertex, slip_cover[contact] * vertex_cover[vertex]);
+    constexpr double kSpread = 0.1;
+    set_beta_cover(
+        contact, vertex,
+        slip_cover[contact] *
+            (1 + kSpread * hash_to_unit(std::uint64_t(4 * covering + 3), std::uint64_t(vertex))));
   }
   /// A vertex for this contact alone; false if there is no room, or one like it.
   bool add_own_vertex(int contact, const Eigen::Vector3d& corner) {
