@@ -19,7 +19,8 @@ using internal::Motion;
 using internal::PathEnd;
 
 constexpr int kMostAttempts = 24;
-/// A solution is one below the first; below the second, no other covering vector is tried.
+/// A solution is one below the first, or what rounding leaves of it; below the second, no other
+/// covering vector is tried.
 constexpr double kTolerance = 1e-10, kGood = 1e-12;
 constexpr int kAttemptsForGood = 4;
 /// Of the first path; the later ones are careful.
@@ -77,6 +78,22 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
     add(over(std::min(diagonal * weight.value, solution.slip[i] + along), velocity_unit));
   }
   return worst;
+}
+
+/// How much of the residual rounding of W r alone explains: where bodies are wedged by impulses a
+/// million times larger than their motion needs, no other impulses would do better.
+double rounding_of(const ContactLcp& problem, const ContactSolution& solution) {
+  constexpr double kRoundings = 4, kMost = 1e-9;
+  double largest = 0;
+  for (int row = 0; row < solution.impulse.size(); ++row) {
+    const double unit = row % 4 == 3 ? problem.eccentricity_m[row / 4] : 1;
+    const double terms = problem.delassus.row(row).cwiseAbs().dot(solution.impulse.cwiseAbs());
+    largest = std::max(largest, unit * terms);
+  }
+  const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
+  if (!(velocity_unit > 0)) return 0;
+  return std::min(kMost,
+                  kRoundings * std::numeric_limits<double>::epsilon() * largest / velocity_unit);
 }
 
 }  // namespace
@@ -632,7 +649,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
     follow(best_attempt);
     result.residual = extract_cleaned(problem, solution, result);
   }
-  if (result.residual <= kTolerance) {
+  if (result.residual <= std::max(kTolerance, rounding_of(problem, solution))) {
     result.status = LcpStatus::solved;
     result.proof = RayProof::none;
     return result;

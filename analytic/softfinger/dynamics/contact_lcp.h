@@ -79,9 +79,8 @@ struct ContactSolution {
 ///   single vertices only where the whole friction sphere would be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
 /// - Under the exact rules the vertices are each contact's own, points of its limit against its
-/// slip
-///   and where its load reaches for; Newton's method (ExactNewton) goes the rest of the way from
-///   the path's points. What counts is `exact_contact_residual`.
+///   slip and where its load reaches for; Newton's method (ExactNewton) goes the rest of the way
+///   from the path's points. What counts is `exact_contact_residual`.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
 /// 1997). Prescribed motions can exclude one: bodies that are wedged between closing walls. A ray
@@ -97,7 +96,9 @@ class ContactLcpSolver {
   ContactLcpSolver(ContactLcpSolver&&) noexcept;
   ContactLcpSolver& operator=(ContactLcpSolver&&) noexcept;
 
-  /// `residual` of the result is that of `contact_residual`. @throws InputError for sizes that do
+  /// `residual` of the result is that of `contact_residual`: solved means 1e-10 or less, or, where
+  /// impulses are so large that rounding of W r alone makes more, four such roundings, 1e-9 at
+  /// most. @throws InputError for sizes that do
   /// not fit each other or the solver, for values that are not finite or negative where they cannot
   /// be, and for a contact with W_nn <= 0: bodies that cannot move.
   /// @param continued  null: from the start. Else, per contact, which contact of the last problem
