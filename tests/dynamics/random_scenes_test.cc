@@ -92,5 +92,29 @@ TEST(RandomScenes, WedgedBodiesAreSolvedToRounding) {
   EXPECT_LE(contact_residual(problem, solution), 4 * rounding(problem, solution));
 }
 
+/// Steps in which contacts move by a thousandth of their arm: those that were the same before are
+/// nearly so now. One of them needs a little more on W's diagonal.
+TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
+  constexpr int kContacts = 10, kVertices = 32;
+  tests::RandomScenes scenes(100);
+  ContactLcpSolver solver(kContacts, kVertices);
+  ContactSolution solution;
+  int most_attempts = 0;
+  for (int scene = 0; scene < 64; ++scene) {
+    ContactLcp problem = scenes.next(kContacts, kVertices);
+    for (int step = 0; step < 10; ++step) {
+      scenes.disturb(problem, 1e-3);
+      bool approaches = false;
+      for (int i = 0; i < kContacts; ++i) approaches |= problem.free_velocity[4 * i] < 0;
+      if (!approaches) break;
+      const LcpResult result = solver.solve(problem, solution);
+      EXPECT_EQ(result.status, LcpStatus::solved) << scene << ", step " << step;
+      EXPECT_LE(contact_residual(problem, solution), 1e-10) << scene << ", step " << step;
+      most_attempts = std::max(most_attempts, result.attempts);
+    }
+  }
+  std::printf("at most %d attempts\n", most_attempts);
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -18,7 +18,10 @@ using internal::ContactSystem;
 using internal::Motion;
 using internal::PathEnd;
 
-constexpr int kMostAttempts = 24;
+constexpr int kMostAttempts = 32;
+/// From this attempt on facets are solved with a little more on the diagonal of W.
+constexpr int kFirstProximal = 24;
+constexpr double kProximals[] = {1e-14, 1e-13, 1e-12, 1e-11};
 /// A solution is one below the first, or what rounding leaves of it; below the second, no other
 /// covering vector is tried.
 constexpr double kTolerance = 1e-10, kGood = 1e-12;
@@ -130,6 +133,7 @@ struct ContactLcpSolver::Workspace {
   void check(const ContactLcp& problem) const;
   void check_continued(const ContactLcp& problem, const std::vector<int>& continued) const;
   void scale(const ContactLcp& problem);
+  void add_proximal(const ContactLcp& problem, double part);
   void cover(int attempt);
   internal::PathOptions options() const;
   void use_first_vertices(const ContactLcp& problem, bool all);
@@ -162,6 +166,7 @@ struct ContactLcpSolver::Workspace {
   /// velocity_unit / velocity_scale.
   Eigen::VectorXd impulse_scale, velocity_scale;
   double velocity_unit = 1;
+  double proximal = 0;  ///< what is added to W's diagonal, as a part of it
   std::vector<char> kept_friction;
   Eigen::VectorXd exact_impulse, best_impulse;  ///< scaled
   Eigen::VectorXd least_along;                  ///< of each contact's vertices, its slip_against
@@ -599,6 +604,17 @@ double ContactLcpSolver::Workspace::extract_exact(const ContactLcp& problem,
   return exact_contact_residual(problem, solution);
 }
 
+/// Of nearly redundant contacts no basis may be accurate enough: with a little more on W's diagonal
+/// they are not redundant, and what that little makes of the residual is far below its bound unless
+/// impulses are very large. The residual is always that of the problem itself.
+void ContactLcpSolver::Workspace::add_proximal(const ContactLcp& problem, double part) {
+  if (part == proximal) return;
+  proximal = part;
+  scale(problem);
+  system.delassus.diagonal().head(4 * system.contacts) *= 1 + part;
+  system.prepare();
+}
+
 LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
                                                     ContactSolution& solution) {
   LcpResult result;
@@ -612,6 +628,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
     // Newton takes the last digits of the exact rules: their paths need no smaller pivots.
     path_options.smallest_pivot = exact || attempt / 2 % 2 == 0 ? 1e-9 : 1e-11;
     path_options.refresh_after = attempt == 0 ? kRefreshAfter : 1;
+    if (!exact) add_proximal(problem, attempt < kFirstProximal ? 0 : kProximals[attempt % 4]);
     cover(attempt);
     ++result.attempts;
     newton_passes = attempt == 0 ? 2 : internal::ExactNewton::kMostPasses;
@@ -675,6 +692,7 @@ LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& so
   if (continued) work.check_continued(problem, *continued);
   solution.resize(problem.contacts());
   work.scale(problem);
+  work.proximal = 0;
   LcpResult result;
   const bool zero = work.is_solved_by_zero();
   if (zero) {
