@@ -666,7 +666,7 @@ LcpResult ContactLcpSolver::Workspace::follow_paths(const ContactLcp& problem,
     follow(best_attempt);
     result.residual = extract_cleaned(problem, solution, result);
   }
-  if (result.residual <= std::max(kTolerance, rounding_of(problem, solution))) {
+  if (result.residual <= kTolerance || result.residual <= rounding_of(problem, solution)) {
     result.status = LcpStatus::solved;
     result.proof = RayProof::none;
     return result;
