@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -14,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "fem/blas_memory.h"
 #include "fem/model_cache.h"
 #include "fem/reference_solver.h"
 #include "meshes/generation/layer_mesh.h"
@@ -381,6 +383,7 @@ int main(int argument_count, char** arguments) {
   const auto failure = failure_of([&] {
     const json input = read(arguments[1]);
     stop_when_convenient();
+    fem::reserve_blas_memory();
     if (input.is_array()) {
       exit_status = answer_all(input);
     } else {
@@ -390,5 +393,7 @@ int main(int argument_count, char** arguments) {
   });
   if (!failure) return exit_status;
   std::cerr << "softfinger-fem: " << failure->message << std::endl;
-  return failure->exit_status;
+  // Where memory is short a thread of OpenBLAS may ask for it in an endless loop: an ordinary exit
+  // would wait for that thread.
+  std::_Exit(failure->exit_status);
 }
