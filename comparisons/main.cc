@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   commands::add_fit(app, action);
   commands::add_fem(app, action);
   commands::add_compare(app, action, command_line);
+  commands::add_sweep(app, action, command_line);
   commands::add_atlas(app, action, command_line);
   commands::add_select(app, action, command_line);
   commands::add_extremes(app, action, command_line);
@@ -93,6 +94,9 @@ int main(int argc, char** argv) {
   }
   try {
     return action();
+  } catch (const Interrupted& interruption) {
+    commands::remark(interruption.what());
+    return 128 + interruption.signal;
   } catch (const InputError& error) {
     return fail(error.what(), kBadInput);
   } catch (const ConvergenceError& error) {
