@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/case_table.h"
 #include "comparisons/files.h"
 #include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
@@ -368,8 +369,7 @@ void settle_finger_shape(const toml::table& geometry, Case& result) {
 
 }  // namespace
 
-Case parse_case(const std::string& text, const fs::path& file) {
-  const toml::table root = parse_toml(text, file.string());
+Case case_of(const toml::table& root, const std::string& text, const fs::path& file) {
   const TomlReader reader(file.string());
   reader.check_keys(
       root, "",
@@ -392,6 +392,10 @@ Case parse_case(const std::string& text, const fs::path& file) {
   read_materials(reader, root, result);
   settle_finger_shape(geometry, result);
   return result;
+}
+
+Case parse_case(const std::string& text, const fs::path& file) {
+  return case_of(parse_toml(text, file.string()), text, file);
 }
 
 Case read_case(const fs::path& file) { return parse_case(read_text_file(file), file); }

@@ -12,11 +12,15 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "comparisons/atlas/atlas_overview.h"
 #include "comparisons/case.h"
+#include "comparisons/fem_jobs.h"
 #include "comparisons/fem_process.h"
 #include "comparisons/files.h"
+#include "comparisons/finished_results.h"
+#include "comparisons/json_text.h"
 #include "comparisons/local_geometry.h"
 #include "comparisons/predict.h"
 #include "comparisons/program_paths.h"
@@ -54,111 +58,52 @@ struct LoadRun {
   std::string title() const { return fmt::format("{} {} N", contact_case->id, load_N); }
 };
 
-/// The version and the program's own bytes: a rebuilt FEM must not reuse an older one's results.
-std::string program_identity(const fs::path& program) {
-  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
-  for (const char byte : read_text_file(program))
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return fmt::format("{} {:016x}", program_version(), hash);
-}
-
-/// A finished result of the same problem by the same program, or null.
-json finished_result(const LoadRun& run, const std::string& identity) {
-  std::ifstream file(run.folder / "result.json");
-  if (!file) return nullptr;
-  const json saved = json::parse(file, nullptr, false);
-  if (!saved.is_object() || saved.value("program", json()) != json(identity) ||
-      saved.value("problem", json()) != run.problem || !saved.contains("result"))
-    return nullptr;
-  const json& result = saved["result"];
-  if (!is_complete_fem_result(result)) return nullptr;
-  if (result.contains("vtu") && result["vtu"].is_string()) {
-    std::error_code error;
-    if (!fs::exists(run.folder / fs::path(result["vtu"].get<std::string>()).filename(), error))
-      return nullptr;
-  }
-  return result;
-}
-
-std::string summary(const json& fem) {
-  const auto number = [](const json& object, const char* key) {
-    return object.contains(key) && object[key].is_number() ? object[key].get<double>() : NAN;
-  };
-  const json& error = fem["error"];
-  return fmt::format("{:.0f} unknowns, a ±{:.2g} %, torque ±{:.2g} %, {:.1f} s",
-                     number(fem, "unknowns"), 100 * number(error, "a"),
-                     100 * number(error, "max_torque"), number(fem, "wall_s"));
-}
-
 /// Runs what is not finished yet. @returns 0 or the signal that interrupted.
 int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options, Progress& progress) {
-  const std::string program = fem_program().string();
-  const std::string identity = program_identity(program);
+  FemJobOptions settings;
+  settings.program = fem_program().string();
+  settings.identity = program_identity(settings.program);
+  settings.parallel = options.jobs;
+  settings.single_thread = options.jobs > 1;
+  settings.limits = options.fem_limits;
   // A case's loads share their process, the largest contact first, whose mesh may serve the others.
-  std::vector<std::vector<LoadRun*>> pending;
-  std::size_t done = 0, pending_count = 0;
-  for (LoadRun& run : runs) {
-    run.fem = finished_result(run, identity);
-    run.reused = !run.fem.is_null();
-    if (run.reused) {
-      progress.say(fmt::format("[{}/{}] {}: reused", ++done, runs.size(), run.title()));
-      continue;
-    }
-    make_writable_folder(run.folder);
-    // What is there answers another problem; while the new files are being written nothing must
-    // claim them.
-    std::error_code ignored;
-    fs::remove(run.folder / "result.json", ignored);
-    if (pending.empty() || pending.back().front()->contact_case != run.contact_case)
-      pending.emplace_back();
-    pending.back().push_back(&run);
-    ++pending_count;
+  std::vector<std::size_t> order(runs.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto case_of = [&](std::size_t run) {
+    return runs[run].contact_case - runs[0].contact_case;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
+    return std::pair(case_of(left), -runs[left].load_N) <
+           std::pair(case_of(right), -runs[right].load_N);
+  });
+  std::vector<FemJob> jobs;
+  for (const std::size_t i : order) {
+    FemJob job;
+    job.title = runs[i].title();
+    job.problem = runs[i].problem;
+    job.file = runs[i].folder / "result.json";
+    job.output_directory = runs[i].folder;
+    job.group = static_cast<std::size_t>(case_of(i));
+    jobs.push_back(std::move(job));
   }
-  std::vector<FemBatch> batches;
-  for (auto& of_case : pending) {
-    std::stable_sort(of_case.begin(), of_case.end(), [](const LoadRun* left, const LoadRun* right) {
-      return left->load_N > right->load_N;
-    });
-    FemBatch batch;
-    batch.single_thread = options.jobs > 1;
-    for (const LoadRun* run : of_case) {
-      batch.problems.push_back(run->problem);
-      batch.problems.back()["output_directory"] = run->folder.string();
-    }
-    batches.push_back(std::move(batch));
-  }
-
-  const auto start = Clock::now();
-  const auto remaining = [&](std::size_t finished) {
-    if (finished == 0 || finished == pending_count) return std::string();
-    const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
-    return fmt::format("; about {:.0f} s left",
-                       elapsed_s / finished * static_cast<double>(pending_count - finished));
+  const auto run_of = [&](const FemJob& job) -> LoadRun& {
+    return runs[order[static_cast<std::size_t>(&job - jobs.data())]];
   };
-  std::size_t finished = 0;
-  FemCallbacks callbacks;
-  callbacks.on_line = [&](FemIndex index, const std::string& line) {
-    progress.show(fmt::format("[{}/{}] {}: {}{}", done, runs.size(),
-                              pending[index.batch][index.problem]->title(), line,
-                              remaining(finished)));
-  };
-  callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
-    LoadRun& run = *pending[index.batch][index.problem];
-    ++done, ++finished;
-    if (answer.result.is_null()) {
-      run.failure = answer.failure;
-      progress.say(fmt::format("[{}/{}] {}: FEM failed: {}{}", done, runs.size(), run.title(),
-                               answer.failure, remaining(finished)));
-      return;
-    }
-    write_file_atomically(
-        run.folder / "result.json",
-        dump({{"program", identity}, {"problem", run.problem}, {"result", answer.result}}));
-    run.fem = std::move(answer.result);
-    progress.say(fmt::format("[{}/{}] {}: {}{}", done, runs.size(), run.title(), summary(run.fem),
-                             remaining(finished)));
-  };
-  const int signal = run_fem(program, batches, options.jobs, callbacks);
+  const std::vector<const FemJob*> pending =
+      pending_fem_jobs(jobs, settings, progress, [&](const FemJob& job, json result) {
+        run_of(job).fem = std::move(result);
+        run_of(job).reused = true;
+      });
+  FemJobProgress shown(progress, jobs.size(), pending.size());
+  std::size_t done = jobs.size() - pending.size();
+  const int signal = run_fem_jobs(
+      pending, settings, [&](const FemJob& job, const std::string& line) { shown.line(job, line); },
+      [&](const FemJob& job, const FemAnswer& answer) {
+        ++done;
+        run_of(job).fem = answer.result;
+        run_of(job).failure = answer.failure;
+        shown.finished(job, describe(answer));
+      });
   if (signal != 0)
     progress.say(
         fmt::format("softfinger: interrupted: {} of {} FEM results are finished in {}; the same "
@@ -327,10 +272,12 @@ std::vector<std::string> cases_left_out(const fs::path& report_file,
                                         const std::map<std::string, std::string>& file_of_id) {
   std::vector<std::string> ids;
   std::ifstream file(report_file);
-  const json report = file ? json::parse(file, nullptr, false) : json();
-  if (!report.is_object() || !report.contains("cases")) return ids;
+  const json report =
+      file ? parse_json(std::string(std::istreambuf_iterator<char>(file), {})) : json();
+  if (!report.is_object() || !report.contains("cases") || !report["cases"].is_array()) return ids;
   for (const json& entry : report["cases"])
-    if (entry.contains("id") && entry["id"].is_string() && !file_of_id.count(entry["id"]))
+    if (entry.is_object() && entry.contains("id") && entry["id"].is_string() &&
+        !file_of_id.count(entry["id"]))
       ids.push_back(entry["id"]);
   return ids;
 }
@@ -437,7 +384,7 @@ int compare(const CompareOptions& options) {
   fem_program();
   error_atlas();
   finite_strain_atlas();
-  make_writable_folder(options.output);
+  const OutputFolder output(options.output);
   // After all that may be refused in a single line.
   if (const auto ids = cases_left_out(options.output / "report.json", file_of_id); !ids.empty())
     progress.say(fmt::format(

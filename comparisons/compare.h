@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/fem_process.h"
+
 namespace softfinger {
 
 struct CompareOptions {
@@ -11,6 +13,7 @@ struct CompareOptions {
   std::filesystem::path output;  ///< folder, created when missing
   bool full = false;             ///< one FEM level finer than the case says, at most 3
   int jobs = 1;                  ///< FEM processes side by side
+  FemLimits fem_limits;          ///< of each load
   std::string command;           ///< as typed, for the report's provenance
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "comparisons/json_text.h"
 #include "comparisons/predict.h"
 #include "softfinger/input/errors.h"
 
@@ -117,22 +119,69 @@ nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geomet
   return problem;
 }
 
-bool is_complete_fem_result(const nlohmann::json& result) {
-  if (!result.is_object()) return false;
-  for (const char* key :
-       {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"})
-    if (!result.contains(key) || !result[key].is_number()) return false;
-  return result.contains("error") && result["error"].is_object();
+std::string flaw_of_fem_result(const nlohmann::json& result) {
+  if (!result.is_object()) return "no JSON object";
+  const auto flaw_of_numbers = [](const nlohmann::json& object, const std::string& of,
+                                  std::initializer_list<const char*> keys) -> std::string {
+    for (const char* key : keys) {
+      const auto found = object.find(key);
+      if (found == object.end() || !found->is_number()) return of + key + " is missing";
+      if (!(found->get<double>() > 0)) return fmt::format("{}{} = {}", of, key, found->dump());
+    }
+    return "";
+  };
+  if (std::string flaw = flaw_of_numbers(result, "",
+                                         {"load_N", "a_m", "b_m", "indentation_m",
+                                          "peak_pressure_Pa", "area_m2", "max_torque_Nm"});
+      !flaw.empty())
+    return flaw;
+  const auto levels = result.find("levels");
+  if (levels == result.end() || !levels->is_array() || levels->empty()) return "levels is missing";
+  for (const auto& level : *levels) {
+    if (!level.is_object()) return "a level is no JSON object";
+    if (std::string flaw =
+            flaw_of_numbers(level, "a level's ", {"a_m", "b_m", "indentation_m", "max_torque_Nm"});
+        !flaw.empty())
+      return flaw;
+  }
+  const auto error = result.find("error");
+  if (error == result.end() || !error->is_object()) return "error is missing";
+  for (const char* key : {"a", "b", "indentation", "max_torque"}) {
+    const auto stated = error->find(key);
+    // A single level cannot state its error: that is null.
+    if (stated == error->end() || !(stated->is_number() || stated->is_null()))
+      return std::string("the error of ") + key + " is missing";
+    if (stated->is_number() && !(stated->get<double>() >= 0))
+      return fmt::format("the error of {} = {}", key, stated->dump());
+  }
+  for (const char* key : {"profile_x", "profile_y"}) {
+    const auto profile = result.find(key);
+    if (profile == result.end() || !profile->is_object()) return std::string(key) + " is missing";
+    std::array<std::size_t, 2> sizes{};
+    for (const std::size_t i : {0, 1}) {
+      const auto values = profile->find(i == 0 ? "position_m" : "pressure_Pa");
+      if (values == profile->end() || !values->is_array())
+        return std::string(key) + " is incomplete";
+      for (const auto& value : *values)
+        if (!value.is_number() && !value.is_null()) return std::string(key) + " is incomplete";
+      sizes[i] = values->size();
+    }
+    if (sizes[0] != sizes[1]) return std::string(key) + " is incomplete";
+  }
+  return "";
 }
 
 namespace {
 
 /// The line that a process writes for each of its problems.
 FemAnswer answer_of(const std::string& line) {
-  const nlohmann::json written = nlohmann::json::parse(line, nullptr, false);
-  if (is_complete_fem_result(written)) return {written, "", 0};
-  if (!written.is_object() || !written.contains("failure"))
-    return {nullptr, "softfinger-fem ended without a complete result", 3};
+  const nlohmann::json written = parse_json(line);
+  const bool failed = written.is_object() && written.contains("failure");
+  if (!failed) {
+    const std::string flaw = flaw_of_fem_result(written);
+    if (flaw.empty()) return {written, "", 0};
+    return {nullptr, "softfinger-fem gave no result to believe: " + flaw, 3};
+  }
   FemAnswer answer;
   answer.failure = written.value("failure", "");
   if (answer.failure.rfind("error: ", 0) == 0) answer.failure.erase(0, std::strlen("error: "));
@@ -141,11 +190,19 @@ FemAnswer answer_of(const std::string& line) {
 }
 
 /// For the problem that a process was at when it ended before its time.
-FemAnswer failure_of(const ProcessOutcome& outcome) {
+FemAnswer failure_of(const ProcessOutcome& outcome, const FemLimits& limits) {
   FemAnswer answer;
   // Whatever else a crashed program returns, for the user the numerics failed.
   answer.exit_status = outcome.exit_status == 2 ? 2 : 3;
-  if (outcome.signal != 0) {
+  if (outcome.exceeded == ProcessLimit::time) {
+    answer.failure = fmt::format("softfinger-fem was ended after {:g} s, its limit (--fem-time-s)",
+                                 limits.time_s);
+  } else if (outcome.exceeded == ProcessLimit::memory) {
+    answer.failure = fmt::format(
+        "softfinger-fem was ended as it took more than {:g} MB, its limit "
+        "(--fem-memory-MB)",
+        limits.memory_MB);
+  } else if (outcome.signal != 0) {
     answer.failure = fmt::format(
         "softfinger-fem was killed by signal {} ({}){}", outcome.signal, strsignal(outcome.signal),
         outcome.signal == 9 ? "; often this means that memory ran out" : "");
@@ -183,9 +240,15 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       if (answered[batch] == problems.size()) continue;
       nlohmann::json left = nlohmann::json::array();
       for (std::size_t i = answered[batch]; i < problems.size(); ++i) left.push_back(problems[i]);
-      ProcessJob job{{program, "-"}, left.dump() + "\n", {}};
+      ProcessJob job;
+      job.command = {program, "-"};
+      job.input = left.dump() + "\n";
       if (batches[batch].single_thread)
         job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "DEAL_II_NUM_THREADS=1"};
+      // Under mpirun this program is a rank; the finite elements are not.
+      job.hidden = {"OMPI_", "PMIX_", "PMI_"};
+      job.time_limit_s = batches[batch].limits.time_s;
+      job.memory_limit_MB = batches[batch].limits.memory_MB;
       jobs.push_back(std::move(job));
       batch_of.push_back(batch);
       first.push_back(answered[batch]);
@@ -211,7 +274,7 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       if (outcome.exit_status == 128 + SIGINT) stopping = true;
       const std::size_t batch = batch_of[job];
       if (!stopping && answered[batch] < batches[batch].problems.size())
-        answer(job, failure_of(outcome));
+        answer(job, failure_of(outcome, batches[batch].limits));
     };
     if (const int signal = run_processes(jobs, parallel, processes, on_interrupt)) return signal;
     if (stopping) return SIGINT;

@@ -18,10 +18,17 @@ namespace softfinger {
 nlohmann::json fem_problem(const Case& contact_case, const LocalGeometry& geometry, double load_N,
                            int level);
 
+/// What each problem may take. The defaults are far above what any contact of the suite needs.
+struct FemLimits {
+  double time_s = 3600;
+  double memory_MB = 8192;
+};
+
 /// Solved by one process, one after the other, which lets contacts share meshes: the largest first.
 struct FemBatch {
   std::vector<nlohmann::json> problems;
   bool single_thread = true;  ///< linear algebra on one thread: with several processes side by side
+  FemLimits limits;
 };
 
 /// A result, or in one line why there is none.
@@ -43,15 +50,16 @@ struct FemCallbacks {
   std::function<void(FemIndex, FemAnswer)> on_answer = [](auto, auto&&) {};
 };
 
-/// Solves the batches, at most `parallel` side by side. A problem that fails, or even crashes its
-/// process, leaves the rest of its batch to be solved.
+/// Solves the batches, at most `parallel` side by side. A problem that fails, crashes its process
+/// or goes beyond its limits leaves the rest of its batch to be solved.
 /// @returns 0, or the signal that interrupted
 /// @throws InputError when the program cannot be started
 int run_fem(const std::string& program, const std::vector<FemBatch>& batches, int parallel,
             const FemCallbacks& callbacks, OnInterrupt on_interrupt = OnInterrupt::stop);
 
-/// Whether a result holds every number that a report needs.
-bool is_complete_fem_result(const nlohmann::json& result);
+/// What keeps a result from being believed: a number that is missing, or one that no contact has.
+/// @returns a few words, or nothing when all is well
+std::string flaw_of_fem_result(const nlohmann::json& result);
 
 /// Whether the stated errors are small enough to judge models by: 2 % in a and b, 1 % in
 /// indentation and torque.

@@ -25,6 +25,22 @@ void write_files_together(const std::vector<std::pair<std::filesystem::path, std
 /// @throws InputError
 void make_writable_folder(const std::filesystem::path& folder);
 
+/// A folder of results that one run has for itself: two runs in one folder would overwrite each
+/// other's files. The system releases the lock however the run ends.
+class OutputFolder {
+ public:
+  /// Creates the folder, with parents, proves that files can be written in it and locks it.
+  /// @throws InputError, for a folder in use with the process that uses it
+  explicit OutputFolder(const std::filesystem::path& folder);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+ private:
+  std::filesystem::path lock_file_;
+  int descriptor_ = -1;
+};
+
 /// @throws InputError when standard output cannot take the text (a full disk behind a redirection).
 void write_to_stdout(const std::string& text);
 

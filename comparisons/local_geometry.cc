@@ -85,12 +85,20 @@ void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vecto
                                  1e3 * neighbourhood.distance_m()));
 }
 
-GeometryResolver::GeometryResolver(const Case& contact_case) : case_(contact_case) {
+GeometryResolver::GeometryResolver(const Case& contact_case, const GeometryResolver* known)
+    : case_(contact_case) {
   const auto* pair = std::get_if<BodyPair>(&case_.geometry);
   if (!pair) return;
   for (const CaseBody* body : {&pair->finger, &pair->object}) {
     const auto* mesh = std::get_if<MeshBody>(body);
     if (!mesh || surfaces_.count(surface_key(*mesh))) continue;
+    if (known) {
+      if (const auto found = known->surfaces_.find(surface_key(*mesh));
+          found != known->surfaces_.end()) {
+        surfaces_.insert(*found);
+        continue;
+      }
+    }
     std::error_code ignored;
     if (!std::filesystem::exists(mesh->path, ignored))
       throw InputError(mesh->where, "mesh", mesh->path.string(),
@@ -99,12 +107,13 @@ GeometryResolver::GeometryResolver(const Case& contact_case) : case_(contact_cas
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
     const std::string note = tolerated(file);
     if (!note.empty()) remarks_.push_back(mesh->path.string() + ": " + note);
-    surfaces_.emplace(surface_key(*mesh), std::move(file.surface));
+    surfaces_.emplace(surface_key(*mesh),
+                      std::make_shared<const TriangleSurface>(std::move(file.surface)));
   }
 }
 
 const TriangleSurface& GeometryResolver::surface(const MeshBody& mesh) const {
-  return surfaces_.at(surface_key(mesh));
+  return *surfaces_.at(surface_key(mesh));
 }
 
 ContactBody GeometryResolver::contact_body(const CaseBody& body) const {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +28,9 @@ struct LocalGeometry {
 class GeometryResolver {
  public:
   /// @throws InputError when a mesh cannot be read. `contact_case` must outlive this object.
-  explicit GeometryResolver(const Case& contact_case);
+  explicit GeometryResolver(const Case& contact_case) : GeometryResolver(contact_case, nullptr) {}
+  /// @param known  its surfaces serve again where they come from the same files; may be null
+  GeometryResolver(const Case& contact_case, const GeometryResolver* known);
 
   /// For meshes the fitted region depends on the load: region and predicted contact are iterated to
   /// agreement. The area is predicted by the first model of the registry's hot path that calls
@@ -46,7 +49,7 @@ class GeometryResolver {
   ContactBody contact_body(const CaseBody& body) const;
 
   const Case& case_;
-  std::map<std::string, TriangleSurface> surfaces_;  ///< by path and unit
+  std::map<std::string, std::shared_ptr<const TriangleSurface>> surfaces_;  ///< by path and unit
   std::vector<std::string> remarks_;
 };
 

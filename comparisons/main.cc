@@ -62,6 +62,7 @@ int run(int argc, char** argv) {
   commands::add_fit(app, action);
   commands::add_fem(app, action);
   commands::add_compare(app, action, command_line);
+  commands::add_sweep(app, action, command_line);
   commands::add_atlas(app, action, command_line);
   commands::add_select(app, action, command_line);
   commands::add_extremes(app, action, command_line);
@@ -125,6 +126,9 @@ int main(int argc, char** argv) {
   std::set_terminate(end_in_words);
   try {
     return run(argc, argv);
+  } catch (const Interrupted& interruption) {
+    commands::remark(interruption.what());
+    return 128 + interruption.signal;
   } catch (const InputError& error) {
     return fail(error.what(), kBadInput);
   } catch (const ConvergenceError& error) {

@@ -5,9 +5,10 @@
 softfinger_packages() { # analytic|fem, run|test
   echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libassimp-dev libfcl-dev
   command -v npm >/dev/null || echo npm
-  if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libsuitesparse-dev libopenblas-dev; fi
+  if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then
     echo libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev
+    if [ "$1" = fem ]; then echo openmpi-bin; fi
     command -v chromium >/dev/null || echo chromium
   fi
 }

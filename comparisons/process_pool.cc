@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstring>
+#include <fstream>
 #include <memory>
 
 #include "softfinger/input/errors.h"
@@ -92,7 +94,12 @@ class SignalWatch {
 
 class Child {
  public:
-  Child(std::size_t job_index, const ProcessJob& job) : index(job_index), start_(Clock::now()) {
+  Child(std::size_t job_index, const ProcessJob& job)
+      : index(job_index),
+        start_(Clock::now()),
+        last_output_(start_),
+        time_limit_s_(job.time_limit_s),
+        memory_limit_MB_(job.memory_limit_MB) {
     Pipe input, output, errors, failure;
     // The input fits into the pipe's buffer: nothing has to be fed later, nothing can block. A
     // buffer is grown only, and up to the size that the system grants to anyone.
@@ -109,9 +116,14 @@ class Child {
     for (const auto& word : job.command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     for (char** entry = environ; *entry; ++entry) {
-      if (std::none_of(job.environment.begin(), job.environment.end(), [&](const std::string& own) {
-            return std::strncmp(own.c_str(), *entry, own.find('=') + 1) == 0;
-          }))
+      const auto replaces = [&](const std::string& own) {
+        return std::strncmp(own.c_str(), *entry, own.find('=') + 1) == 0;
+      };
+      const auto hides = [&](const std::string& start) {
+        return std::strncmp(start.c_str(), *entry, start.size()) == 0;
+      };
+      if (std::none_of(job.environment.begin(), job.environment.end(), replaces) &&
+          std::none_of(job.hidden.begin(), job.hidden.end(), hides))
         environment.push_back(*entry);
     }
     for (const auto& entry : job.environment)
@@ -174,6 +186,7 @@ class Child {
     for (std::size_t end; (end = outcome.output.find('\n', passed_on_)) != std::string::npos;) {
       const std::string line = outcome.output.substr(passed_on_, end - passed_on_);
       passed_on_ = end + 1;
+      last_output_ = Clock::now();
       on_line(index, line);
     }
   }
@@ -216,6 +229,20 @@ class Child {
     if (process_ > 0) kill(-process_, SIGINT);
   }
 
+  bool is_limited() const {
+    return std::isfinite(time_limit_s_) || std::isfinite(memory_limit_MB_);
+  }
+
+  /// Ends the process, and notes why, when it is beyond one of its limits.
+  void enforce_limits() {
+    if (process_ <= 0 || outcome.exceeded != ProcessLimit::none) return;
+    if (std::chrono::duration<double>(Clock::now() - last_output_).count() > time_limit_s_)
+      outcome.exceeded = ProcessLimit::time;
+    else if (std::isfinite(memory_limit_MB_) && resident_MB() > memory_limit_MB_)
+      outcome.exceeded = ProcessLimit::memory;
+    if (outcome.exceeded != ProcessLimit::none) kill(-process_, SIGKILL);
+  }
+
   /// Ends the process for certain: politely for one second, then not.
   void stop() {
     if (process_ <= 0) return;
@@ -241,7 +268,15 @@ class Child {
  private:
   static int dup_cloexec(int number) { return fcntl(number, F_DUPFD_CLOEXEC, 3); }
 
-  Clock::time_point start_;
+  double resident_MB() const {
+    std::ifstream file("/proc/" + std::to_string(process_) + "/statm");
+    double all_pages = 0, resident_pages = 0;
+    if (!(file >> all_pages >> resident_pages)) return 0;  // it has just ended
+    return resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
+  }
+
+  Clock::time_point start_, last_output_;
+  double time_limit_s_, memory_limit_MB_;
   pid_t process_ = -1;
   Descriptor output_, errors_;
   std::string pending_;
@@ -269,10 +304,14 @@ int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
       waiting.push_back({child->output_descriptor(), POLLIN, 0});
       waiting.push_back({child->errors_descriptor(), POLLIN, 0});
     }
-    if (poll(waiting.data(), waiting.size(), -1) < 0) {
+    const bool limited = std::any_of(children.begin(), children.end(),
+                                     [](const auto& child) { return child->is_limited(); });
+    constexpr int kLimitCheck_ms = 250;
+    if (poll(waiting.data(), waiting.size(), limited ? kLimitCheck_ms : -1) < 0) {
       if (errno == EINTR) continue;
       throw InputError("poll", std::string("failed (") + std::strerror(errno) + ")", "", "");
     }
+    for (auto& child : children) child->enforce_limits();
     if (waiting[0].revents) {
       const int number = signals.take();
       if (number == SIGINT && on_interrupt == OnInterrupt::finish && !interrupted) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -11,13 +13,22 @@ struct ProcessJob {
   std::vector<std::string> command;      ///< program and arguments
   std::string input;                     ///< standard input, at most 1 MB
   std::vector<std::string> environment;  ///< "NAME=value", on top of this process's own
+  std::vector<std::string> hidden = {};  ///< variables that begin so are not passed on
+  /// The longest time between two lines on standard output, or before the first one: beyond it the
+  /// process is ended.
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  /// The largest resident memory, looked at four times a second.
+  double memory_limit_MB = std::numeric_limits<double>::infinity();
 };
+
+enum class ProcessLimit { none, time, memory };
 
 struct ProcessOutcome {
   int exit_status = -1;  ///< -1 when killed by `signal`
   int signal = 0;
-  std::string output;     ///< standard output, whole
-  std::string last_line;  ///< of standard error
+  ProcessLimit exceeded = ProcessLimit::none;  ///< why it was ended
+  std::string output;                          ///< standard output, whole
+  std::string last_line;                       ///< of standard error
   double wall_s = 0;
 
   bool succeeded() const { return exit_status == 0; }
@@ -32,6 +43,12 @@ struct ProcessCallbacks {
   };
   std::function<void(std::size_t job)> on_start = [](auto) {};
   std::function<void(std::size_t job, const ProcessOutcome&)> on_finish = [](auto, const auto&) {};
+};
+
+/// Ctrl-C or a request to end: the program's exit status is then 128 + signal.
+struct Interrupted : std::runtime_error {
+  explicit Interrupted(int number) : std::runtime_error("interrupted"), signal(number) {}
+  int signal;
 };
 
 /// What SIGINT does to the children.

@@ -31,6 +31,10 @@ std::filesystem::path find_case_file(const std::string& typed);
 std::vector<std::filesystem::path> builtin_scene_files();
 std::filesystem::path find_scene_file(const std::string& typed);
 
+/// The same for sweeps.
+std::vector<std::filesystem::path> builtin_sweep_files();
+std::filesystem::path find_sweep_file(const std::string& typed);
+
 /// A mesh file: relative to `folder` (empty: the working directory), else a built-in mesh of that
 /// name.
 std::filesystem::path find_mesh_file(const std::string& typed, const std::filesystem::path& folder);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "fem/blas_memory.h"
 #include "fem/model_cache.h"
 #include "fem/read_problem.h"
 #include "fem/reference_solver.h"
@@ -151,6 +153,7 @@ int main(int argument_count, char** arguments) {
     const std::string path = arguments[1];
     const json input = fem::parse_problems(read(path), path == "-" ? "standard input" : path);
     stop_when_convenient();
+    fem::reserve_blas_memory();
     if (input.is_array()) {
       exit_status = answer_all(input);
     } else {
@@ -160,5 +163,7 @@ int main(int argument_count, char** arguments) {
   });
   if (!failure) return exit_status;
   std::cerr << "softfinger-fem: " << failure->message << std::endl;
-  return failure->exit_status;
+  // Where memory is short a thread of OpenBLAS may ask for it in an endless loop: an ordinary exit
+  // would wait for that thread.
+  std::_Exit(failure->exit_status);
 }

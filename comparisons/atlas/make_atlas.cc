@@ -231,86 +231,72 @@ std::vector<AtlasRun> random_runs(int count, unsigned seed) {
   return runs;
 }
 
-std::optional<AtlasFile> make_atlas(const std::vector<AtlasRun>& designed,
-                                    const AtlasOptions& options) {
+std::vector<FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
+                               const std::filesystem::path& folder) {
+  std::vector<FemJob> jobs;
+  for (const AtlasRun& run : runs) {
+    FemJob job;
+    job.title = name_of(run);
+    job.problem = fem_problem_of(run);
+    job.file = folder / (job.title + ".json");
+    job.weight = run.radii_ratio + (is_finite_strain(run) ? 100 * run.thickness_over_radius : 0);
+    // A process per run: on a larger contact's meshes errors would be stated larger.
+    job.group = jobs.size();
+    jobs.push_back(std::move(job));
+  }
+  return jobs;
+}
+
+std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
+                                       const std::vector<FemJob>& jobs,
+                                       const FemJobOptions& settings, const std::string& command) {
   AtlasFile atlas;
-  atlas.runs = designed;
-  make_writable_folder(options.folder);
-  Progress progress;
-  const auto file_of = [&](std::size_t run) {
-    return options.folder / (name_of(atlas.runs[run]) + ".json");
-  };
-  std::vector<json> problems;
-  for (const AtlasRun& run : atlas.runs) problems.push_back(fem_problem_of(run));
-  const auto finished = [&](std::size_t run) {
-    std::ifstream file(file_of(run));
-    if (!file) return json();
-    json saved = json::parse(file, nullptr, false);
-    return saved.is_object() && saved.value("problem", json()) == problems[run]
-               ? saved.value("result", json())
-               : json();
-  };
-
-  // A process per run: on a larger contact's meshes errors would be stated larger. The long ones
-  // first, so that the last to finish is a short one.
-  std::vector<std::size_t> pending;
-  for (std::size_t run = 0; run < atlas.runs.size(); ++run)
-    if (run % std::size_t(options.parts) == std::size_t(options.part) && finished(run).is_null())
-      pending.push_back(run);
-  std::stable_sort(pending.begin(), pending.end(), [&](std::size_t left, std::size_t right) {
-    const auto weight = [](const AtlasRun& run) {
-      return run.radii_ratio + (is_finite_strain(run) ? 100 * run.thickness_over_radius : 0);
-    };
-    return weight(atlas.runs[left]) > weight(atlas.runs[right]);
-  });
-  std::vector<FemBatch> work(pending.size());
-  for (std::size_t i = 0; i < pending.size(); ++i) work[i].problems = {problems[pending[i]]};
-  const auto start = std::chrono::steady_clock::now();
-  std::size_t done = 0;
-  FemCallbacks callbacks;
-  callbacks.on_answer = [&](FemIndex which, FemAnswer answer) {
-    const std::size_t run = pending[which.batch];
-    ++done;
-    const double elapsed_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::string count =
-        fmt::format("[{}/{}] {}", done, pending.size(), name_of(atlas.runs[run]));
-    if (answer.result.is_null()) {
-      progress.say(count + ": " + answer.failure);
-      return;
-    }
-    write_file_atomically(
-        file_of(run), json({{"problem", problems[run]}, {"result", answer.result}}).dump() + "\n");
-    progress.say(fmt::format("{}: {:.1f} s; about {:.0f} s left", count,
-                             answer.result.value("wall_s", 0.),
-                             elapsed_s / double(done) * double(pending.size() - done)));
-  };
-  if (!work.empty()) run_fem(fem_program().string(), work, options.jobs, callbacks);
-
+  atlas.runs = runs;
   std::size_t missing = 0;
-  for (std::size_t run = 0; run < atlas.runs.size(); ++run) {
-    const json result = finished(run);
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    const json result = finished_result(jobs[run], settings).result;
     if (result.is_null())
       ++missing;
     else
-      take_answer(problems[run], result, atlas.runs[run]);
+      take_answer(jobs[run].problem, result, atlas.runs[run]);
   }
   if (missing > 0) {
-    progress.say(fmt::format("{} of {} runs are not finished; the same command goes on", missing,
-                             atlas.runs.size()));
+    Progress().say(fmt::format("{} of {} runs are not finished; the same command goes on", missing,
+                               runs.size()));
     return std::nullopt;
   }
   const std::time_t now = std::time(nullptr);
   char date[32] = "";
   std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
-  atlas.provenance = {{"version", program_version()}, {"date", date}, {"command", options.command}};
+  atlas.provenance = {{"version", program_version()}, {"date", date}, {"command", command}};
   judge_models(atlas);
   return atlas;
+}
+
+AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& options) {
+  const OutputFolder folder(options.folder);
+  FemJobOptions settings;
+  settings.program = fem_program().string();
+  settings.identity = program_identity(settings.program);
+  settings.parallel = options.jobs;
+  settings.limits = options.fem_limits;
+  const std::vector<FemJob> jobs = atlas_jobs(runs, options.folder);
+  Progress progress;
+  const auto pending =
+      pending_fem_jobs(jobs, settings, progress, [](const FemJob&, const json&) {});
+  FemJobProgress shown(progress, jobs.size(), pending.size());
+  AtlasOutcome outcome;
+  outcome.signal = run_fem_jobs(
+      pending, settings, [&](const FemJob& job, const std::string& line) { shown.line(job, line); },
+      [&](const FemJob& job, const FemAnswer& answer) { shown.finished(job, describe(answer)); });
+  outcome.atlas = collect_atlas(runs, jobs, settings, options.command);
+  return outcome;
 }
 
 namespace {
 
 double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
   return values[values.size() / 2];
 }
@@ -347,7 +333,8 @@ void judge_models(AtlasFile& atlas) {
   for (const AtlasRun& run : atlas.runs)
     if ((run.kind == "flat" || is_finite_strain(run)) && std::isfinite(run.cost_s))
       costs_ns.push_back(1e9 * run.cost_s);
-  provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));
+  if (!costs_ns.empty())
+    provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));
   for (const PressureModel* model : all_pressure_models()) {
     // A law that was fitted to a finger says nothing of other layers.
     if (model->card().name == "power_law") continue;

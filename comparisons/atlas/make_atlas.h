@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "comparisons/atlas/error_atlas.h"
+#include "comparisons/fem_jobs.h"
 
 namespace softfinger {
 
@@ -24,13 +25,27 @@ std::vector<AtlasRun> random_runs(int count, unsigned seed);
 struct AtlasOptions {
   std::filesystem::path folder;  ///< finished runs are kept there: the same command goes on
   int jobs = 1;
-  int part = 0, parts = 1;  ///< this process's share of the runs, e.g. its rank under mpirun
+  FemLimits fem_limits;  ///< of each run
   std::string command;
 };
 
-/// Runs what is not finished yet, as results come. Null when runs are missing: other processes have
-/// them, it was interrupted, or they failed, which is said on standard error.
-std::optional<AtlasFile> make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& options);
+/// The finite-element problems of the runs, each with its file in `folder`.
+std::vector<FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
+                               const std::filesystem::path& folder);
+
+/// The runs with what the finite elements found and each model's errors; nothing when results are
+/// missing, which is said on standard error.
+std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
+                                       const std::vector<FemJob>& jobs,
+                                       const FemJobOptions& settings, const std::string& command);
+
+struct AtlasOutcome {
+  std::optional<AtlasFile> atlas;  ///< nothing when runs failed or are missing
+  int signal = 0;                  ///< that interrupted
+};
+
+/// Runs what is not finished yet, keeps results as they come, and collects them.
+AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& options);
 
 /// The errors of all models, anew, for finite elements that are known.
 void judge_models(AtlasFile& atlas);

@@ -19,18 +19,8 @@ struct Options {
   int jobs = default_job_count(), random = 0;
   unsigned seed = 1;
   bool models_only = false, finite_strain = false;
+  FemLimits fem_limits;
 };
-
-/// Rank and size under mpirun, whichever MPI it is.
-std::pair<int, int> rank_and_size() {
-  for (const auto& [rank, size] : {std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
-                                   std::pair("PMI_RANK", "PMI_SIZE")}) {
-    const char* r = std::getenv(rank);
-    const char* s = std::getenv(size);
-    if (r && s && std::atoi(s) > 0) return {std::atoi(r), std::atoi(s)};
-  }
-  return {0, 1};
-}
 
 /// How the bounds stand against runs that the atlas has not seen: coverage and tightness.
 std::string judge_bounds(const AtlasFile& unseen) {
@@ -67,6 +57,7 @@ std::string judge_bounds(const AtlasFile& unseen) {
 }
 
 int run(const Options& options) {
+  require_single_process("softfinger-sweep --atlas FILE.csv --output FOLDER");
   if (options.models_only) {
     AtlasFile atlas = parse_atlas(read_text_file(options.output), options.output);
     judge_models(atlas);
@@ -77,11 +68,13 @@ int run(const Options& options) {
   settings.folder = options.folder;
   settings.jobs = options.jobs;
   settings.command = options.command_line;
-  std::tie(settings.part, settings.parts) = rank_and_size();
-  const auto atlas = make_atlas(options.random > 0      ? random_runs(options.random, options.seed)
-                                : options.finite_strain ? finite_strain_runs()
-                                                        : designed_runs(),
-                                settings);
+  settings.fem_limits = options.fem_limits;
+  const auto [atlas, signal] =
+      make_atlas(options.random > 0      ? random_runs(options.random, options.seed)
+                 : options.finite_strain ? finite_strain_runs()
+                                         : designed_runs(),
+                 settings);
+  if (signal != 0) return 128 + signal;
   if (!atlas) return 1;
   if (!options.output.empty()) write_file_atomically(options.output, to_csv(*atlas));
   if (options.random > 0) write_to_stdout(judge_bounds(*atlas));
@@ -96,7 +89,8 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
   CLI::App* command = app.add_subcommand(
       "atlas",
       "Makes the error atlas: some 400 finite-element runs over Poisson's ratio, R'/R'', contact\n"
-      "size, curvature and friction, and each model's errors against them. Also under mpirun");
+      "size, curvature and friction, and each model's errors against them. On many machines:\n"
+      "mpirun softfinger-sweep --atlas");
   command->add_option("--folder", options->folder,
                       "finished runs are kept here: the same command goes on after an "
                       "interruption; default: ./softfinger-atlas");
@@ -114,6 +108,7 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
               "atlas are judged: how many errors lie inside, how tight the bounds are; 1 to "
               "100000")
           ->check(CLI::Range(1, 100000));
+  add_fem_limits(*command, options->fem_limits);
   command->add_option("--seed", options->seed, "of the random contacts; default: 1");
   CLI::Option* finite_strain = command->add_flag(
       "--finite-strain", options->finite_strain,

@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "comparisons/fem_process.h"
+
 /// One file per command: its flags, its help with samples that a test runs, and what it does.
 namespace softfinger::commands {
 
@@ -21,7 +23,16 @@ void add_export(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
 void add_lcp(CLI::App& app, Action& action);
+void add_sweep(CLI::App& app, Action& action, const std::string& command_line);
 void add_simulate(CLI::App& app, Action& action, const std::string& command_line);
+
+/// --fem-time-s and --fem-memory-MB, of each finite-element problem.
+void add_fem_limits(CLI::App& command, FemLimits& limits);
+
+/// Under mpirun each rank would do all the work, in the same folder.
+/// @param in_place  what to type instead
+/// @throws InputError
+void require_single_process(const std::string& in_place);
 
 /// Messages to the user that are no result: standard error, one line.
 void remark(const std::string& line);

@@ -14,6 +14,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
     std::string output = "softfinger-report";
     int jobs = default_job_count();
     bool full = false;
+    FemLimits fem_limits;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -31,6 +32,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
           "finite-element processes side by side, 1 to 64, up to 2 GB each; default: the cores, "
           "at most 8")
       ->check(CLI::Range(1, 64));
+  add_fem_limits(*command, options->fem_limits);
   command->footer(
       "Finished results are kept: the same command continues after an interruption.\n"
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
@@ -39,6 +41,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       "  softfinger compare seed_thumb seed_ring_finger --output seed_report --jobs 2");
   command->callback([options, command_line, &action] {
     action = [options, command_line] {
+      require_single_process("softfinger-sweep with fem = true");
       CompareOptions compare_options;
       for (const std::string& typed : options->cases)
         compare_options.case_files.push_back(find_case_file(typed));
@@ -51,6 +54,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       compare_options.output = options->output;
       compare_options.full = options->full;
       compare_options.jobs = options->jobs;
+      compare_options.fem_limits = options->fem_limits;
       compare_options.command = command_line;
       return compare(compare_options);
     };

@@ -1,6 +1,7 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/extremes/survey.h"
@@ -21,7 +22,8 @@ struct Options {
 int run(const Options& options) {
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
-  if (options.write_page) make_writable_folder(options.output);
+  std::optional<OutputFolder> output;
+  if (options.write_page) output.emplace(options.output);
   nlohmann::json report = extremes::survey(options.survey);
   const std::time_t now = std::time(nullptr);
   char date[32] = "";
@@ -68,7 +70,8 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Promises: every number finite, those of an answer positive; a refusal says why in words;\n"
-      "more load, larger contact and torque; the same answer in all units; a finite friction limit;\n"
+      "more load, larger contact and torque; the same answer in all units; a finite friction "
+      "limit;\n"
       "no jumps between series, asymptotes and tables. Exit status 1 when a model breaks one.\n"
       "Samples:\n"
       "  softfinger extremes --points 2000 --slow-points 4\n"

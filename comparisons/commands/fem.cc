@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/fem_process.h"
@@ -23,6 +24,7 @@ struct Options {
   double approach_mm = 0;
   int level = 0, increments = 20, limit_surface = 0, increments_to_slip = 0;
   bool torsion = false, json = false;
+  FemLimits limits;
 };
 
 /// What the finite-element program is asked for besides the normal contact.
@@ -122,7 +124,10 @@ int run(const Options& options) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
     return finite ? loads_N[left] < loads_N[right] : loads_N[left] > loads_N[right];
   });
+  std::optional<OutputFolder> output;
+  if (!options.output.empty()) output.emplace(options.output);
   FemBatch batch;
+  batch.limits = options.limits;
   // Threads help large factorisations only; on small ones their waiting costs more than it saves.
   batch.single_thread = level <= 2;
   for (const std::size_t i : order) {
@@ -259,6 +264,7 @@ void add_fem(CLI::App& app, Action& action) {
       "file for the compliance of the contact surface (m/N; the first line says what "
       "follows); default: none");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  add_fem_limits(*command, options->limits);
   command->footer(
       "[fem] mesh = \"layer.msh\" in the case takes a volume mesh of the layer in place of the "
       "flat\n"

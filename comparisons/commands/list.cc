@@ -8,6 +8,7 @@
 #include "comparisons/files.h"
 #include "comparisons/program_paths.h"
 #include "comparisons/simulation/scene.h"
+#include "comparisons/sweep/sweep_file.h"
 #include "comparisons/verdict.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -32,6 +33,9 @@ std::vector<Entry> entries(const std::string& kind) {
   if (kind == "scenes")
     for (const auto& file : builtin_scene_files())
       found.push_back({file.stem().string(), simulation::read_scene(file).question});
+  if (kind == "sweeps")
+    for (const auto& file : builtin_sweep_files())
+      found.push_back({file.stem().string(), Sweep(read_text_file(file), file).base().question});
   return found;
 }
 
@@ -43,10 +47,10 @@ void add_list(CLI::App& app, Action& action) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("list", "What there is: models, cases or scenes");
-  command->add_option("KIND", options->kind, "models, cases or scenes")
+  CLI::App* command = app.add_subcommand("list", "What there is: models, cases, scenes or sweeps");
+  command->add_option("KIND", options->kind, "models, cases, scenes or sweeps")
       ->required()
-      ->check(CLI::IsMember({"models", "cases", "scenes"}));
+      ->check(CLI::IsMember({"models", "cases", "scenes", "sweeps"}));
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Samples:\n"

@@ -68,10 +68,15 @@ FemEccentricity fem_table(const ContactProblem& problem, double least_N, double 
       return;
     }
     found.eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
-    found.error = std::max(found.error, answer.result.at("error").at("max_torque").get<double>());
+    const nlohmann::json& stated = answer.result.at("error").at("max_torque");
+    if (stated.is_number())
+      found.error = std::max(found.error, stated.get<double>());
+    else
+      failure = "the error of the torque is not known";
   };
   remark(fmt::format("finite elements at {} loads", kLoads));
-  run_fem(fem_program().string(), {batch}, 1, callbacks);
+  if (const int signal = run_fem(fem_program().string(), {batch}, 1, callbacks))
+    throw Interrupted(signal);
   if (!failure.empty()) throw ConvergenceError("finite elements of a contact", 0, 0, failure);
   return found;
 }
@@ -134,7 +139,7 @@ int run(Options options) {
       {"case", contact_case.id}, {"tolerance", options.selection.tolerance}, {"choices", choices}};
   if (options.write_page) {
     const std::filesystem::path folder = options.output;
-    make_writable_folder(folder);
+    const OutputFolder output(folder);
     const nlohmann::json report =
         selection_report(contact_case, resolver, options.selection, loads, options.command_line);
     write_files_together({{folder / "select.json", result.dump(2) + "\n"},

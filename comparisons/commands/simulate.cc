@@ -5,6 +5,7 @@
 #include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/files.h"
@@ -126,7 +127,8 @@ void write_results(const Options& options, const Scene& scene, const Simulation&
 
 int run(const Options& options) {
   const Scene scene = read_scene(find_scene_file(options.scene_file));
-  if (!options.output.empty()) make_writable_folder(options.output);
+  std::optional<OutputFolder> output;
+  if (!options.output.empty()) output.emplace(options.output);
   SimulationOptions settings;
   if (!options.record_lcp.empty()) {
     make_writable_folder(options.record_lcp);

@@ -36,6 +36,7 @@ class Compare : public testing::Test {
     if (!fs::exists(output)) return;
     for (const auto& entry : fs::recursive_directory_iterator(output)) {
       const std::string name = entry.path().filename().string();
+      if (name == ".softfinger.lock") continue;  // of a run that was killed: nobody holds it
       EXPECT_NE(name[0], '.') << "left behind: " << entry.path();
       if (entry.path().extension() == ".json") {
         EXPECT_TRUE(json::accept(file_text(entry.path()))) << entry.path();
@@ -105,6 +106,66 @@ TEST_F(Compare, ReusesWhatIsFinishedAndRecomputesWhatChanged) {
   folder.write("report/fem/two_5N/result.json", "{ half");
   EXPECT_EQ(compare({"--full"}).status, 0);
   EXPECT_EQ(solves(), 7) << "a damaged result is not believed";
+}
+
+TEST_F(Compare, SaysWhyAFinishedResultIsMadeAgain) {
+  ASSERT_EQ(compare().status, 0);
+  const fs::path file = output / "fem" / "two_5N" / "result.json";
+  json saved = json::parse(file_text(file));
+  const std::vector<std::pair<json, std::string>> damages = {
+      {{{"result", {{"a_m", -1e-3}}}}, "a_m = -0.001"},
+      {{{"result", {{"levels", nullptr}}}}, "levels is missing"},
+      {{{"result", {{"peak_pressure_Pa", nullptr}}}}, "peak_pressure_Pa is missing"},
+      {{{"result", {{"error", {{"a", -1}}}}}}, "the error of a = -1"},
+      {{{"program", "0.0.1 of long ago"}}, "another version of softfinger-fem"},
+      {{{"problem", {{"load_N", 4}}}}, "of another problem"}};
+  int solved = solves();
+  for (const auto& [damage, reason] : damages) {
+    json damaged = saved;
+    damaged.merge_patch(damage);
+    folder.write("report/fem/two_5N/result.json", damaged.dump());
+    const ProgramRun again = compare();
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(solves(), ++solved) << reason;
+    EXPECT_NE(again.err.find(reason), std::string::npos) << again.err;
+  }
+  folder.write("report/fem/two_5N/result.json", std::string(300000, '['));
+  EXPECT_EQ(compare().status, 0);
+  EXPECT_EQ(solves(), solved + 1) << "brackets without end";
+}
+
+TEST_F(Compare, EndsASolveBeyondItsTimeOrMemoryAndGoesOn) {
+  start.environment.push_back("FAKE_FEM_LINGER_N=5");
+  const ProgramRun slow = compare({"--fem-time-s", "1"});
+  EXPECT_EQ(slow.status, 1);
+  EXPECT_NE(slow.err.find("two 5 N: FEM failed: softfinger-fem was ended after 1 s"),
+            std::string::npos)
+      << slow.err;
+  EXPECT_TRUE(fs::exists(output / "fem" / "two_1N" / "result.json")) << "the other load goes on";
+  start.environment.back() = "FAKE_FEM_HOARD_N=5";
+  const ProgramRun large = compare({"--fem-memory-MB", "100"});
+  EXPECT_EQ(large.status, 1);
+  EXPECT_NE(large.err.find("took more than 100 MB"), std::string::npos) << large.err;
+  EXPECT_NE(large.err.find("two 1 N: reused"), std::string::npos) << large.err;
+}
+
+TEST_F(Compare, RefusesAFolderInUseAndNamesWhoUsesIt) {
+  start.environment.push_back("FAKE_FEM_LINGER_N=1");
+  const pid_t first = start_softfinger(
+      start, {"compare", two_loads.string(), "--output", output.string(), "--jobs", "1"});
+  for (int i = 0; i < 1000 && solves() < 2; ++i) usleep(10000);
+  TemporaryFolder elsewhere;
+  const ProgramRun second = run_softfinger(
+      {elsewhere.path(), {}, -1, ""}, {"compare", two_loads.string(), "--output", output.string()});
+  EXPECT_EQ(second.status, 2);
+  EXPECT_EQ(lines(second.err).size(), 1u) << second.err;
+  EXPECT_NE(second.err.find("in use by process " + std::to_string(first)), std::string::npos)
+      << second.err;
+  kill(first, SIGKILL);
+  wait_for(start, first);
+  start.environment.pop_back();
+  EXPECT_EQ(compare().status, 0) << "a killed run holds no lock";
+  EXPECT_FALSE(fs::exists(output / ".softfinger.lock"));
 }
 
 TEST_F(Compare, SaysWhichCasesAReportWillLoseThatIsThereAlready) {

@@ -1,7 +1,8 @@
 // Stands in for softfinger-fem in tests. Answers with half-space Hertz numbers at once; the
 // environment asks for other behaviour: FAKE_FEM_LOG=file appends a line "name load pid" per load;
 // FAKE_FEM_LINGER_N=load sleeps a minute at that load; FAKE_FEM_EXIT=status fails; FAKE_FEM_CRASH_N
-// =load dies by a signal at that load; FAKE_FEM_ERROR=rel states that error.
+// =load dies by a signal at that load; FAKE_FEM_HOARD_N=load takes 200 MB and sleeps a minute at
+// that load; FAKE_FEM_ERROR=rel states that error; FAKE_FEM_SLOW_S=s sleeps so long at each load.
 
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -31,6 +33,12 @@ nlohmann::json answer(const nlohmann::json& problem) {
     return !option(name).empty() && std::stod(option(name)) == load_N;
   };
   if (is_load_of("FAKE_FEM_LINGER_N")) sleep(60);
+  if (!option("FAKE_FEM_SLOW_S").empty())
+    usleep(static_cast<useconds_t>(1e6 * std::stod(option("FAKE_FEM_SLOW_S"))));
+  if (is_load_of("FAKE_FEM_HOARD_N")) {
+    const std::vector<char> hoard(200 << 20, 1);
+    sleep(60 + hoard.back() - 1);
+  }
   if (is_load_of("FAKE_FEM_CRASH_N")) std::raise(SIGKILL);
   if (!option("FAKE_FEM_EXIT").empty()) {
     std::fprintf(stderr, "softfinger-fem: error: the fake fails as it was told\n");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "softfinger/input/errors.h"
 
@@ -39,6 +40,36 @@ TEST_F(Files, RefuseAFolderThatIsAFile) {
   EXPECT_THROW(make_writable_folder(folder / "file"), InputError);
   EXPECT_THROW(make_writable_folder("/proc/softfinger"), InputError);
   EXPECT_THROW(write_file_atomically(folder / "file" / "a", "x"), InputError);
+}
+
+TEST_F(Files, FollowNoLinkThatWaitsInTheFolder) {
+  // The name that an earlier version used.
+  const fs::path victim = folder / "victim", output = folder / "output";
+  write_file_atomically(victim, "precious");
+  fs::create_directory(output);
+  fs::create_symlink(victim, output / (".a.json." + std::to_string(getpid()) + ".tmp"));
+  fs::create_symlink(victim, output / (".softfinger." + std::to_string(getpid()) + ".probe"));
+  write_file_atomically(output / "a.json", "new");
+  make_writable_folder(output);
+  EXPECT_EQ(read_text_file(victim), "precious");
+  fs::create_symlink(victim, output / ".softfinger.lock");
+  EXPECT_THROW(OutputFolder{output}, InputError);
+  EXPECT_EQ(read_text_file(victim), "precious");
+}
+
+TEST_F(Files, OfAFolderInUseAreLeftAlone) {
+  {
+    const OutputFolder first(folder / "results");
+    try {
+      const OutputFolder second(folder / "results");
+      FAIL() << "two runs in one folder";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("process " + std::to_string(getpid())),
+                std::string::npos)
+          << error.what();
+    }
+  }
+  const OutputFolder third(folder / "results");
 }
 
 TEST_F(Files, NameTheFileThatCannotBeRead) {

@@ -78,6 +78,21 @@ TEST(ProcessPool, GivesAJobItsOwnEnvironment) {
   EXPECT_EQ(outcomes({job}, 1).at(0).output, "1\n");
 }
 
+TEST(ProcessPool, HidesVariablesFromAJob) {
+  setenv("SOFTFINGER_TEST_RANK", "3", 1);
+  ProcessJob job = shell("echo ${SOFTFINGER_TEST_RANK:-none}");
+  job.hidden = {"SOFTFINGER_TEST_"};
+  EXPECT_EQ(outcomes({job}, 1).at(0).output, "none\n");
+}
+
+TEST(ProcessPool, EndsAJobThatIsSilentForTooLong) {
+  ProcessJob job = shell("echo 1; sleep 0.6; echo 2; sleep 0.6; echo 3; sleep 30; echo 4");
+  job.time_limit_s = 1;
+  const ProcessOutcome outcome = outcomes({job}, 1).at(0);
+  EXPECT_EQ(outcome.exceeded, ProcessLimit::time);
+  EXPECT_EQ(outcome.output, "1\n2\n3\n") << "each line starts the time anew";
+}
+
 TEST(ProcessPool, NamesAProgramThatCannotBeStarted) {
   try {
     run_processes({{{"/nonexistent/program"}, "", {}}}, 1, {});

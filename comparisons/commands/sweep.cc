@@ -1,0 +1,57 @@
+#include <memory>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/compare.h"
+#include "comparisons/files.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/sweep/run_sweep.h"
+
+namespace softfinger::commands {
+
+void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
+  struct Options {
+    std::string file, output = "softfinger-sweep";
+    int jobs = default_job_count();
+    FemLimits fem_limits;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "sweep", "A case over many values of its numbers: one row per point and load, and a page");
+  command
+      ->add_option("SWEEP", options->file,
+                   "case file (TOML) with a table [sweep], or the name of a built-in sweep")
+      ->required();
+  command->add_option("--output", options->output,
+                      "folder for results.csv and sweep.html, created when missing; default: "
+                      "./softfinger-sweep");
+  command
+      ->add_option("--jobs", options->jobs,
+                   "threads, and finite-element processes side by side, 1 to 64; default: the "
+                   "cores, at most 8")
+      ->check(CLI::Range(1, 64));
+  add_fem_limits(*command, options->fem_limits);
+  command->footer(
+      "[sweep] names numbers of the case and their values; several keys make the product:\n"
+      "  \"layer.poisson_ratio\" = [0.3, 0.45, 0.49]\n"
+      "  \"layer.thickness_mm\" = { from = 0.5, to = 5, steps = 10, spacing = \"log\" }\n"
+      "  \"geometry.relative_radii_mm[0]\" = { from = 5, to = 50, random = 100, seed = 7 }\n"
+      "  zip = [[\"layer.thickness_mm\", \"layer.poisson_ratio\"]]   these change together\n"
+      "  models = [\"bonded_layer\"]    default: all that take microseconds\n"
+      "  fem = true                   also finite elements\n"
+      "At most 1e8 rows, 1e5 with finite elements. The same command goes on after an "
+      "interruption.\n"
+      "On many machines: mpirun -np 64 softfinger-sweep SWEEP.toml --output DIR\n"
+      "Samples:\n"
+      "  softfinger sweep thickness_and_load --output thickness_sweep");
+  command->callback([options, command_line, &action] {
+    action = [options, command_line] {
+      require_single_process("softfinger-sweep SWEEP.toml --output DIR");
+      const auto file = find_sweep_file(options->file);
+      const SweepPlan plan(read_text_file(file), file, options->output, options->fem_limits);
+      LocalWorkers workers(options->jobs);
+      return run_sweep(plan, workers, command_line);
+    };
+  });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,248 @@
+// softfinger-sweep: `softfinger sweep` and `softfinger atlas` on the ranks of an MPI run. A program
+// of its own, so that `softfinger` needs no MPI.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "comparisons/atlas/make_atlas.h"
+#include "comparisons/distributed/rank_pool.h"
+#include "comparisons/files.h"
+#include "comparisons/json_text.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/sweep/run_sweep.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Options {
+  std::string sweep, atlas, output, command_line;
+  bool finite_strain = false;
+  int random = 0;
+  unsigned seed = 1;
+  FemLimits fem_limits;
+};
+
+/// Points per task of a sweep without finite elements: about a tenth of a second.
+constexpr std::size_t kPointsPerTask = 10000;
+
+void say(const std::string& line) {
+  std::fputs(("softfinger-sweep: " + line + "\n").c_str(), stderr);
+}
+
+/// Runs on any rank, on any thread; a rank that cannot go on ends the run.
+template <class Work>
+auto or_end_all(const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const Interrupted& interruption) {
+    end_all_ranks(128 + interruption.signal);
+  } catch (const InputError& error) {
+    say(std::string("error: ") + error.what());
+    end_all_ranks(2);
+  } catch (const std::exception& error) {
+    say(std::string("error: ") + error.what());
+    end_all_ranks(3);
+  }
+}
+
+/// One job, by a process of this rank; its result is in its file when this returns.
+std::string do_fem_job(const FemJob& job, const FemJobOptions& settings) {
+  json report;
+  const int signal = run_fem_jobs(
+      {&job}, settings, [](const FemJob&, const std::string&) {},
+      [&](const FemJob&, const FemAnswer& answer) {
+        report = {{"failure", answer.failure}, {"summary", describe(answer)}};
+      });
+  if (signal != 0) throw Interrupted(signal);
+  return report.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+fs::path chunk_file(const fs::path& output, long chunk) {
+  return output / fmt::format("rows_{:06}.csv", chunk);
+}
+
+/// The rows of a task, written whole by the rank that made them.
+void make_chunk(const SweepPlan& plan, long chunk) {
+  SweepRows rows = plan.rows();
+  std::string text;
+  const std::size_t begin = std::size_t(chunk) * kPointsPerTask;
+  const std::size_t end = std::min(begin + kPointsPerTask, plan.sweep.points());
+  for (std::size_t point = begin; point < end; ++point) rows.append(point, text);
+  write_file_atomically(chunk_file(plan.output, chunk), text);
+}
+
+class RankWorkers : public SweepWorkers {
+ public:
+  /// @param jobs  those that the tasks' numbers mean
+  RankWorkers(RankPool& pool, const std::vector<FemJob>& jobs) : pool_(pool), jobs_(jobs) {}
+
+  int run_fem(const std::vector<const FemJob*>& pending, const FemJobOptions&,
+              const std::function<void(const FemJob&, const std::string& failure,
+                                       const std::string& summary)>& on_finished) override {
+    std::vector<long> tasks;
+    for (const FemJob* job : pending) tasks.push_back(job - jobs_.data());
+    pool_.run(tasks, [&](long task, const std::string& text) {
+      const json report = parse_json(text);
+      on_finished(jobs_[std::size_t(task)], report.at("failure"), report.at("summary"));
+    });
+    return 0;
+  }
+
+  int make_rows(const SweepPlan& plan, RowsFile& file,
+                const std::function<void()>& on_progress) override {
+    std::vector<long> tasks;
+    const std::size_t chunks = (plan.sweep.points() + kPointsPerTask - 1) / kPointsPerTask;
+    for (std::size_t chunk = file.points() / kPointsPerTask; chunk < chunks; ++chunk)
+      tasks.push_back(long(chunk));
+    // Only what this run made: a file may be left from another sweep.
+    std::set<long> made;
+    // A sweep that was cut off may have stopped in the middle of a task.
+    std::size_t known_rows = file.points() % kPointsPerTask * plan.sweep.base().loads_N.size();
+    pool_.run(tasks, [&](long task, const std::string&) {
+      made.insert(task);
+      for (long chunk; made.count(chunk = long(file.points() / kPointsPerTask));) {
+        const fs::path part = chunk_file(plan.output, chunk);
+        std::string rows = read_text_file(part);
+        for (; known_rows > 0; --known_rows) rows.erase(0, rows.find('\n') + 1);
+        made.erase(chunk);
+        const std::size_t end =
+            std::min((std::size_t(chunk) + 1) * kPointsPerTask, plan.sweep.points());
+        file.append(rows, end - file.points());
+        fs::remove(part);
+        on_progress();
+      }
+    });
+    return 0;
+  }
+
+ private:
+  RankPool& pool_;
+  const std::vector<FemJob>& jobs_;
+};
+
+int sweep_on_ranks(const Options& options, int rank) {
+  const fs::path file = find_sweep_file(options.sweep);
+  const std::string text = text_of_rank_0(rank == 0 ? read_text_file(file) : "");
+  const SweepPlan plan(text, file, options.output, options.fem_limits);
+  const RankTask work = [&](long task) {
+    return or_end_all([&] {
+      if (plan.sweep.fem()) return do_fem_job(plan.fem.jobs[std::size_t(task)], plan.fem.settings);
+      make_chunk(plan, task);
+      return std::string();
+    });
+  };
+  if (rank != 0) {
+    serve_tasks(work);
+    return 0;
+  }
+  RankPool pool(work);
+  RankWorkers workers(pool, plan.fem.jobs);
+  return run_sweep(plan, workers, options.command_line);
+}
+
+int atlas_on_ranks(const Options& options, int rank) {
+  const std::vector<AtlasRun> runs = options.random > 0 ? random_runs(options.random, options.seed)
+                                     : options.finite_strain ? finite_strain_runs()
+                                                             : designed_runs();
+  const std::vector<FemJob> jobs = atlas_jobs(runs, options.output);
+  FemJobOptions settings;
+  settings.program = fem_program().string();
+  settings.identity = program_identity(settings.program);
+  settings.limits = options.fem_limits;
+  const RankTask work = [&](long task) {
+    return or_end_all([&] { return do_fem_job(jobs[std::size_t(task)], settings); });
+  };
+  if (rank != 0) {
+    serve_tasks(work);
+    return 0;
+  }
+  const OutputFolder folder(options.output);
+  RankPool pool(work);
+  RankWorkers workers(pool, jobs);
+  Progress progress;
+  const auto pending =
+      pending_fem_jobs(jobs, settings, progress, [](const FemJob&, const json&) {});
+  FemJobProgress shown(progress, jobs.size(), pending.size());
+  workers.run_fem(pending, settings,
+                  [&](const FemJob& job, const std::string&, const std::string& summary) {
+                    shown.finished(job, summary);
+                  });
+  const auto atlas = collect_atlas(runs, jobs, settings, options.command_line);
+  if (!atlas) return 1;
+  write_file_atomically(options.atlas, to_csv(*atlas));
+  return 0;
+}
+
+/// @returns nothing to do the work, or the exit status
+std::optional<int> parse(int argument_count, char** arguments, Options& options, int rank) {
+  CLI::App app(
+      "softfinger sweep, or the error atlas, on the ranks of an MPI run. Each rank solves one\n"
+      "finite-element problem at a time; rank 0 hands them out and works too. The output folder "
+      "has\n"
+      "to be one that all ranks see. The same command goes on after an interruption.",
+      "softfinger-sweep");
+  app.set_version_flag("--version", "softfinger-sweep " + program_version());
+  CLI::Option* sweep = app.add_option("SWEEP", options.sweep,
+                                      "case file (TOML) with a table [sweep], or a built-in sweep");
+  CLI::Option* atlas =
+      app.add_option("--atlas", options.atlas,
+                     "instead the error atlas: the CSV file to write when all runs are "
+                     "there; --output keeps the runs");
+  atlas->excludes(sweep);
+  app.add_option("--output", options.output, "folder for the results, created when missing")
+      ->required();
+  app.add_flag("--finite-strain", options.finite_strain, "the atlas at finite strain")
+      ->needs(atlas);
+  app.add_option("--random", options.random, "instead N contacts drawn at random, 1 to 100000")
+      ->check(CLI::Range(1, 100000))
+      ->needs(atlas);
+  app.add_option("--seed", options.seed, "of the random contacts; default: 1")->needs(atlas);
+  app.add_option("--fem-time-s", options.fem_limits.time_s,
+                 "longest time of one finite-element problem, 1 to 1e7 s; default: 3600")
+      ->check(CLI::Range(1., 1e7));
+  app.add_option("--fem-memory-MB", options.fem_limits.memory_MB,
+                 "largest memory of one finite-element problem, 50 to 1e7 MB; default: 8192")
+      ->check(CLI::Range(50., 1e7));
+  app.footer(
+      "Samples:\n"
+      "  mpirun -np 64 softfinger-sweep my_sweep.toml --output my_sweep\n"
+      "  mpirun -np 64 softfinger-sweep --atlas error_atlas.csv --output atlas_runs");
+  try {
+    app.parse(argument_count, arguments);
+    if (options.sweep.empty() == options.atlas.empty())
+      throw CLI::RequiredError("exactly one of SWEEP and --atlas");
+  } catch (const CLI::Success& request) {
+    return rank == 0 ? app.exit(request) : 0;
+  } catch (const CLI::ParseError& error) {
+    if (rank == 0) say(std::string("error: ") + error.what() + " (see softfinger-sweep --help)");
+    return 2;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+}  // namespace softfinger
+
+int main(int argument_count, char** arguments) {
+  using namespace softfinger;
+  std::signal(SIGXFSZ, SIG_IGN);
+  const MpiSession mpi(argument_count, arguments);
+  Options options;
+  options.command_line = "softfinger-sweep";
+  for (int i = 1; i < argument_count; ++i) options.command_line += std::string(" ") + arguments[i];
+  if (const auto status = parse(argument_count, arguments, options, mpi.rank())) return *status;
+  return or_end_all([&] {
+    return options.atlas.empty() ? sweep_on_ranks(options, mpi.rank())
+                                 : atlas_on_ranks(options, mpi.rank());
+  });
+}

@@ -1,0 +1,340 @@
+#include "comparisons/sweep/run_sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <ctime>
+#include <exception>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "comparisons/files.h"
+#include "comparisons/json_text.h"
+#include "comparisons/program_paths.h"
+#include "comparisons/progress.h"
+#include "comparisons/report/sweep_page.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// A thread's share of the work: large enough that handing it out costs nothing, small enough that
+/// what waits for its turn needs no memory.
+constexpr std::size_t kPointsPerChunk = 500;
+
+// A signal handler can reach nothing but a global.
+volatile std::sig_atomic_t g_signal = 0;
+
+/// Turns SIGINT and SIGTERM into `g_signal` for as long as it lives.
+class SignalFlag {
+ public:
+  SignalFlag() {
+    g_signal = 0;
+    for (const int number : {SIGINT, SIGTERM}) std::signal(number, [](int n) { g_signal = n; });
+  }
+  ~SignalFlag() {
+    for (const int number : {SIGINT, SIGTERM}) std::signal(number, SIG_DFL);
+  }
+};
+
+/// Chunks that are done wait here for their turn, a few at most.
+class ChunkQueue {
+ public:
+  ChunkQueue(std::size_t chunks, std::size_t longest) : chunks_(chunks), longest_(longest) {}
+
+  /// The next chunk to make, for a worker. False when there is none, or no use in it.
+  bool take(std::size_t& chunk) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock,
+                  [&] { return stopped_ || next_ >= chunks_ || next_ < written_ + longest_; });
+    if (stopped_ || next_ >= chunks_) return false;
+    chunk = next_++;
+    return true;
+  }
+  void put(std::size_t chunk, std::string text) {
+    const std::lock_guard lock(mutex_);
+    done_[chunk] = std::move(text);
+    changed_.notify_all();
+  }
+  void fail(std::exception_ptr error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = error;
+    stopped_ = true;
+    changed_.notify_all();
+  }
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    changed_.notify_all();
+  }
+  /// The next chunk in order, for the writer; waits a moment for it. False when it is not there.
+  bool wait_for_next(std::string& text) {
+    std::unique_lock lock(mutex_);
+    // Not for ever: the writer also looks for signals.
+    changed_.wait_for(lock, std::chrono::milliseconds(100),
+                      [&] { return error_ || done_.count(written_) > 0; });
+    if (error_) std::rethrow_exception(error_);
+    const auto found = done_.find(written_);
+    if (found == done_.end()) return false;
+    text = std::move(found->second);
+    done_.erase(found);
+    ++written_;
+    changed_.notify_all();
+    return true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t chunks_, longest_, next_ = 0, written_ = 0;
+  std::map<std::size_t, std::string> done_;
+  std::exception_ptr error_;
+  bool stopped_ = false;
+};
+
+/// What has to be the same for rows that are there to belong to this sweep.
+json identity_of(const SweepPlan& plan, const std::string& header) {
+  return {{"program", program_identity("/proc/self/exe")},
+          {"sweep_toml", plan.text},
+          {"rows", plan.sweep.rows()},
+          {"columns", header}};
+}
+
+/// Rows for the page, evenly taken out of all; {"columns", "rows"}.
+json sample_of(const fs::path& results, std::size_t all_rows) {
+  constexpr std::size_t kMostRows = 20000;
+  const std::size_t every = (all_rows + kMostRows - 1) / kMostRows;
+  json columns = json::array(), rows = json::array();
+  std::ifstream file(results);
+  std::string line;
+  const auto cells = [](const std::string& text) {
+    json values = json::array();
+    for (std::size_t start = 0; start <= text.size();) {
+      // The last cell alone may be quoted.
+      const std::size_t end = start < text.size() && text[start] == '"'
+                                  ? text.size()
+                                  : std::min(text.find(',', start), text.size());
+      const std::string cell = text.substr(start, end - start);
+      char* rest = nullptr;
+      const double value = std::strtod(cell.c_str(), &rest);
+      if (cell.empty())
+        values.push_back(nullptr);
+      else if (*rest == '\0' && std::isfinite(value))
+        values.push_back(value);
+      else
+        values.push_back(cell.front() == '"' ? cell.substr(1, cell.size() - 2) : cell);
+      start = end + 1;
+    }
+    return values;
+  };
+  if (std::getline(file, line)) columns = cells(line);
+  for (std::size_t row = 0; std::getline(file, line); ++row)
+    if (row % every == 0) rows.push_back(cells(line));
+  return {{"columns", columns}, {"rows", rows}};
+}
+
+void write_page(const SweepPlan& plan, const std::string& command, std::size_t failed) {
+  const Case& base = plan.sweep.base();
+  json keys = json::array(), models = json::array();
+  for (const SweptKey& swept : plan.sweep.keys()) {
+    const auto [smallest, largest] = std::minmax_element(swept.values.begin(), swept.values.end());
+    keys.push_back({{"key", swept.key},
+                    {"count", swept.values.size()},
+                    {"least", *smallest},
+                    {"largest", *largest},
+                    {"log", swept.log_spacing}});
+  }
+  for (const PressureModel* model : plan.models)
+    models.push_back({{"name", model->card().name}, {"title", model->card().title}});
+  json page = sample_of(plan.output / "results.csv", plan.sweep.rows());
+  page.update({{"id", base.id},
+               {"question", base.question},
+               {"keys", keys},
+               {"models", models},
+               {"fem", plan.sweep.fem()},
+               {"loads_N", base.loads_N},
+               {"points", plan.sweep.points()},
+               {"all_rows", plan.sweep.rows()},
+               {"failed", failed},
+               {"sweep_toml", plan.text},
+               {"command", command},
+               {"version", program_version()}});
+  write_file_atomically(plan.output / "sweep.html", comparisons::render_sweep(page));
+}
+
+/// Finite elements as they come, and the rows of each point once all its results are there.
+int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& file,
+                     Progress& progress, std::vector<std::string>& failures) {
+  const SweepFemJobs& fem = plan.fem;
+  failures.resize(fem.jobs.size());
+  std::vector<char> finished(fem.jobs.size(), 0);
+  const auto index_of = [&](const FemJob& job) { return std::size_t(&job - fem.jobs.data()); };
+  const std::vector<const FemJob*> pending =
+      pending_fem_jobs(fem.jobs, fem.settings, progress,
+                       [&](const FemJob& job, const json&) { finished[index_of(job)] = 1; });
+  SweepRows rows = plan.rows();
+  const std::size_t loads = plan.sweep.base().loads_N.size();
+  const auto append_what_is_whole = [&] {
+    const auto is_there = [&](long job) { return job < 0 || finished[std::size_t(job)]; };
+    while (file.points() < plan.sweep.points()) {
+      const auto first = fem.job_of_row.begin() + std::ptrdiff_t(file.points() * loads);
+      if (!std::all_of(first, first + std::ptrdiff_t(loads), is_there)) break;
+      std::string text;
+      rows.append(file.points(), fem, failures, text);
+      file.append(text, 1);
+    }
+  };
+  append_what_is_whole();
+  FemJobProgress shown(progress, fem.jobs.size(), pending.size());
+  const int signal = workers.run_fem(
+      pending, fem.settings,
+      [&](const FemJob& job, const std::string& failure, const std::string& summary) {
+        finished[index_of(job)] = 1;
+        failures[index_of(job)] = failure;
+        shown.finished(job, summary);
+        append_what_is_whole();
+      });
+  return signal;
+}
+
+}  // namespace
+
+SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
+                     const fs::path& output_folder, const FemLimits& limits)
+    : text(sweep_text),
+      file(sweep_file),
+      output(output_folder),
+      sweep(text, file),
+      models(sweep_models(sweep)),
+      geometry(sweep.base()) {
+  if (!sweep.fem()) return;
+  const fs::path program = fem_program();
+  SweepRows some_rows = rows();
+  fem = sweep_fem_jobs(sweep, some_rows, output / "fem");
+  fem.settings.program = program.string();
+  fem.settings.identity = program_identity(program);
+  fem.settings.limits = limits;
+}
+
+int LocalWorkers::run_fem(const std::vector<const FemJob*>& jobs, const FemJobOptions& settings,
+                          const std::function<void(const FemJob&, const std::string& failure,
+                                                   const std::string& summary)>& on_finished) {
+  FemJobOptions local = settings;
+  local.parallel = parallel_;
+  return run_fem_jobs(
+      jobs, local, [](const FemJob&, const std::string&) {},
+      [&](const FemJob& job, const FemAnswer& answer) {
+        on_finished(job, answer.failure, describe(answer));
+      });
+}
+
+int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
+                            const std::function<void()>& on_progress) {
+  const SignalFlag signals;
+  const std::size_t first = file.points(), points = plan.sweep.points() - first;
+  const std::size_t chunks = (points + kPointsPerChunk - 1) / kPointsPerChunk;
+  ChunkQueue queue(chunks, 4 * std::size_t(parallel_));
+  std::vector<std::thread> threads;
+  for (int i = 0; i < parallel_; ++i)
+    threads.emplace_back([&] {
+      try {
+        SweepRows rows = plan.rows();
+        for (std::size_t chunk = 0; queue.take(chunk);) {
+          std::string text;
+          const std::size_t begin = first + chunk * kPointsPerChunk;
+          const std::size_t end = std::min(begin + kPointsPerChunk, plan.sweep.points());
+          for (std::size_t point = begin; point < end; ++point) rows.append(point, text);
+          queue.put(chunk, std::move(text));
+        }
+      } catch (...) {
+        queue.fail(std::current_exception());
+      }
+    });
+  std::exception_ptr error;
+  try {
+    for (std::string text; file.points() < plan.sweep.points() && !g_signal;) {
+      if (!queue.wait_for_next(text)) continue;
+      file.append(text, std::min(kPointsPerChunk, plan.sweep.points() - file.points()));
+      on_progress();
+    }
+  } catch (...) {
+    error = std::current_exception();
+  }
+  queue.stop();
+  for (std::thread& thread : threads) thread.join();
+  if (error) std::rethrow_exception(error);
+  return g_signal;
+}
+
+int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command) {
+  const OutputFolder folder(plan.output);
+  Progress progress;
+  for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
+  const std::string header = plan.rows().header();
+  json identity = identity_of(plan, header);
+  const fs::path record = plan.output / "sweep.json";
+  std::error_code missing;
+  json before = fs::exists(record, missing) ? parse_json(read_text_file(record)) : json();
+  if (before.is_object()) before.erase("failed");
+  // Rows without a finite-element result are tried again.
+  const bool same = before == identity && !plan.sweep.fem();
+  if (same && fs::exists(plan.output / "results.csv", missing)) {
+    progress.say(
+        fmt::format("softfinger: {} is finished: reused", (plan.output / "results.csv").string()));
+    return 0;
+  }
+  fs::remove(plan.output / "results.csv", missing);
+  write_file_atomically(record, identity.dump(1) + "\n");
+  RowsFile file(plan.output, header, plan.sweep.base().loads_N.size(), same);
+  if (file.points() > 0)
+    progress.say(fmt::format("softfinger: {} of {} points are there: the sweep goes on",
+                             file.points(), plan.sweep.points()));
+
+  std::vector<std::string> failures;
+  int signal = 0;
+  if (plan.sweep.fem()) {
+    signal = run_fem_and_rows(plan, workers, file, progress, failures);
+  } else {
+    const auto start = std::chrono::steady_clock::now();
+    const std::size_t first = file.points();
+    signal = workers.make_rows(plan, file, [&] {
+      const double elapsed_s =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      progress.show(fmt::format(
+          "{}: {} of {} points; about {:.0f} s left", plan.sweep.base().id, file.points(),
+          plan.sweep.points(),
+          elapsed_s / double(file.points() - first) * double(plan.sweep.points() - file.points())));
+    });
+  }
+  if (signal != 0) {
+    progress.say(fmt::format(
+        "softfinger: interrupted: {} of {} points are in {}; the same command continues from there",
+        file.points(), plan.sweep.points(), plan.output.string()));
+    return 128 + signal;
+  }
+  file.finish();
+  const std::size_t failed =
+      std::size_t(std::count_if(failures.begin(), failures.end(),
+                                [](const std::string& failure) { return !failure.empty(); }));
+  write_page(plan, command, failed);
+  if (failed > 0)
+    progress.say(
+        fmt::format("softfinger: {} of {} finite-element results are missing; the same "
+                    "command tries them again",
+                    failed, plan.fem.jobs.size()));
+  write_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
+                              plan.sweep.rows(), fs::absolute(plan.output / "results.csv").string(),
+                              fs::absolute(plan.output / "sweep.html").string()));
+  return failed > 0 ? 1 : 0;
+}
+
+}  // namespace softfinger

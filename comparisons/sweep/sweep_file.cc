@@ -1,0 +1,328 @@
+#include "comparisons/sweep/sweep_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "comparisons/case_table.h"
+#include "comparisons/nearest_name.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace fs = std::filesystem;
+namespace {
+
+/// "geometry.finger.radii_mm[0]" in parts: names of tables, then places in arrays.
+struct Step {
+  std::string name;
+  std::size_t place = 0;
+  bool is_place = false;
+};
+
+std::vector<Step> steps_of(const std::string& key) {
+  std::vector<Step> steps;
+  for (std::size_t start = 0; start < key.size();) {
+    const bool is_place = key[start] == '[';
+    const std::size_t end =
+        std::min(is_place ? key.find(']', start) : key.find_first_of(".[", start), key.size());
+    Step step;
+    step.is_place = is_place;
+    step.name = key.substr(start + is_place, end - start - is_place);
+    if (is_place) {
+      const char* last = step.name.data() + step.name.size();
+      const auto read = std::from_chars(step.name.data(), last, step.place);
+      if (end == key.size() || read.ec != std::errc() || read.ptr != last) return {};
+    }
+    if (step.name.empty()) return {};
+    steps.push_back(step);
+    start = end + is_place;
+    if (start < key.size() && key[start] == '.') ++start;
+  }
+  return steps;
+}
+
+/// The number that a key names; null when there is none.
+toml::node* find_number(toml::table& root, const std::string& key) {
+  toml::node* node = &root;
+  const std::vector<Step> steps = steps_of(key);
+  for (const Step& step : steps) {
+    if (step.is_place)
+      node = node->is_array() ? node->as_array()->get(step.place) : nullptr;
+    else
+      node = node->is_table() ? node->as_table()->get(step.name) : nullptr;
+    if (!node) return nullptr;
+  }
+  return steps.empty() || !node->is_number() ? nullptr : node;
+}
+
+/// All keys under a node that name a number.
+void collect_keys(const toml::node& node, const std::string& path, std::vector<std::string>& keys) {
+  if (node.is_number()) keys.push_back(path);
+  if (const toml::table* table = node.as_table())
+    for (const auto& [key, entry] : *table)
+      collect_keys(entry, (path.empty() ? "" : path + ".") + std::string(key.str()), keys);
+  if (const toml::array* array = node.as_array())
+    for (std::size_t i = 0; i < array->size(); ++i)
+      collect_keys(*array->get(i), fmt::format("{}[{}]", path, i), keys);
+}
+
+std::size_t count_of(const TomlReader& reader, const toml::node& node, const std::string& field,
+                     std::size_t least) {
+  const std::string allowed = fmt::format("a whole number from {} to {}", least, kMostSweptValues);
+  const double value = reader.number(node, field, allowed);
+  if (!(value >= double(least) && value <= double(kMostSweptValues)) || value != std::floor(value))
+    reader.refuse(node, field, allowed);
+  return std::size_t(value);
+}
+
+/// { from, to, steps } or { from, to, random, seed }, either with spacing = "log".
+void read_range(const TomlReader& reader, const toml::table& table, SweptKey& swept) {
+  const std::string& key = swept.key;
+  reader.check_keys(table, key, {"from", "to", "steps", "spacing", "random", "seed"});
+  const double from = reader.number(reader.required(table, key, "from"), "from", "a number");
+  const double to = reader.number(reader.required(table, key, "to"), "to", "a number");
+  if (const toml::node* spacing = table.get("spacing"))
+    swept.log_spacing = reader.choice(*spacing, "spacing", {"linear", "log"}) == "log";
+  if (swept.log_spacing && !(from > 0 && to > 0))
+    reader.say(table, key + " with spacing = \"log\" needs from and to above 0");
+  const auto between = [&](double part) {
+    return swept.log_spacing ? from * std::pow(to / from, part) : from + (to - from) * part;
+  };
+  if (table.contains("steps") == table.contains("random"))
+    reader.say(table, key + " needs exactly one of steps, random");
+  if (const toml::node* steps = table.get("steps")) {
+    if (const toml::node* seed = table.get("seed"))
+      reader.refuse(*seed, "seed", "nothing here: it belongs to random");
+    const std::size_t count = count_of(reader, *steps, "steps", 2);
+    for (std::size_t i = 0; i < count; ++i)
+      swept.values.push_back(i + 1 == count ? to : between(double(i) / double(count - 1)));
+    return;
+  }
+  const std::size_t count = count_of(reader, *table.get("random"), "random", 1);
+  std::uint64_t seed = 1;
+  if (const toml::node* node = table.get("seed")) {
+    const auto value = node->value<std::int64_t>();
+    if (!node->is_integer() || !value || *value < 0)
+      reader.refuse(*node, "seed", "a whole number >= 0");
+    seed = std::uint64_t(*value);
+  }
+  // Not std::uniform_real_distribution: its numbers differ between libraries. Two keys of the same
+  // seed must not have the same numbers.
+  std::uint64_t name = 14695981039346656037u;  // FNV-1a
+  for (const char byte : key) name = (name ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  std::mt19937_64 generator(seed ^ name);
+  for (std::size_t i = 0; i < count; ++i)
+    swept.values.push_back(between(double(generator() >> 11) * 0x1p-53));
+}
+
+SweptKey read_key(const TomlReader& reader, const std::string& key, const toml::node& node) {
+  SweptKey swept;
+  swept.key = key;
+  if (const toml::table* table = node.as_table()) {
+    read_range(reader, *table, swept);
+    return swept;
+  }
+  const std::string allowed =
+      "a list of numbers, { from, to, steps } or { from, to, random, seed }, both with spacing = "
+      "\"log\" or \"linear\"";
+  const toml::array* list = node.as_array();
+  if (!list || list->empty()) reader.refuse(node, key, allowed);
+  if (list->size() > kMostSweptValues)
+    reader.refuse(node, key, fmt::format("at most {} values", kMostSweptValues));
+  for (const toml::node& entry : *list)
+    swept.values.push_back(reader.number(entry, key, allowed, true));
+  return swept;
+}
+
+bool is_whole(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) {
+    return value == std::floor(value) && std::abs(value) < 1e15;
+  });
+}
+
+}  // namespace
+
+/// What is parsed: the case's own table, with plain numbers where keys are swept.
+struct Sweep::File {
+  std::string text;
+  fs::path path;
+  toml::table root;
+};
+
+struct Sweep::Cases::Table {
+  toml::table root;
+  std::vector<toml::node*> numbers;  // of each key
+};
+
+Sweep::~Sweep() = default;
+
+Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_unique<File>()) {
+  file_->text = text;
+  file_->path = path;
+  toml::table& root = file_->root = parse_toml(text, path.string());
+  const TomlReader reader(path.string());
+  const toml::table sweep = reader.required_table(root, "sweep");
+  root.erase("sweep");
+  base_ = case_of(root, text, path);
+
+  // The library sorts keys by name.
+  std::vector<std::pair<std::string, const toml::node*>> entries;
+  std::vector<toml::source_position> places;
+  for (const auto& [key, node] : sweep) {
+    entries.emplace_back(std::string(key.str()), &node);
+    places.push_back(key.source().begin);
+  }
+  std::vector<std::size_t> order(entries.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
+    return places[left] < places[right];
+  });
+
+  std::vector<std::string> known;
+  collect_keys(root, "", known);
+  known.push_back("contact.load_N");
+  for (const std::size_t i : order) {
+    const auto& [key, node] = entries[i];
+    if (key == "fem") {
+      if (!node->is_boolean()) reader.refuse(*node, "fem", "true or false");
+      fem_ = node->as_boolean()->get();
+    } else if (key == "models") {
+      const toml::array* names = node->as_array();
+      if (!names || names->empty()) reader.refuse(*node, "models", "a list of model names");
+      for (const toml::node& name : *names) models_.push_back(reader.text(name, "models"));
+    } else if (key != "zip") {
+      // A list of loads is one number of the sweep.
+      if (key == "contact.load_N")
+        root["contact"].as_table()->insert_or_assign("load_N", base_.loads_N.front());
+      if (!find_number(root, key))
+        throw InputError(
+            fmt::format("{}:{}", path.string(), places[i].line),
+            fmt::format("[sweep] \"{}\" is no number of this case, did you mean \"{}\"?", key,
+                        nearest_name(key, known)),
+            "", joined(known));
+      keys_.push_back(read_key(reader, key, *node));
+      axes_.push_back({keys_.size() - 1});
+    }
+  }
+  if (keys_.empty()) reader.say(sweep, "[sweep] names no number of the case");
+
+  if (const toml::node* zip = sweep.get("zip")) {
+    const std::string allowed = "a list of lists of swept keys: [[\"a\", \"b\"], ...]";
+    const toml::array* groups = zip->as_array();
+    if (!groups) reader.refuse(*zip, "zip", allowed);
+    for (const toml::node& group : *groups) {
+      const toml::array* names = group.as_array();
+      if (!names || names->size() < 2) reader.refuse(*zip, "zip", allowed);
+      std::vector<std::size_t> together;
+      for (const toml::node& name : *names) {
+        const std::string key = reader.text(name, "zip");
+        const auto found = std::find_if(keys_.begin(), keys_.end(),
+                                        [&](const SweptKey& swept) { return swept.key == key; });
+        if (found == keys_.end()) reader.refuse(name, "zip", "keys of [sweep]");
+        const std::size_t index = std::size_t(found - keys_.begin());
+        const auto axis = std::find(axes_.begin(), axes_.end(), std::vector<std::size_t>{index});
+        if (axis == axes_.end()) reader.refuse(name, "zip", "each key once");
+        axes_.erase(axis);
+        if (!together.empty() && found->values.size() != keys_[together[0]].values.size())
+          reader.say(name, fmt::format("zip pairs values one by one: \"{}\" has {}, \"{}\" has {}",
+                                       keys_[together[0]].key, keys_[together[0]].values.size(),
+                                       key, found->values.size()));
+        together.push_back(index);
+      }
+      axes_.push_back(together);
+    }
+    std::sort(axes_.begin(), axes_.end());
+  }
+  const std::size_t most = (fem_ ? kMostSweepFemJobs : kMostSweepRows);
+  for (const auto& axis : axes_) {
+    points_ *= keys_[axis[0]].values.size();
+    if (points_ > most)
+      throw InputError(path.string(), "[sweep]", "more than " + std::to_string(points_) + " points",
+                       fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : ""));
+  }
+
+  // Whole numbers stay whole: levels and the like want them.
+  for (const SweptKey& swept : keys_) {
+    toml::node& node = *find_number(root, swept.key);
+    if (node.is_integer() && is_whole(swept.values)) continue;
+    const double value = swept.values.front();
+    const std::vector<Step> steps = steps_of(swept.key);
+    toml::node* parent = &root;
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i)
+      parent = steps[i].is_place ? parent->as_array()->get(steps[i].place)
+                                 : parent->as_table()->get(steps[i].name);
+    if (steps.back().is_place)
+      parent->as_array()->replace(parent->as_array()->cbegin() + std::ptrdiff_t(steps.back().place),
+                                  value);
+    else
+      parent->as_table()->insert_or_assign(steps.back().name, value);
+  }
+
+  // Values out of range are found before any work, not in the last hour of it.
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    const std::vector<double>& values = keys_[k].values;
+    const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
+    for (const double value : {values.front(), values.back(), *smallest, *largest}) {
+      toml::table tried = root;
+      toml::node& node = *find_number(tried, keys_[k].key);
+      if (node.is_integer())
+        *node.as_integer() = std::int64_t(value);
+      else
+        *node.as_floating_point() = value;
+      try {
+        base_ = case_of(tried, text, path);
+      } catch (const InputError& error) {
+        const auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto& candidate) {
+          return candidate.first == keys_[k].key;
+        });
+        throw InputError(reader.where(*entry->second),
+                         fmt::format("[sweep] \"{}\" = {}: {}", keys_[k].key, value, error.field()),
+                         error.value(), error.allowed());
+      }
+    }
+  }
+  Cases first(*this);
+  try {
+    base_ = first.at(0);
+  } catch (const InputError&) {
+    // Its values do not go together: that row will say so.
+  }
+  if (rows() > most)
+    throw InputError(path.string(), "[sweep]", fmt::format("{} rows", rows()),
+                     fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : ""));
+}
+
+void Sweep::values_at(std::size_t point, std::vector<double>& values) const {
+  values.resize(keys_.size());
+  for (auto axis = axes_.rbegin(); axis != axes_.rend(); ++axis) {
+    const std::size_t count = keys_[axis->front()].values.size();
+    for (const std::size_t key : *axis) values[key] = keys_[key].values[point % count];
+    point /= count;
+  }
+}
+
+Sweep::Cases::Cases(const Sweep& sweep) : sweep_(sweep), table_(std::make_unique<Table>()) {
+  table_->root = sweep.file_->root;
+  for (const SweptKey& swept : sweep.keys_)
+    table_->numbers.push_back(find_number(table_->root, swept.key));
+}
+
+Sweep::Cases::~Cases() = default;
+
+Case Sweep::Cases::at(std::size_t point) {
+  sweep_.values_at(point, values_);
+  for (std::size_t key = 0; key < values_.size(); ++key) {
+    toml::node& node = *table_->numbers[key];
+    if (node.is_integer())
+      *node.as_integer() = std::int64_t(values_[key]);
+    else
+      *node.as_floating_point() = values_[key];
+  }
+  return case_of(table_->root, sweep_.file_->text, sweep_.file_->path);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "comparisons/case.h"
+
+/// A sweep file: a case and the table [sweep], which gives some of the case's numbers many values.
+///
+///   [sweep]
+///   "layer.poisson_ratio" = [0.3, 0.45, 0.49]
+///   "layer.thickness_mm" = { from = 0.5, to = 5, steps = 10, spacing = "log" }
+///   "geometry.relative_radii_mm[0]" = { from = 5, to = 50, random = 100, seed = 7 }
+///   zip = [["layer.thickness_mm", "layer.poisson_ratio"]]  # these two change together
+///   models = ["bonded_layer", "hertz"]                     # default: all that take microseconds
+///   fem = true                                             # also finite elements
+///
+/// Keys that are not zipped make the product of their values, the last one fastest.
+namespace softfinger {
+
+/// Limits of a sweep: rows are streamed, finite-element jobs and values are kept in memory.
+constexpr std::size_t kMostSweepRows = 100'000'000, kMostSweepFemJobs = 100'000,
+                      kMostSweptValues = 1'000'000;
+
+/// One number of the case and its values.
+struct SweptKey {
+  std::string key;  ///< as typed: "layer.thickness_mm"
+  std::vector<double> values;
+  bool log_spacing = false;  ///< for the axis of a picture
+};
+
+class Sweep {
+ public:
+  /// Reads and checks a sweep file: the case itself, each key, its first, last, smallest and
+  /// largest value.
+  /// @throws InputError(file:line)
+  Sweep(const std::string& text, const std::filesystem::path& file);
+  ~Sweep();
+  Sweep(const Sweep&) = delete;
+  Sweep& operator=(const Sweep&) = delete;
+
+  const Case& base() const { return base_; }
+  /// In the order of the file.
+  const std::vector<SweptKey>& keys() const { return keys_; }
+  /// As [sweep] names them, or empty.
+  const std::vector<std::string>& models() const { return models_; }
+  bool fem() const { return fem_; }
+
+  std::size_t points() const { return points_; }
+  std::size_t rows() const { return points_ * base_.loads_N.size(); }
+  /// Of each key, in the order of `keys`.
+  void values_at(std::size_t point, std::vector<double>& values) const;
+
+  /// Makes the cases of points one after the other, without parsing the file again. For one thread.
+  class Cases {
+   public:
+    explicit Cases(const Sweep& sweep);
+    ~Cases();
+    /// @throws InputError for values that do not go together; its `where` is the file
+    Case at(std::size_t point);
+
+   private:
+    struct Table;
+    const Sweep& sweep_;
+    std::unique_ptr<Table> table_;
+    std::vector<double> values_;
+  };
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+  Case base_;
+  std::vector<SweptKey> keys_;
+  std::vector<std::vector<std::size_t>> axes_;  ///< keys that change together
+  std::vector<std::string> models_;
+  bool fem_ = false;
+  std::size_t points_ = 1;
+};
+
+}  // namespace softfinger

@@ -1,0 +1,224 @@
+#include "comparisons/sweep/sweep_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <unordered_map>
+
+#include "comparisons/predict.h"
+#include "softfinger/friction/friction_ellipsoid.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kQuantities[] = {
+    "a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"};
+constexpr const char* kErrors[] = {"a", "b", "indentation", "peak_pressure", "area", "max_torque"};
+
+void append_number(double value, std::string& text) {
+  text += ',';
+  // Ten digits: more than any model is worth, and half the file's size.
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), "{:.10g}", value);
+}
+
+/// As typed, to the last digit.
+void append_exact(double value, std::string& text) {
+  fmt::format_to(std::back_inserter(text), ",{}", value);
+}
+
+/// RFC 4180.
+std::string in_quotes(const std::string& words) {
+  std::string cell = "\"";
+  for (const char letter : words) {
+    if (letter == '"') cell += '"';
+    cell += letter == '\n' || letter == '\r' ? ' ' : letter;
+  }
+  return cell + '"';
+}
+
+double number(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : NAN;
+}
+
+std::string hash_of(const json& problem) {
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+  for (const char byte : problem.dump())
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
+  return fmt::format("{:016x}", hash);
+}
+
+/// Finite strain, an unsymmetric contact and a fine level cost the most.
+double weight_of(const json& problem) {
+  const double ratio = problem["radii_m"][0].get<double>() / problem["radii_m"][1].get<double>();
+  const double level = std::pow(4., problem["level"].get<int>());
+  const bool finite = problem.contains("kinematics");
+  const bool whole = problem.contains("fingertip") || problem.contains("layer_mesh");
+  return level * std::sqrt(ratio) * (finite ? 8 : 1) * (whole ? 4 : 1);
+}
+
+}  // namespace
+
+std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
+  std::vector<const PressureModel*> models;
+  for (const std::string& name : sweep.models())
+    for (const PressureModel* model : models_by_name(name))
+      if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
+  if (!models.empty()) return models;
+  const Case& base = sweep.base();
+  for (const PressureModel* model : models_by_name("all")) {
+    if (model->card().name == "power_law" && !(base.options.power_law.radius_coefficient > 0))
+      continue;
+    if (model->card().finite_strain && !base.fem_finite) continue;
+    models.push_back(model);
+  }
+  return models;
+}
+
+SweepRows::SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
+                     const GeometryResolver& geometry)
+    : sweep_(sweep), models_(models), geometry_(geometry), cases_(sweep) {}
+
+std::string SweepRows::header() const {
+  std::string text = "point";
+  for (const SweptKey& swept : sweep_.keys()) text += "," + swept.key;
+  text += ",load_N,radius_major_m,radius_minor_m";
+  for (const PressureModel* model : models_) {
+    for (const char* quantity : kQuantities)
+      text += fmt::format(",{}_{}", model->card().name, quantity);
+    text += fmt::format(",{}_valid", model->card().name);
+  }
+  if (sweep_.fem()) {
+    for (const char* quantity : kQuantities) text += std::string(",fem_") + quantity;
+    for (const char* error : kErrors) text += std::string(",fem_error_") + error;
+  }
+  return text + ",failure\n";
+}
+
+void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
+                       const std::vector<std::string>& failures, std::string& text) {
+  sweep_.values_at(point, values_);
+  std::string start = std::to_string(point);
+  for (const double value : values_) append_exact(value, start);
+  const std::size_t loads = sweep_.base().loads_N.size();
+  const std::size_t commas = 2 + 7 * models_.size() + (sweep_.fem() ? 12 : 0);
+  const auto append_failure = [&](const InputError& error, const std::vector<double>* loads_N) {
+    const std::string words = error.field() + (error.value().empty() ? "" : " = " + error.value()) +
+                              (error.allowed().empty() ? "" : ": allowed: " + error.allowed());
+    for (std::size_t load = 0; load < loads; ++load) {
+      text += start;
+      append_exact(loads_N ? (*loads_N)[load] : sweep_.base().loads_N[load], text);
+      text.append(commas, ',');
+      text += "," + in_quotes(words) + "\n";
+    }
+  };
+  Case contact_case;
+  try {
+    contact_case = cases_.at(point);
+  } catch (const InputError& error) {
+    append_failure(error, nullptr);
+    return;
+  }
+  const std::size_t row_begin = text.size();
+  try {
+    const GeometryResolver resolver(contact_case, &geometry_);
+    for (std::size_t load = 0; load < loads; ++load) {
+      const double load_N = contact_case.loads_N[load];
+      const LocalGeometry geometry = resolver.resolve(load_N);
+      text += start;
+      append_exact(load_N, text);
+      append_number(geometry.radii.major_m, text);
+      append_number(geometry.radii.minor_m, text);
+      const ContactProblem problem = contact_case.problem(geometry.radii, load_N);
+      for (const PressureModel* model : models_) {
+        Prediction prediction = model->predict(problem);
+        check_homogeneity(contact_case, prediction.validity);
+        if (!prediction.has_answer) {
+          text.append(6, ',');
+          text += ",no";
+          continue;
+        }
+        const FrictionEllipsoid ellipsoid{load_N * problem.load.friction_coefficient,
+                                          prediction.torque_arm_exact_m};
+        for (const double value :
+             {prediction.a_m, prediction.b_m, prediction.indentation_m, prediction.peak_pressure_Pa,
+              prediction.area_m2(), ellipsoid.max_torque_Nm()})
+          append_number(value, text);
+        text += prediction.valid() ? ",yes" : ",no";
+      }
+      std::string failure;
+      if (fem) {
+        const long job = fem->job_of_row[point * loads + load];
+        const json result =
+            job < 0 ? json() : finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
+        if (result.is_null()) {
+          text.append(12, ',');
+          failure = job < 0 ? "" : failures[std::size_t(job)];
+          if (failure.empty()) failure = "no finite-element result";
+        } else {
+          for (const char* quantity : kQuantities) append_number(number(result, quantity), text);
+          for (const char* error : kErrors) append_number(number(result["error"], error), text);
+        }
+      }
+      text += failure.empty() ? ",\n" : "," + in_quotes(failure) + "\n";
+    }
+  } catch (const InputError& error) {
+    text.resize(row_begin);
+    append_failure(error, &contact_case.loads_N);
+  }
+}
+
+std::vector<json> SweepRows::fem_problems(std::size_t point) {
+  std::vector<json> problems(sweep_.base().loads_N.size());
+  try {
+    const Case contact_case = cases_.at(point);
+    const GeometryResolver resolver(contact_case, &geometry_);
+    for (std::size_t load = 0; load < problems.size(); ++load) {
+      const double load_N = contact_case.loads_N[load];
+      problems[load] =
+          fem_problem(contact_case, resolver.resolve(load_N), load_N, contact_case.fem_level);
+    }
+  } catch (const InputError&) {
+    // The point's rows say it.
+  }
+  return problems;
+}
+
+SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
+                            const std::filesystem::path& folder) {
+  SweepFemJobs all;
+  std::unordered_map<std::string, long> known;
+  const auto& loads_N = sweep.base().loads_N;
+  for (std::size_t point = 0; point < sweep.points(); ++point) {
+    const std::vector<json> problems = rows.fem_problems(point);
+    for (std::size_t load = 0; load < problems.size(); ++load) {
+      if (problems[load].is_null()) {
+        all.job_of_row.push_back(-1);
+        continue;
+      }
+      const std::string name = hash_of(problems[load]);
+      const auto [entry, is_new] = known.emplace(name, long(all.jobs.size()));
+      all.job_of_row.push_back(entry->second);
+      if (!is_new) continue;
+      FemJob job;
+      job.title = fmt::format("{} point {}", sweep.base().id, point);
+      if (loads_N.size() > 1) job.title += fmt::format(", {} N", loads_N[load]);
+      job.problem = problems[load];
+      job.file = folder / (name + ".json");
+      job.weight = weight_of(problems[load]);
+      // A process per job: on meshes of another contact its numbers would differ in the last
+      // digits.
+      job.group = all.jobs.size();
+      all.jobs.push_back(std::move(job));
+    }
+  }
+  return all;
+}
+
+}  // namespace softfinger

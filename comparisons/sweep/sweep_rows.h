@@ -1,0 +1,65 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "comparisons/fem_jobs.h"
+#include "comparisons/local_geometry.h"
+#include "comparisons/sweep/sweep_file.h"
+#include "softfinger/pressure/pressure_model.h"
+
+/// The rows of results.csv: one per point of the sweep and load, SI units in the columns' names.
+namespace softfinger {
+
+/// The models that a sweep asks: those it names, else all that take microseconds; `power_law` only
+/// where the case has a law, those of finite strain only where the case is.
+/// @throws InputError for an unknown name
+std::vector<const PressureModel*> sweep_models(const Sweep& sweep);
+
+/// The finite-element jobs of a sweep. Rows of the same problem share one.
+struct SweepFemJobs {
+  std::vector<FemJob> jobs;
+  std::vector<long> job_of_row;  ///< -1: the bodies of that row make no contact
+  FemJobOptions settings;
+};
+
+/// Makes rows one after the other. For one thread; its meshes are shared with other threads.
+class SweepRows {
+ public:
+  /// @param geometry  of `sweep.base()`: its meshes are read already
+  SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
+            const GeometryResolver& geometry);
+
+  /// "point,layer.thickness_mm,...,load_N,radius_major_m,...", with its end of line.
+  std::string header() const;
+
+  /// Appends the rows of a point, one per load. A row without contact says why in `failure`.
+  void append(std::size_t point, std::string& text) { append(point, nullptr, {}, text); }
+  /// The same with the finite elements' results.
+  /// @param failures  of each job, where it has no result
+  void append(std::size_t point, const SweepFemJobs& fem, const std::vector<std::string>& failures,
+              std::string& text) {
+    append(point, &fem, failures, text);
+  }
+
+  /// The finite-element problems of a point, one per load; null where the bodies make no contact.
+  std::vector<nlohmann::json> fem_problems(std::size_t point);
+
+ private:
+  void append(std::size_t point, const SweepFemJobs* fem, const std::vector<std::string>& failures,
+              std::string& text);
+
+  const Sweep& sweep_;
+  std::vector<const PressureModel*> models_;
+  const GeometryResolver& geometry_;
+  Sweep::Cases cases_;
+  std::vector<double> values_;
+};
+
+/// All jobs, their results kept in `folder` under names that follow from the problems: another
+/// sweep over the same contacts finds them.
+SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
+                            const std::filesystem::path& folder);
+
+}  // namespace softfinger

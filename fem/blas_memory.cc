@@ -1,0 +1,48 @@
+#include "fem/blas_memory.h"
+
+#include <dlfcn.h>
+#include <sys/mman.h>
+
+#include <string>
+#include <vector>
+
+#include "softfinger/input/errors.h"
+
+extern "C" void dgemm_(const char* transpose_a, const char* transpose_b, const int* rows,
+                       const int* columns, const int* inner, const double* alpha, const double* a,
+                       const int* stride_a, const double* b, const int* stride_b,
+                       const double* beta, double* c, const int* stride_c);
+
+namespace softfinger::fem {
+namespace {
+
+/// OpenBLAS: BUFFER_SIZE in common_x86_64.h; smaller on other processors.
+constexpr std::size_t kBuffer_bytes = std::size_t(128) << 20;
+
+}  // namespace
+
+void reserve_blas_memory() {
+  // Another BLAS may stand in for OpenBLAS: it has no such function, and no such loop.
+  using ThreadCount = int (*)();
+  const auto thread_count =
+      reinterpret_cast<ThreadCount>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  if (!thread_count) return;
+  // One buffer for the caller and one for each thread that helps it.
+  const std::size_t bytes = kBuffer_bytes * static_cast<std::size_t>(thread_count() + 1);
+  void* const room = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED)
+    throw InputError("finite elements", "memory",
+                     "less than " + std::to_string(bytes >> 20) + " MB of address space are left",
+                     "room for the linear algebra's buffers (is it limited by ulimit -v?)");
+  munmap(room, bytes);
+  // Large enough that all threads take part.
+  const int size = 512;
+  const double one = 1, zero = 0;
+  const std::vector<double> a(size * size, 1.0);
+  std::vector<double> product(size * size);
+  dgemm_("N", "N", &size, &size, &size, &one, a.data(), &size, a.data(), &size, &zero,
+         product.data(), &size);
+}
+
+}  // namespace softfinger::fem
