@@ -22,8 +22,8 @@ struct Target {
   bool is_text;  ///< worth changing by lines and words, not only by bytes
 };
 
-extern const Target case_toml, scene_toml, surface_stl, surface_obj, layer_msh, recorded_contacts,
-    fem_problem, error_atlas;
+extern const Target case_toml, scene_toml, sweep_toml, surface_stl, surface_obj, layer_msh,
+    recorded_contacts, fem_problem, stored_result, error_atlas;
 
 std::vector<Target> all_targets();
 

@@ -1,0 +1,47 @@
+// Results of finite elements that are kept between runs.
+
+#include "comparisons/fem_process.h"
+#include "comparisons/finished_results.h"
+#include "softfinger/input/errors.h"
+#include "tests/fuzz/target.h"
+
+namespace softfinger::fuzz {
+namespace {
+
+constexpr const char* kProgram = "softfinger-fem 0";
+
+nlohmann::json problem() { return {{"name", "pad"}, {"load_N", 1}}; }
+
+bool read(std::string_view bytes) {
+  try {
+    const FinishedResult finished = parse_finished_result(std::string(bytes), kProgram, problem());
+    if (finished.result.is_null()) return false;
+    fem_is_trusted(finished.result);
+    finished.result.dump();
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::vector<std::string> seeds() {
+  const nlohmann::json level = {{"level", 1},  {"unknowns", 1000},      {"a_m", 1e-3},
+                                {"b_m", 1e-3}, {"indentation_m", 1e-4}, {"max_torque_Nm", 1e-3}};
+  const nlohmann::json profile = {{"position_m", {0.0, 1e-3}}, {"pressure_Pa", {1e4, nullptr}}};
+  nlohmann::json result = level;
+  result.update({{"load_N", 1},
+                 {"peak_pressure_Pa", 1e4},
+                 {"area_m2", 3e-6},
+                 {"error", {{"a", 1e-3}, {"b", nullptr}, {"indentation", 1e-3}, {"max_torque", 0}}},
+                 {"levels", {level}},
+                 {"profile_x", profile},
+                 {"profile_y", profile}});
+  const nlohmann::json whole = {{"program", kProgram}, {"problem", problem()}, {"result", result}};
+  return {whole.dump(1), whole.dump()};
+}
+
+}  // namespace
+
+const Target stored_result = {"stored_result", read, seeds, nullptr, true};
+
+}  // namespace softfinger::fuzz
