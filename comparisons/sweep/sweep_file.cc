@@ -165,7 +165,9 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   file_->path = path;
   toml::table& root = file_->root = parse_toml(text, path.string());
   const TomlReader reader(path.string());
-  const toml::table sweep = reader.required_table(root, "sweep");
+  reader.required_table(root, "sweep");
+  // Moved, not copied: a copy knows no lines.
+  const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
   base_ = case_of(root, text, path);
 
