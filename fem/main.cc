@@ -21,6 +21,7 @@
 #include "meshes/generation/pad_surface.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace {
 
@@ -389,6 +390,6 @@ int main(int argument_count, char** arguments) {
     }
   });
   if (!failure) return exit_status;
-  std::cerr << "softfinger-fem: " << failure->message << std::endl;
+  std::cerr << "softfinger-fem: " << softfinger::visible_text(failure->message) << std::endl;
   return failure->exit_status;
 }

@@ -37,7 +37,10 @@ int run(const Options& options) {
                           {folder / "extremes.html", comparisons::render_extremes(report)}});
     remark("the page is " + (folder / "extremes.html").string());
   }
-  write_to_stdout(options.json ? text : extremes::table(report));
+  if (options.json)
+    write_to_stdout(text);
+  else
+    write_text_to_stdout(extremes::table(report));
   return extremes::kept_all_promises(report) ? 0 : 1;
 }
 
@@ -68,7 +71,8 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Promises: every number finite, those of an answer positive; a refusal says why in words;\n"
-      "more load, larger contact and torque; the same answer in all units; a finite friction limit;\n"
+      "more load, larger contact and torque; the same answer in all units; a finite friction "
+      "limit;\n"
       "no jumps between series, asymptotes and tables. Exit status 1 when a model breaks one.\n"
       "Samples:\n"
       "  softfinger extremes --points 2000 --slow-points 4\n"

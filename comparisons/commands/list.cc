@@ -64,7 +64,7 @@ void add_list(CLI::App& app, Action& action) {
         std::string text;
         for (const Entry& entry : found)
           text += fmt::format("{:<28} {}\n", entry.name, entry.title);
-        write_to_stdout(text);
+        write_text_to_stdout(text);
       }
       if (found.empty()) remark("this version has no " + options->kind);
       return 0;
