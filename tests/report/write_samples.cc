@@ -46,8 +46,9 @@ std::string injected_page() {
                   softfinger::comparisons::embedded::charts_js};
   const std::string html = render_page(page);
   const std::size_t root = html.find("<html ");
-  return html.substr(0, root) + "<html data-injected=\"no\" data-overflow=\"false\" "
-                                "data-charts-expected=\"0\" data-charts-drawn=\"0\" " +
+  return html.substr(0, root) +
+         "<html data-injected=\"no\" data-overflow=\"false\" "
+         "data-charts-expected=\"0\" data-charts-drawn=\"0\" " +
          html.substr(root + 6);
 }
 
