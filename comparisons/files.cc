@@ -13,6 +13,7 @@
 #include <cstring>
 
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace softfinger {
 namespace fs = std::filesystem;
@@ -76,7 +77,7 @@ std::string description_of_this_process() {
 
 }  // namespace
 
-std::string read_text_file(const fs::path& path) {
+std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) refuse(path.string(), "cannot be read", errno);
   std::string content;
@@ -90,6 +91,11 @@ std::string read_text_file(const fs::path& path) {
       refuse(path.string(), "cannot be read", error);
     }
     if (count == 0) break;
+    if (static_cast<std::size_t>(count) > most_bytes - content.size()) {
+      close(file);
+      throw InputError(path.string(), "size of the file", "",
+                       "at most " + std::to_string(most_bytes >> 20) + " MiB");
+    }
     content.append(buffer, static_cast<std::size_t>(count));
   }
   close(file);
@@ -175,5 +181,7 @@ void write_to_stdout(const std::string& text) {
   const int error = write_all(STDOUT_FILENO, text);
   if (error) refuse("standard output", "cannot be written", error);
 }
+
+void write_text_to_stdout(const std::string& text) { write_to_stdout(visible_text(text)); }
 
 }  // namespace softfinger

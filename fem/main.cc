@@ -23,6 +23,7 @@
 #include "meshes/generation/pad_surface.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace {
 
@@ -392,7 +393,7 @@ int main(int argument_count, char** arguments) {
     }
   });
   if (!failure) return exit_status;
-  std::cerr << "softfinger-fem: " << failure->message << std::endl;
+  std::cerr << "softfinger-fem: " << softfinger::visible_text(failure->message) << std::endl;
   // Where memory is short a thread of OpenBLAS may ask for it in an endless loop: an ordinary exit
   // would wait for that thread.
   std::_Exit(failure->exit_status);

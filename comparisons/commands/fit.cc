@@ -124,7 +124,7 @@ int run(const Options& options) {
     return 0;
   }
   const auto& principal = fit.principal;
-  write_to_stdout(fmt::format(
+  write_text_to_stdout(fmt::format(
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "principal radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
       "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}\n"

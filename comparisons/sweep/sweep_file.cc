@@ -9,6 +9,7 @@
 #include <set>
 
 #include "comparisons/case_table.h"
+#include "comparisons/files.h"
 #include "comparisons/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -145,6 +146,8 @@ bool is_whole(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string read_sweep_text(const fs::path& file) { return read_text_file(file, kLargestTomlFile); }
 
 /// What is parsed: the case's own table, with plain numbers where keys are swept.
 struct Sweep::File {

@@ -72,6 +72,20 @@ TEST_F(Files, OfAFolderInUseAreLeftAlone) {
   const OutputFolder third(folder / "results");
 }
 
+TEST_F(Files, AreReadUpToTheirLimitAndNoFurther) {
+  const std::string content(1 << 20, 'x');
+  write_file_atomically(folder / "full", content);
+  EXPECT_EQ(read_text_file(folder / "full", 1 << 20), content);
+  write_file_atomically(folder / "larger", content + "x");
+  EXPECT_THROW(read_text_file(folder / "larger", 1 << 20), InputError);
+  try {
+    read_text_file("/dev/zero", 16 << 20);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "/dev/zero: size of the file: allowed: at most 16 MiB");
+  }
+}
+
 TEST_F(Files, NameTheFileThatCannotBeRead) {
   for (const fs::path& path : {folder / "missing.toml", folder}) {
     try {

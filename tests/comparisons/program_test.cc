@@ -494,6 +494,62 @@ TEST_F(Program, RefusesDamagedContactProblems) {
   expect_refusal({"lcp", with("softlcp 1", "softlcp 2")}, "softlcp");
   expect_refusal({"lcp", with("q4", "q5")}, "q4");
   expect_refusal({"lcp", "missing.txt"}, "missing.txt");
+  expect_refusal({"lcp", with("q4", "nb 100000\nq4")}, "one line with this key");
+}
+
+TEST_F(Program, SaysInWordsThatAContactProblemIsNotSolved) {
+  std::string text = contact_problem_text();
+  text.replace(text.find("-0.05"), 5, "-1e308");
+  text.replace(text.find("3 5 1"), 5, "3 5 1e140");
+  const auto result = run({"lcp", folder.write("step.txt", text).string()});
+  if (result.status == 3)
+    EXPECT_NE(result.err.find("step.txt: not solved"), std::string::npos) << result.err;
+  else
+    EXPECT_EQ(result.status, 0);
+}
+
+TEST_F(Program, LetsNoFileCommandTheTerminal) {
+  // Escape, C1 as UTF-8, right-to-left override.
+  const std::string hostile = "\\u001b[31m\\u009b\\u202e";
+  const std::string shown = "\\x1b[31m\\u009b\\u202e";
+  std::string text = case_text();
+  text.replace(text.find("thickness_mm = "), 15, "thickness_mm = \"" + hostile + "\" # ");
+  const auto file = folder.write("case.toml", text).string();
+  const auto refused = run({"predict", file});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find(shown), std::string::npos) << refused.err;
+  EXPECT_EQ(refused.err.find('\x1b'), std::string::npos);
+  EXPECT_EQ(run({"predict", "\x1b[2J.toml"}).err.find('\x1b'), std::string::npos);
+  EXPECT_EQ(run({"\x1b[2J"}).err.find('\x1b'), std::string::npos);
+
+  const std::string sublayer = "thickness_mm = 1\nyoungs_modulus_kPa = 100\npoisson_ratio = 0.4\n";
+  text =
+      "id = \"x\"\n[geometry]\nrelative_radii_mm = [20, 5]\n[[layer]]\nname = \"\u009b\u202e\"\n" +
+      sublayer + "[[layer]]\n" + sublayer + "[contact]\nload_N = 1\nfriction_coefficient = 1\n";
+  const auto table = run({"predict", folder.write("layers.toml", text).string()});
+  EXPECT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("\\u009b\\u202e"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("\u202e"), std::string::npos);
+}
+
+TEST_F(Program, GivesNoTorqueThatIsTooSmallForANumber) {
+  for (const char* load : {"1e-300", "1e-310"})
+    for (const char* rule : {"exact", "paper"}) {
+      const auto file = folder.write("case.toml", case_text("tiny", load)).string();
+      const auto result = run({"predict", file, "--json", "--torque-rule", rule});
+      if (result.status == 2) continue;  // a denormal load
+      ASSERT_EQ(result.status, 0) << result.err;
+      const json answers = json::parse(result.out);
+      for (const json& answer : answers["results"]) {
+        EXPECT_TRUE(answer["max_torque_Nm"].is_null()) << answer;
+        EXPECT_FALSE(answer["valid"].get<bool>()) << answer;
+      }
+    }
+}
+
+TEST_F(Program, LimitsThePointsOfAllLimitSurfacesTogether) {
+  const auto file = folder.write("case.toml", case_text("example", "[1, 2, 3, 4, 5]")).string();
+  expect_refusal({"predict", file, "--limit-surface", "100000"}, "answers (loads times models)");
 }
 
 TEST_F(Program, PredictsWithAnErrorThatTheAtlasKnows) {
