@@ -11,6 +11,7 @@ extern const std::string_view charts_js;  ///< for every page with charts, befor
 extern const std::string_view report_js;
 extern const std::string_view select_js;
 extern const std::string_view extremes_js;
+extern const std::string_view sweep_js;
 extern const std::string_view d3_js;
 extern const std::string_view plot_js;
 extern const std::string_view licences;  ///< of d3, Plot and all that is bundled in them
