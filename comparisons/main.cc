@@ -1,10 +1,15 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/files.h"
 #include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
 #include "softfinger/input/errors.h"
@@ -32,20 +37,9 @@ std::vector<std::string> join_vectors(int argc, char** argv) {
   return arguments;
 }
 
-}  // namespace
-
-void softfinger::commands::remark(const std::string& line) {
-  std::string text = "softfinger: " + line;
-  for (char& letter : text)
-    if (letter == '\n' || letter == '\r') letter = ' ';
-  std::fputs((visible_text(text) + "\n").c_str(), stderr);
-}
-
-int main(int argc, char** argv) {
+/// Reads the command line and runs the command.
+int run(int argc, char** argv) {
   using namespace softfinger;
-  // A file-size limit then is an error of the write, which is reported, and no sudden death.
-  std::signal(SIGXFSZ, SIG_IGN);
-
   std::vector<std::string> arguments = join_vectors(argc, argv);
   std::string command_line = "softfinger";
   for (const auto& argument : arguments) command_line += " " + argument;
@@ -89,12 +83,50 @@ int main(int argc, char** argv) {
     // The parser takes them from the back.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::Success& request) {
-    return app.exit(request);  // --help, --version
+    std::ostringstream text;  // --help, --version
+    app.exit(request, text, text);
+    write_to_stdout(text.str());
+    return kDone;
   } catch (const CLI::ParseError& error) {
     return fail(std::string(error.what()) + " (see softfinger --help)", kBadInput);
   }
+  return action();
+}
+
+/// One line, without asking for the memory that there is none of.
+int fail_without_memory() {
+  std::fputs("softfinger: error: out of memory\n", stderr);
+  return kNotConverged;
+}
+
+/// Destructors of libraries ask for memory too; what they throw then, nobody can catch. Files under
+/// their final names are whole at any time, so that the program may end there.
+[[noreturn]] void end_in_words() {
   try {
-    return action();
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    std::_Exit(fail_without_memory());
+  } catch (...) {
+  }
+  std::abort();
+}
+
+}  // namespace
+
+void softfinger::commands::remark(const std::string& line) {
+  std::string text = "softfinger: " + line;
+  for (char& letter : text)
+    if (letter == '\n' || letter == '\r') letter = ' ';
+  std::fputs((visible_text(text) + "\n").c_str(), stderr);
+}
+
+int main(int argc, char** argv) {
+  using namespace softfinger;
+  // A file-size limit then is an error of the write, which is reported, and no sudden death.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::set_terminate(end_in_words);
+  try {
+    return run(argc, argv);
   } catch (const Interrupted& interruption) {
     commands::remark(interruption.what());
     return 128 + interruption.signal;
@@ -102,6 +134,8 @@ int main(int argc, char** argv) {
     return fail(error.what(), kBadInput);
   } catch (const ConvergenceError& error) {
     return fail(error.what(), kNotConverged);
+  } catch (const std::bad_alloc&) {
+    return fail_without_memory();
   } catch (const std::exception& error) {
     return fail(std::string("unexpected: ") + error.what(), kNotConverged);
   }

@@ -5,22 +5,21 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
-#include <iterator>
-#include <limits>
+#include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "fem/blas_memory.h"
 #include "fem/model_cache.h"
+#include "fem/read_problem.h"
 #include "fem/reference_solver.h"
+#include "fem/result_json.h"
 #include "meshes/generation/layer_mesh.h"
-#include "meshes/generation/object_surface.h"
-#include "meshes/generation/pad_surface.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
@@ -31,267 +30,35 @@ using nlohmann::json;
 namespace fem = softfinger::fem;
 namespace meshes = softfinger::meshes;
 
-json read(const std::string& path) {
+/// More than any list of problems; a stream without end is refused before memory is full.
+constexpr std::size_t kLargestInput = 64 << 20;
+
+std::string read(const std::string& path) {
   std::ifstream file;
   if (path != "-") file.open(path);
-  std::istream& input = path == "-" ? std::cin : file;
-  const std::string content(std::istreambuf_iterator<char>(input), {});
   if (path != "-" && !file.is_open())
     throw softfinger::InputError(path, "problem", "", "a file that can be read");
-  try {
-    return json::parse(content);
-  } catch (const json::parse_error& error) {
-    throw softfinger::InputError(path, "problem", "", std::string("JSON (") + error.what() + ")");
+  std::istream& input = path == "-" ? std::cin : file;
+  std::string text;
+  char part[1 << 16];
+  while (input.read(part, sizeof part), input.gcount() > 0) {
+    text.append(part, static_cast<std::size_t>(input.gcount()));
+    if (text.size() > kLargestInput)
+      throw softfinger::InputError(path, "problem", "larger than 64 MB", "at most 64 MB");
   }
+  return text;
 }
 
-double radius(const json& value) {
-  return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
-}
-
-Eigen::Vector3d vector(const json& value) {
-  return {value.at(0).get<double>(), value.at(1).get<double>(), value.at(2).get<double>()};
-}
-
-softfinger::TriangleSurface read_mesh(const json& body) {
-  return meshes::read_surface(body.at("mesh").get<std::string>(), body.at("metres_per_unit"))
-      .surface;
-}
-
-meshes::SurfacePlacement placement(const json& body) {
-  return {vector(body.at("point_m")), vector(body.at("outward_normal")), vector(body.at("x_axis")),
-          body.value("turn_rad", 0.0)};
-}
-
-/// Bodies in the contact's frame; a body is turned by `turn_rad` about z from its own.
-fem::Fingertip read_fingertip(const json& input) {
-  const auto shape_of = [](const json& body) { return body.at("shape").get<std::string>(); };
-  fem::Fingertip fingertip;
-  {
-    const json& pad = input.at("pad");
-    const std::string shape = shape_of(pad);
-    fingertip.pad_name = pad.dump();
-    const double x = radius(pad.at("radii_m").at(0)), y = radius(pad.at("radii_m").at(1));
-    const double turn_rad = pad.value("turn_rad", 0.0);
-    if (shape == "paraboloid")
-      fingertip.pad = meshes::paraboloid_pad(x, y, turn_rad);
-    else if (shape == "ellipsoid")
-      fingertip.pad = meshes::ellipsoid_pad(x, y, std::nullopt, turn_rad);
-    else if (shape == "sphere")
-      fingertip.pad = meshes::sphere_pad(x);
-    else if (shape == "tapered" && std::abs(turn_rad) < 1e-9)
-      fingertip.pad = meshes::tapered_pad(x, y, pad.value("taper_per_m", 0.0));
-    else if (shape == "mesh")
-      fingertip.pad = meshes::triangulated_pad(read_mesh(pad), placement(pad), x, y);
-    else
-      throw softfinger::InputError("fingertip.pad", "shape", shape,
-                                   "paraboloid, ellipsoid, sphere, mesh, or tapered along the "
-                                   "contact's long axis");
-  }
-  const json& object = input.at("object");
-  const std::string shape = shape_of(object);
-  const double x = radius(object.at("radii_m").at(0)), y = radius(object.at("radii_m").at(1));
-  const double turn_rad = object.value("turn_rad", 0.0);
-  fingertip.symmetric_object = shape != "mesh" && (turn_rad == 0 || x == y);
-  if (shape == "paraboloid")
-    fingertip.object = meshes::quadric_object(x, y, turn_rad);
-  else if (shape == "sphere")
-    fingertip.object = meshes::sphere_object(x);
-  else if (shape == "cylinder")
-    fingertip.object = meshes::cylinder_object(x, turn_rad);
-  else if (shape == "mesh")
-    fingertip.object = meshes::triangulated_object(read_mesh(object), placement(object));
-  else
-    throw softfinger::InputError("fingertip.object", "shape", shape,
-                                 "paraboloid, sphere, cylinder or mesh");
-  return fingertip;
-}
-
-fem::finite::MaterialChoice read_material(const json& layer) {
-  namespace finite = fem::finite;
-  finite::MaterialChoice choice;
-  const auto refuse = [](const char* key, const std::string& value, const char* allowed) {
-    throw softfinger::InputError("layer", key, value, allowed);
-  };
-  const std::string material = layer.value("material", "neo_hookean");
-  if (material == finite::name_of(finite::MaterialName::mooney_rivlin))
-    choice.name = finite::MaterialName::mooney_rivlin;
-  else if (material == finite::name_of(finite::MaterialName::yeoh))
-    choice.name = finite::MaterialName::yeoh;
-  else if (material != finite::name_of(choice.name))
-    refuse("material", material, "neo_hookean, mooney_rivlin or yeoh");
-  const std::string volumetric = layer.value("volumetric", "quadratic");
-  if (volumetric == finite::name_of(finite::VolumetricLaw::logarithmic))
-    choice.volumetric = finite::VolumetricLaw::logarithmic;
-  else if (volumetric != finite::name_of(choice.volumetric))
-    refuse("volumetric", volumetric, "quadratic or logarithmic");
-  choice.mooney_rivlin_share = layer.value("mooney_rivlin_share", choice.mooney_rivlin_share);
-  if (layer.contains("yeoh_ratios")) {
-    choice.yeoh_second = layer.at("yeoh_ratios").at(0).get<double>();
-    choice.yeoh_third = layer.at("yeoh_ratios").at(1).get<double>();
-  }
-  return choice;
-}
-
-fem::Problem parse(const json& input) {
-  const auto optional = [](const json& object, const char* key) {
-    return object.contains(key) && !object.at(key).is_null();
-  };
-  try {
-    fem::Problem problem;
-    problem.name = input.value("name", problem.name);
-    problem.contact.radii = {input.at("radii_m").at(0).get<double>(),
-                             input.at("radii_m").at(1).get<double>(), input.value("axis_rad", 0.0)};
-    if (optional(input, "sphere_radius_m"))
-      problem.sphere_radius_m = input.at("sphere_radius_m").get<double>();
-    const json& layer = input.at("layer");
-    problem.contact.layer = {layer.at("thickness_m").get<double>(),
-                             layer.at("youngs_modulus_Pa").get<double>(),
-                             layer.at("poisson_ratio").get<double>()};
-    if (input.value("kinematics", "linear") == "finite")
-      problem.finite_strain = read_material(layer);
-    std::vector<std::string> regions;
-    for (const json& sublayer : layer.value("sublayers", json::array())) {
-      problem.sublayers.push_back({{sublayer.at("thickness_m").get<double>(),
-                                    sublayer.at("youngs_modulus_Pa").get<double>(),
-                                    sublayer.at("poisson_ratio").get<double>()},
-                                   read_material(sublayer)});
-      regions.push_back(sublayer.value("name", ""));
-    }
-    if (regions.empty()) regions = {"layer"};
-    if (optional(input, "approach_m")) problem.approach_m = input.at("approach_m").get<double>();
-    problem.contact.load = {problem.approach_m != 0 ? 0.0 : input.at("load_N").get<double>(),
-                            input.at("friction_coefficient").get<double>()};
-    problem.level = input.value("level", problem.level);
-    if (optional(input, "fingertip")) problem.fingertip = read_fingertip(input.at("fingertip"));
-    if (optional(input, "layer_mesh")) {
-      const json& mesh = input.at("layer_mesh");
-      problem.mesh_name = mesh.dump();
-      problem.mesh = std::make_shared<const meshes::LayerMesh>(meshes::read_layer_mesh(
-          mesh.at("mesh").get<std::string>(), mesh.at("metres_per_unit").get<double>(), regions));
-    }
-    if (optional(input, "friction")) {
-      const json& friction = input.at("friction");
-      auto& request = problem.friction;
-      request.torsion = friction.value("torsion", request.torsion);
-      request.increments = friction.value("increments", request.increments);
-      request.limit_surface = friction.value("limit_surface", request.limit_surface);
-      request.increments_to_slip = friction.value("increments_to_slip", request.increments_to_slip);
-      if (optional(friction, "twist_axis_m")) {
-        request.twist_axis_x_m = friction.at("twist_axis_m").at(0).get<double>();
-        request.twist_axis_y_m = friction.at("twist_axis_m").at(1).get<double>();
-      }
-    }
-    if (optional(input, "compliance_file"))
-      problem.compliance_file = input.at("compliance_file").get<std::string>();
-    if (optional(input, "output_directory"))
-      problem.output_directory = input.at("output_directory").get<std::string>();
-    return problem;
-  } catch (const json::exception& error) {
-    throw softfinger::InputError("problem", "key", "",
-                                 std::string("the keys in fem/README.md (") + error.what() + ")");
-  }
-}
-
-json profile(const fem::Profile& values) {
-  return {{"position_m", values.position_m}, {"pressure_Pa", values.pressure_Pa}};
-}
-
-json increments(const std::vector<fem::FrictionIncrement>& path) {
-  json result = json::array();
-  for (const auto& state : path)
-    result.push_back({{"shift_m", {state.shift_x_m, state.shift_y_m}},
-                      {"angle_rad", state.angle_rad},
-                      {"fx_N", state.wrench.force_x_N},
-                      {"fy_N", state.wrench.force_y_N},
-                      {"torque_Nm", state.wrench.torque_Nm},
-                      {"slip_fraction", state.slip_fraction}});
-  return result;
-}
-
-/// Adds the keys of what was asked for.
-void add_friction(const fem::Problem& problem, const fem::Result& result, json& output) {
-  if (result.torsion) {
-    output["torsion"] = increments(result.torsion->increments);
-    output["torsional_stiffness_Nm_per_rad"] = result.torsion->stiffness_Nm_per_rad;
-    output["torque_full_slip_Nm"] = result.torsion->full_slip_Nm;
-    output["error"]["torsional_stiffness"] = result.torsion->stiffness_error;
-    output["error"]["torque_full_slip"] = result.torsion->full_slip_error;
-    output["error"]["torsion"] = result.torsion->curve_error;
-  }
-  if (problem.friction.limit_surface == 0) return;
-  json points = json::array();
-  for (const auto& point : result.limit_surface) {
-    points.push_back({{"fx_N", point.wrench.force_x_N},
-                      {"fy_N", point.wrench.force_y_N},
-                      {"torque_Nm", point.wrench.torque_Nm}});
-    if (!point.path.empty()) points.back()["path"] = increments(point.path);
-  }
-  output["limit_surface"] = std::move(points);
-  output["error"]["limit_surface"] = result.limit_surface_error;
-}
-
-json to_json(const fem::Problem& problem, const fem::Result& result) {
-  const auto& finest = result.finest;
-  const auto& load = problem.contact.load;
-  json levels = json::array();
-  for (const auto& level : result.levels)
-    levels.push_back({{"level", level.level},
-                      {"elements_per_semi_axis", level.elements_per_semi_axis},
-                      {"unknowns", level.unknowns},
-                      {"active_nodes", level.active_nodes},
-                      {"iterations", level.iterations},
-                      {"a_m", level.a_m},
-                      {"b_m", level.b_m},
-                      {"indentation_m", level.indentation_m},
-                      {"peak_pressure_Pa", level.peak_pressure_Pa},
-                      {"max_torque_Nm", level.max_torque_Nm},
-                      {"load_residual", level.load_residual},
-                      {"complementarity_residual", level.complementarity_residual},
-                      {"fit_residual", level.fit_residual},
-                      {"oversize", level.oversize},
-                      {"wall_s", level.wall_s},
-                      {"cpu_s", level.cpu_s}});
-  json output = {
-      {"model", "fem"},
-      {"load_N", finest.load_N},
-      {"a_m", finest.a_m},
-      {"b_m", finest.b_m},
-      {"axis_rad", problem.contact.radii.axis_rad + finest.turn_rad},
-      {"indentation_m", finest.indentation_m},
-      {"peak_pressure_Pa", finest.peak_pressure_Pa},
-      {"area_m2", finest.area_m2},
-      {"max_torque_Nm", finest.max_torque_Nm},
-      {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
-      {"error",
-       {{"a", result.error.a},
-        {"b", result.error.b},
-        {"area", result.error.area},
-        {"indentation", result.error.indentation},
-        {"peak_pressure", result.error.peak_pressure},
-        {"max_torque", result.error.max_torque},
-        {"load", result.error.load}}},
-      {"level", problem.level},
-      {"levels", levels},
-      {"unknowns", finest.unknowns},
-      {"active_nodes", finest.active_nodes},
-      {"iterations", finest.iterations},
-      {"pressure_exponent", result.pressure_exponent},
-      {"profile_x", profile(result.along_x)},
-      {"profile_y", profile(result.along_y)},
-      {"vtu", result.vtu_file.empty() ? json(nullptr) : json(result.vtu_file)},
-      {"pvd", result.pvd_file.empty() ? json(nullptr) : json(result.pvd_file)},
-      {"coarse", result.interrupted},
-      {"wall_s", result.wall_s},
-      {"cpu_s", result.cpu_s},
-      {"peak_memory_MB", result.peak_memory_MB}};
-  if (problem.finite_strain) {
-    output["kinematics"] = "finite";
-    output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
-    output["strain_energy_J"] = finest.strain_energy_J;
-  }
-  add_friction(problem, result, output);
-  return output;
+const fem::MeshReaders& mesh_readers() {
+  static const fem::MeshReaders readers = {
+      [](const std::string& path, double metres_per_unit) {
+        return meshes::read_surface(path, metres_per_unit).surface;
+      },
+      [](const std::string& path, double metres_per_unit, const std::vector<std::string>& regions) {
+        return std::make_shared<const meshes::LayerMesh>(
+            meshes::read_layer_mesh(path, metres_per_unit, regions));
+      }};
+  return readers;
 }
 
 // A signal handler can reach nothing but a global.
@@ -330,17 +97,19 @@ std::optional<Failure> failure_of(const Work& work) {
     return failure(not_converged, std::string("error: ") + error.what());
   } catch (const fem::Interrupted& error) {
     return failure(interrupted, error.what());
+  } catch (const std::bad_alloc&) {
+    return failure(not_converged, "error: out of memory");
   } catch (const std::exception& error) {
     return failure(not_converged, std::string("error: ") + error.what());
   }
 }
 
 void answer(const json& input, const std::string& prefix, fem::ModelCache& models) {
-  const fem::Problem problem = parse(input);
+  const fem::Problem problem = fem::read_problem(input, mesh_readers());
   const fem::Result result = fem::solve(
       problem, [&](const std::string& line) { std::cerr << prefix << line << std::endl; },
       [] { return g_stop != 0; }, &models);
-  std::cout << to_json(problem, result).dump() << std::endl;
+  std::cout << fem::to_json(problem, result).dump() << std::endl;
   if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
 }
 
@@ -382,7 +151,8 @@ int main(int argument_count, char** arguments) {
   }
   int exit_status = 0;
   const auto failure = failure_of([&] {
-    const json input = read(arguments[1]);
+    const std::string path = arguments[1];
+    const json input = fem::parse_problems(read(path), path == "-" ? "standard input" : path);
     stop_when_convenient();
     fem::reserve_blas_memory();
     if (input.is_array()) {

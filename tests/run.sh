@@ -3,6 +3,12 @@
 # with address and undefined-behaviour sanitizers (without finite elements).
 #
 # usage: tests/run.sh [--analytic-only]
+#
+# Not run here, because of their time:
+#   tests/fuzz/run.sh MINUTES          the readers of files under random bytes (clang)
+#   tests/fem/under_valgrind.sh        one small finite-element job under valgrind
+#   cmake --preset thread_sanitized && cmake --build --preset thread_sanitized && ctest --preset thread_sanitized
+#                                      what uses threads, under the thread sanitizer
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . comparisons/prepare.sh

@@ -46,9 +46,6 @@ std::string read_bytes(const std::string& path) {
   if (!in) throw InputError(path, "file", "unreadable", kAllowedFile);
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (in.bad()) throw InputError(path, "file", "unreadable", kAllowedFile);
-  // Some editors put a mark of the encoding before the first word.
-  if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
-  if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedFile);
   return bytes;
 }
 
@@ -367,9 +364,15 @@ std::string across(double size_m) {
 }  // namespace
 
 SurfaceFile read_surface(const std::string& path, double metres_per_unit) {
+  return parse_surface(read_bytes(path), path, metres_per_unit);
+}
+
+SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit) {
   if (!(metres_per_unit > 0) || !std::isfinite(metres_per_unit))
     throw InputError(path, "unit", std::to_string(metres_per_unit), "a positive length in metres");
-  std::string bytes = read_bytes(path);
+  // Some editors put a mark of the encoding before the first word.
+  if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
+  if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedFile);
   const char* const format = check_content(path, bytes);
 
   Assimp::Importer importer;

@@ -31,6 +31,9 @@ struct SurfaceFile {
 /// which is a wrong unit.
 SurfaceFile read_surface(const std::string& path, double metres_per_unit);
 
+/// The same for a file's bytes in memory; `path` is used in messages and for its ending.
+SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit);
+
 /// Writes a binary STL in millimetres, atomically (to a temporary name, then renamed).
 /// @throws InputError when the folder cannot be written or the disk is full.
 void write_stl_mm(const TriangleSurface& surface, const std::string& path);

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+
+/// Of the JSON that this project reads or writes, no brackets are nested deeper than ten.
+constexpr long kDeepestNesting = 64;
+
+/// How deep the brackets of a JSON text are nested. Brackets inside strings do not count. Of a text
+/// that is no JSON: as deep as a parser gets before it stops, or deeper.
+inline long deepest_nesting(std::string_view text) {
+  long depth = 0, deepest = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char letter = text[i];
+    if (in_string && letter == '\\')
+      ++i;
+    else if (letter == '"')
+      in_string = !in_string;
+    else if (in_string)
+      continue;
+    else if (letter == '[' || letter == '{')
+      deepest = std::max(deepest, ++depth);
+    else if (letter == ']' || letter == '}')
+      --depth;
+  }
+  return deepest;
+}
+
+/// To be called before a JSON text is parsed: what walks through the parsed values (copies, writes
+/// them) needs stack for each level, and 300,000 of them are more than there is.
+/// @param where  the file's name, for the message
+/// @throws InputError
+inline void check_nesting(std::string_view text, const std::string& where) {
+  const long depth = deepest_nesting(text);
+  if (depth > kDeepestNesting)
+    throw InputError(where, "nesting of brackets", std::to_string(depth),
+                     "at most " + std::to_string(kDeepestNesting));
+}
+
+}  // namespace softfinger

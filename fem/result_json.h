@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "fem/reference_solver.h"
+
+namespace softfinger::fem {
+
+/// A result with the keys of README.md.
+nlohmann::json to_json(const Problem& problem, const Result& result);
+
+}  // namespace softfinger::fem

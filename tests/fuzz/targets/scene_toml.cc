@@ -1,0 +1,25 @@
+// Scene files.
+
+#include "comparisons/simulation/scene.h"
+#include "softfinger/input/errors.h"
+#include "tests/fuzz/target.h"
+
+namespace softfinger::fuzz {
+namespace {
+
+bool read(std::string_view bytes) {
+  try {
+    simulation::parse_scene(std::string(bytes), "fuzzed.toml");
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::vector<std::string> seeds() { return texts_of(SOFTFINGER_SCENES, ".toml"); }
+
+}  // namespace
+
+const Target scene_toml = {"scene_toml", read, seeds, nullptr, true};
+
+}  // namespace softfinger::fuzz
