@@ -1,6 +1,7 @@
 #include "comparisons/files.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -30,8 +31,14 @@ int write_all(int file, const std::string& content) {
 }  // namespace
 
 std::string read_text_file(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Opening a pipe waits for someone to write into it, and a device may have no end.
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (file < 0) refuse(path.string(), "cannot be read", errno);
+  struct stat status {};
+  if (fstat(file, &status) != 0 || !(S_ISREG(status.st_mode) || S_ISDIR(status.st_mode))) {
+    close(file);
+    throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
+  }
   std::string content;
   char buffer[1 << 16];
   for (;;) {

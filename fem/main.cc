@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <limits>
@@ -20,6 +19,7 @@
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "meshes/io/read_surface.h"
+#include "meshes/io/whole_file.h"
 #include "softfinger/input/errors.h"
 
 namespace {
@@ -29,12 +29,10 @@ namespace fem = softfinger::fem;
 namespace meshes = softfinger::meshes;
 
 json read(const std::string& path) {
-  std::ifstream file;
-  if (path != "-") file.open(path);
-  std::istream& input = path == "-" ? std::cin : file;
-  const std::string content(std::istreambuf_iterator<char>(input), {});
-  if (path != "-" && !file.is_open())
-    throw softfinger::InputError(path, "problem", "", "a file that can be read");
+  constexpr std::size_t most_bytes = 1'000'000'000;
+  const std::string content =
+      path == "-" ? std::string(std::istreambuf_iterator<char>(std::cin), {})
+                  : meshes::read_whole_file(path, "problem", "a file that can be read", most_bytes);
   try {
     return json::parse(content);
   } catch (const json::parse_error& error) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 
 #include "softfinger/input/errors.h"
 
@@ -39,6 +40,13 @@ TEST_F(Files, RefuseAFolderThatIsAFile) {
   EXPECT_THROW(make_writable_folder(folder / "file"), InputError);
   EXPECT_THROW(make_writable_folder("/proc/softfinger"), InputError);
   EXPECT_THROW(write_file_atomically(folder / "file" / "a", "x"), InputError);
+}
+
+TEST_F(Files, AreNeverWaitedFor) {
+  const fs::path pipe = folder / "pipe.toml";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const fs::path& path : {pipe, fs::path("/dev/zero")})
+    EXPECT_THROW(read_text_file(path), InputError) << path;
 }
 
 TEST_F(Files, NameTheFileThatCannotBeRead) {
