@@ -78,8 +78,14 @@ std::string description_of_this_process() {
 }  // namespace
 
 std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Opening a pipe waits for someone to write into it, and a device may have no end.
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (file < 0) refuse(path.string(), "cannot be read", errno);
+  struct stat status {};
+  if (fstat(file, &status) != 0 || !(S_ISREG(status.st_mode) || S_ISDIR(status.st_mode))) {
+    close(file);
+    throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
+  }
   std::string content;
   char buffer[1 << 16];
   for (;;) {

@@ -85,8 +85,8 @@ int run(const Options& options) {
 
   const auto path = find_mesh_file(options.mesh, "");
   const auto file = meshes::read_surface(path.string(), metres_per_unit);
-  const std::string note = tolerated(file);
-  if (!note.empty()) remark(path.string() + ": " + note);
+  for (const std::string& note : {tolerated(file), unit_doubt(file, metres_per_unit)})
+    if (!note.empty()) remark(path.string() + ": " + note);
   require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
   const QuadricFit fit = [&] {

@@ -1,6 +1,7 @@
 // The program as its users see it: exit status, what goes to which stream, names of keys.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,17 +20,17 @@ using nlohmann::json;
 
 namespace {
 
-/// A paraboloid z = -(x²/20 + y²/10)/2 of 21 x 21 points, in millimetres, with bumps of that
-/// height.
-std::string paraboloid_mesh(double bumps_mm) {
+/// A paraboloid z = -(x²/20 + y²/10)/2 of 21 x 21 points, in millimetres or units of `scale`
+/// millimetres, with bumps of that height.
+std::string paraboloid_mesh(double bumps_mm, double scale = 1) {
   std::ostringstream mesh;
   const int n = 20;
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j) {
       const double x = 0.4 * (i - n / 2), y = 0.4 * (j - n / 2);
-      mesh << "v " << x << " " << y << " "
-           << -(x * x / 20 + y * y / 10) / 2 + bumps_mm * std::sin(7.0 * i * i + 3.0 * j * j)
-           << "\n";
+      const double z =
+          -(x * x / 20 + y * y / 10) / 2 + bumps_mm * std::sin(7.0 * i * i + 3.0 * j * j);
+      mesh << "v " << x / scale << " " << y / scale << " " << z / scale << "\n";
     }
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
@@ -390,6 +391,46 @@ TEST_F(Program, FitsAMeshWithTheContractsKeys) {
   EXPECT_EQ(chosen.status, 0) << chosen.err;
   EXPECT_NE(chosen.err.find("--radius-mm"), std::string::npos)
       << "the choice is said: " << chosen.err;
+}
+
+TEST_F(Program, DoubtsTheUnitOfAMeshThatNoHandCouldHold) {
+  folder.write("metres.obj", paraboloid_mesh(0, 1000));
+  std::string text = case_text("example", "1e-8");
+  const std::string radii = "relative_radii_mm = [20.0, 10.0]";
+  text.replace(text.find(radii), radii.size(),
+               "finger = { mesh = \"metres.obj\", point_mm = [0, 0, 0] }\n"
+               "object = { radii_mm = [inf, inf] }");
+  const std::string file = folder.write("mesh.toml", text).string();
+  const std::string doubt =
+      "metres.obj: the surface is 0.0114 mm across, read in mm; in m it would be 11.4 mm: unit = "
+      "\"m\"?";
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"fit", "metres.obj", "--point", "0,0,0"},
+                                             {"predict", file},
+                                             {"select", file, "--tolerance", "0.5"},
+                                             {"export", file, "--to", "mujoco"},
+                                             {"fem", file},
+                                             {"compare", file, "--output", "out"}}) {
+    const ProgramRun result = run(command);
+    EXPECT_NE(result.err.find(doubt), std::string::npos) << command[0] << ": " << result.err;
+    EXPECT_NE(result.status, 2) << command[0] << ": " << result.err;
+  }
+  EXPECT_EQ(run({"predict", file}).status, 0);
+
+  const auto said = [&](double scale, const std::string& unit) {
+    folder.write("mesh.obj", paraboloid_mesh(0, scale));
+    return run({"fit", "mesh.obj", "--point", "0,0,0", "--unit", unit}).err;
+  };
+  EXPECT_NE(said(4, "m").find("in mm it would be 2.84 mm: unit = \"mm\"?"), std::string::npos);
+  EXPECT_NE(said(0.004, "mm").find("across, read in mm: is the unit right?"), std::string::npos);
+  for (const std::string& fine : {said(1, "mm"), said(1000, "m"), said(0.02, "mm")})
+    EXPECT_EQ(fine.find("across"), std::string::npos) << fine;
+}
+
+TEST_F(Program, NeverWaitsForACaseThatIsAPipe) {
+  const std::string pipe = (folder.path() / "pipe.toml").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_refusal({"predict", pipe}, "a regular file");
 }
 
 TEST_F(Program, RunsTheFiniteElementsAsAProcess) {
