@@ -36,13 +36,16 @@
   const variables = report.variables.map((v) => {
     const values = floats(v.values);
     const levels = d3.sort(new Set(values.filter((value) => Number.isFinite(value))));
+    // 0.49995 is not 0.49999: as many digits as tell the values apart.
+    const digits = levels.length > FEW ? 4 : d3.range(4, 8).find((count) => new Set(levels.map(d3.format(`.${count}~r`))).size === levels.length) ?? 7;
+    const words = d3.format(`.${digits}~r`);
     const order = new Map(levels.map((level, i) => [level, i]));
     return {
-      ...v, values, levels,
+      ...v, values, levels, words,
       log: v.log && levels[0] > 0,
       level: Int32Array.from(values, (value) => order.get(value) ?? -1), // of each row
       title: v.unit ? `${v.label}, ${v.unit}` : v.label,
-      says: (value) => `${v.label} ${number(value)}${v.unit ? ` ${v.unit}` : ""}`,
+      says: (value) => `${v.label} ${words(value)}${v.unit ? ` ${v.unit}` : ""}`,
     };
   });
   const named = new Map(variables.map((v) => [v.key, v]));
@@ -106,11 +109,15 @@
       if (![...settled, ...list].some((other) => other === v || together(other, v))) list.push(v);
     return list;
   }
-  const chosenRows = () => {
+  function chosenRows() {
     const limits = held().map((v) => [v.level, state.level.get(v.key)]).filter(([, level]) => level >= 0);
-    const axes = placed().filter((v) => v.key !== state.colour || v.levels.length <= FEW);
-    return allRows.filter((row) => limits.every(([levels, level]) => levels[row] === level) && axes.every((v) => v.level[row] >= 0));
-  };
+    const rows = allRows.filter((row) => limits.every(([levels, level]) => levels[row] === level));
+    const axes = placed(), x = named.get(state.x);
+    const shown = rows.filter((row) => [x, ...axes].every((v) => v.level[row] >= 0));
+    state.without = rows.length - shown.length;
+    return shown;
+  }
+  const withoutText = () => (state.without ? `Not drawn: ${state.without} without a finite value on an axis.` : "");
 
   // Rows that are a line over x: each x once, and everything else that changes goes one way with it.
   function monotone(rows, x, others) {
@@ -138,10 +145,25 @@
   const opened = ([low, high], log) => (low < high ? [low, high] : log ? [low / 2, low * 2] : low === 0 ? [-1, 1] : d3.sort([0.5 * low, 1.5 * low]));
   const spread = (values) => values[0] > 0 && values.at(-1) / values[0] > 20;
 
-  const axis = (v, domain, inner) => ({
-    type: v.log ? "log" : "linear", domain, label: `${v.title} →`, grid: false,
-    ticks: ticksOf(v.log, domain, Math.max(2, Math.floor(inner / 64))), tickFormat: number,
-  });
+  // Ticks may be closer than four digits tell.
+  const wordsOf = (ticks) => (new Set(ticks.map(number)).size === ticks.length ? number : (value) => String(Number(value.toPrecision(9))));
+  const fitting = (words, width) => {
+    const most = Math.max(8, Math.floor(width / 7.5));
+    return words.length <= most ? words : `${words.slice(0, Math.floor(most / 2) - 1)}…${words.slice(words.length - Math.ceil(most / 2) + 1)}`;
+  };
+  // The x axis, and the margin that its last label needs.
+  function across(v, domain, width, marginLeft) {
+    const inner = width - marginLeft - 12;
+    const choices = d3.range(Math.max(2, Math.floor(inner / 64)), 1, -1).map((most) => {
+      const ticks = ticksOf(v.log, domain, most), words = wordsOf(ticks);
+      return {ticks, words, longest: d3.max([0, ...ticks.map((tick) => words(tick).length)])};
+    });
+    const {ticks, words, longest} = choices.find((c) => c.ticks.length * (7.5 * c.longest + 12) <= inner) ?? choices.at(-1);
+    return {
+      marginLeft, marginRight: Math.max(12, 4 * longest),
+      x: {type: v.log ? "log" : "linear", domain, label: fitting(`${v.title} →`, width), grid: false, ticks, tickFormat: words},
+    };
+  }
   const leftOf = (ticks, words) => 18 + 7 * d3.max([3, ...ticks.map((tick) => words(tick).length)]);
 
   // One path for all points of a colour: 20,000 elements would take seconds, one takes milliseconds.
@@ -238,8 +260,8 @@
     const columns = Math.min(facets.length, width >= 900 ? 3 : width >= 560 ? 2 : 1);
     const each = Math.floor((width - 22 * (columns - 1)) / columns);
     const height = facets.length > 1 ? 260 : 380;
-    const words = deviates() ? (v) => `${number(100 * v)} %` : number;
     const ticks = ticksOf(log, domain, 7);
+    const words = deviates() ? (v) => `${number(100 * v)} %` : wordsOf(ticks);
     const marginLeft = leftOf(ticks, words);
     const single = oneModel();
     let marks = 0, outside = 0, doubted = 0;
@@ -250,9 +272,8 @@
       outside += points.length - inside.length;
       doubted += points.filter((p) => !p.valid).length;
       const picture = plot({
-        ...base(each, height), marginLeft,
-        x: axis(x, widened(reach, x.log, 0.02), each - marginLeft - 12),
-        y: {type: log ? "log" : "linear", domain, label: `↑ ${quantityTitle()}`, ticks, tickFormat: words},
+        ...base(each, height), ...across(x, widened(reach, x.log, 0.02), each, marginLeft),
+        y: {type: log ? "log" : "linear", domain, label: fitting(`↑ ${quantityTitle()}`, each), ticks, tickFormat: words},
         marks: [
           ...(deviates() ? [Plot.ruleY([0], {strokeOpacity: 0.6})] : []),
           ...series.flatMap((s) => marksOf(s)),
@@ -277,6 +298,7 @@
       facetBy && facetBy.levels.length > picked.length ? `${picked.length} of ${facetBy.levels.length} values of ${facetBy.label} are drawn.` : "",
       everything.some((s) => s.source === fem) ? "Points with bars: finite elements and the error they state." : "",
       doubted ? "Dashed or faint: where a model calls itself not valid." : "",
+      withoutText(),
       outside ? `${outside} of ${marks} points lie beyond the frame.` : "",
     ]);
     state.marks = marks;
@@ -322,13 +344,14 @@
 
   function colourBar(width, {low, high, log}, title, marks) {
     const wide = Math.min(width - 40, 520), left = 20;
+    const words = wordsOf(log ? [low, high] : d3.ticks(low, high, 8));
     const svg = d3.create("svg").attr("width", width).attr("height", 52).attr("viewBox", `0 0 ${width} 52`).style("font-size", "12px");
-    svg.append("text").attr("x", left).attr("y", 11).attr("fill", "currentColor").text(title);
+    svg.append("text").attr("x", left).attr("y", 11).attr("fill", "currentColor").text(fitting(title, width - left));
     for (let k = 0; k < SHADES; ++k)
       svg.append("rect").attr("x", left + k * wide / SHADES).attr("y", 17).attr("width", wide / SHADES + 0.5).attr("height", 12).attr("fill", viridis((k + 0.5) / SHADES));
     const ticks = low < high ? marks ?? ticksOf(log, [low, high], Math.floor(wide / 52)) : [];
     const place = (log ? d3.scaleLog() : d3.scaleLinear()).domain([low, high]).range([left, left + wide]);
-    const label = (x, value) => svg.append("text").attr("x", x).attr("y", 46).attr("text-anchor", "middle").attr("fill", "currentColor").text(number(value));
+    const label = (x, value) => svg.append("text").attr("x", x).attr("y", 46).attr("text-anchor", "middle").attr("fill", "currentColor").text(words(value));
     let last = -Infinity;
     for (const tick of ticks) {
       svg.append("path").attr("d", `M${place(tick)},17v15`).attr("stroke", "currentColor");
@@ -373,8 +396,8 @@
     const band = (error) => `var(--map-${d3.bisectRight(BANDS, Math.abs(error))})`;
     const colour = deviates() ? (p) => band(p.z) : (p) => shades.of(p.z);
 
-    const [across, up] = [x, y].map((v, k) => d3.sort(new Set(points.map((p) => (k ? p.y : p.x)))));
-    const cells = across.length > 1 && up.length > 1 && points.length > 0.5 * across.length * up.length &&
+    const [columns, lines] = [x, y].map((v, k) => d3.sort(new Set(points.map((p) => (k ? p.y : p.x)))));
+    const cells = columns.length > 1 && lines.length > 1 && points.length > 0.5 * columns.length * lines.length &&
       new Set(points.map((p) => x.level[p.row] * y.levels.length + y.level[p.row])).size === points.length;
     const halfway = (v) => (one, next) => (v.log ? Math.sqrt(one * next) : (one + next) / 2);
     const edges = (v, values) => {
@@ -382,19 +405,20 @@
       const mirrored = (value, edge) => (v.log ? value * value / edge : 2 * value - edge);
       return [mirrored(values[0], inner[0]), ...inner, mirrored(values.at(-1), inner.at(-1))];
     };
-    const [xEdges, yEdges] = cells ? [edges(x, across), edges(y, up)] : [];
+    const [xEdges, yEdges] = cells ? [edges(x, columns), edges(y, lines)] : [];
     const domain = (v, values, marks) => (marks ? [marks[0], marks.at(-1)] : widened(opened(d3.extent(values), v.log), v.log, 0.02));
-    const yDomain = domain(y, up, yEdges);
+    const yDomain = domain(y, lines, yEdges);
     const yTicks = ticksOf(y.log, yDomain, 8);
-    const marginLeft = leftOf(yTicks, number);
+    const yWords = wordsOf(yTicks);
+    const marginLeft = leftOf(yTicks, yWords);
     const limits = deviates() || !(extent[0] < extent[1]) ? [] : ticksOf(log, extent, Math.max(3, Math.floor(Math.min(width - 40, 520) / 60)));
 
     const marks = [];
     const size = known.length > 5000 ? 3 : known.length > 500 ? 5 : 8;
     if (cells) {
-      const column = new Map(across.map((v, i) => [v, i])), line = new Map(up.map((v, i) => [v, i]));
-      const at = new Map(known.map((p) => [column.get(p.x) * up.length + line.get(p.y), p]));
-      const cell = (i, j) => (i < 0 || j < 0 || i >= across.length || j >= up.length ? undefined : at.get(i * up.length + j));
+      const column = new Map(columns.map((v, i) => [v, i])), line = new Map(lines.map((v, i) => [v, i]));
+      const at = new Map(known.map((p) => [column.get(p.x) * lines.length + line.get(p.y), p]));
+      const cell = (i, j) => (i < 0 || j < 0 || i >= columns.length || j >= lines.length ? undefined : at.get(i * lines.length + j));
       for (const [shade, group] of d3.group(known, colour))
         marks.push(path((scales) => group.map((p) => {
           const [i, j] = [column.get(p.x), line.get(p.y)];
@@ -402,13 +426,13 @@
           return `M${short(left)},${short(top)}H${short(right)}V${short(bottom)}H${short(left)}Z`;
         // The stroke closes the hairlines that rounding leaves between cells.
         }).join(""), {fill: shade, stroke: shade, "stroke-width": 0.7, class: "cells"}));
-      if (across.length > 3 && up.length > 3 && limits.length)
+      if (columns.length > 3 && lines.length > 3 && limits.length)
         marks.push(path((scales) => {
           const corner = (i, j) => {
             const p = cell(i, j);
             return p && {x: scales.x(p.x), y: scales.y(p.y), z: log ? Math.log(p.z) : p.z};
           };
-          return limits.map((limit) => contour(corner, across.length, up.length, log ? Math.log(limit) : limit)).join("");
+          return limits.map((limit) => contour(corner, columns.length, lines.length, log ? Math.log(limit) : limit)).join("");
         }, {stroke: "#fff", "stroke-opacity": 0.75, "stroke-width": 1.2}));
       if (source !== fem && known.some((p) => p.valid) && known.some((p) => !p.valid))
         marks.push(path((scales) => known.filter((p) => p.valid).map((p) => {
@@ -424,9 +448,8 @@
         for (const [valid, group] of parts) marks.push(dots(group, shade, size, valid || source === fem ? 1 : 0.35));
     }
     const picture = plot({
-      ...base(width, Math.max(260, Math.min(460, 0.75 * width))), marginLeft,
-      x: axis(x, domain(x, across, xEdges), width - marginLeft - 12),
-      y: {type: y.log ? "log" : "linear", domain: yDomain, label: `↑ ${y.title}`, ticks: yTicks, tickFormat: number, grid: false},
+      ...base(width, Math.max(260, Math.min(460, 0.75 * width))), ...across(x, domain(x, columns, xEdges), width, marginLeft),
+      y: {type: y.log ? "log" : "linear", domain: yDomain, label: fitting(`↑ ${y.title}`, width), ticks: yTicks, tickFormat: yWords, grid: false},
       marks: [...marks, tip(points, {maxRadius: 200})],
     });
     const valid = known.filter((p) => p.valid).length;
@@ -435,7 +458,8 @@
       source === fem ? "" : `It calls itself valid in ${valid} of ${known.length} points${
         valid === 0 || valid === known.length ? "" : cells ? ": the dashed line parts them from the others" : "; the others are faint"}.`,
       known.length < points.length ? `${points.length - known.length} without an answer are ${cells ? "empty" : "small and grey"}.` : "",
-      cells && limits.length && across.length > 3 && up.length > 3 ? "White lines: the values marked on the scale." : "",
+      withoutText(),
+      cells && limits.length && columns.length > 3 && lines.length > 3 ? "White lines: the values marked on the scale." : "",
     ]);
     state.marks = known.length;
     const bandWords = ["below 1 %", "1 to 5 %", "5 to 10 %", "10 to 25 %", "above 25 %"];
@@ -493,7 +517,7 @@
     return element("label", {}, label, select);
   }
   function slider(v, all) {
-    const words = () => (state.level.get(v.key) < 0 ? "all" : `${number(v.levels[state.level.get(v.key)])} ${v.unit}`);
+    const words = () => (state.level.get(v.key) < 0 ? "all" : `${v.words(v.levels[state.level.get(v.key)])} ${v.unit}`);
     const output = element("output", {textContent: words()});
     const input = element("input", {
       type: "range", min: all ? -1 : 0, max: v.levels.length - 1, step: 1,

@@ -224,6 +224,19 @@ Json sweep_of_zipped_keys() {
   return sweep.finished();
 }
 
+Json sweep_of_awkward_keys() {
+  const char* radius = "geometry.object.a_name_that_is_longer_than_a_phone_is_wide.radii_mm[0]";
+  const std::vector<double> ratios{0.49999, 0.499995, 0.499999}, radii_mm{-100, 20, 50};
+  SampleSweep sweep("awkward_" + std::string(60, 'x'),
+                    {{"layer.poisson_ratio", ratios, true}, {radius, radii_mm, true}}, {0.001, 1e5},
+                    3, true);
+  for (const double ratio : ratios)
+    for (const double radius_mm : {-100., 20., 50., double(INFINITY)})
+      sweep.add({ratio, radius_mm});
+  // As JSON has it: no infinity.
+  return Json::parse(sweep.finished().dump());
+}
+
 Json sweep_at_random() {
   SampleSweep sweep("at_random",
                     {{"layer.thickness_mm", {0.5, 5}, true},

@@ -23,6 +23,9 @@ nlohmann::json sweep_of_three_keys();
 /// Two keys that change together.
 nlohmann::json sweep_of_zipped_keys();
 
+/// Names longer than a phone is wide, values that differ in the sixth digit, an infinite radius.
+nlohmann::json sweep_of_awkward_keys();
+
 /// Four keys drawn at random: 20,000 rows of a million, eight models.
 nlohmann::json sweep_at_random();
 

@@ -111,8 +111,8 @@ int main(int argc, char** argv) try {
        {std::pair{"one_key", sweep_of_one_key()}, std::pair{"with_fem", sweep_with_fem()},
         std::pair{"one_key_fem", sweep_of_one_key_with_fem()},
         std::pair{"three_keys", sweep_of_three_keys()}, std::pair{"zipped", sweep_of_zipped_keys()},
-        std::pair{"random", sweep_at_random()}, std::pair{"one_row", sweep_of_one_row()},
-        std::pair{"nothing", sweep_without_answers()}}) {
+        std::pair{"awkward", sweep_of_awkward_keys()}, std::pair{"random", sweep_at_random()},
+        std::pair{"one_row", sweep_of_one_row()}, std::pair{"nothing", sweep_without_answers()}}) {
     const std::string page = softfinger::comparisons::render_sweep(sweep);
     write_page(folder + "/" + name + ".html", page);
     write_page(folder + "/" + name + "_desktop.html", framed_page(page, 1280, 900, kReader));
