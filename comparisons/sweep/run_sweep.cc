@@ -163,6 +163,7 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"fem", plan.sweep.fem()},
                {"loads_N", base.loads_N},
                {"points", plan.sweep.points()},
+               {"friction_coefficient", base.friction_coefficient},
                {"all_rows", plan.sweep.rows()},
                {"failed", failed},
                {"sweep_toml", plan.text},
