@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "comparisons/case_table.h"
 #include "comparisons/files.h"
@@ -15,6 +16,8 @@
 namespace softfinger {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::size_t kMostLoads = 1000, kMostSublayers = 100, kMostMeasuredRadii = 1000;
 
 double checked_radius(const TomlReader& reader, const toml::node& node, const std::string& field,
                       double radius_mm) {
@@ -155,10 +158,11 @@ std::vector<std::string> with_material_keys(std::vector<std::string> keys) {
 }
 
 /// The tables of [[layer]], or none where there is only one layer.
-std::vector<const toml::table*> sublayer_tables(const toml::table& root) {
+std::vector<const toml::table*> sublayer_tables(const TomlReader& reader, const toml::table& root) {
   std::vector<const toml::table*> tables;
   const toml::array* list = root["layer"].as_array();
   if (!list || !list->is_array_of_tables()) return {};
+  reader.list(*list, "[[layer]]", kMostSublayers, "tables");
   for (const toml::node& entry : *list) tables.push_back(entry.as_table());
   return tables;
 }
@@ -173,7 +177,7 @@ void read_sublayers(const TomlReader& reader, const std::vector<const toml::tabl
         with_material_keys({"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"}));
     Sublayer sublayer;
     if (const toml::node* name = table->get("name")) {
-      sublayer.name = reader.text(*name, "name");
+      sublayer.name = reader.name(*name, "name");
       for (const Sublayer& other : result.sublayers)
         if (other.name == sublayer.name) reader.refuse(*name, "name", "each name once");
     }
@@ -191,7 +195,7 @@ void read_sublayers(const TomlReader& reader, const std::vector<const toml::tabl
 void read_layers(const TomlReader& reader, const toml::table& root, Case& result) {
   const toml::node* on_object = root.get("object_layer");
   result.layer_on_object = on_object && !root.contains("layer");
-  if (const auto tables = sublayer_tables(root); !tables.empty()) {
+  if (const auto tables = sublayer_tables(reader, root); !tables.empty()) {
     read_sublayers(reader, tables, result);
   } else if (!result.layer_on_object) {
     const toml::table& table = reader.required_table(root, "layer");
@@ -230,10 +234,8 @@ void read_power_law(const TomlReader& reader, const toml::node& node, Case& resu
                                " is fitted when [power_law] has data: give one of "
                                "the two");
     const std::string allowed = "a list of measured [load_N, radius_mm], all > 0";
-    const toml::array* rows = data->as_array();
-    if (!rows) reader.refuse(*data, "data", allowed);
     std::vector<LoadAndRadius> points;
-    for (const toml::node& row : *rows) {
+    for (const toml::node& row : reader.list(*data, "data", kMostMeasuredRadii, allowed)) {
       const auto pair = reader.numbers(row, "data", 2, allowed);
       points.push_back({pair[0], pair[1] * kMillimetre});
       if (!(points.back().load_N > 0 && points.back().radius_m > 0))
@@ -261,12 +263,14 @@ void read_power_law(const TomlReader& reader, const toml::node& node, Case& resu
 void read_contact(const TomlReader& reader, const toml::table& table, Case& result) {
   reader.check_keys(table, "[contact]", {"load_N", "friction_coefficient"});
   const toml::node& load = reader.required(table, "[contact]", "load_N");
-  if (const toml::array* list = load.as_array()) {
-    if (list->empty()) reader.refuse(load, "load_N", "a number > 0 or a list of them");
-    for (const toml::node& entry : *list) {
+  if (load.is_array()) {
+    const std::string allowed = "a number > 0 or a list of them";
+    const toml::array& list = reader.list(load, "load_N", kMostLoads, allowed);
+    if (list.empty()) reader.refuse(load, "load_N", allowed);
+    std::set<double> known;
+    for (const toml::node& entry : list) {
       const double load_N = reader.positive(entry, "load_N", 1);
-      if (std::count(result.loads_N.begin(), result.loads_N.end(), load_N))
-        reader.refuse(entry, "load_N", "each load once");
+      if (!known.insert(load_N).second) reader.refuse(entry, "load_N", "each load once");
       result.loads_N.push_back(load_N);
     }
   } else {
@@ -280,11 +284,8 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
   if (!node.is_table()) reader.refuse(node, "fem", "a table");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics", "mesh", "mesh_unit"});
-  if (const toml::node* level = table.get("level")) {
-    const auto value = level->is_integer() ? level->value<std::int64_t>().value() : 0;
-    if (value < 1 || value > 3) reader.refuse(*level, "level", "1, 2 or 3");
-    result.fem_level = static_cast<int>(value);
-  }
+  if (const toml::node* level = table.get("level"))
+    result.fem_level = reader.integer(*level, "level", 1, 3, "1, 2 or 3");
   if (const toml::node* geometry = table.get("geometry"))
     if (reader.choice(*geometry, "geometry", {"flat", "curved"}) == "curved") {
       if (!std::holds_alternative<BodyPair>(result.geometry))
@@ -341,7 +342,7 @@ FiniteStrain read_material(const TomlReader& reader, const toml::table& table, c
 }
 
 void read_materials(const TomlReader& reader, const toml::table& root, Case& result) {
-  const auto tables = sublayer_tables(root);
+  const auto tables = sublayer_tables(reader, root);
   for (std::size_t i = 0; i < tables.size(); ++i) {
     result.sublayers[i].material =
         read_material(reader, *tables[i], "[[layer]]", result.fem_finite.has_value());
@@ -398,6 +399,8 @@ Case parse_case(const std::string& text, const fs::path& file) {
   return case_of(parse_toml(text, file.string()), text, file);
 }
 
-Case read_case(const fs::path& file) { return parse_case(read_text_file(file), file); }
+Case read_case(const fs::path& file) {
+  return parse_case(read_text_file(file, kLargestTomlFile), file);
+}
 
 }  // namespace softfinger

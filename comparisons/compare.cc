@@ -16,6 +16,7 @@
 
 #include "comparisons/atlas/atlas_overview.h"
 #include "comparisons/case.h"
+#include "comparisons/csv.h"
 #include "comparisons/fem_jobs.h"
 #include "comparisons/fem_process.h"
 #include "comparisons/files.h"
@@ -307,11 +308,11 @@ std::string results_csv(const json& report) {
     for (const json& load : entry["loads"]) {
       const auto row = [&](const json& values, const std::string& valid, const json& relative,
                            const json& stated) {
-        csv += entry["id"].get<std::string>() + cell(load, "load_N") +
+        csv += csv_cell(entry["id"].get<std::string>()) + cell(load, "load_N") +
                cell(entry["layer"], "thickness_m") + cell(entry["layer"], "youngs_modulus_Pa") +
                cell(entry["layer"], "poisson_ratio") + cell(entry, "friction_coefficient");
         for (const json& radius : load["geometry"]["radii_m"]) csv += "," + radius.dump();
-        csv += "," + values["model"].get<std::string>() + "," + valid;
+        csv += "," + csv_cell(values["model"].get<std::string>()) + "," + valid;
         for (const char* key : kNumbers) csv += cell(values, key);
         csv += cell(values, "max_torque_paper_Nm");
         for (const char* key : kErrors) csv += cell(relative, key);
@@ -443,7 +444,7 @@ int compare(const CompareOptions& options) {
         "b, "
         "1 % in indentation and torque).\n";
   answer += fmt::format("Report: {}\n", fs::absolute(options.output / "report.html").string());
-  write_to_stdout(answer);
+  write_text_to_stdout(answer);
   return all_trusted ? 0 : 1;
 }
 

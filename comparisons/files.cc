@@ -13,6 +13,7 @@
 #include <cstring>
 
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace softfinger {
 namespace fs = std::filesystem;
@@ -76,9 +77,15 @@ std::string description_of_this_process() {
 
 }  // namespace
 
-std::string read_text_file(const fs::path& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
+  // Opening a pipe waits for someone to write into it, and a device may have no end.
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (file < 0) refuse(path.string(), "cannot be read", errno);
+  struct stat status {};
+  if (fstat(file, &status) != 0 || !(S_ISREG(status.st_mode) || S_ISDIR(status.st_mode))) {
+    close(file);
+    throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
+  }
   std::string content;
   char buffer[1 << 16];
   for (;;) {
@@ -90,6 +97,11 @@ std::string read_text_file(const fs::path& path) {
       refuse(path.string(), "cannot be read", error);
     }
     if (count == 0) break;
+    if (static_cast<std::size_t>(count) > most_bytes - content.size()) {
+      close(file);
+      throw InputError(path.string(), "size of the file", "",
+                       "at most " + std::to_string(most_bytes >> 20) + " MiB");
+    }
     content.append(buffer, static_cast<std::size_t>(count));
   }
   close(file);
@@ -175,5 +187,7 @@ void write_to_stdout(const std::string& text) {
   const int error = write_all(STDOUT_FILENO, text);
   if (error) refuse("standard output", "cannot be written", error);
 }
+
+void write_text_to_stdout(const std::string& text) { write_to_stdout(visible_text(text)); }
 
 }  // namespace softfinger

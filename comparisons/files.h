@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -10,8 +11,10 @@
 namespace softfinger {
 
 /// The whole content of a file.
+/// @param most_bytes  more are refused, and not read: no file of a user fills the memory
 /// @throws InputError naming the file and the system's reason.
-std::string read_text_file(const std::filesystem::path& path);
+std::string read_text_file(const std::filesystem::path& path,
+                           std::size_t most_bytes = std::string::npos);
 
 /// Writes to a temporary name in the same folder, syncs, closes, renames: a reader sees the old
 /// content or the new one, also after a power cut.
@@ -43,5 +46,9 @@ class OutputFolder {
 
 /// @throws InputError when standard output cannot take the text (a full disk behind a redirection).
 void write_to_stdout(const std::string& text);
+
+/// The same for text that people read, not programs: names and paths in it cannot command their
+/// terminal (visible_text).
+void write_text_to_stdout(const std::string& text);
 
 }  // namespace softfinger

@@ -73,6 +73,22 @@ std::string tolerated(const meshes::SurfaceFile& file) {
   return text;
 }
 
+std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit) {
+  constexpr double kSmallest_m = 0.5e-3, kLargest_m = 1;
+  const auto plausible = [&](double size_m) {
+    return size_m >= kSmallest_m && size_m <= kLargest_m;
+  };
+  if (plausible(file.size_m)) return "";
+  const bool in_metres = metres_per_unit == 1;
+  const char *const taken = in_metres ? "m" : "mm", *const other = in_metres ? "mm" : "m";
+  const double other_size_m = file.size_m / metres_per_unit * (in_metres ? 1e-3 : 1);
+  std::string text =
+      fmt::format("the surface is {:.3g} mm across, read in {}", file.size_m * 1e3, taken);
+  if (!plausible(other_size_m)) return text + ": is the unit right?";
+  return text +
+         fmt::format("; in {0} it would be {1:.3g} mm: unit = \"{0}\"?", other, other_size_m * 1e3);
+}
+
 void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                               const std::string& where, const std::string& field) {
   constexpr double kFarthest = 0.05;
@@ -105,8 +121,8 @@ GeometryResolver::GeometryResolver(const Case& contact_case, const GeometryResol
                        "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
                        "does not exist");
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
-    const std::string note = tolerated(file);
-    if (!note.empty()) remarks_.push_back(mesh->path.string() + ": " + note);
+    for (const std::string& text : {tolerated(file), unit_doubt(file, mesh->metres_per_unit)})
+      if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
     surfaces_.emplace(surface_key(*mesh),
                       std::make_shared<const TriangleSurface>(std::move(file.surface)));
   }

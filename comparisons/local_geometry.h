@@ -42,7 +42,7 @@ class GeometryResolver {
   /// The triangles of one of the case's mesh bodies, metres.
   const TriangleSurface& surface(const MeshBody& mesh) const;
 
-  /// What had to be tolerated in the meshes, one line each.
+  /// What had to be tolerated in the meshes, and what is doubtful about them, one line each.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
@@ -56,6 +56,11 @@ class GeometryResolver {
 /// "3 degenerate and 1 duplicate triangles were left out", "all triangles were turned round", or
 /// empty.
 std::string tolerated(const meshes::SurfaceFile& file);
+
+/// "the surface is 0.02 mm across, read in mm; in m it would be 20 mm: unit = "m"?" for one smaller
+/// than half a millimetre or larger than a metre, else empty. Nothing else tells that the unit was
+/// mistaken: all lengths come out wrong alike.
+std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit);
 
 /// A contact point that floats beside the surface, or lies deep inside the body, is a mistake in
 /// the point or the unit: a region wide enough to reach the surface from there would say nothing.

@@ -13,16 +13,14 @@
 #include "comparisons/nearest_name.h"
 #include "comparisons/program_paths.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace {
 
 enum ExitStatus { kDone = 0, kBadInput = 2, kNotConverged = 3 };
 
 int fail(const std::string& message, ExitStatus status) {
-  std::string line = message;
-  for (char& letter : line)
-    if (letter == '\n' || letter == '\r') letter = ' ';
-  softfinger::commands::remark("error: " + line);
+  softfinger::commands::remark("error: " + message);
   return status;
 }
 
@@ -116,7 +114,10 @@ int fail_without_memory() {
 }  // namespace
 
 void softfinger::commands::remark(const std::string& line) {
-  std::fputs(("softfinger: " + line + "\n").c_str(), stderr);
+  std::string text = "softfinger: " + line;
+  for (char& letter : text)
+    if (letter == '\n' || letter == '\r') letter = ' ';
+  std::fputs((visible_text(text) + "\n").c_str(), stderr);
 }
 
 int main(int argc, char** argv) {

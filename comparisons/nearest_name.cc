@@ -24,10 +24,19 @@ int edit_distance(std::string_view one, std::string_view other) {
 }
 
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates) {
+  constexpr std::size_t kLongestName = 200;
+  typed = typed.substr(0, kLongestName);
   return *std::min_element(candidates.begin(), candidates.end(),
                            [&](const std::string& one, const std::string& other) {
                              return edit_distance(typed, one) < edit_distance(typed, other);
                            });
+}
+
+std::string shortened(std::string_view text, std::size_t most_bytes) {
+  if (text.size() <= most_bytes) return std::string(text);
+  std::size_t end = most_bytes - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+  return std::string(text.substr(0, end)) + "...";
 }
 
 std::string joined(const std::vector<std::string>& words, std::string_view separator) {

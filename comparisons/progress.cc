@@ -5,6 +5,8 @@
 
 #include <cstdio>
 
+#include "softfinger/input/visible_text.h"
+
 namespace softfinger {
 
 Progress::Progress() : terminal_(isatty(STDERR_FILENO) == 1) {}
@@ -18,11 +20,12 @@ void Progress::clear() {
 
 void Progress::say(const std::string& line) {
   clear();
-  std::fputs((line + "\n").c_str(), stderr);
+  std::fputs((visible_text(line) + "\n").c_str(), stderr);
 }
 
-void Progress::show(const std::string& line) {
+void Progress::show(const std::string& typed_line) {
   if (!terminal_) return;
+  const std::string line = visible_text(typed_line);
   winsize size = {};
   const std::size_t columns =
       ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79u;

@@ -13,13 +13,20 @@
 /// Internal to the readers of case and scene files: the only headers that know TOML.
 namespace softfinger {
 
+/// What a file may hold; each message that refuses more states the limit.
+constexpr std::size_t kLargestTomlFile = 16 << 20;  ///< bytes
+constexpr int kDeepestNesting = 16;                 ///< brackets in brackets, parts of a dotted key
+constexpr std::size_t kLongestText = 4096;          ///< bytes: a question, a path
+constexpr std::size_t kLongestName = 100;           ///< bytes: of a body, a joint, a layer
+
 constexpr double kMillimetre = 1e-3;
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-/// @throws InputError with the line and the parser's reason.
+/// @throws InputError with the line and the parser's reason, also for tables that are nested too
+/// deeply.
 toml::table parse_toml(const std::string& text, const std::string& file);
 
-/// A value as the user wrote it, on one line.
+/// A value as the user wrote it, on one line, the beginning of a long one.
 std::string as_typed(const toml::node& node);
 
 /// Reads values out of the tables and says precisely where one is wrong.
@@ -37,13 +44,24 @@ class TomlReader {
                              std::string_view key) const;
   const toml::table& required_table(const toml::table& parent, std::string_view key) const;
 
-  /// Any number, NaN excepted; infinity only where it means something.
+  /// The node as a list of at most `most` entries. @param allowed  what it should be, for messages
+  const toml::array& list(const toml::node& node, const std::string& field, std::size_t most,
+                          const std::string& allowed) const;
+  /// A whole number of the range.
+  int integer(const toml::node& node, const std::string& field, int least, int largest,
+              const std::string& allowed) const;
+  bool boolean(const toml::node& node, const std::string& field,
+               const std::string& allowed = "true or false") const;
+  /// Any number, NaN excepted; infinity only where it means something. Whole numbers up to 2^53,
+  /// which are exact.
   double number(const toml::node& node, const std::string& field, const std::string& allowed,
                 bool infinity_allowed = false) const;
   /// A number > 0, in SI. Checked after scaling, where a denormal may have become 0 or a huge value
   /// infinite.
   double positive(const toml::node& node, const std::string& field, double si_per_unit) const;
   std::string text(const toml::node& node, const std::string& field) const;
+  /// What a thing is called: not empty, short, without control characters.
+  std::string name(const toml::node& node, const std::string& field) const;
   std::string choice(const toml::node& node, const std::string& field,
                      const std::vector<std::string>& choices) const;
   std::vector<double> numbers(const toml::node& node, const std::string& field, std::size_t count,

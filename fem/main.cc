@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <new>
@@ -21,7 +20,9 @@
 #include "fem/result_json.h"
 #include "meshes/generation/layer_mesh.h"
 #include "meshes/io/read_surface.h"
+#include "meshes/io/whole_file.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace {
 
@@ -33,17 +34,15 @@ namespace meshes = softfinger::meshes;
 constexpr std::size_t kLargestInput = 64 << 20;
 
 std::string read(const std::string& path) {
-  std::ifstream file;
-  if (path != "-") file.open(path);
-  if (path != "-" && !file.is_open())
-    throw softfinger::InputError(path, "problem", "", "a file that can be read");
-  std::istream& input = path == "-" ? std::cin : file;
+  if (path != "-")
+    return meshes::read_whole_file(path, "problem", "a file that can be read", kLargestInput);
   std::string text;
   char part[1 << 16];
-  while (input.read(part, sizeof part), input.gcount() > 0) {
-    text.append(part, static_cast<std::size_t>(input.gcount()));
+  while (std::cin.read(part, sizeof part), std::cin.gcount() > 0) {
+    text.append(part, static_cast<std::size_t>(std::cin.gcount()));
     if (text.size() > kLargestInput)
-      throw softfinger::InputError(path, "problem", "larger than 64 MB", "at most 64 MB");
+      throw softfinger::InputError("standard input", "problem", "larger than 64 MB",
+                                   "at most 64 MB");
   }
   return text;
 }
@@ -162,7 +161,7 @@ int main(int argument_count, char** arguments) {
     }
   });
   if (!failure) return exit_status;
-  std::cerr << "softfinger-fem: " << failure->message << std::endl;
+  std::cerr << "softfinger-fem: " << softfinger::visible_text(failure->message) << std::endl;
   // Where memory is short a thread of OpenBLAS may ask for it in an endless loop: an ordinary exit
   // would wait for that thread.
   std::_Exit(failure->exit_status);

@@ -6,8 +6,8 @@
 
 namespace softfinger::fem {
 
-/// Writes a file completely or not at all: beside it under a name of this process's own, then
-/// renamed. Folders on the way are made.
+/// Writes a file completely or not at all (see meshes::write_whole_file). Folders on the way are
+/// made.
 /// @param kind  what it is, for the message
 /// @throws InputError when it cannot be written
 void write_file(const std::string& path, const char* kind,

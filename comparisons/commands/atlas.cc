@@ -77,7 +77,7 @@ int run(const Options& options) {
   if (signal != 0) return 128 + signal;
   if (!atlas) return 1;
   if (!options.output.empty()) write_file_atomically(options.output, to_csv(*atlas));
-  if (options.random > 0) write_to_stdout(judge_bounds(*atlas));
+  if (options.random > 0) write_text_to_stdout(judge_bounds(*atlas));
   return 0;
 }
 

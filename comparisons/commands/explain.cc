@@ -26,7 +26,7 @@ void add_explain(CLI::App& app, Action& action) {
     action = [name] {
       for (const MaterialCard& card : material_cards())
         if (card.name == *name) {
-          write_to_stdout(fmt::format(
+          write_text_to_stdout(fmt::format(
               "{}: {}\n\nEnergy:     {}\nParameters: {}\nSource:     {}\nValidity:   {}\n"
               "In a case:  [layer] material = \"{}\", [fem] kinematics = \"finite\"\n",
               card.name, card.title, card.energy, card.parameters, card.source, card.validity,
@@ -42,7 +42,7 @@ void add_explain(CLI::App& app, Action& action) {
             text.empty() ? "" : "\n", card.name, card.title, card.assumptions, card.equations,
             card.source, card.validity, card.cost);
       }
-      write_to_stdout(text);
+      write_text_to_stdout(text);
       return 0;
     };
   });

@@ -181,8 +181,10 @@ int run(const Options& options) {
                          point.load_N, point.objection));
       break;
     }
-  write_to_stdout(options.json ? to_json(made, options.fit).dump(2) + "\n"
-                               : describe(contact_case) + "\n" + to_text(made));
+  if (options.json)
+    write_to_stdout(to_json(made, options.fit).dump(2) + "\n");
+  else
+    write_text_to_stdout(describe(contact_case) + "\n" + to_text(made));
   return 0;
 }
 

@@ -39,7 +39,10 @@ int run(const Options& options) {
                           {folder / "extremes.html", comparisons::render_extremes(report)}});
     remark("the page is " + (folder / "extremes.html").string());
   }
-  write_to_stdout(options.json ? text : extremes::table(report));
+  if (options.json)
+    write_to_stdout(text);
+  else
+    write_text_to_stdout(extremes::table(report));
   return extremes::kept_all_promises(report) ? 0 : 1;
 }
 

@@ -214,7 +214,7 @@ int run(const Options& options) {
     write_to_stdout(nlohmann::json({{"case", contact_case.id}, {"results", results}}).dump(2) +
                     "\n");
   else
-    write_to_stdout(text);
+    write_text_to_stdout(text);
   return interrupted != 0 ? 128 + interrupted : failed_status;
 }
 

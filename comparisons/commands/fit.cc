@@ -85,8 +85,8 @@ int run(const Options& options) {
 
   const auto path = find_mesh_file(options.mesh, "");
   const auto file = meshes::read_surface(path.string(), metres_per_unit);
-  const std::string note = tolerated(file);
-  if (!note.empty()) remark(path.string() + ": " + note);
+  for (const std::string& note : {tolerated(file), unit_doubt(file, metres_per_unit)})
+    if (!note.empty()) remark(path.string() + ": " + note);
   require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
   const QuadricFit fit = [&] {
@@ -124,7 +124,7 @@ int run(const Options& options) {
     return 0;
   }
   const auto& principal = fit.principal;
-  write_to_stdout(fmt::format(
+  write_text_to_stdout(fmt::format(
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "principal radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
       "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}\n"

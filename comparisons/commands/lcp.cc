@@ -93,7 +93,13 @@ int run(const Options& options) {
     if (options.friction == "ellipsoid") problem.friction_rule = FrictionRule::ellipsoid;
     const Solved solved = solve(problem);
     const LcpResult& result = solved.result;
-    limit |= result.status == LcpStatus::iteration_limit;
+    if (result.status == LcpStatus::iteration_limit) {
+      limit = true;
+      remark(
+          fmt::format("error: {}: not solved within the iteration limit; hint: look for masses, "
+                      "arms or velocities that are too large or too small by powers of ten",
+                      file));
+    }
     if (options.json) {
       results.push_back(to_json(file, solved));
       continue;
@@ -108,9 +114,9 @@ int run(const Options& options) {
                         2, ' ', false, nlohmann::json::error_handler_t::replace) +
                     "\n");
   else
-    write_to_stdout(fmt::format("{:<10}  {:>8}  {:>6}  {:>9}  {}\n", "status", "residual", "pivots",
-                                "us", "file") +
-                    table);
+    write_text_to_stdout(fmt::format("{:<10}  {:>8}  {:>6}  {:>9}  {}\n", "status", "residual",
+                                     "pivots", "us", "file") +
+                         table);
   return limit ? 3 : 0;
 }
 
@@ -124,7 +130,9 @@ void add_lcp(CLI::App& app, Action& action) {
                          "An infeasible problem is an answer (status \"infeasible\", exit status "
                          "0); exit status 3 when "
                          "a problem could not be solved within the iteration limit");
-  command->add_option("FILE", options->files, "recorded problems (softlcp 1), SI units")
+  command
+      ->add_option("FILE", options->files,
+                   "recorded problems (softlcp 1), SI units; at most 1000 contacts and 64 MiB each")
       ->required();
   command->add_option("--solver", options->solver, "\"lemke\" (default)")
       ->check(CLI::IsMember({"lemke"}));

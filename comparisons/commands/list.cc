@@ -35,7 +35,7 @@ std::vector<Entry> entries(const std::string& kind) {
       found.push_back({file.stem().string(), simulation::read_scene(file).question});
   if (kind == "sweeps")
     for (const auto& file : builtin_sweep_files())
-      found.push_back({file.stem().string(), Sweep(read_text_file(file), file).base().question});
+      found.push_back({file.stem().string(), Sweep(read_sweep_text(file), file).base().question});
   return found;
 }
 
@@ -68,7 +68,7 @@ void add_list(CLI::App& app, Action& action) {
         std::string text;
         for (const Entry& entry : found)
           text += fmt::format("{:<28} {}\n", entry.name, entry.title);
-        write_to_stdout(text);
+        write_text_to_stdout(text);
       }
       if (found.empty()) remark("this version has no " + options->kind);
       return 0;

@@ -40,6 +40,15 @@ std::vector<const PressureModel*> chosen_models(const Options& options) {
   return models;
 }
 
+/// Points of all loads and models stay below a gigabyte of text.
+void check_limit_surface(const Options& options, std::size_t answers) {
+  constexpr std::size_t kMostPoints = 1000000;
+  if (answers * std::size_t(options.limit_surface) > kMostPoints)
+    throw InputError("command line", "--limit-surface", std::to_string(options.limit_surface),
+                     fmt::format("at most {} points for {} answers (loads times models)",
+                                 kMostPoints / answers, answers));
+}
+
 /// What the error atlas says of an answer.
 void estimate(const Case& contact_case, TorqueRule rule, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || answer.sampled) return;
@@ -54,6 +63,7 @@ void estimate(const Case& contact_case, TorqueRule rule, ModelAnswer& answer) {
 int run(const Options& options) {
   const auto models = chosen_models(options);
   const Case contact_case = read_case(find_case_file(options.case_file));
+  check_limit_surface(options, models.size() * contact_case.loads_N.size());
   const GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   const TorqueRule rule = options.torque_rule == "paper" ? TorqueRule::paper : TorqueRule::exact;
@@ -115,7 +125,7 @@ int run(const Options& options) {
                               point["fy_N"].get<double>(), point["torque_Nm"].get<double>() * 1e3);
       }
     }
-    write_to_stdout(text);
+    write_text_to_stdout(text);
   }
   return 0;
 }
@@ -139,10 +149,12 @@ void add_predict(CLI::App& app, Action& action) {
           "circle of radius sqrt(ab)")
       ->check(CLI::IsMember({"exact", "paper"}));
   command
-      ->add_option("--limit-surface", options->limit_surface,
-                   "also N points all over the limit surface (forces in N along the contact's "
-                   "axes, torque in "
-                   "N m): exact, or with --torque-rule paper the seed's ellipsoid; 2 to 100000")
+      ->add_option(
+          "--limit-surface", options->limit_surface,
+          "also N points all over the limit surface (forces in N along the contact's "
+          "axes, torque in "
+          "N m): exact, or with --torque-rule paper the seed's ellipsoid; 2 to 100000, and at "
+          "most a million for all loads and models together")
       ->check(CLI::Range(2, 100000));
   command
       ->add_option("--gap", options->gap,
@@ -158,6 +170,7 @@ void add_predict(CLI::App& app, Action& action) {
       "    without [layer]: a rigid finger on it\n"
       "  [power_law] radius_coefficient_mm, radius_exponent, pressure_exponent (default 2), or\n"
       "    data = [[load_N, radius_mm], ...] to fit the first two: for the model power_law\n"
+      "A case has at most 1000 loads, 100 sublayers, 1000 measured radii and 16 MiB.\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"

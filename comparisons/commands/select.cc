@@ -101,9 +101,9 @@ int run_scene(const std::filesystem::path& file, const Options& options) {
   if (options.json)
     write_to_stdout(to_json(choice, options.selection.tolerance).dump(2) + "\n");
   else
-    write_to_stdout(fmt::format("{}: what its soft contacts need for {}\n", choice.scene.id,
-                                percent(options.selection.tolerance)) +
-                    table(choice, options.selection.tolerance));
+    write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n", choice.scene.id,
+                                     percent(options.selection.tolerance)) +
+                         table(choice, options.selection.tolerance));
   return 0;
 }
 
@@ -146,7 +146,10 @@ int run(Options options) {
                           {folder / "select.html", comparisons::render_selection(report)}});
     remark("the page is " + (folder / "select.html").string());
   }
-  write_to_stdout(options.json ? result.dump(2) + "\n" : text);
+  if (options.json)
+    write_to_stdout(result.dump(2) + "\n");
+  else
+    write_text_to_stdout(text);
   return 0;
 }
 

@@ -47,7 +47,7 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
     action = [options, command_line] {
       require_single_process("softfinger-sweep SWEEP.toml --output DIR");
       const auto file = find_sweep_file(options->file);
-      const SweepPlan plan(read_text_file(file), file, options->output, options->fem_limits);
+      const SweepPlan plan(read_sweep_text(file), file, options->output, options->fem_limits);
       LocalWorkers workers(options->jobs);
       return run_sweep(plan, workers, command_line);
     };

@@ -17,6 +17,7 @@
 #include "comparisons/program_paths.h"
 #include "comparisons/sweep/run_sweep.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace softfinger {
 namespace {
@@ -36,7 +37,7 @@ struct Options {
 constexpr std::size_t kPointsPerTask = 10000;
 
 void say(const std::string& line) {
-  std::fputs(("softfinger-sweep: " + line + "\n").c_str(), stderr);
+  std::fputs(("softfinger-sweep: " + visible_text(line) + "\n").c_str(), stderr);
 }
 
 /// Runs on any rank, on any thread; a rank that cannot go on ends the run.
@@ -132,7 +133,7 @@ class RankWorkers : public SweepWorkers {
 
 int sweep_on_ranks(const Options& options, int rank) {
   const fs::path file = find_sweep_file(options.sweep);
-  const std::string text = text_of_rank_0(rank == 0 ? read_text_file(file) : "");
+  const std::string text = text_of_rank_0(rank == 0 ? read_sweep_text(file) : "");
   const SweepPlan plan(text, file, options.output, options.fem_limits);
   const RankTask work = [&](long task) {
     return or_end_all([&] {

@@ -298,6 +298,7 @@ const Charts = (() => {
   const DEPENDENT = {speed: true, validity: true, decades: true};
 
   // `cases` belong to the page's [data-case] sections, in this order.
+  // Returns what draws all figures anew, for pages with choices of their own.
   function start(drawers, cases) {
     const all = {...shared, ...drawers};
     const sections = [...document.querySelectorAll("[data-case]")];
@@ -403,6 +404,7 @@ const Charts = (() => {
         page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
       });
     }).observe(document.body);
+    return () => figures.forEach((figure) => figure.width && draw(figure, figure.width));
   }
 
   return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, plot, tip, legend, stacked, start};

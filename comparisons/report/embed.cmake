@@ -1,5 +1,6 @@
 # cmake -DINPUTS=name=file,... -DLICENCES=folder -DOUTPUT=file.cc -P embed.cmake
-# Writes text files into a C++ source as raw string literals: portable, and quick to compile.
+# Writes text files into a C++ source as raw string literals: portable, and quick to compile. Scripts
+# (NAME_js) come with their hash.
 set(source "#include \"embedded.h\"\n\nnamespace softfinger::comparisons::embedded {\n")
 string(REPLACE "," ";" inputs "${INPUTS}")
 
@@ -8,8 +9,15 @@ function(append_text name content)
   if(NOT clash EQUAL -1)
     message(FATAL_ERROR "${name} contains the delimiter of the raw string")
   endif()
-  set(source "${source}const std::string_view ${name} = R\"~embedded~(${content})~embedded~\";\n"
-      PARENT_SCOPE)
+  set(text "R\"~embedded~(${content})~embedded~\"")
+  if(name MATCHES "_js$")
+    string(SHA256 hash "${content}")
+    string(REGEX REPLACE "(..)" "\\\\x\\1" bytes "${hash}")
+    set(declaration "const Script ${name} = {${text}, {\"${bytes}\", 32}};\n")
+  else()
+    set(declaration "const std::string_view ${name} = ${text};\n")
+  endif()
+  set(source "${source}${declaration}" PARENT_SCOPE)
 endfunction()
 
 foreach(input IN LISTS inputs)

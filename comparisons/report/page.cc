@@ -1,16 +1,25 @@
 #include "page.h"
 
-#include "embedded.h"
+#include "comparisons/simulation/base64.h"
 #include "html.h"
 
 namespace softfinger::comparisons {
 
 std::string render_page(const Page& page) {
-  std::string styles, scripts;
+  std::string styles, scripts, hashes;
   for (const std::string_view style : page.styles) styles.append(style) += "\n";
-  for (const std::string_view script : page.scripts)
-    scripts.append("<script>").append(script) += "</script>\n";
+  const auto element = [&hashes](const embedded::Script& script) {
+    hashes += " 'sha256-" + simulation::base64(script.sha256) + "'";
+    return std::string("<script>").append(script.text) + "</script>\n";
+  };
+  const std::string first_script = element(embedded::page_js);
+  for (const embedded::Script& script : page.scripts) scripts += element(script);
+  // Charts set styles on their elements.
+  const std::string policy = "default-src 'none'; script-src" + hashes +
+                             "; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
   return filled(embedded::page_html, {{"title", page.title},
+                                      {"policy", policy},
+                                      {"first_script", first_script},
                                       {"css", styles},
                                       {"body", page.body},
                                       {"data", page.data},

@@ -4,16 +4,20 @@
 #include <string_view>
 #include <vector>
 
+#include "comparisons/report/embedded.h"
+
 namespace softfinger::comparisons {
 
 /// What fills the skeleton page.html that all pages share. Everything is taken as it is: texts must
-/// have been escaped, `data` come from `script_json`.
+/// have been escaped, `data` come from `script_json`. Should a text have slipped through, the
+/// page's policy (Content-Security-Policy) lets nothing run but `scripts`, which it knows by their
+/// hashes, and nothing be loaded from anywhere.
 struct Page {
   std::string title;
   std::vector<std::string_view> styles;
   std::string body;
   std::string data;  ///< for the scripts: document.getElementById("data")
-  std::vector<std::string_view> scripts;
+  std::vector<embedded::Script> scripts;
 };
 std::string render_page(const Page& page);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "comparisons/files.h"
 #include "comparisons/nearest_name.h"
@@ -19,6 +20,14 @@ namespace softfinger::simulation {
 namespace fs = std::filesystem;
 namespace {
 
+/// What one scene may hold, copies counted. All poses are recorded: five million of them take about
+/// a gigabyte.
+constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, kMostJoints = 1000,
+                      kMostMotors = 1000, kMostForces = 1000, kMostContactRules = 1000,
+                      kMostTimes = 10000, kMostEccentricities = 1000;
+constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
+constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
+
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
 
 /// The pieces of a scene that only the reading needs.
@@ -30,7 +39,8 @@ class SceneReader {
   void read();
 
  private:
-  std::vector<const toml::table*> tables(const char* key, bool required) const;
+  std::vector<const toml::table*> tables(const char* key, std::size_t most,
+                                         bool required = false) const;
   Eigen::Vector3d vector(const toml::node& node, const std::string& field, double si) const;
   Eigen::Vector3d vector_or_zero(const toml::table& table, const std::string& key, double si) const;
   Eigen::Isometry3d pose(const toml::table& table) const;
@@ -57,7 +67,8 @@ class SceneReader {
   std::vector<const toml::table*> joint_tables_;
 };
 
-std::vector<const toml::table*> SceneReader::tables(const char* key, bool required) const {
+std::vector<const toml::table*> SceneReader::tables(const char* key, std::size_t most,
+                                                    bool required) const {
   std::vector<const toml::table*> result;
   const toml::node* node = root_.get(key);
   const std::string name = fmt::format("[[{}]]", key);
@@ -65,9 +76,7 @@ std::vector<const toml::table*> SceneReader::tables(const char* key, bool requir
     if (required) throw InputError(scene_.file.string(), "there is no " + name, "", "");
     return result;
   }
-  const toml::array* list = node->as_array();
-  if (!list) reader_.refuse(*node, key, "tables " + name);
-  for (const toml::node& entry : *list) {
+  for (const toml::node& entry : reader_.list(*node, name, most, "tables " + name)) {
     if (!entry.is_table()) reader_.refuse(entry, key, "tables " + name);
     result.push_back(entry.as_table());
   }
@@ -100,7 +109,7 @@ Eigen::Isometry3d SceneReader::pose(const toml::table& table) const {
 
 int SceneReader::body_named(const toml::node& node, const std::string& field,
                             bool world_allowed) const {
-  const std::string typed = reader_.text(node, field);
+  const std::string typed = reader_.name(node, field);
   if (world_allowed && typed == "world") return -1;
   std::vector<std::string> known;
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -115,10 +124,10 @@ int SceneReader::body_named(const toml::node& node, const std::string& field,
 std::vector<double> SceneReader::times(const toml::table& table, const std::string& name) const {
   const toml::node& node = reader_.required(table, name, "time_s");
   const std::string allowed = "a list of times in s, each later than the one before";
-  const toml::array* list = node.as_array();
-  if (!list || list->empty()) reader_.refuse(node, "time_s", allowed);
+  const toml::array& list = reader_.list(node, "time_s", kMostTimes, allowed);
+  if (list.empty()) reader_.refuse(node, "time_s", allowed);
   std::vector<double> result;
-  for (const toml::node& entry : *list) {
+  for (const toml::node& entry : list) {
     result.push_back(reader_.number(entry, "time_s", allowed));
     if (result.size() > 1 && !(result.back() > result[result.size() - 2]))
       reader_.refuse(node, "time_s", allowed);
@@ -135,8 +144,9 @@ void SceneReader::read_simulation() {
                                         "time_step_ms", 1e-3);
   scene_.duration_s =
       reader_.positive(reader_.required(table, "[simulation]", "duration_s"), "duration_s", 1);
-  if (scene_.duration_s / scene_.time_step_s > 1e7)
-    reader_.refuse(*table.get("duration_s"), "duration_s", "at most 10 million steps");
+  if (scene_.duration_s / scene_.time_step_s > kMostSteps)
+    reader_.refuse(*table.get("duration_s"), "duration_s",
+                   fmt::format("at most {:.0f} steps of time_step_ms", kMostSteps));
   if (const toml::node* load = table.get("nominal_load_N"))
     scene_.nominal_load_N = reader_.positive(*load, "nominal_load_N", 1);
   scene_.gravity.time_s = {0};
@@ -144,6 +154,7 @@ void SceneReader::read_simulation() {
   if (const toml::node* gravity = table.get("gravity_m_per_s2")) {
     const toml::array* list = gravity->as_array();
     if (list && !list->empty() && (*list)[0].is_array()) {
+      reader_.list(*gravity, "gravity_m_per_s2", kMostTimes, "directions");
       scene_.gravity.time_s.clear();
       const toml::node& typed_times = reader_.required(table, "[simulation]", "gravity_time_s");
       const toml::array* times = typed_times.as_array();
@@ -172,18 +183,18 @@ void SceneReader::read_simulation() {
   if (const toml::node* vertices = table.get("vertices")) {
     if (scene_.friction.rule != FrictionSettings::Rule::facets)
       reader_.say(*vertices, "vertices belongs to friction = \"facets\"");
-    const auto count = vertices->is_integer() ? vertices->value<std::int64_t>().value() : 0;
-    if (count < 6 || count > 1024) reader_.refuse(*vertices, "vertices", "6 to 1024");
-    scene_.friction.vertices = int(count);
+    scene_.friction.vertices =
+        reader_.integer(*vertices, "vertices", kFewestVertices, kMostVertices,
+                        fmt::format("{} to {}", kFewestVertices, kMostVertices));
   }
 }
 
 void SceneReader::read_layers() {
-  for (const toml::table* table : tables("layer", false)) {
+  for (const toml::table* table : tables("layer", kMostLayers)) {
     reader_.check_keys(*table, "[[layer]]",
                        {"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"});
     const toml::node& name = reader_.required(*table, "[[layer]]", "name");
-    if (!layers_.emplace(reader_.text(name, "name"), reader_.elastic_layer(*table, "[[layer]]"))
+    if (!layers_.emplace(reader_.name(name, "name"), reader_.elastic_layer(*table, "[[layer]]"))
              .second)
       reader_.refuse(name, "name", "each layer once");
   }
@@ -235,8 +246,8 @@ Shape SceneReader::read_shape(const toml::node& node) const {
     const auto size = positive_numbers(3);
     shape.kind = Box{{size[0], size[1], size[2]}};
   } else if (kind == "half_space") {
-    if (!value.is_boolean() || !value.value<bool>().value())
-      reader_.refuse(value, kind, "true: all below the shape's plane z = 0");
+    const std::string allowed = "true: all below the shape's plane z = 0";
+    if (!reader_.boolean(value, kind, allowed)) reader_.refuse(value, kind, allowed);
     shape.kind = HalfSpace{};
   } else {
     const std::string typed = reader_.text(value, "mesh");
@@ -369,7 +380,8 @@ void SceneReader::read_mass(const toml::table& table, const std::string& where,
 }
 
 void SceneReader::read_bodies() {
-  for (const toml::table* table : tables("body", true)) {
+  std::set<std::string> body_names;
+  for (const toml::table* table : tables("body", kMostBodies, true)) {
     reader_.check_keys(
         *table, "[[body]]",
         {"name", "fixed", "position_mm", "rotation_deg", "mass_g", "density_kg_per_m3",
@@ -378,24 +390,22 @@ void SceneReader::read_bodies() {
     SceneBody body;
     BodyDescription description;
     const toml::node& name = reader_.required(*table, "[[body]]", "name");
-    body.name = reader_.text(name, "name");
+    body.name = reader_.name(name, "name");
     const std::string where = "body \"" + body.name + "\"";
-    if (body.name.empty() || body.name == "world" || body.name == "*")
+    if (body.name == "world" || body.name == "*")
       reader_.refuse(name, "name", "a name; \"world\" and \"*\" are taken");
-    if (const toml::node* fixed = table->get("fixed")) {
-      if (!fixed->is_boolean()) reader_.refuse(*fixed, "fixed", "true or false");
-      description.fixed = fixed->value<bool>().value();
-    }
+    if (const toml::node* fixed = table->get("fixed"))
+      description.fixed = reader_.boolean(*fixed, "fixed");
     description.pose = pose(*table);
     description.velocity_m_per_s = vector_or_zero(*table, "velocity_mm_per_s", kMillimetre);
     description.angular_velocity_rad_per_s =
         vector_or_zero(*table, "angular_velocity_deg_per_s", kDegree);
-    if (const toml::node* shapes = table->get("shapes")) {
-      if (!shapes->is_array()) reader_.refuse(*shapes, "shapes", "a list of shapes");
-      for (const toml::node& shape : *shapes->as_array()) body.shapes.push_back(read_shape(shape));
-    }
+    if (const toml::node* shapes = table->get("shapes"))
+      for (const toml::node& shape :
+           reader_.list(*shapes, "shapes", kMostShapes, "a list of shapes"))
+        body.shapes.push_back(read_shape(shape));
     if (const toml::node* layer = table->get("layer")) {
-      const std::string typed = reader_.text(*layer, "layer");
+      const std::string typed = reader_.name(*layer, "layer");
       const auto found = layers_.find(typed);
       if (found == layers_.end()) reader_.refuse(*layer, "layer", "the name of a [[layer]]");
       body.layer = found->second;
@@ -408,17 +418,22 @@ void SceneReader::read_bodies() {
         reader_.refuse(*copies, "copies", "{ count = [2, 2, 1], spacing_mm = [10, 10, 0] }");
       reader_.check_keys(*copies->as_table(), "copies", {"count", "spacing_mm"});
       const toml::node& counts = reader_.required(*copies->as_table(), "copies", "count");
-      const auto typed = reader_.numbers(counts, "count", 3, "three whole numbers from 1 to 100");
+      const std::string allowed = fmt::format("three whole numbers from 1 to {}", kMostCopies);
+      const auto typed = reader_.numbers(counts, "count", 3, allowed);
       for (std::size_t i = 0; i < 3; ++i) {
-        if (!(typed[i] >= 1 && typed[i] <= 100) || typed[i] != std::floor(typed[i]))
-          reader_.refuse(counts, "count", "three whole numbers from 1 to 100");
+        if (!(typed[i] >= 1 && typed[i] <= kMostCopies) || typed[i] != std::floor(typed[i]))
+          reader_.refuse(counts, "count", allowed);
         count[i] = std::int64_t(typed[i]);
       }
       spacing_m = vector(reader_.required(*copies->as_table(), "copies", "spacing_mm"),
                          "spacing_mm", kMillimetre);
     }
     const Eigen::Vector3d corner = description.pose.translation();
-    const bool several = count[0] * count[1] * count[2] > 1;
+    const std::size_t copies = std::size_t(count[0] * count[1] * count[2]);
+    if (scene_.bodies.size() + copies > kMostBodies)
+      reader_.refuse(name, "name",
+                     fmt::format("at most {} bodies in a scene, copies counted", kMostBodies));
+    const bool several = copies > 1;
     int number = 0;
     for (std::int64_t z = 0; z < count[2]; ++z)
       for (std::int64_t y = 0; y < count[1]; ++y)
@@ -428,8 +443,7 @@ void SceneReader::read_bodies() {
           description.name = copy.name;
           description.pose.translation() =
               corner + spacing_m.cwiseProduct(Eigen::Vector3d(double(x), double(y), double(z)));
-          for (const SceneBody& other : scene_.bodies)
-            if (other.name == copy.name) reader_.refuse(name, "name", "each body once");
+          if (!body_names.insert(copy.name).second) reader_.refuse(name, "name", "each body once");
           scene_.bodies.push_back(copy);
           scene_.descriptions.push_back(description);
         }
@@ -437,13 +451,13 @@ void SceneReader::read_bodies() {
 }
 
 void SceneReader::read_joints() {
-  for (const toml::table* table : tables("joint", false)) {
+  for (const toml::table* table : tables("joint", kMostJoints)) {
     reader_.check_keys(*table, "[[joint]]",
                        {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
                         "start_mm", "limits_deg", "limits_mm"});
     JointDescription joint;
     const toml::node& name = reader_.required(*table, "[[joint]]", "name");
-    joint.name = reader_.text(name, "name");
+    joint.name = reader_.name(name, "name");
     for (const JointDescription& other : scene_.joints)
       if (other.name == joint.name) reader_.refuse(name, "name", "each joint once");
     const std::string kind = reader_.choice(reader_.required(*table, "[[joint]]", "kind"), "kind",
@@ -482,9 +496,9 @@ void SceneReader::read_joints() {
 }
 
 void SceneReader::read_motors() {
-  for (const toml::table* table : tables("motor", false)) {
+  for (const toml::table* table : tables("motor", kMostMotors)) {
     const toml::node& name = reader_.required(*table, "[[motor]]", "joint");
-    const std::string typed = reader_.text(name, "joint");
+    const std::string typed = reader_.name(name, "joint");
     Motor motor;
     std::vector<std::string> known;
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
@@ -549,7 +563,7 @@ void SceneReader::read_motors() {
 }
 
 void SceneReader::read_forces() {
-  for (const toml::table* table : tables("force", false)) {
+  for (const toml::table* table : tables("force", kMostForces)) {
     reader_.check_keys(*table, "[[force]]", {"body", "point_mm", "time_s", "force_N", "torque_Nm"});
     ForceOverTime force;
     const toml::node& name = reader_.required(*table, "[[force]]", "body");
@@ -590,10 +604,10 @@ EccentricityOverLoad SceneReader::eccentricity_table(const toml::node& node) {
   if (!(range[0] > 0 && range[0] < range[1]))
     reader_.refuse(loads, "loads_N", "two numbers, 0 < least < largest");
   const toml::node& values = reader_.required(*samples, "eccentricity_table", "eccentricity_mm");
-  const toml::array* array = values.as_array();
-  if (!array || array->size() < 2) reader_.refuse(values, "eccentricity_mm", form);
+  const toml::array& array = reader_.list(values, "eccentricity_mm", kMostEccentricities, form);
+  if (array.size() < 2) reader_.refuse(values, "eccentricity_mm", form);
   EccentricityOverLoad table{range[0], range[1], {}};
-  for (const toml::node& value : *array)
+  for (const toml::node& value : array)
     table.eccentricity_m.push_back(reader_.positive(value, "eccentricity_mm", kMillimetre));
   return table;
 }
@@ -605,7 +619,7 @@ void SceneReader::read_rules() {
   std::vector<std::string> models = {"auto", "rigid", "given", "table"};
   for (const PressureModel* model : all_pressure_models())
     if (model->card().hot_path) models.emplace_back(model->card().name);
-  for (const toml::table* table : tables("contact", false)) {
+  for (const toml::table* table : tables("contact", kMostContactRules)) {
     reader_.check_keys(*table, "[[contact]]",
                        {"bodies", "friction_coefficient", "model", "eccentricity_mm",
                         "eccentricity_table", "limit_surface", "collide"});
@@ -648,16 +662,13 @@ void SceneReader::read_rules() {
       reader_.say(*table, "model = \"table\" needs eccentricity_table");
     }
     if (const toml::node* exact = table->get("limit_surface")) {
-      if (!exact->is_boolean()) reader_.refuse(*exact, "limit_surface", "true or false");
-      if (exact->value<bool>().value() && scene_.friction.rule == FrictionSettings::Rule::facets)
+      rule.exact_limit_surface = reader_.boolean(*exact, "limit_surface");
+      if (*rule.exact_limit_surface && scene_.friction.rule == FrictionSettings::Rule::facets)
         reader_.say(*exact,
                     "limit_surface = true needs friction = \"ellipsoid\" or \"limit_surface\"");
-      rule.exact_limit_surface = exact->value<bool>();
     }
-    if (const toml::node* collide = table->get("collide")) {
-      if (!collide->is_boolean()) reader_.refuse(*collide, "collide", "true or false");
-      rule.collide = collide->value<bool>().value();
-    }
+    if (const toml::node* collide = table->get("collide"))
+      rule.collide = reader_.boolean(*collide, "collide");
     const int index = int(scene_.rules.size());
     scene_.rules.push_back(rule);
     for (const std::size_t a : chosen[0])
@@ -676,6 +687,9 @@ void SceneReader::read() {
   read_simulation();
   read_layers();
   read_bodies();
+  if (scene_.duration_s / scene_.time_step_s * double(scene_.bodies.size()) > kMostRecordedPoses)
+    reader_.refuse(*root_["simulation"].as_table()->get("duration_s"), "duration_s",
+                   fmt::format("steps times bodies of at most {:.0f}", kMostRecordedPoses));
   read_joints();
   read_motors();
   read_forces();
@@ -736,9 +750,11 @@ Scene parse_scene(const std::string& text, const fs::path& file) {
 }
 
 bool is_scene(const fs::path& file) {
-  return parse_toml(read_text_file(file), file.string()).contains("simulation");
+  return parse_toml(read_text_file(file, kLargestTomlFile), file.string()).contains("simulation");
 }
 
-Scene read_scene(const fs::path& file) { return parse_scene(read_text_file(file), file); }
+Scene read_scene(const fs::path& file) {
+  return parse_scene(read_text_file(file, kLargestTomlFile), file);
+}
 
 }  // namespace softfinger::simulation

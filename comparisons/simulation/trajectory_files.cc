@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/csv.h"
 #include "comparisons/files.h"
 #include "comparisons/simulation/base64.h"
 #include "comparisons/simulation/triangulate.h"
@@ -42,15 +43,7 @@ class CsvRow {
   void append(const Eigen::Vector3d& vector) {
     for (const double number : vector) append(number);
   }
-  void append(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-      cell() += text;
-      return;
-    }
-    cell() += '"';
-    for (const char c : text) table_ += c == '"' ? "\"\"" : std::string(1, c);
-    table_ += '"';
-  }
+  void append(const std::string& text) { cell() += csv_cell(text); }
 
  private:
   std::string& cell() {

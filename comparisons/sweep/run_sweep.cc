@@ -163,6 +163,7 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"fem", plan.sweep.fem()},
                {"loads_N", base.loads_N},
                {"points", plan.sweep.points()},
+               {"friction_coefficient", base.friction_coefficient},
                {"all_rows", plan.sweep.rows()},
                {"failed", failed},
                {"sweep_toml", plan.text},
@@ -331,9 +332,10 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
         fmt::format("softfinger: {} of {} finite-element results are missing; the same "
                     "command tries them again",
                     failed, plan.fem.jobs.size()));
-  write_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
-                              plan.sweep.rows(), fs::absolute(plan.output / "results.csv").string(),
-                              fs::absolute(plan.output / "sweep.html").string()));
+  write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
+                                   plan.sweep.rows(),
+                                   fs::absolute(plan.output / "results.csv").string(),
+                                   fs::absolute(plan.output / "sweep.html").string()));
   return failed > 0 ? 1 : 0;
 }
 

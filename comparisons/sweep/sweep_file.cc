@@ -9,6 +9,7 @@
 #include <set>
 
 #include "comparisons/case_table.h"
+#include "comparisons/files.h"
 #include "comparisons/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -146,6 +147,8 @@ bool is_whole(const std::vector<double>& values) {
 
 }  // namespace
 
+std::string read_sweep_text(const fs::path& file) { return read_text_file(file, kLargestTomlFile); }
+
 /// What is parsed: the case's own table, with plain numbers where keys are swept.
 struct Sweep::File {
   std::string text;
@@ -165,7 +168,9 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   file_->path = path;
   toml::table& root = file_->root = parse_toml(text, path.string());
   const TomlReader reader(path.string());
-  const toml::table sweep = reader.required_table(root, "sweep");
+  reader.required_table(root, "sweep");
+  // Moved, not copied: a copy knows no lines.
+  const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
   base_ = case_of(root, text, path);
 

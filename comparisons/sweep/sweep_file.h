@@ -24,6 +24,10 @@ namespace softfinger {
 constexpr std::size_t kMostSweepRows = 100'000'000, kMostSweepFemJobs = 100'000,
                       kMostSweptValues = 1'000'000;
 
+/// The text of a sweep file.
+/// @throws InputError when it cannot be read or is larger than any such file
+std::string read_sweep_text(const std::filesystem::path& file);
+
 /// One number of the case and its values.
 struct SweptKey {
   std::string key;  ///< as typed: "layer.thickness_mm"

@@ -8,9 +8,11 @@
 #include <iterator>
 #include <unordered_map>
 
+#include "comparisons/csv.h"
 #include "comparisons/predict.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/visible_text.h"
 
 namespace softfinger {
 namespace {
@@ -32,14 +34,10 @@ void append_exact(double value, std::string& text) {
   fmt::format_to(std::back_inserter(text), ",{}", value);
 }
 
-/// RFC 4180.
-std::string in_quotes(const std::string& words) {
-  std::string cell = "\"";
-  for (const char letter : words) {
-    if (letter == '"') cell += '"';
-    cell += letter == '\n' || letter == '\r' ? ' ' : letter;
-  }
-  return cell + '"';
+/// A cell of its own line: rows are counted by their ends.
+std::string text_cell(std::string words) {
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  return csv_cell(visible_text(words));
 }
 
 double number(const json& object, const char* key) {
@@ -115,7 +113,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       text += start;
       append_exact(loads_N ? (*loads_N)[load] : sweep_.base().loads_N[load], text);
       text.append(commas, ',');
-      text += "," + in_quotes(words) + "\n";
+      text += "," + text_cell(words) + "\n";
     }
   };
   Case contact_case;
@@ -166,7 +164,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
           for (const char* error : kErrors) append_number(number(result["error"], error), text);
         }
       }
-      text += failure.empty() ? ",\n" : "," + in_quotes(failure) + "\n";
+      text += failure.empty() ? ",\n" : "," + text_cell(failure) + "\n";
     }
   } catch (const InputError& error) {
     text.resize(row_begin);

@@ -1,14 +1,31 @@
 #include "meshes/generation/gmsh_session.h"
 
+#include <dlfcn.h>
 #include <gmsh.h>
+
+#include <cstdlib>
 
 namespace softfinger::meshes {
 namespace {
 int open_sessions = 0;
+
+/// gmsh's tooltips ask FLTK, which rewrites its preference files, the user's and for root those in
+/// /etc, when it first reads them: here they count as read. At its end gmsh removes a file of its
+/// own from the user's home: it gets a home that can hold none.
+void leave_the_users_files_alone() {
+  // No header declares it for us, and FLTK 1.3 has no other switch; a gmsh without FLTK has none.
+  if (void* const options_read = dlsym(RTLD_DEFAULT, "_ZN2Fl13options_read_E"))
+    *static_cast<unsigned char*>(options_read) = 1;
+  setenv("GMSH_HOME", "/dev/null", 1);
 }
 
+}  // namespace
+
 GmshSession::GmshSession(const std::string& model_name) {
-  if (open_sessions++ == 0) gmsh::initialize(0, nullptr, /*readConfigFiles=*/false);
+  if (open_sessions++ == 0) {
+    leave_the_users_files_alone();
+    gmsh::initialize(0, nullptr, /*readConfigFiles=*/false);
+  }
   gmsh::option::setNumber("General.Terminal", 0);
   gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::model::add(model_name);

@@ -1,16 +1,13 @@
 #include "meshes/generation/layer_mesh.h"
 
-#include <gmsh.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <map>
-#include <unordered_map>
 
-#include "meshes/generation/gmsh_session.h"
+#include "meshes/io/read_msh.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -20,29 +17,34 @@ constexpr int quadrilateral = 3, hexahedron = 5;  // gmsh's element types
 
 /// Elements of a physical group: their numbers in the file, and their nodes one after the other.
 struct Group {
-  std::vector<std::size_t> elements, nodes;
+  std::vector<std::size_t> elements;
+  std::vector<int> nodes;
 };
 
-std::string dimension_text(int dimension) { return dimension == 3 ? "volume" : "surface"; }
+std::string dimension_text(int dimension) {
+  const char* const texts[] = {"point", "curve", "surface", "volume"};
+  return texts[dimension];
+}
 
 class Reader {
  public:
-  Reader(const std::string& path, const std::vector<std::string>& regions) : path_(path) {
+  Reader(const MshFile& file, const std::string& path, const std::vector<std::string>& regions)
+      : file_(file), path_(path) {
     for (const std::string& region : regions) allowed_groups_ += "volume \"" + region + "\", ";
     allowed_groups_ += "surfaces \"contact\" and \"core\"";
   }
 
   /// @param type  the only one allowed
   Group group(int dimension, const std::string& name, int type, const char* allowed) const {
-    gmsh::vectorpair groups;
-    gmsh::model::getPhysicalGroups(groups);
+    constexpr std::size_t kNamed = 10;
     std::string there;
-    for (const auto& [found_dimension, tag] : groups) {
-      std::string found;
-      gmsh::model::getPhysicalName(found_dimension, tag, found);
-      if (found_dimension == dimension && found == name)
-        return read(dimension, tag, name, type, allowed);
-      there += (there.empty() ? "" : ", ") + dimension_text(found_dimension) + " \"" + found + "\"";
+    for (std::size_t i = 0; i < file_.physical_names.size(); ++i) {
+      const MshFile::PhysicalName& found = file_.physical_names[i];
+      if (found.dimension == dimension && found.name == name)
+        return read(dimension, found.tag, name, type, allowed);
+      if (i < kNamed)
+        there += (i == 0 ? "" : ", ") + dimension_text(found.dimension) + " \"" + found.name + "\"";
+      if (i == kNamed) there += ", ...";
     }
     throw InputError(path_, "physical " + dimension_text(dimension), "\"" + name + "\" is missing",
                      allowed_groups_ + "; the file has " + (there.empty() ? "none" : there));
@@ -50,27 +52,22 @@ class Reader {
 
  private:
   Group read(int dimension, int tag, const std::string& name, int type, const char* allowed) const {
+    std::vector<bool> belongs;
+    for (const MshFile::Entity& entity : file_.entities) {
+      const auto& tags = entity.physical_tags;
+      belongs.push_back(entity.dimension == dimension &&
+                        std::find(tags.begin(), tags.end(), tag) != tags.end());
+    }
     Group group;
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
-    for (const int entity : entities) {
-      std::vector<int> types;
-      std::vector<std::vector<std::size_t>> elements, nodes;
-      gmsh::model::mesh::getElements(types, elements, nodes, dimension, entity);
-      for (std::size_t i = 0; i < types.size(); ++i) {
-        if (types[i] != type) {
-          std::string kind;
-          int unused = 0;
-          std::vector<double> unused_places;
-          gmsh::model::mesh::getElementProperties(types[i], kind, unused, unused, unused,
-                                                  unused_places, unused);
-          throw InputError(
-              path_, "element " + std::to_string(elements[i].front()) + " of \"" + name + "\"",
-              kind, allowed);
-        }
-        group.elements.insert(group.elements.end(), elements[i].begin(), elements[i].end());
-        group.nodes.insert(group.nodes.end(), nodes[i].begin(), nodes[i].end());
-      }
+    for (const MshFile::Element& element : file_.elements) {
+      if (!belongs[static_cast<std::size_t>(element.entity)]) continue;
+      const MshShape& shape = *msh_shape(element.type);
+      if (element.type != type)
+        throw InputError(path_, "element " + std::to_string(element.tag) + " of \"" + name + "\"",
+                         shape.name, allowed);
+      group.elements.push_back(element.tag);
+      const int* const nodes = &file_.element_nodes[element.first_node];
+      group.nodes.insert(group.nodes.end(), nodes, nodes + shape.nodes);
     }
     if (group.elements.empty())
       throw InputError(path_, "physical " + dimension_text(dimension), "\"" + name + "\" is empty",
@@ -78,6 +75,7 @@ class Reader {
     return group;
   }
 
+  const MshFile& file_;
   std::string path_, allowed_groups_;
 };
 
@@ -109,15 +107,8 @@ std::array<int, count> sorted(std::array<int, count> vertices) {
 
 LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
                           const std::vector<std::string>& regions) {
-  if (!std::ifstream(path))
-    throw InputError(path, "mesh of the layer", "", "a gmsh file (.msh) that can be read");
-  const GmshSession session("layer mesh");
-  try {
-    gmsh::merge(path);
-  } catch (...) {  // of whatever type this version of gmsh throws
-    throw InputError(path, "mesh of the layer", "", "a gmsh file (.msh)");
-  }
-  const Reader reader(path, regions);
+  const MshFile file = read_msh(path);
+  const Reader reader(file, path, regions);
   std::vector<Group> volumes;
   for (const std::string& region : regions)
     volumes.push_back(reader.group(3, region, hexahedron,
@@ -126,29 +117,23 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
   const Group surfaces[] = {reader.group(2, "contact", quadrilateral, quadrilaterals),
                             reader.group(2, "core", quadrilateral, quadrilaterals)};
 
-  std::vector<std::size_t> tags;
-  std::vector<double> coordinates, unused;
-  gmsh::model::mesh::getNodes(tags, coordinates, unused);
-  std::unordered_map<std::size_t, std::size_t> place;
-  for (std::size_t i = 0; i < tags.size(); ++i) place[tags[i]] = i;
   LayerMesh result;
   HexahedralMesh& mesh = result.hexahedra;
-  std::unordered_map<std::size_t, int> vertex;  // those of the layer only
+  std::vector<int> vertex(file.nodes.size(), -1);  // -1: not of the layer
   for (std::size_t r = 0; r < regions.size(); ++r)
     for (std::size_t i = 0; i < volumes[r].elements.size(); ++i) {
       const Group& layer = volumes[r];
       std::array<int, 8> cell{};
       for (std::size_t corner = 0; corner < 8; ++corner) {
-        const std::size_t tag = layer.nodes[8 * i + corner];
-        const auto [entry, is_new] = vertex.emplace(tag, static_cast<int>(mesh.vertices.size()));
-        if (is_new) {
-          const double* at = &coordinates[3 * place.at(tag)];
-          mesh.vertices.push_back(metres_per_unit * Eigen::Vector3d(at[0], at[1], at[2]));
+        const auto node = static_cast<std::size_t>(layer.nodes[8 * i + corner]);
+        if (vertex[node] < 0) {
+          vertex[node] = static_cast<int>(mesh.vertices.size());
+          mesh.vertices.push_back(metres_per_unit * file.nodes[node]);
         }
-        cell[corner] = entry->second;
+        cell[corner] = vertex[node];
       }
       const double corner = smallest_corner(mesh, cell);
-      if (!(corner > 0)) {
+      if (!(corner > 0 && std::isfinite(corner))) {
         Eigen::Vector3d centre = Eigen::Vector3d::Zero();
         for (const int v : cell) centre += mesh.vertices[static_cast<std::size_t>(v)] / 8;
         char text[160];
@@ -180,9 +165,8 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
       std::array<int, 4> face{};
       bool outer = true;
       for (std::size_t corner = 0; corner < 4; ++corner) {
-        const auto found = vertex.find(group.nodes[4 * i + corner]);
-        outer = outer && found != vertex.end();
-        face[corner] = outer ? found->second : -1;
+        face[corner] = vertex[static_cast<std::size_t>(group.nodes[4 * i + corner])];
+        outer = outer && face[corner] >= 0;
       }
       const auto found = outer ? cells_at.find(sorted(face)) : cells_at.end();
       if (found == cells_at.end() || found->second != 1)

@@ -16,7 +16,8 @@ struct LayerMesh {
   std::vector<std::array<int, 4>> contact, core;
 };
 
-/// Reads a gmsh file with the physical groups "layer" (a volume), "contact" and "core" (surfaces).
+/// Reads a gmsh file (see meshes/io/read_msh.h) with the physical groups "layer" (a volume),
+/// "contact" and "core" (surfaces).
 /// @param metres_per_unit  of the file's coordinates
 /// @param regions          volumes in place of "layer": a cell's region is its volume's place here
 /// @throws InputError for a file that cannot be read, a group that is missing or empty, elements of

@@ -2,11 +2,11 @@
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cctype>
 #include <charconv>
@@ -14,8 +14,6 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -23,6 +21,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "meshes/io/whole_file.h"
 #include "softfinger/input/errors.h"
 
 // Assimp parses; what it lets pass without a word (numbers that are not numbers, files that end too
@@ -36,17 +35,20 @@ using Eigen::Vector3d;
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
 const char* const kAllowedFile = "a readable STL (binary or ASCII) or OBJ file";
 
-std::string read_bytes(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw InputError(path, "file", "missing", kAllowedFile);
-  if (std::filesystem::is_directory(status))
-    throw InputError(path, "file", "a folder", kAllowedFile);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, "file", "unreadable", kAllowedFile);
-  std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) throw InputError(path, "file", "unreadable", kAllowedFile);
-  return bytes;
+/// An OBJ file names others, of materials, and Assimp would open whatever path is written there.
+class NoFiles : public Assimp::IOSystem {
+ public:
+  bool Exists(const char*) const override { return false; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
+  void Close(Assimp::IOStream*) override {}
+};
+
+void require_triangles(const std::string& path, std::size_t count) {
+  if (count == 0) throw InputError(path, "triangles", "0", "at least one triangle");
+  if (count > kMostTriangles)
+    throw InputError(path, "triangles", std::to_string(count),
+                     "at most " + std::to_string(kMostTriangles));
 }
 
 bool is_text(std::string_view bytes) {
@@ -96,7 +98,7 @@ void check_coordinates(const std::string& where, std::string_view rest) {
 
 void check_binary_stl(const std::string& path, std::string_view bytes) {
   const std::uint32_t count = announced_triangles(bytes);
-  if (count == 0) throw InputError(path, "triangles", "0", "at least one triangle");
+  require_triangles(path, count);
   for (std::uint32_t t = 0; t < count; ++t) {
     std::array<float, 9> coordinates;
     std::memcpy(coordinates.data(), bytes.data() + kStlHeader + kStlTriangle * t + 12,
@@ -135,7 +137,7 @@ void check_ascii_stl(const std::string& path, std::string_view text) {
     throw InputError(path, "ASCII STL", "ends early at line " + std::to_string(line_number),
                      "a file that ends with endsolid (is it truncated?)");
   }
-  if (facets == 0) throw InputError(path, "triangles", "0", "at least one triangle");
+  require_triangles(path, static_cast<std::size_t>(facets));
 }
 
 /// A backslash ends a line of an OBJ file that goes on in the next one. Lines keep their numbers.
@@ -173,7 +175,8 @@ void check_obj(const std::string& path, std::string_view text) {
         at_line(path, line), kinds[kind], std::to_string(index),
         "1 to " + std::to_string(count) + ", or -" + std::to_string(count) + " to -1 from the end");
   };
-  int line_number = 0, faces = 0;
+  int line_number = 0;
+  std::size_t triangles = 0;
   while (!text.empty()) {
     ++line_number;
     const auto length = std::min(text.find('\n'), text.size());
@@ -209,17 +212,19 @@ void check_obj(const std::string& path, std::string_view text) {
         if (index > used[kind].largest) used[kind] = {index, line_number};
       }
     }
-    if (corners < 3) {
+    // Cutting a polygon takes the square of its corners: two seconds for the most.
+    constexpr int kMostCorners = 10'000;
+    if (corners < 3 || corners > kMostCorners) {
       throw InputError(at_line(path, line_number), "face", std::to_string(corners) + " corners",
-                       "at least three");
+                       "3 to " + std::to_string(kMostCorners));
     }
-    ++faces;
+    triangles += static_cast<std::size_t>(corners) - 2;
   }
   // A positive index may point forward, so the counts are known only now.
   for (int kind = 0; kind < 3; ++kind)
     if (used[kind].largest > defined[kind])
       throw out_of_range(used[kind].line, kind, used[kind].largest, defined[kind]);
-  if (faces == 0) throw InputError(path, "triangles", "0", "at least one triangle");
+  require_triangles(path, triangles);
 }
 
 std::string lower_case(std::string text) {
@@ -364,7 +369,8 @@ std::string across(double size_m) {
 }  // namespace
 
 SurfaceFile read_surface(const std::string& path, double metres_per_unit) {
-  return parse_surface(read_bytes(path), path, metres_per_unit);
+  return parse_surface(read_whole_file(path, "file", kAllowedFile, kLargestSurface_bytes), path,
+                       metres_per_unit);
 }
 
 SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit) {
@@ -376,6 +382,7 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
   const char* const format = check_content(path, bytes);
 
   Assimp::Importer importer;
+  importer.SetIOHandler(new NoFiles);  // which the importer owns
   const aiScene* scene =
       importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, format);
   if (!scene)
@@ -446,9 +453,10 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
       v = renumbered[v];
     }
   }
-  const double size = (high - low).norm();
-  if (size > kLargestSurface_m || size < kSmallestSurface_m) {
-    throw InputError(path, "size", across(size), "10 micrometres to 5 metres: is the unit right?");
+  result.size_m = (high - low).norm();
+  if (result.size_m > kLargestSurface_m || result.size_m < kSmallestSurface_m) {
+    throw InputError(path, "size", across(result.size_m),
+                     "10 micrometres to 5 metres: is the unit right?");
   }
   if (is_inside_out(result.surface)) {
     result.was_inside_out = true;
@@ -474,21 +482,11 @@ void write_stl_mm(const TriangleSurface& surface, const std::string& path) {
   }
 
   // A reader never meets half a file: it appears under its name when it is complete.
-  const std::string temporary = path + ".part" + std::to_string(::getpid());
-  std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-  if (!out) throw InputError(path, "output", "cannot be created", "a folder that can be written");
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (!out || error) {
-    const bool incomplete = !out;
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw InputError(path, "output", incomplete ? "cannot be written" : error.message(),
+  const std::string failure = write_whole_file(path, [&](std::ostream& out) { out << bytes; });
+  if (!failure.empty())
+    throw InputError(path, "output", "cannot be written (" + failure + ")",
                      "a folder that can be written, with " + std::to_string(bytes.size()) +
                          " bytes free (is the disk full?)");
-  }
 }
 
 }  // namespace softfinger::meshes

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "softfinger/input/triangle_surface.h"
@@ -9,9 +10,13 @@ namespace softfinger::meshes {
 /// Surfaces smaller or larger than this, corner to corner, come from a wrong unit.
 constexpr double kSmallestSurface_m = 1e-5, kLargestSurface_m = 5;
 
+/// Larger files, and files with more triangles, are refused.
+constexpr std::size_t kLargestSurface_bytes = 1'000'000'000, kMostTriangles = 20'000'000;
+
 /// A surface as read from a file, with what had to be tolerated.
 struct SurfaceFile {
   TriangleSurface surface;       ///< metres, vertices welded
+  double size_m = 0;             ///< corner to corner
   int degenerate_triangles = 0;  ///< dropped: zero area
   int duplicate_triangles = 0;   ///< dropped: same three vertices
   bool was_inside_out = false;   ///< closed, but all triangles clockwise from outside: turned round
@@ -19,22 +24,22 @@ struct SurfaceFile {
 
 /// Reads binary or ASCII STL, or OBJ (by Assimp; polygons are cut into triangles), scales it to
 /// metres and welds equal vertices. The format is recognised by the content, not by the file's
-/// name.
+/// name. No other file is opened, whatever this one names (the materials of an OBJ).
 ///
 /// Coordinates pass through single precision, as STL stores them: seven digits, 2 nm on a finger.
 /// Vertices nearer than four units in that last place are one.
 ///
 /// @param metres_per_unit  1e-3 for millimetres
-/// @throws InputError (where = path, with the line where known) for a missing or unreadable file, a
-/// file that is no mesh or has no triangles, numbers that are no finite numbers, indices out of
-/// range, a truncated file, or a surface larger than 5 m or smaller than 10 micrometres across,
-/// which is a wrong unit.
+/// @throws InputError (where = path, with the line where known) for a missing or unreadable file,
+/// one that is not regular (a pipe, a device), is no mesh or has no triangles or too many, numbers
+/// that are no finite numbers, indices out of range, a truncated file, or a surface larger than 5 m
+/// or smaller than 10 micrometres across, which is a wrong unit.
 SurfaceFile read_surface(const std::string& path, double metres_per_unit);
 
 /// The same for a file's bytes in memory; `path` is used in messages and for its ending.
 SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit);
 
-/// Writes a binary STL in millimetres, atomically (to a temporary name, then renamed).
+/// Writes a binary STL in millimetres, completely or not at all.
 /// @throws InputError when the folder cannot be written or the disk is full.
 void write_stl_mm(const TriangleSurface& surface, const std::string& path);
 

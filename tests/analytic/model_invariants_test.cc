@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "finite_prediction.h"
@@ -15,6 +16,8 @@
 
 namespace softfinger {
 namespace {
+
+using testing::is_sound;
 
 /// `value` between `lowest` and `highest`, uniform in its logarithm, as a RapidCheck generator.
 rc::Gen<double> log_uniform(double lowest, double highest) {
@@ -59,6 +62,37 @@ double balance_tolerance(const PressureModel& model) {
   for (const char* closed_form : {"hertz", "power_law", "thin_incompressible", "winkler"})
     if (model.card().name == closed_form) return 1e-12;
   return 5e-3;
+}
+
+/// A contact of 3 mm on a layer of 2 mm, unless a test says otherwise.
+ContactProblem soft_pad(double load_N, double friction_coefficient) {
+  ContactProblem problem{{0.02, 0.02}, {2e-3, 3e5, 0.45}, {load_N, friction_coefficient}};
+  problem.options.power_law = {0.003, 0.3, 2.5};
+  return problem;
+}
+
+TEST(PressureModels, HaveNoAnswerWhoseTorqueIsNoNormalNumber) {
+  for (const PressureModel* model : all_pressure_models()) {
+    for (const auto& [load_N, friction] :
+         {std::pair{1e-300, 0.5}, std::pair{1e-10, 1e-300}, std::pair{1., 1e-307},
+          std::pair{1., 5e-324}, std::pair{1e10, 1e308}}) {
+      const Prediction prediction = model->predict(soft_pad(load_N, friction));
+      const double torque_Nm = friction * load_N * prediction.torque_arm_exact_m;
+      EXPECT_TRUE(!prediction.has_answer || std::isnormal(torque_Nm))
+          << model->card().name << " at " << load_N << " N, mu " << friction << ": " << torque_Nm;
+      EXPECT_TRUE(is_sound(prediction)) << model->card().name;
+    }
+    for (const double nonsense : {-0.5, double(NAN), double(INFINITY)}) {
+      const Prediction prediction = model->predict(soft_pad(1, nonsense));
+      EXPECT_FALSE(prediction.has_answer) << model->card().name << ", mu " << nonsense;
+      EXPECT_TRUE(is_sound(prediction)) << model->card().name;
+    }
+  }
+}
+
+TEST(PressureModels, AnswerWithoutFriction) {
+  for (const PressureModel* model : all_pressure_models())
+    EXPECT_TRUE(model->predict(soft_pad(1, 0)).has_answer) << model->card().name;
 }
 
 TEST(ModelRegistry, ListsTheModelsOfTheFolderByName) {

@@ -36,6 +36,12 @@ std::string replaced(const std::string& old_text, const std::string& new_text) {
 
 const std::string kGeometry = "relative_radii_mm = [20.0, 5.0]";
 
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
 }  // namespace
 
 TEST(Case, IsReadInSiUnits) {
@@ -52,6 +58,25 @@ TEST(Case, IsReadInSiUnits) {
   EXPECT_EQ(result.loads_N, (std::vector<double>{1, 2}));
   EXPECT_EQ(result.friction_coefficient, 0.8);
   EXPECT_EQ(result.fem_level, 3);
+}
+
+TEST(Case, HasAThousandLoadsAndAHundredSublayersAtMost) {
+  std::string loads, sublayers;
+  for (int i = 0; i < 1000; ++i) loads += std::to_string(1000 - i) + ",";
+  EXPECT_EQ(parse_case(replaced("1.0, 2", loads), "x.toml").loads_N.size(), 1000u);
+
+  const std::string layer =
+      "[layer]\nthickness_mm = 2.0\nyoungs_modulus_kPa = 300.0\n"
+      "poisson_ratio = 0.49\n";
+  const std::string one = "[" + layer.substr(0, 7) + "]" + layer.substr(7);
+  EXPECT_EQ(parse_case(replaced(layer, repeated(one, 100)), "x.toml").sublayers.size(), 100u);
+  try {
+    parse_case(replaced(layer, repeated(one, 101)), "x.toml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.field() + " " + error.value() + " " + error.allowed(),
+              "[[layer]] 101 entries at most 100");
+  }
 }
 
 std::string finite_case(const std::string& layer_keys,
@@ -256,7 +281,8 @@ TEST(Case, TakesAPowerLawOrTheDataToFitOne) {
 }
 
 struct BadCase {
-  const char *name, *old_text, *new_text;
+  const char *name, *old_text;
+  std::string new_text;
   int line;  ///< 0: the whole file
   std::vector<std::string> words;
 };
@@ -453,6 +479,28 @@ INSTANTIATE_TEST_SUITE_P(
                 "[power_law]\ndata = [[1, 2], [1, 3]]\n[contact]",
                 10,
                 {"data", "two different loads"}},
+        BadCase{"TooManyMeasuredRadii",
+                "[contact]",
+                "[power_law]\ndata = [" + repeated("[1, 2],", 1001) + "]\n[contact]",
+                10,
+                {"data = 1001 entries", "at most 1000"}},
+        BadCase{"TooManyLoads",
+                "load_N = [1.0, 2]",
+                "load_N = [" + repeated("1,", 1001) + "]",
+                10,
+                {"load_N = 1001 entries", "at most 1000"}},
+        BadCase{"LoadGivenTwice", "load_N = [1.0, 2]", "load_N = [1.0, 2, 1]", 10, {"once"}},
+        BadCase{"LongQuestion",
+                "Does it?",
+                repeated("Does it? ", 500),
+                2,
+                {"question", "at most 4096 bytes"}},
+        BadCase{"WholeNumberThatIsNoDouble",
+                "load_N = [1.0, 2]",
+                "load_N = 9007199254740993",
+                10,
+                {"load_N = 9007199254740993", "up to 2^53", "1e17"}},
+        BadCase{"LevelOfManyDigits", "level = 3", "level = 9223372036854775807", 13, {"1, 2 or 3"}},
         BadCase{"NotToml", "[layer]", "[layer", 5, {"TOML"}}),
     [](const auto& information) { return information.param.name; });
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -232,6 +233,51 @@ TEST_F(FemProgram, TakesAUsersMeshOfTheLayer) {
   expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\""}})}, "\"core\" is missing");
   expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"no.msh\""}})}, "no.msh");
   expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh_unit = \"inch\""}})}, "mesh_unit");
+}
+
+TEST_F(FemProgram, RunsNothingThatAMeshFileOrItsNeighbourSays) {
+  const std::string mu = "friction_coefficient = 0.8";
+  const std::string command =
+      "\n\nSystemCall \"touch " + (folder.path() / "ran").string() + "\";\n";
+  for (const char* name : {"layer.geo", "layer.msh", "layer"}) {
+    folder.write(name, command);
+    expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"" + name + "\""}})},
+                   std::string(name) + ": file = no gmsh mesh");
+    EXPECT_FALSE(fs::exists(folder.path() / "ran")) << name;
+  }
+  folder.write("layer.msh", layer_mesh("core"));
+  folder.write("layer.msh.opt", command);
+  solve({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\""}})});
+  EXPECT_FALSE(fs::exists(folder.path() / "ran"));
+}
+
+TEST_F(FemProgram, TouchesNoFileOfTheUsersHome) {
+  const TemporaryFolder home;
+  fs::create_directories(home.path() / ".fltk/fltk.org");
+  std::vector<fs::path> files;
+  for (const char* name : {".fltk/fltk.org/fltk.prefs", ".fltk/fltk.org/printers.prefs",
+                           ".gmsh-tmp", ".gmsh-errors", ".gmshrc", ".gmsh-options"})
+    files.push_back(home.write(name, "; mine\n[.]\n\nkey:1\n[./group]\n\nkey:2\n"));
+  const std::string content = file_text(files[0]);
+  const auto last_year = fs::last_write_time(files[0]) - std::chrono::hours(24 * 365);
+  for (const auto& file : files) fs::last_write_time(file, last_year);
+
+  start.environment.push_back("HOME=" + home.path().string());
+  solve({write_case(), "--output", (folder.path() / "vtu").string()});
+  std::size_t found = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(home.path()))
+    found += entry.is_regular_file();
+  EXPECT_EQ(found, files.size());
+  for (const auto& file : files) {
+    EXPECT_EQ(file_text(file), content) << file;
+    EXPECT_EQ(fs::last_write_time(file), last_year) << file;
+  }
+}
+
+TEST_F(FemProgram, NeverWaitsForAMeshThatIsAPipe) {
+  const std::string mu = "friction_coefficient = 0.8";
+  ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
+  expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"pipe\""}})}, "a pipe");
 }
 
 TEST_F(FemProgram, RefusesBadInputInOneLine) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "softfinger/input/errors.h"
@@ -70,6 +71,21 @@ TEST_F(Files, OfAFolderInUseAreLeftAlone) {
     }
   }
   const OutputFolder third(folder / "results");
+}
+
+TEST_F(Files, AreReadUpToTheirLimitAndNoFurther) {
+  const std::string content(1 << 20, 'x');
+  write_file_atomically(folder / "full", content);
+  EXPECT_EQ(read_text_file(folder / "full", 1 << 20), content);
+  write_file_atomically(folder / "larger", content + "x");
+  EXPECT_THROW(read_text_file(folder / "larger", 1 << 20), InputError);
+}
+
+TEST_F(Files, AreNeverWaitedFor) {
+  const fs::path pipe = folder / "pipe.toml";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const fs::path& path : {pipe, fs::path("/dev/zero")})
+    EXPECT_THROW(read_text_file(path), InputError) << path;
 }
 
 TEST_F(Files, NameTheFileThatCannotBeRead) {

@@ -21,4 +21,17 @@ TEST(NearestName, FindsTheKeyThatWasMeant) {
   EXPECT_EQ(nearest_name("poissons_ratio", known), "poisson_ratio");
 }
 
+TEST(NearestName, LooksAtTheBeginningOfAnEndlessWord) {
+  EXPECT_EQ(
+      nearest_name("thickness_" + std::string(1 << 24, 'm'), {"poisson_ratio", "thickness_mm"}),
+      "thickness_mm");
+}
+
+TEST(Shortened, CutsBetweenCharacters) {
+  EXPECT_EQ(shortened("short"), "short");
+  EXPECT_EQ(shortened("0123456789", 10), "0123456789");
+  EXPECT_EQ(shortened("0123456789x", 10), "0123456...");
+  EXPECT_EQ(shortened("012345\u00b5789x", 10), "012345...") << "not inside the two bytes of µ";
+}
+
 }  // namespace softfinger

@@ -1,6 +1,7 @@
 // The program as its users see it: exit status, what goes to which stream, names of keys.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,17 +20,17 @@ using nlohmann::json;
 
 namespace {
 
-/// A paraboloid z = -(x²/20 + y²/10)/2 of 21 x 21 points, in millimetres, with bumps of that
-/// height.
-std::string paraboloid_mesh(double bumps_mm) {
+/// A paraboloid z = -(x²/20 + y²/10)/2 of 21 x 21 points, in millimetres or units of `scale`
+/// millimetres, with bumps of that height.
+std::string paraboloid_mesh(double bumps_mm, double scale = 1) {
   std::ostringstream mesh;
   const int n = 20;
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j) {
       const double x = 0.4 * (i - n / 2), y = 0.4 * (j - n / 2);
-      mesh << "v " << x << " " << y << " "
-           << -(x * x / 20 + y * y / 10) / 2 + bumps_mm * std::sin(7.0 * i * i + 3.0 * j * j)
-           << "\n";
+      const double z =
+          -(x * x / 20 + y * y / 10) / 2 + bumps_mm * std::sin(7.0 * i * i + 3.0 * j * j);
+      mesh << "v " << x / scale << " " << y / scale << " " << z / scale << "\n";
     }
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
@@ -392,6 +393,46 @@ TEST_F(Program, FitsAMeshWithTheContractsKeys) {
       << "the choice is said: " << chosen.err;
 }
 
+TEST_F(Program, DoubtsTheUnitOfAMeshThatNoHandCouldHold) {
+  folder.write("metres.obj", paraboloid_mesh(0, 1000));
+  std::string text = case_text("example", "1e-8");
+  const std::string radii = "relative_radii_mm = [20.0, 10.0]";
+  text.replace(text.find(radii), radii.size(),
+               "finger = { mesh = \"metres.obj\", point_mm = [0, 0, 0] }\n"
+               "object = { radii_mm = [inf, inf] }");
+  const std::string file = folder.write("mesh.toml", text).string();
+  const std::string doubt =
+      "metres.obj: the surface is 0.0114 mm across, read in mm; in m it would be 11.4 mm: unit = "
+      "\"m\"?";
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"fit", "metres.obj", "--point", "0,0,0"},
+                                             {"predict", file},
+                                             {"select", file, "--tolerance", "0.5"},
+                                             {"export", file, "--to", "mujoco"},
+                                             {"fem", file},
+                                             {"compare", file, "--output", "out"}}) {
+    const ProgramRun result = run(command);
+    EXPECT_NE(result.err.find(doubt), std::string::npos) << command[0] << ": " << result.err;
+    EXPECT_NE(result.status, 2) << command[0] << ": " << result.err;
+  }
+  EXPECT_EQ(run({"predict", file}).status, 0);
+
+  const auto said = [&](double scale, const std::string& unit) {
+    folder.write("mesh.obj", paraboloid_mesh(0, scale));
+    return run({"fit", "mesh.obj", "--point", "0,0,0", "--unit", unit}).err;
+  };
+  EXPECT_NE(said(4, "m").find("in mm it would be 2.84 mm: unit = \"mm\"?"), std::string::npos);
+  EXPECT_NE(said(0.004, "mm").find("across, read in mm: is the unit right?"), std::string::npos);
+  for (const std::string& fine : {said(1, "mm"), said(1000, "m"), said(0.02, "mm")})
+    EXPECT_EQ(fine.find("across"), std::string::npos) << fine;
+}
+
+TEST_F(Program, NeverWaitsForACaseThatIsAPipe) {
+  const std::string pipe = (folder.path() / "pipe.toml").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_refusal({"predict", pipe}, "a regular file");
+}
+
 TEST_F(Program, RunsTheFiniteElementsAsAProcess) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 5.0]"));
   const ProgramRun result = run({"fem", file.string(), "--output", "vtu", "--json"});
@@ -494,6 +535,62 @@ TEST_F(Program, RefusesDamagedContactProblems) {
   expect_refusal({"lcp", with("softlcp 1", "softlcp 2")}, "softlcp");
   expect_refusal({"lcp", with("q4", "q5")}, "q4");
   expect_refusal({"lcp", "missing.txt"}, "missing.txt");
+  expect_refusal({"lcp", with("q4", "nb 100000\nq4")}, "one line with this key");
+}
+
+TEST_F(Program, SaysInWordsThatAContactProblemIsNotSolved) {
+  std::string text = contact_problem_text();
+  text.replace(text.find("-0.05"), 5, "-1e308");
+  text.replace(text.find("3 5 1"), 5, "3 5 1e140");
+  const auto result = run({"lcp", folder.write("step.txt", text).string()});
+  if (result.status == 3)
+    EXPECT_NE(result.err.find("step.txt: not solved"), std::string::npos) << result.err;
+  else
+    EXPECT_EQ(result.status, 0);
+}
+
+TEST_F(Program, LetsNoFileCommandTheTerminal) {
+  // Escape, C1 as UTF-8, right-to-left override.
+  const std::string hostile = "\\u001b[31m\\u009b\\u202e";
+  const std::string shown = "\\x1b[31m\\u009b\\u202e";
+  std::string text = case_text();
+  text.replace(text.find("thickness_mm = "), 15, "thickness_mm = \"" + hostile + "\" # ");
+  const auto file = folder.write("case.toml", text).string();
+  const auto refused = run({"predict", file});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find(shown), std::string::npos) << refused.err;
+  EXPECT_EQ(refused.err.find('\x1b'), std::string::npos);
+  EXPECT_EQ(run({"predict", "\x1b[2J.toml"}).err.find('\x1b'), std::string::npos);
+  EXPECT_EQ(run({"\x1b[2J"}).err.find('\x1b'), std::string::npos);
+
+  const std::string sublayer = "thickness_mm = 1\nyoungs_modulus_kPa = 100\npoisson_ratio = 0.4\n";
+  text =
+      "id = \"x\"\n[geometry]\nrelative_radii_mm = [20, 5]\n[[layer]]\nname = \"\u009b\u202e\"\n" +
+      sublayer + "[[layer]]\n" + sublayer + "[contact]\nload_N = 1\nfriction_coefficient = 1\n";
+  const auto table = run({"predict", folder.write("layers.toml", text).string()});
+  EXPECT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("\\u009b\\u202e"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("\u202e"), std::string::npos);
+}
+
+TEST_F(Program, GivesNoTorqueThatIsTooSmallForANumber) {
+  for (const char* load : {"1e-300", "1e-310"})
+    for (const char* rule : {"exact", "paper"}) {
+      const auto file = folder.write("case.toml", case_text("tiny", load)).string();
+      const auto result = run({"predict", file, "--json", "--torque-rule", rule});
+      if (result.status == 2) continue;  // a denormal load
+      ASSERT_EQ(result.status, 0) << result.err;
+      const json answers = json::parse(result.out);
+      for (const json& answer : answers["results"]) {
+        EXPECT_TRUE(answer["max_torque_Nm"].is_null()) << answer;
+        EXPECT_FALSE(answer["valid"].get<bool>()) << answer;
+      }
+    }
+}
+
+TEST_F(Program, LimitsThePointsOfAllLimitSurfacesTogether) {
+  const auto file = folder.write("case.toml", case_text("example", "[1, 2, 3, 4, 5]")).string();
+  expect_refusal({"predict", file, "--limit-surface", "100000"}, "answers (loads times models)");
 }
 
 TEST_F(Program, PredictsWithAnErrorThatTheAtlasKnows) {

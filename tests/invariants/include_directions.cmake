@@ -19,7 +19,7 @@ endmacro()
 
 # The standard library's headers have neither folder nor suffix; what ends in .h is named singly.
 set(std "^[a-z_0-9]+$")
-set(posix "^(sys/[a-z]+|unistd|fcntl|malloc|signal|time|dirent)[.]h$")
+set(posix "^(sys/[a-z]+|unistd|fcntl|malloc|signal|time|dirent|dlfcn)[.]h$")
 set(eigen "^Eigen/")
 set(input "^softfinger/input/")
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
@@ -187,6 +190,42 @@ TEST_F(ReadSurface, NamesWhatIsNotAFile) {
   }
 }
 
+TEST_F(ReadSurface, NeverWaitsForWhatIsNoRegularFile) {
+  const std::string pipe = (folder_ / "pipe.stl").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(error_at(pipe).find("file = a pipe"), std::string::npos);
+  EXPECT_NE(error_at("/dev/zero").find("file = a device"), std::string::npos);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string socket_path = (folder_ / "socket").string();
+  socket_path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  EXPECT_NE(error_at(socket_path).find("file = a socket"), std::string::npos);
+  close(listener);
+}
+
+TEST_F(ReadSurface, OpensNoFileThatAnotherOneNames) {
+  // Whoever opened the pipe would wait here for ever: then the alarm ends the test.
+  ASSERT_EQ(mkfifo((folder_ / "pipe.mtl").c_str(), 0600), 0);
+  const std::string absolute = "mtllib " + (folder_ / "pipe.mtl").string() + "\n";
+  const std::string square = kObj.substr(kObj.find("v 0"));
+  alarm(20);
+  for (const std::string& line :
+       {absolute, std::string("mtllib pipe.mtl\nusemtl a\n"), "mtllib \\\n" + absolute.substr(7)})
+    expect_square(read_surface(file("a.obj", line + square), 1e-3));
+  alarm(0);
+}
+
+TEST_F(ReadSurface, RefusesWhatIsTooLarge) {
+  const std::string large = file("large.stl", binary_stl({kOne}));
+  fs::resize_file(large, kLargestSurface_bytes + 1);  // takes no room on the disk
+  EXPECT_NE(error_at(large).find("file size = 1000000001"), std::string::npos);
+  std::string many = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+  for (int corner = 0; corner < 10'001; ++corner) many += " 1";
+  EXPECT_ERROR(".obj:4: face = 10001 corners: allowed: 3 to 10000", "many.obj", many + "\n");
+}
+
 TEST_F(ReadSurface, NamesWhatIsNotAMesh) {
   EXPECT_ERROR("not a mesh", "note.stl", "dear reader,\nthis is a letter\n");
   EXPECT_ERROR("not a mesh", "note.txt", "dear reader");
@@ -265,6 +304,15 @@ TEST_F(ReadSurface, ReadsBackWhatItWrites) {
   expect_square(read_surface(path, 1e-3));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2)
       << "no temporary file is left";
+}
+
+TEST_F(ReadSurface, WritingFollowsNoLinkThatSomeoneHasPutThere) {
+  const auto square = read_surface(file("a.obj", kObj), 1e-3);
+  const std::string victim = file("victim", "mine"), path = (folder_ / "out.stl").string();
+  fs::create_symlink(victim, path + ".part" + std::to_string(::getpid()));
+  write_stl_mm(square.surface, path);
+  EXPECT_EQ(fs::file_size(victim), 4u);
+  expect_square(read_surface(path, 1e-3));
 }
 
 TEST_F(ReadSurface, WritingLeavesNothingHalfWritten) {

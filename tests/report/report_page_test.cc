@@ -13,7 +13,9 @@
 #include "comparisons/report/html.h"
 #include "comparisons/report/scoring.h"
 #include "comparisons/report/select_page.h"
+#include "comparisons/report/sweep_page.h"
 #include "sample_report.h"
+#include "sample_sweep.h"
 
 namespace softfinger::comparisons {
 namespace {
@@ -267,7 +269,8 @@ struct RenderedPage {
 std::vector<RenderedPage> all_pages() {
   return {{tests::sample_report(), render_report, "cases"},
           {tests::sample_selection(), render_selection, "choices"},
-          {tests::sample_survey(), render_extremes, "models"}};
+          {tests::sample_survey(), render_extremes, "models"},
+          {tests::sweep_with_fem(), render_sweep, "rows"}};
 }
 
 TEST(EveryPage, SurvivesAnythingMissingAndLetsNothingOut) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "comparisons/report/extremes_page.h"
+#include "comparisons/report/page.h"
 #include "comparisons/report/report_page.h"
 #include "comparisons/report/select_page.h"
 #include "framed_page.h"
@@ -30,6 +31,27 @@ page.querySelectorAll('.plot svg').forEach((chart) => {
 });
 )";
 
+/// A page into which a text has slipped without having been escaped.
+std::string injected_page() {
+  softfinger::comparisons::Page page;
+  page.title = "Injected";
+  page.data = "{}";
+  page.body =
+      "<script>document.documentElement.dataset.injected = 'yes';</script>"
+      "<img src=\"https://example.org/a.png\" alt=\"\">"
+      "<link rel=\"stylesheet\" href=\"https://example.org/a.css\">"
+      "<svg onload=\"document.documentElement.dataset.injected = 'yes'\"></svg>";
+  page.scripts = {softfinger::comparisons::embedded::d3_js,
+                  softfinger::comparisons::embedded::plot_js,
+                  softfinger::comparisons::embedded::charts_js};
+  const std::string html = render_page(page);
+  const std::size_t root = html.find("<html ");
+  return html.substr(0, root) +
+         "<html data-injected=\"no\" data-overflow=\"false\" "
+         "data-charts-expected=\"0\" data-charts-drawn=\"0\" " +
+         html.substr(root + 6);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -43,7 +65,8 @@ int main(int argc, char** argv) try {
   for (const auto& [name, page] : {std::pair{"sample", render_report(sample_report())},
                                    std::pair{"large", render_report(large_report(20))},
                                    std::pair{"selection", render_selection(sample_selection())},
-                                   std::pair{"extremes", render_extremes(sample_survey())}}) {
+                                   std::pair{"extremes", render_extremes(sample_survey())},
+                                   std::pair{"injected", injected_page()}}) {
     write_page(folder + "/" + name + "_desktop.html", page);
     write_page(folder + "/" + name + "_phone.html", framed_page(page, 390, 844, kReader));
   }

@@ -115,6 +115,64 @@ TEST_F(SceneProgram, RefusesTheInputOfTheIssueWithOneLine) {
                  {"\"ball\""});
 }
 
+TEST_F(SceneProgram, RefusesMoreThanASceneMayHold) {
+  const std::string good = kHead + kBall + kJoint;
+  const auto repeated = [](const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i) all += text;
+    return all;
+  };
+  const std::string copies = "copies = { count = [10, 10, 10], spacing_mm = [30, 30, 30] }\n";
+  expect_refusal(good + "[[body]]\nname = \"more\"\nmass_g = 1\n" + copies +
+                     "shapes = [{ sphere_radius_mm = 1 }]\n",
+                 21, {"more", "at most 1000 bodies in a scene, copies counted"});
+  expect_refusal(kHead + repeated("[[body]]\nname = \"a\"\n", 1000), 5,
+                 {"[[body]] = 1001 entries", "at most 1000"});
+  expect_refusal(with(good, "[{ sphere_radius_mm = 10 }]",
+                      "[" + repeated("{ sphere_radius_mm = 10 },", 101) + "]"),
+                 13, {"shapes = 101 entries", "at most 100"});
+  expect_refusal(good + repeated("[[layer]]\n", 101), 20, {"[[layer]] = 101 entries", "100"});
+  expect_refusal(good + repeated("[[joint]]\n", 1000), 14, {"[[joint]] = 1001 entries", "1000"});
+  expect_refusal(good + repeated("[[motor]]\n", 1001), 20, {"[[motor]] = 1001 entries", "1000"});
+  expect_refusal(good + repeated("[[force]]\n", 1001), 20, {"[[force]] = 1001 entries", "1000"});
+  expect_refusal(good + repeated("[[contact]]\n", 1001), 20, {"[[contact]] = 1001 entries"});
+  const std::string motor = "[[motor]]\njoint = \"rail\"\n";
+  expect_refusal(good + motor + "effort_N = [1]\ntime_s = [" + repeated("1,", 10001) + "]\n", 23,
+                 {"time_s = 10001 entries", "at most 10000"});
+  expect_refusal(with(good, "duration_s = 0.05",
+                      "duration_s = 1\ngravity_time_s = [0]\ngravity_m_per_s2 = [" +
+                          repeated("[0, 0, 1],", 10001) + "]"),
+                 6, {"gravity_m_per_s2 = 10001 entries"});
+  expect_refusal(good + "[[contact]]\nbodies = [\"ball\", \"*\"]\nmodel = \"table\"\n" +
+                     "eccentricity_table = { loads_N = [1, 2], eccentricity_mm = [" +
+                     repeated("1,", 1001) + "] }\n",
+                 23, {"eccentricity_mm = 1001 entries", "at most 1000"});
+  expect_refusal(with(good, "duration_s = 0.05", "duration_s = 1001"), 4,
+                 {"at most 1000000 steps"});
+  expect_refusal(with(with(good, "duration_s = 0.05", "duration_s = 1000"), "mass_g = 100\n",
+                      "mass_g = 100\ncopies = { count = [5, 1, 1], spacing_mm = [30, 0, 0] }\n"),
+                 4, {"steps times bodies of at most 5000000"});
+}
+
+TEST_F(SceneProgram, RefusesNamesThatAreNoNames) {
+  const std::string good = kHead + kBall + kJoint;
+  const auto named = [&](const std::string& name) { return with(good, "\"ball\"", name); };
+  expect_refusal(named("\"\""), 10, {"name", "1 to 100 bytes"});
+  expect_refusal(named("\"" + std::string(101, 'x') + "\""), 10, {"name", "1 to 100 bytes"});
+  expect_refusal(named("\"a\\u001b[31mb\""), 10, {"name", "\\x1b", "control characters"});
+  expect_refusal(named("\"two\\nlines\""), 10, {"name", "control characters"});
+  expect_refusal(with(good, "\"rail\"", "\"\""), 15, {"name", "1 to 100 bytes"});
+}
+
+TEST_F(SceneProgram, QuotesNamesInItsTables) {
+  std::string text = with(kHead + kBall, "\"ball\"", "\"ball, \\\"red\\\"\"");
+  const std::string file = folder.write("scene.toml", text).string();
+  ASSERT_EQ(run({"simulate", file, "--output", (folder.path() / "out").string()}).status, 0);
+  const auto rows = lines(file_text(folder.path() / "out" / "contacts.csv"));
+  ASSERT_GT(rows.size(), 1u);
+  EXPECT_NE(rows[1].find(",floor,\"ball, \"\"red\"\"\","), std::string::npos) << rows[1];
+}
+
 TEST_F(SceneProgram, RefusesRingsAndSecondParents) {
   const std::string second =
       with(with(kBall, "\"ball\"", "\"other\""), "[0, 0, 10]", "[50, 0, 10]");

@@ -60,7 +60,10 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
   double worst = 0;
-  const auto add = [&worst](double value) { worst = std::max(worst, std::abs(value)); };
+  const auto add = [&worst](double value) {
+    worst = std::max(worst, std::abs(value));
+    if (std::isnan(value)) worst = std::numeric_limits<double>::infinity();
+  };
   const auto over = [](double value, double unit) { return unit > 0 ? value / unit : value; };
   for (int i = 0; i < nc; ++i) {
     const double normal = solution.impulse[4 * i];

@@ -39,7 +39,7 @@ struct RelativeRadii {
 
 struct ContactLoad {
   double normal_force_N = 0;        ///< P > 0
-  double friction_coefficient = 0;  ///< mu > 0
+  double friction_coefficient = 0;  ///< mu >= 0
 };
 
 /// Which modulus an elastic foundation gives a column of the layer.

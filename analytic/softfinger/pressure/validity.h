@@ -153,6 +153,12 @@ inline ValidityCheck first_range_violation(const ContactProblem& problem) noexce
     if (const auto violation = poisson_ratio_in_range(object.poisson_ratio); *violation.check)
       return violation;
   }
+  // Without friction there is no torque, which is an answer too.
+  const double mu = problem.load.friction_coefficient;
+  if (!(mu >= 0 && mu <= kLargest))
+    return {"friction_in_range", mu > kLargest ? kLargest : (mu < 0 ? std::max(mu, -kLargest) : -1),
+            0, mu > kLargest,
+            "no answer: the friction coefficient must be finite and not negative"};
   if (problem.radii.major_m < problem.radii.minor_m)
     return {"radii_ordered", std::min(problem.radii.minor_m / problem.radii.major_m, kLargest), 1,
             true, "no answer: R' must not be smaller than R''; x lies along the longer axis"};
@@ -173,9 +179,11 @@ inline ValidityCheck not_representable() noexcept {
           "input"};
 }
 
-/// `prediction` as it is if every number in it can be trusted, otherwise no answer: a result that
+/// `prediction` as it is if every number in it can be trusted, and the largest friction force and
+/// torque that follow from it with the problem's load; otherwise no answer: a result that
 /// overflowed, underflowed or lost digits to subnormal numbers is not passed on.
-inline Prediction finite_or_no_answer(const Prediction& prediction) noexcept {
+inline Prediction finite_or_no_answer(const Prediction& prediction,
+                                      const ContactProblem& problem) noexcept {
   const auto normal = [](double value) {
     return value >= std::numeric_limits<double>::min() &&
            value <= std::numeric_limits<double>::max();
@@ -184,6 +192,12 @@ inline Prediction finite_or_no_answer(const Prediction& prediction) noexcept {
       normal(prediction.a_m) && normal(prediction.b_m) && normal(prediction.area_m2()) &&
       normal(prediction.indentation_m) && normal(prediction.peak_pressure_Pa) &&
       normal(prediction.torque_arm_exact_m) && normal(prediction.torque_arm_paper_m);
+  if (problem.load.friction_coefficient > 0) {
+    const double max_force_N = problem.load.friction_coefficient * problem.load.normal_force_N;
+    representable = representable && normal(max_force_N) &&
+                    normal(max_force_N * prediction.torque_arm_exact_m) &&
+                    normal(max_force_N * prediction.torque_arm_paper_m);
+  }
   for (const ValidityCheck& check : prediction.validity)
     representable = representable && std::isfinite(check.value) && std::isfinite(check.limit);
   return representable ? prediction : no_answer(not_representable());

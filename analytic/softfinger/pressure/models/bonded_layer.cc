@@ -108,7 +108,7 @@ class BondedLayer final : public PressureModel {
          "are used, without a stated error"});
     prediction.validity.add(small_slope_check(prediction, problem.radii));
     prediction.validity.add(small_strain_check(contact.indentation_m / problem.layer.thickness_m));
-    return finite_or_no_answer(prediction);
+    return finite_or_no_answer(prediction, problem);
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,

@@ -88,7 +88,7 @@ class FiniteStrainLayer final : public PressureModel {
         {"round_contact", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300), 1.67,
          true,
          "the correction was judged on R'/R'' up to 5/3; longer contacts have no stated error"});
-    return finite_or_no_answer(prediction);
+    return finite_or_no_answer(prediction, problem);
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,

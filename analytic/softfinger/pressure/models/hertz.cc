@@ -61,7 +61,7 @@ class Hertz final : public PressureModel {
           thick_layer_check(prediction, problem.object_layer, "thick_object_layer"));
     prediction.validity.add(small_slope_check(prediction, problem.radii));
     prediction.validity.add(small_strain_check(prediction, problem, finger_m2, object_m2));
-    return finite_or_no_answer(prediction);
+    return finite_or_no_answer(prediction, problem);
   }
 
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,

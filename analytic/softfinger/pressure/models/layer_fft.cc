@@ -135,7 +135,7 @@ class LayerFft final : public PressureModel {
       Prediction prediction = to_prediction(contact);
       prediction.validity.add(small_slope_check(prediction, problem.radii));
       prediction.validity.add(strain_check(contact, problem));
-      return finite_or_no_answer(prediction);
+      return finite_or_no_answer(prediction, problem);
     } catch (...) {
       // What is left after the checks above: a layer far thinner than a cell, numbers that
       // overflow, no memory.
@@ -179,6 +179,7 @@ GapPrediction predict_layer_fft(const GapFunction& gap_m, const GapWindow& windo
        "the surfaces are steep against each other at the contact's edge, where a vertical pressure "
        "does not describe them; the torque is underestimated"});
   result.prediction.validity.add(models::strain_check(result.contact, problem));
+  result.prediction = finite_or_no_answer(result.prediction, problem);
   return result;
 }
 

@@ -108,7 +108,7 @@ class LayerFredholm final : public PressureModel {
               ? thin_object_check(contact.indentation_m /
                                   (problem.layer.thickness_m + problem.object_layer.thickness_m))
               : small_strain_check(prediction, problem.layer));
-      return finite_or_no_answer(prediction);
+      return finite_or_no_answer(prediction, problem);
     } catch (const std::exception&) {  // memory only: predict() must not throw
       return no_answer(not_representable());
     }

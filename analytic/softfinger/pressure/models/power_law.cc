@@ -86,7 +86,7 @@ class PowerLawContact final : public PressureModel {
     prediction.validity.add(round_contact_check(problem.radii));
     prediction.validity.add(elastic_exponent_check(law));
     prediction.validity.add(small_slope_check(prediction, problem.radii));
-    return finite_or_no_answer(prediction);
+    return finite_or_no_answer(prediction, problem);
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,

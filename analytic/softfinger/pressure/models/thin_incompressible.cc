@@ -95,7 +95,7 @@ class ThinIncompressible final : public PressureModel {
         incompressible_check(prediction, columns_per_Pa, h * (compliance_per_Pa / 3) * h));
     prediction.validity.add(small_slope_check(prediction, problem.radii));
     prediction.validity.add(small_strain_check(prediction, problem, finger_per_Pa, object_per_Pa));
-    return finite_or_no_answer(prediction);
+    return finite_or_no_answer(prediction, problem);
   }
 
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,

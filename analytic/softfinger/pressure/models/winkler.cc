@@ -81,7 +81,7 @@ class Winkler final : public PressureModel {
       if (two_layers) confined += object.thickness_m / object.oedometric_modulus_Pa();
       prediction.validity.add(youngs_modulus_check(compliance, confined));
     }
-    return finite_or_no_answer(prediction);
+    return finite_or_no_answer(prediction, problem);
   }
 
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,

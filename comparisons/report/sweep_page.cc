@@ -1,0 +1,642 @@
+#include "sweep_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "atlas_sections.h"
+#include "chart_data.h"
+#include "comparisons/simulation/base64.h"
+#include "embedded.h"
+#include "page.h"
+#include "scoring.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+using simulation::base64;
+using simulation::bytes_of;
+
+constexpr const char* kSpace = "\u00a0";
+constexpr std::size_t kRowsOfTable = 50, kReasons = 10;
+
+struct Quantity {
+  const char* name;
+  const char* column;  ///< of results.csv, after the model's name
+  const char* words;
+  const char* unit;
+  double factor;  ///< from SI
+};
+constexpr std::array<Quantity, 6> kQuantities{
+    {{"a", "a_m", "a", "mm", 1e3},
+     {"b", "b_m", "b", "mm", 1e3},
+     {"indentation", "indentation_m", "approach d", "mm", 1e3},
+     {"peak_pressure", "peak_pressure_Pa", "peak pressure", "kPa", 1e-3},
+     {"area", "area_m2", "area", "mm²", 1e6},
+     {"max_torque", "max_torque_Nm", "largest torque", "mN·m", 1e3}}};
+constexpr std::size_t kArea = 4, kTorque = 5;
+
+std::string with_unit(const std::string& number, const std::string& unit) {
+  return unit.empty() ? number : number + kSpace + unit;
+}
+
+/// "1 to 3 mm", or "1 mm" where nothing varies.
+std::string range_text(double least, double largest, const std::string& unit) {
+  const std::string from = significant(least, 3), to = significant(largest, 3);
+  return with_unit(from == to ? from : from + " to " + to, unit);
+}
+
+std::string listed(const std::vector<std::string>& parts) {
+  std::string out;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return out;
+}
+
+std::string grouped(double count) {
+  std::string digits = fmt::format("{:.0f}", count);
+  for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, ",");
+  return digits;
+}
+
+std::string count_text(double count, const char* one, const char* many) {
+  return grouped(count) + kSpace + (count == 1 ? one : many);
+}
+
+/// A swept key in words, not escaped: `layer.thickness_mm` -> thickness, mm.
+struct KeyName {
+  std::string words, unit;
+};
+KeyName key_name(const std::string& key) {
+  static const std::map<std::string, KeyName> kKnown{
+      {"relative_radii_mm[0]", {"R′", "mm"}},
+      {"relative_radii_mm[1]", {"R″", "mm"}},
+      {"youngs_modulus_kPa", {"Young’s modulus", "kPa"}},
+      {"poisson_ratio", {"Poisson’s ratio", ""}},
+      {"angle_deg", {"angle", "°"}}};
+  static const std::array<const char*, 8> kUnits{"mm", "kPa", "MPa", "N", "m", "Pa", "deg", "rad"};
+  std::string words = key.substr(key.rfind('.') + 1);
+  if (const auto known = kKnown.find(words); known != kKnown.end()) return known->second;
+  std::string index, unit;
+  if (const std::size_t bracket = words.find('['); bracket != std::string::npos) {
+    index = " " + words.substr(bracket);
+    words.resize(bracket);
+  }
+  const std::size_t last = words.rfind('_');
+  if (last != std::string::npos &&
+      std::find(kUnits.begin(), kUnits.end(), words.substr(last + 1)) != kUnits.end()) {
+    unit = words.substr(last + 1);
+    words.resize(last);
+  }
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return {words + index, unit};
+}
+
+/// The rows by column, numbers that are missing as NaN.
+class Columns {
+ public:
+  explicit Columns(const Json& sweep) : rows_(child(sweep, "rows")) {
+    for (const Json& name : child(sweep, "columns"))
+      names_.push_back(name.is_string() ? name.get<std::string>() : std::string());
+  }
+
+  std::size_t rows() const { return rows_.size(); }
+
+  bool has(const std::string& name) const { return index(name) < names_.size(); }
+
+  std::vector<double> numbers(const std::string& name) const {
+    std::vector<double> values(rows(), NAN);
+    const std::size_t column = index(name);
+    for (std::size_t row = 0; row < rows(); ++row)
+      values[row] = element(rows_[row], column).value_or(NAN);
+    return values;
+  }
+
+  std::vector<std::string> texts(const std::string& name) const {
+    std::vector<std::string> values(rows());
+    const std::size_t column = index(name);
+    for (std::size_t row = 0; row < rows(); ++row)
+      if (rows_[row].is_array() && column < rows_[row].size() && rows_[row][column].is_string())
+        values[row] = rows_[row][column].get<std::string>();
+    return values;
+  }
+
+ private:
+  std::size_t index(const std::string& name) const {
+    return std::find(names_.begin(), names_.end(), name) - names_.begin();
+  }
+
+  const Json& rows_;
+  std::vector<std::string> names_;
+};
+
+/// What an axis of the picture can be: a swept key, or the load.
+struct Variable {
+  std::string key, words, unit;  ///< not escaped
+  bool log = false;
+  double count = 0, least = NAN, largest = NAN;
+  std::vector<double> values;  ///< of each row
+};
+
+/// A model's answers, or the finite elements', in the units of `kQuantities`.
+struct Source {
+  std::string name, title;
+  std::array<std::vector<double>, kQuantities.size()> values;
+  std::array<std::vector<double>, kQuantities.size()>
+      errors;  ///< relative; of finite elements only
+  std::vector<std::uint8_t> valid;
+
+  bool answers(std::size_t row) const {
+    for (const std::vector<double>& quantity : values)
+      if (std::isfinite(quantity[row])) return true;
+    return false;
+  }
+};
+
+/// What the page is made of.
+struct Table {
+  std::vector<Variable> variables;
+  std::vector<Source> models;
+  std::vector<Source> fem;  ///< one or none
+  std::vector<double> points, loads_N;
+  std::vector<double> friction_coefficient;  ///< empty where it is not known
+  std::vector<std::string> failures;
+  std::size_t rows = 0;
+};
+
+Source source_of(const Columns& columns, const std::string& name) {
+  Source source;
+  source.name = name;
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    source.values[i] = columns.numbers(name + "_" + kQuantities[i].column);
+    for (double& value : source.values[i]) value *= kQuantities[i].factor;
+  }
+  for (const std::string& word : columns.texts(name + "_valid"))
+    source.valid.push_back(word == "yes");
+  return source;
+}
+
+/// Then the load of a row is the key's value, not one of a list beside it.
+bool sweeps_load(const Json& sweep) {
+  for (const Json& key : child(sweep, "keys"))
+    if (text(key, "key").rfind("contact.load_N", 0) == 0) return true;
+  return false;
+}
+
+Table table_of(const Json& sweep) {
+  const Columns columns(sweep);
+  Table table;
+  table.rows = columns.rows();
+  table.points = columns.numbers("point");
+  table.failures = columns.texts("failure");
+  std::map<std::string, int> uses;
+  for (const Json& key : child(sweep, "keys")) {
+    Variable variable;
+    variable.key = text(key, "key");
+    const KeyName name = key_name(variable.key);
+    variable.words = name.words;
+    variable.unit = name.unit;
+    variable.log = flag(key, "log");
+    variable.count = number(key, "count").value_or(0);
+    variable.least = number(key, "least").value_or(NAN);
+    variable.largest = number(key, "largest").value_or(NAN);
+    variable.values = columns.numbers(variable.key);
+    ++uses[variable.words];
+    table.variables.push_back(std::move(variable));
+  }
+  // "radii" of the finger and of the object: only the whole key tells them apart.
+  for (Variable& variable : table.variables)
+    if (uses[variable.words] > 1) variable.words = variable.key;
+  table.loads_N = columns.numbers("load_N");
+  if (!sweeps_load(sweep)) {
+    Variable load;
+    load.key = "load_N";
+    load.words = "load";
+    load.unit = "N";
+    load.values = table.loads_N;
+    table.variables.push_back(std::move(load));
+  }
+  for (const Json& model : child(sweep, "models")) {
+    const std::string name = text(model, "name");
+    if (name.empty()) continue;
+    table.models.push_back(source_of(columns, name));
+    table.models.back().title = text(model, "title");
+  }
+  if (flag(sweep, "fem")) {
+    Source fem = source_of(columns, "fem");
+    for (std::size_t i = 0; i < kQuantities.size(); ++i)
+      fem.errors[i] = columns.numbers(std::string("fem_error_") + kQuantities[i].name);
+    std::fill(fem.valid.begin(), fem.valid.end(), std::uint8_t{1});
+    table.fem.push_back(std::move(fem));
+  }
+  if (columns.has("contact.friction_coefficient"))
+    table.friction_coefficient = columns.numbers("contact.friction_coefficient");
+  else if (const auto friction = number(sweep, "friction_coefficient"))
+    table.friction_coefficient.assign(table.rows, *friction);
+  return table;
+}
+
+/// The first that calls itself valid somewhere, else the first with any answer.
+const Source* first_usable(const Table& table) {
+  const Source* answering = nullptr;
+  for (const Source& model : table.models)
+    for (std::size_t row = 0; row < table.rows; ++row) {
+      if (!model.answers(row)) continue;
+      if (model.valid[row]) return &model;
+      if (!answering) answering = &model;
+    }
+  return answering;
+}
+
+struct Range {
+  double least = INFINITY, largest = -INFINITY;
+  std::size_t count = 0;
+};
+Range range_of(const std::vector<double>& values) {
+  Range range;
+  for (const double value : values)
+    if (std::isfinite(value)) {
+      range.least = std::min(range.least, value);
+      range.largest = std::max(range.largest, value);
+      ++range.count;
+    }
+  return range;
+}
+
+/// |model - FEM| / FEM of one row; NaN where one of them has no answer.
+double deviation(const Table& table, const Source& model, std::size_t quantity, std::size_t row) {
+  const double reference = table.fem[0].values[quantity][row];
+  return std::abs(model.values[quantity][row] / reference - 1);
+}
+
+struct Deviations {
+  double median = NAN, worst = NAN;
+  std::size_t count = 0;
+};
+Deviations deviations_of(std::vector<double> errors) {
+  Deviations out;
+  errors.erase(std::remove_if(errors.begin(), errors.end(), [](double e) { return std::isnan(e); }),
+               errors.end());
+  out.count = errors.size();
+  if (errors.empty()) return out;
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  out.median = *middle;
+  if (errors.size() % 2 == 0)
+    out.median = (out.median + *std::max_element(errors.begin(), middle)) / 2;
+  out.worst = *std::max_element(middle, errors.end());
+  return out;
+}
+
+/// The larger one of area and torque, by which the project's verdicts judge.
+double score_of(const Table& table, const Source& model, std::size_t row) {
+  const double area = deviation(table, model, kArea, row);
+  const double torque = deviation(table, model, kTorque, row);
+  return std::isnan(area) || std::isnan(torque) ? NAN : std::max(area, torque);
+}
+
+std::size_t rows_with_fem(const Table& table) {
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < table.rows; ++row)
+    count += std::isfinite(table.fem[0].values[kArea][row]) &&
+             std::isfinite(table.fem[0].values[kTorque][row]);
+  return count;
+}
+
+std::string finding_with_fem(const Table& table) {
+  const std::size_t compared = rows_with_fem(table);
+  const Source* best = nullptr;
+  Deviations of_best;
+  double least = INFINITY;
+  for (const Source& model : table.models) {
+    std::vector<double> errors;
+    for (std::size_t row = 0; row < table.rows; ++row)
+      errors.push_back(score_of(table, model, row));
+    const Deviations found = deviations_of(errors);
+    if (found.count == 0) continue;
+    // A row without an answer is infinitely far off: who answers little must not look best.
+    errors.erase(
+        std::remove_if(errors.begin(), errors.end(), [](double e) { return std::isnan(e); }),
+        errors.end());
+    errors.resize(compared, INFINITY);
+    const double median = deviations_of(errors).median;
+    if (best && median >= least) continue;
+    best = &model;
+    of_best = found;
+    least = median;
+  }
+  if (!best) return "";
+  return fmt::format(
+      "Closest to the finite elements is {}: area and torque are off by {} in the median and {} at "
+      "worst (over {} of the {} with finite elements).",
+      escape(label(best->name)), percent(of_best.median), percent(of_best.worst),
+      grouped(double(of_best.count)), count_text(double(compared), "row", "rows"));
+}
+
+std::string finding_of_models(const Table& table) {
+  const Source* model = first_usable(table);
+  if (!model) return "No model has an answer.";
+  std::size_t answered = 0, valid = 0;
+  for (std::size_t row = 0; row < table.rows; ++row)
+    if (model->answers(row)) {
+      ++answered;
+      valid += model->valid[row];
+    }
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < kQuantities.size(); ++i)
+    if (const Range range = range_of(model->values[i]); range.count > 0)
+      parts.push_back(std::string(kQuantities[i].words) + " " +
+                      range_text(range.least, range.largest, kQuantities[i].unit));
+  return fmt::format("By {}: {}; it calls itself valid in {} of {}.", escape(label(model->name)),
+                     listed(parts), grouped(double(valid)),
+                     count_text(double(answered), "row", "rows"));
+}
+
+std::string loads_text(const Json& sweep) {
+  const Json& loads = child(sweep, "loads_N");
+  std::vector<double> known;
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    if (const auto load = element(loads, i)) known.push_back(*load);
+  if (known.empty() || sweeps_load(sweep)) return "";
+  if (known.size() > 5) {
+    const auto [least, largest] = std::minmax_element(known.begin(), known.end());
+    return fmt::format(" at {} loads from {} to {}", known.size(), plain(*least), newton(*largest));
+  }
+  std::vector<std::string> parts;
+  for (const double load : known) parts.push_back(plain(load));
+  return " at " + listed(parts) + kSpace + "N";
+}
+
+std::string lead(const Json& sweep, const Table& table) {
+  std::vector<std::string> swept;
+  const double points = number(sweep, "points").value_or(0);
+  const bool single = child(sweep, "keys").size() == 1;
+  for (const Variable& variable : table.variables) {
+    if (variable.key == "load_N") continue;
+    std::string part = escape(variable.words);
+    if (std::isfinite(variable.least) && std::isfinite(variable.largest)) {
+      const std::string least = plain(variable.least), largest = plain(variable.largest);
+      part += " " +
+              with_unit(least == largest ? least : least + " to " + largest, escape(variable.unit));
+    }
+    // Of keys that change together, or at random, each has a value of its own in every point.
+    if (variable.count > 1 && (single || variable.count != points))
+      part += fmt::format(" ({}{})", count_text(variable.count, "value", "values"),
+                          variable.log ? ", log" : "");
+    swept.push_back(part);
+  }
+  const double all = number(sweep, "all_rows").value_or(double(table.rows));
+  const double failed = number(sweep, "failed").value_or(0);
+  std::string out = fmt::format(
+      "<p class=\"lead\"><span class=\"badge {}\">{}</span> {} {}{}: {}, {}; {} {} an answer, "
+      "{} failed.",
+      failed > 0 ? "mixed" : "good",
+      failed > 0 ? count_text(failed, "row failed", "rows failed") : "✓ no row failed",
+      swept.empty() ? "Nothing was swept" : "Swept were", listed(swept), loads_text(sweep),
+      count_text(points, "point", "points"), count_text(all, "row", "rows"),
+      count_text(std::max(0., all - failed), "row", "rows"), all - failed == 1 ? "has" : "have",
+      grouped(failed));
+  const std::string against_fem = table.fem.empty() ? "" : finding_with_fem(table);
+  out += " " + (against_fem.empty() ? finding_of_models(table) : against_fem) + "</p>\n";
+  if (double(table.rows) < all)
+    out += fmt::format(
+        "<p class=\"facts\">{} of {} are drawn, evenly taken out; all are in "
+        "<code>results.csv</code>. The sentence above and the tables are over those drawn.</p>\n",
+        grouped(double(table.rows)), count_text(all, "row", "rows"));
+  return out;
+}
+
+std::string head_cell(const Quantity& quantity, const std::string& source = "") {
+  return fmt::format("<th scope=\"col\">{}<span class=\"unit\">{}</span>{}</th>", quantity.words,
+                     quantity.unit, source.empty() ? "" : "<small>" + source + "</small>");
+}
+
+std::string scrolled(const std::string& head, const std::string& rows) {
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
+}
+
+std::string name_cell(const Source& source) {
+  const std::string name = label(source.name);
+  return "<th scope=\"row\">" + escape(name) +
+         (source.title.empty() || source.title == name
+              ? ""
+              : "<small class=\"about\">" + escape(source.title) + "</small>") +
+         "</th>";
+}
+
+std::string ranges_section(const Table& table) {
+  std::string head =
+      "<th scope=\"col\">model</th><th scope=\"col\">rows with an answer</th><th "
+      "scope=\"col\">of these valid</th>";
+  for (const Quantity& quantity : kQuantities) head += head_cell(quantity);
+  std::string rows;
+  const auto add = [&](const Source& source, bool is_fem) {
+    std::size_t answered = 0, valid = 0;
+    for (std::size_t row = 0; row < table.rows; ++row)
+      if (source.answers(row)) {
+        ++answered;
+        valid += source.valid[row];
+      }
+    rows += (is_fem ? "<tr class=\"fem\">" : "<tr>") + name_cell(source) +
+            fmt::format("<td>{}</td><td>{}</td>", grouped(double(answered)),
+                        is_fem ? "" : grouped(double(valid)));
+    for (const std::vector<double>& values : source.values) {
+      const Range range = range_of(values);
+      rows += "<td>" +
+              (range.count == 0 ? "–" : range_text(range.least, range.largest, std::string())) +
+              "</td>";
+    }
+    rows += "</tr>\n";
+  };
+  for (const Source& fem : table.fem) add(fem, true);
+  for (const Source& model : table.models) add(model, false);
+  return "<h2 id=\"ranges\">How far each quantity varies</h2>\n" + scrolled(head, rows);
+}
+
+std::string deviations_table(const Table& table, bool where_valid) {
+  std::string head = "<th scope=\"col\">model</th><th scope=\"col\">rows compared</th>";
+  for (const Quantity& quantity : kQuantities)
+    head += fmt::format("<th scope=\"col\">{}</th>", quantity.words);
+  std::string rows;
+  for (const Source& model : table.models) {
+    std::size_t compared = 0;
+    std::string cells;
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      std::vector<double> errors;
+      for (std::size_t row = 0; row < table.rows; ++row)
+        if (!where_valid || model.valid[row]) errors.push_back(deviation(table, model, i, row));
+      const Deviations found = deviations_of(std::move(errors));
+      compared = std::max(compared, found.count);
+      cells += found.count == 0 ? "<td>–</td>"
+                                : "<td>" + percent(found.median) + "<small>" +
+                                      percent(found.worst) + "</small></td>";
+    }
+    rows += "<tr>" + name_cell(model) + fmt::format("<td>{}</td>", grouped(double(compared))) +
+            cells + "</tr>\n";
+  }
+  return scrolled(head, rows);
+}
+
+std::string deviations_section(const Table& table) {
+  if (table.fem.empty()) return "";
+  return "<h2 id=\"deviations\">How far the models are from the finite elements</h2>\n"
+         "<p class=\"facts\">|model − FEM| / FEM over the rows: the median, below it the "
+         "worst.</p>\n<h4>Where a model calls itself valid</h4>\n" +
+         deviations_table(table, true) + "<h4>Wherever it has an answer</h4>\n" +
+         deviations_table(table, false);
+}
+
+std::string failures_section(const Table& table) {
+  std::map<std::string, int> counts;
+  for (const std::string& failure : table.failures)
+    if (!failure.empty()) ++counts[failure];
+  if (counts.empty()) return "";
+  std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
+  std::stable_sort(reasons.begin(), reasons.end(),
+                   [](const auto& one, const auto& other) { return one.second > other.second; });
+  std::string items;
+  for (std::size_t i = 0; i < std::min(kReasons, reasons.size()); ++i)
+    items += "<li>" + count_text(reasons[i].second, "row", "rows") + ": " +
+             escape(reasons[i].first) + "</li>\n";
+  if (reasons.size() > kReasons)
+    items += fmt::format("<li>and {} other reasons, in <code>results.csv</code></li>\n",
+                         reasons.size() - kReasons);
+  return "<h2 id=\"failures\">Why rows failed</h2>\n<ul>" + items + "</ul>\n";
+}
+
+std::string rows_section(const Table& table) {
+  const std::size_t shown = std::min(kRowsOfTable, table.rows);
+  const bool any_failure =
+      std::any_of(table.failures.begin(), table.failures.begin() + std::ptrdiff_t(shown),
+                  [](const std::string& failure) { return !failure.empty(); });
+  std::vector<const Source*> sources;
+  for (const Source& fem : table.fem) sources.push_back(&fem);
+  for (const Source& model : table.models) sources.push_back(&model);
+  std::string head = "<th scope=\"col\">point</th>", rows;
+  for (const Variable& variable : table.variables)
+    head += "<th scope=\"col\">" + escape(variable.words) + "<span class=\"unit\">" +
+            escape(variable.unit) + "</span></th>";
+  for (const Source* source : sources) {
+    const std::string name = escape(label(source->name));
+    for (const Quantity& quantity : kQuantities) head += head_cell(quantity, name);
+    if (source->name != "fem") head += "<th scope=\"col\">valid<small>" + name + "</small></th>";
+  }
+  if (any_failure) head += "<th scope=\"col\" class=\"words\">failure</th>";
+  for (std::size_t row = 0; row < shown; ++row) {
+    rows += "<tr><th scope=\"row\">" +
+            (std::isfinite(table.points[row]) ? fmt::format("{:.0f}", table.points[row]) : "–") +
+            "</th>";
+    for (const Variable& variable : table.variables)
+      rows += "<td>" + (std::isfinite(variable.values[row]) ? plain(variable.values[row]) : "–") +
+              "</td>";
+    for (const Source* source : sources) {
+      for (const std::vector<double>& values : source->values)
+        rows += "<td>" + significant(values[row]) + "</td>";
+      if (source->name != "fem")
+        rows += !source->answers(row) ? "<td>–</td>"
+                : source->valid[row]  ? "<td>yes</td>"
+                                      : "<td>no</td>";
+    }
+    if (any_failure) rows += "<td class=\"words\">" + escape(table.failures[row]) + "</td>";
+    rows += "</tr>\n";
+  }
+  return "<h2 id=\"rows\">" +
+         (shown < table.rows ? fmt::format("The first {} rows", shown) : "The rows") + "</h2>\n" +
+         scrolled(head, rows);
+}
+
+std::string floats(const std::vector<double>& values) {
+  return base64(bytes_of(std::vector<float>(values.begin(), values.end())));
+}
+
+Json source_data(const Source& source, const Table& table) {
+  Json values = Json::object(), errors = Json::object();
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    values[kQuantities[i].name] = floats(source.values[i]);
+    if (!source.errors[i].empty()) errors[kQuantities[i].name] = floats(source.errors[i]);
+  }
+  if (!table.friction_coefficient.empty()) {
+    std::vector<double> eccentricities_mm(table.rows);
+    for (std::size_t row = 0; row < table.rows; ++row)
+      eccentricities_mm[row] =
+          source.values[kTorque][row] / (table.friction_coefficient[row] * table.loads_N[row]);
+    values["eccentricity"] = floats(eccentricities_mm);
+    if (errors.contains("max_torque")) errors["eccentricity"] = errors["max_torque"];
+  }
+  return {{"name", source.name},
+          {"values", values},
+          {"errors", errors},
+          {"valid", base64(bytes_of(source.valid))}};
+}
+
+/// What sweep.js draws: columns as base64 of little-endian float32, in the page's units, NaN where
+/// there is none.
+Json sweep_chart_data(const Json& sweep, const Table& table) {
+  Json variables = Json::array(), quantities = Json::array(), sources = Json::array();
+  for (const Variable& variable : table.variables)
+    variables.push_back({{"key", variable.key},
+                         {"label", variable.words},
+                         {"unit", variable.unit},
+                         {"log", variable.log},
+                         {"values", floats(variable.values)}});
+  for (const Quantity& quantity : kQuantities)
+    quantities.push_back(
+        {{"name", quantity.name}, {"label", quantity.words}, {"unit", quantity.unit}});
+  if (!table.friction_coefficient.empty())
+    quantities.push_back(
+        {{"name", "eccentricity"}, {"label", "eccentricity eₙ = torque/(μP)"}, {"unit", "mm"}});
+  for (const Source& model : table.models) sources.push_back(source_data(model, table));
+  for (const Source& fem : table.fem) sources.push_back(source_data(fem, table));
+  const Source* first = first_usable(table);
+  return {
+      {"styles", chart_styles(sweep)}, {"rows", table.rows}, {"variables", variables},
+      {"quantities", quantities},      {"sources", sources}, {"first", first ? first->name : ""}};
+}
+
+std::string body(const Json& sweep, const Table& table) {
+  const std::string failures = failures_section(table);
+  std::string out = "<header><h1>" + escape(text(sweep, "id")) + "</h1>\n<p class=\"subtitle\">" +
+                    escape(text(sweep, "question")) + "</p>\n" + lead(sweep, table) +
+                    "<nav><a href=\"#picture\">Picture</a> <a href=\"#ranges\">Ranges</a> " +
+                    (table.fem.empty() ? "" : "<a href=\"#deviations\">Against FEM</a> ") +
+                    (failures.empty() ? "" : "<a href=\"#failures\">Failures</a> ") +
+                    "<a href=\"#rows\">Rows</a> <a href=\"#file\">Sweep file</a> <a "
+                    "href=\"#provenance\">Provenance</a></nav></header>\n"
+                    "<h2 id=\"picture\">The picture</h2>\n<noscript><p class=\"facts\">The picture "
+                    "needs JavaScript; the numbers are below.</p></noscript>\n"
+                    "<div id=\"controls\"></div>\n"
+                    "<figure data-chart=\"sweep\"><figcaption id=\"said\"></figcaption><div "
+                    "class=\"plot\"></div></figure>\n" +
+                    ranges_section(table) + deviations_section(table) + failures +
+                    rows_section(table) + "<h2 id=\"file\">The sweep file</h2>\n<pre>" +
+                    escape(text(sweep, "sweep_toml")) + "</pre>\n";
+  std::string facts;
+  if (const std::string version = text(sweep, "version"); !version.empty())
+    facts = "<dt>version</dt><dd>" + escape(version) + "</dd>";
+  return out + provenance_section(facts, text(sweep, "command"),
+                                  "<p>All rows in full precision are in <code>results.csv</code> "
+                                  "beside this page, in SI units.</p>\n");
+}
+
+}  // namespace
+
+std::string render_sweep(const nlohmann::json& sweep) {
+  if (!child(sweep, "rows").is_array())
+    throw std::invalid_argument("sweep: no array \"rows\"; see comparisons/report/README.md");
+  const Table table = table_of(sweep);
+  return render_page(
+      {escape(text(sweep, "id")),
+       {embedded::report_css},
+       body(sweep, table),
+       script_json(sweep_chart_data(sweep, table)),
+       {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::sweep_js}});
+}
+
+}  // namespace softfinger::comparisons

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <ostream>
+#include <string>
+
+namespace softfinger::meshes {
+
+/// The content of a user's file. Only a regular file is opened: reading a pipe may wait for ever,
+/// and a device may have no end.
+/// @param field, allowed  of the error's message
+/// @throws InputError (where = path) for a file that is missing, unreadable, not regular, or larger
+/// than `largest_bytes`.
+std::string read_whole_file(const std::string& path, const std::string& field,
+                            const std::string& allowed, std::size_t largest_bytes);
+
+/// Writes a file completely or not at all: beside it under a name that nobody can foresee, then
+/// renamed. What someone has put there under that name, a link say, is never written to.
+/// @return empty, or the system's reason why there is no file
+[[nodiscard]] std::string write_whole_file(const std::string& path,
+                                           const std::function<void(std::ostream&)>& write);
+
+}  // namespace softfinger::meshes

@@ -1,0 +1,16 @@
+#include "comparisons/csv.h"
+
+#include <gtest/gtest.h>
+
+namespace softfinger {
+
+TEST(CsvCell, IsQuotedWhereItWouldShiftTheColumns) {
+  EXPECT_EQ(csv_cell("finger"), "finger");
+  EXPECT_EQ(csv_cell(""), "");
+  EXPECT_EQ(csv_cell("finger, left"), "\"finger, left\"");
+  EXPECT_EQ(csv_cell("the \"hard\" one"), "\"the \"\"hard\"\" one\"");
+  EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
+  EXPECT_EQ(csv_cell("\r"), "\"\r\"");
+}
+
+}  // namespace softfinger

@@ -1,0 +1,86 @@
+// What a TOML file may look like before its tables mean anything.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "comparisons/case.h"
+#include "comparisons/simulation/scene.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+std::string message(const std::string& text) {
+  try {
+    parse_case(text, "x.toml");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void expect_words(const std::string& text, const std::string& words) {
+  EXPECT_NE(message(text).find(words), std::string::npos)
+      << text.substr(0, 200) << "\n"
+      << message(text).substr(0, 300) << "\ninstead of\n"
+      << words;
+}
+
+}  // namespace
+
+TEST(TomlReader, RefusesDeepNestingBeforeTheParserRecurses) {
+  constexpr int kDeep = 300000;
+  const std::string brackets = "x.toml:2: brackets in brackets: allowed: at most 16 levels";
+  const std::string dots = "x.toml:2: dotted key: allowed: at most 16 parts";
+  expect_words("\na = " + repeated("[", kDeep), brackets);
+  expect_words("\na = " + repeated("{a=", kDeep), brackets);
+  expect_words("\n" + repeated("[", kDeep), brackets);
+  expect_words("\nid" + repeated(".a", kDeep) + " = 1", dots);
+  expect_words("\nid" + repeated(" . \"a\"", kDeep) + " = 1", dots);
+  expect_words("\n[layer" + repeated(".'a'", kDeep) + "]", dots);
+  expect_words("\na = { b" + repeated(".a", kDeep) + " = 1 }", dots);
+  const std::string scene = "id = 'x'\n[simulation" + repeated(".a", kDeep) + "]";
+  EXPECT_THROW(simulation::parse_scene(scene, "x.toml"), InputError);
+}
+
+TEST(TomlReader, TakesNestingUpToItsLimit) {
+  expect_words("a = " + repeated("[", 16) + repeated("]", 16), "unknown key \"a\"");
+  expect_words("a = " + repeated("[", 17) + repeated("]", 17), "at most 16 levels");
+  expect_words("a" + repeated(".a", 15) + " = 1", "unknown key \"a\"");
+  expect_words("a" + repeated(".a", 16) + " = 1", "at most 16 parts");
+}
+
+TEST(TomlReader, CountsNoBracketsInStringsAndComments) {
+  const std::string deep = repeated("[{.", 40);
+  const std::string three = R"(""")";
+  for (const std::string& quoted :
+       {"\"" + deep + "\"", R"("\")" + deep + R"(\\")", "'" + deep + "'", "'" + deep + "\\'",
+        three + "\n\"" + deep + "\"\"\n\\" + three + deep + three + "\"\"",
+        "'''\n''" + deep + "'''''"})
+    expect_words("a = " + quoted + " # \"'" + deep + "\nb = 3 #" + deep, "unknown key \"a\"");
+}
+
+TEST(TomlReader, CountsTheBracketsBehindStringsAndComments) {
+  const std::string after = "\nb = " + repeated("[", 17);
+  for (const char* before : {"''", "\"\"", "''''''", R"("""""")", "'#'", "\"#\"", "'\\'", "1 # '"})
+    expect_words("a = " + std::string(before) + after, "x.toml:2: brackets in brackets");
+}
+
+TEST(TomlReader, ShortensWhatItRepeats) {
+  const std::string endless(1000000, 'x');
+  for (const std::string& text :
+       {endless + " = 1", "id = \"" + endless + "\"", "id = [\"" + endless + "\"]",
+        "id = [" + repeated("1,", 1000000) + "]", "id = " + endless,
+        "id = \"x\"\nquestion = \"" + endless + "\""}) {
+    EXPECT_GT(message(text).size(), 0u);
+    EXPECT_LT(message(text).size(), 600u);
+  }
+}
+
+}  // namespace softfinger

@@ -1,0 +1,213 @@
+#include "comparisons/report/sweep_page.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <regex>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "from_base64.h"
+#include "sample_sweep.h"
+
+namespace softfinger::comparisons {
+namespace {
+
+using Json = nlohmann::json;
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// The page as a browser without JavaScript has it.
+std::string without_scripts(std::string page) {
+  for (const std::string element : {"script", "style"})
+    for (std::size_t from; (from = page.find("<" + element)) != std::string::npos;) {
+      const std::size_t to = page.find("</" + element + ">", from);
+      if (to == std::string::npos) throw std::runtime_error("unclosed " + element);
+      page.erase(from, to + element.size() + 3 - from);
+    }
+  return page;
+}
+
+/// What is readable of it: no tags, no-break spaces as spaces.
+std::string visible_text(const Json& sweep) {
+  std::string text = without_scripts(render_sweep(sweep));
+  text = std::regex_replace(text, std::regex("<[^>]*>"), " ");
+  replace_all(text, "\u00a0", " ");
+  return std::regex_replace(text, std::regex("\\s+"), " ");
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+Json chart_data(const Json& sweep) {
+  const std::string page = render_sweep(sweep), open = "id=\"data\">";
+  const std::size_t from = page.find(open) + open.size();
+  return Json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+std::size_t rows_of_table(const std::string& page, const std::string& id) {
+  const std::size_t from = page.find("<tbody>", page.find("id=\"" + id + "\""));
+  const std::string table = page.substr(from, page.find("</tbody>", from) - from);
+  std::size_t rows = 0;
+  for (std::size_t at = 0; (at = table.find("<tr", at)) != std::string::npos; ++at) ++rows;
+  return rows;
+}
+
+TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
+  const std::string text = visible_text(tests::sweep_of_one_key());
+  for (const char* part :
+       {"Swept were thickness 0.5 to 5 mm (10 values, log) at 1, 2 and 5 N: 10 points, 30 rows; "
+        "30 rows have an answer, 0 failed.",
+        // 2 mN·m (h/mm)^(1/2) P/N from 0.5 mm and 1 N to 5 mm and 5 N.
+        "By Bonded layer: a 2.26 to 7.16 mm", "largest torque 1.41 to 22.4 mN·m",
+        "it calls itself valid in 30 of 30 rows"})
+    EXPECT_TRUE(contains(text, part)) << part;
+}
+
+TEST(SweepPage, SaysHowFarTheClosestModelIsFromTheFiniteElements) {
+  // Bonded layer is off by 0.02 ln(h / 2 mm) in torque, by about twice that in area. Of six
+  // thicknesses over a decade the median is the mean of the third and fourth smallest deviation.
+  std::vector<double> errors;
+  for (int i = 0; i < 6; ++i) {
+    const double factor = 1 + 0.02 * std::log(0.25 * std::pow(10, i / 5.));
+    errors.push_back(std::abs(factor * factor - 1));
+  }
+  std::sort(errors.begin(), errors.end());
+  const std::string text = visible_text(tests::sweep_of_one_key_with_fem());
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(
+      text, found,
+      std::regex("Closest to the finite elements is Bonded layer: area and torque are off by "
+                 "([\\d.]+) % in the median and ([\\d.]+) % at worst "
+                 "\\(over 6 of the 6 rows")))
+      << text.substr(0, 600);
+  EXPECT_NEAR(std::stod(found[1]), 50 * (errors[2] + errors[3]), 0.005);
+  EXPECT_NEAR(std::stod(found[2]), 100 * errors[5], 0.005);
+}
+
+TEST(SweepPage, DoesNotPreferAModelThatAnswersOnlyTheEasyRows) {
+  // The second model agrees to the last digit, in one row of six.
+  Json sweep = tests::sweep_of_one_key_with_fem();
+  const Json columns = sweep["columns"];
+  for (std::size_t row = 0; row < sweep["rows"].size(); ++row)
+    for (std::size_t column = 0; column < columns.size(); ++column) {
+      const std::string name = columns[column];
+      if (name.rfind("hertz_", 0) != 0 || name == "hertz_valid") continue;
+      const std::size_t fem =
+          std::find(columns.begin(), columns.end(), "fem_" + name.substr(6)) - columns.begin();
+      sweep["rows"][row][column] = row == 0 ? sweep["rows"][row][fem] : Json();
+    }
+  EXPECT_TRUE(contains(visible_text(sweep), "Closest to the finite elements is Bonded layer"));
+}
+
+TEST(SweepPage, SaysHowManyRowsFailedAndWhy) {
+  const std::string text = visible_text(tests::sweep_with_fem());
+  for (const char* part : {"12 rows failed", "276 rows have an answer, 12 failed",
+                           "12 rows: the active set did not settle: &lt;level 3&gt;"})
+    EXPECT_TRUE(contains(text, part)) << part;
+  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "Why rows failed"));
+}
+
+TEST(SweepPage, ShowsFirstRowsSweepFileCommandAndVersionWithoutScripts) {
+  const Json sweep = tests::sweep_with_fem();
+  const std::string page = without_scripts(render_sweep(sweep));
+  EXPECT_EQ(rows_of_table(page, "rows"), 50u);
+  EXPECT_EQ(rows_of_table(without_scripts(render_sweep(tests::sweep_of_one_key())), "rows"), 30u);
+  for (const char* part : {"[1, 2]  # &lt;&amp;&gt;", "softfinger sweep &lt;x&gt;.toml", "1.2.3"})
+    EXPECT_TRUE(contains(page, part)) << part;
+  // 2 mN·m 0.5^(1/2) (1.3 - 0.2)/0.85 at 1 N, in the page's units and four digits.
+  EXPECT_TRUE(contains(page, "<td>1.830</td>"));
+  EXPECT_TRUE(contains(visible_text(sweep), "largest torque mN·m Bonded layer"));
+}
+
+TEST(SweepPage, SaysWhenNotAllRowsAreDrawn) {
+  const Json sweep = tests::sweep_at_random();
+  const std::string text = visible_text(sweep);
+  EXPECT_TRUE(contains(text,
+                       "20,000 of 1,000,000 rows are drawn, evenly taken out; all are in "
+                       "results.csv"));
+  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "evenly taken out"));
+  // 60 columns of 20,000 rows; without the chart libraries.
+  EXPECT_LT(render_sweep(sweep).size(), 7'000'000u);
+}
+
+TEST(SweepPage, HandsThePictureEveryRowInItsUnits) {
+  Json sweep = tests::sweep_with_fem();
+  const Json data = chart_data(sweep);
+  ASSERT_EQ(data["rows"], sweep["rows"].size());
+  EXPECT_EQ(data["variables"].size(), 3u);
+  EXPECT_EQ(data["variables"][0]["label"], "thickness");
+  EXPECT_EQ(data["variables"][0]["unit"], "mm");
+  const Json& columns = sweep["columns"];
+  const auto column = [&](const char* name) {
+    return std::find(columns.begin(), columns.end(), name) - columns.begin();
+  };
+  const Json& bonded = data["sources"][0];
+  ASSERT_EQ(bonded["name"], "bonded_layer");
+  const auto torques = tests::from_base64<float>(bonded["values"]["max_torque"]);
+  const auto arms = tests::from_base64<float>(bonded["values"]["eccentricity"]);
+  ASSERT_EQ(torques.size(), sweep["rows"].size());
+  int missing = 0;
+  for (std::size_t row = 0; row < torques.size(); ++row) {
+    const Json& torque_Nm = sweep["rows"][row][column("bonded_layer_max_torque_Nm")];
+    if (torque_Nm.is_null()) {
+      EXPECT_TRUE(std::isnan(torques[row]));
+      ++missing;
+      continue;
+    }
+    const double expected = 1e3 * torque_Nm.get<double>();
+    const double load_N = sweep["rows"][row][column("load_N")];
+    constexpr double kFloat = 1.2e-7;  // spacing of float32
+    EXPECT_NEAR(torques[row], expected, kFloat * expected);
+    EXPECT_NEAR(arms[row], expected / (0.8 * load_N), kFloat * expected);
+  }
+  EXPECT_EQ(missing, 12);
+}
+
+TEST(SweepPage, OffersTheEccentricityOnlyWhereFrictionIsKnown) {
+  Json sweep = tests::sweep_with_fem();
+  EXPECT_EQ(chart_data(sweep)["quantities"].size(), 7u);
+  sweep.erase("friction_coefficient");
+  EXPECT_EQ(chart_data(sweep)["quantities"].size(), 6u);
+}
+
+TEST(SweepPage, TellsKeysOfTheSameNameApart) {
+  Json sweep = tests::sweep_of_zipped_keys();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const char* key = i == 0 ? "geometry.finger.radii_mm[0]" : "geometry.object.radii_mm[0]";
+    sweep["keys"][i]["key"] = sweep["columns"][1 + i] = key;
+  }
+  const Json data = chart_data(sweep);
+  EXPECT_EQ(data["variables"][0]["label"], "geometry.finger.radii_mm[0]");
+  EXPECT_EQ(data["variables"][1]["label"], "geometry.object.radii_mm[0]");
+}
+
+TEST(SweepPage, HasOneLoadWhereTheLoadIsSwept) {
+  Json sweep = tests::sweep_of_one_key();
+  sweep["keys"][0]["key"] = sweep["columns"][1] = "contact.load_N";
+  const Json data = chart_data(sweep);
+  ASSERT_EQ(data["variables"].size(), 1u);
+  EXPECT_EQ(data["variables"][0]["key"], "contact.load_N");
+}
+
+TEST(SweepPage, SurvivesRowsWithoutAnswersAndNoRows) {
+  const std::string text = visible_text(tests::sweep_without_answers());
+  EXPECT_TRUE(contains(text, "No model has an answer."));
+  EXPECT_FALSE(std::regex_search(text, std::regex("\\b(nan|inf|null)\\b")));
+  Json sweep = tests::sweep_of_one_key();
+  sweep["rows"] = Json::array();
+  EXPECT_NO_THROW(render_sweep(sweep));
+  for (const Json& row : {Json(), Json(1), Json("x"), Json::array(), Json{1, "x", nullptr}}) {
+    sweep["rows"] = Json::array({row});
+    EXPECT_NO_THROW(render_sweep(sweep)) << row;
+  }
+}
+
+}  // namespace
+}  // namespace softfinger::comparisons
