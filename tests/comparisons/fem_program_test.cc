@@ -245,9 +245,9 @@ TEST_F(FemProgram, RunsNothingThatAMeshFileOrItsNeighbourSays) {
                    std::string(name) + ": file = no gmsh mesh");
     EXPECT_FALSE(fs::exists(folder.path() / "ran")) << name;
   }
-  folder.write("layer.msh", layer_mesh("core"));
+  folder.write("layer.msh", layer_mesh("base"));
   folder.write("layer.msh.opt", command);
-  solve({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\""}})});
+  expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\""}})}, "\"core\" is missing");
   EXPECT_FALSE(fs::exists(folder.path() / "ran"));
 }
 

@@ -284,6 +284,17 @@ TEST(ReadMshFile, SaysWhichFormatsItTakes) {
   EXPECT_NE(message(text, "$Nodes", "$Notes").find("$End"), std::string::npos);
 }
 
+TEST(ReadMshFile, TakesNoMoreNodesThanItsLimit) {
+  try {
+    parse_msh("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(kMostMshNodes + 1) +
+                  "\n" + std::string(10 * kMostMshNodes, ' '),
+              "layer.msh");
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.allowed(), "at most 20000000");
+  }
+}
+
 TEST(ReadMshFile, NeverWaitsForAPipe) {
   const std::string path =
       std::filesystem::temp_directory_path() / ("softfinger_pipe_" + std::to_string(getpid()));

@@ -90,6 +90,26 @@ Elements elements_of(const MshFile& file) {
   return result;
 }
 
+TEST(WrittenByGmsh, ElementsHaveTheShapesThatWeKnow) {
+  const GmshSession session("shapes");
+  int known = 0;
+  for (int type = 1; type < 140; ++type) {
+    const MshShape* const shape = msh_shape(type);
+    if (!shape) continue;
+    ++known;
+    std::string name;
+    int dimension = 0, order = 0, nodes = 0, primary_nodes = 0;
+    std::vector<double> places;
+    gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, places,
+                                            primary_nodes);
+    EXPECT_EQ(shape->dimension, dimension) << type;
+    EXPECT_EQ(shape->nodes, nodes) << type;
+    const std::string kind = std::string(shape->name).substr(0, 4);
+    EXPECT_EQ(name.substr(0, 4), kind) << type;
+  }
+  EXPECT_EQ(known, 35);
+}
+
 TEST(WrittenByGmsh, IsReadAlikeInEveryFormat) {
   const GmshSession session("formats");
   build();
