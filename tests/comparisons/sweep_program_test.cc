@@ -24,12 +24,9 @@ class SweepProgram : public testing::Test {
   fs::path write_sweep(const std::string& sweep) const {
     return folder.write("sweep.toml", case_text("swept", "[1.0, 5.0]") + "[sweep]\n" + sweep);
   }
-  ProgramRun sweep(std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"sweep",    (folder.path() / "sweep.toml").string(),
-                                          "--output", output.string(),
-                                          "--jobs",   "2"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_softfinger(start, arguments);
+  ProgramRun sweep(const char* jobs = "2") {
+    return run_softfinger(start, {"sweep", (folder.path() / "sweep.toml").string(), "--output",
+                                  output.string(), "--jobs", jobs});
   }
   int solves() const { return static_cast<int>(lines(file_text(log)).size()); }
 };
@@ -75,10 +72,10 @@ TEST_F(SweepProgram, WritesARowPerPointAndLoadAsPredictHasThem) {
 
 TEST_F(SweepProgram, DoesNotDependOnTheNumberOfThreads) {
   write_sweep("\"layer.thickness_mm\" = { from = 1, to = 6, steps = 4000 }\n");
-  ASSERT_EQ(sweep({"--jobs", "1"}).status, 0);
+  ASSERT_EQ(sweep("1").status, 0);
   const std::string one = file_text(output / "results.csv");
   fs::remove_all(output);
-  ASSERT_EQ(sweep({"--jobs", "5"}).status, 0);
+  ASSERT_EQ(sweep("5").status, 0);
   EXPECT_EQ(file_text(output / "results.csv"), one);
 }
 
