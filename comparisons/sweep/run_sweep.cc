@@ -281,11 +281,10 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
   Progress progress;
   for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
   const std::string header = plan.rows().header();
-  json identity = identity_of(plan, header);
+  const json identity = identity_of(plan, header);
   const fs::path record = plan.output / "sweep.json";
   std::error_code missing;
-  json before = fs::exists(record, missing) ? parse_json(read_text_file(record)) : json();
-  if (before.is_object()) before.erase("failed");
+  const json before = fs::exists(record, missing) ? parse_json(read_text_file(record)) : json();
   // Rows without a finite-element result are tried again.
   const bool same = before == identity && !plan.sweep.fem();
   if (same && fs::exists(plan.output / "results.csv", missing)) {

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
@@ -52,6 +54,27 @@ class FemProgram : public testing::Test {
     EXPECT_NE(said.find(word), std::string::npos) << said;
   }
 };
+
+TEST_F(FemProgram, EndsInWordsWhereMemoryIsShort) {
+  const std::string file = write_case();
+  // From what hardly loads to what is enough: OpenBLAS used to ask for memory in an endless loop.
+  bool refused = false, answered = false;
+  for (int limit_kB = 500000; limit_kB <= 1500000; limit_kB += 250000) {
+    const std::string command =
+        "cd " + folder.path().string() + " && ulimit -v " + std::to_string(limit_kB) +
+        " && SOFTFINGER_FEM_PROGRAM=" SOFTFINGER_FEM " timeout 120 " SOFTFINGER_PROGRAM " fem " +
+        file + " --level 1 > out 2> err";
+    const int status = std::system(command.c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_NE(WEXITSTATUS(status), 124) << "it hangs with " << limit_kB << " kB";
+    const std::string said = file_text(folder.path() / "err");
+    if (WEXITSTATUS(status) == 0)
+      answered = true;
+    else
+      refused = true, EXPECT_NE(said.find("error: "), std::string::npos) << said;
+  }
+  EXPECT_TRUE(refused && answered);
+}
 
 TEST_F(FemProgram, AnswersWithTheContractsKeysAndItsErrors) {
   const json answer = solve({write_case()});
