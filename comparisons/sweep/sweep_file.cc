@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -17,47 +18,44 @@ namespace softfinger {
 namespace fs = std::filesystem;
 namespace {
 
-/// "geometry.finger.radii_mm[0]" in parts: names of tables, then places in arrays.
-struct Step {
-  std::string name;
-  std::size_t place = 0;
-  bool is_place = false;
-};
-
-std::vector<Step> steps_of(const std::string& key) {
-  std::vector<Step> steps;
+/// "geometry.finger.radii_mm[0]" in parts: names of tables, places in arrays. "radii_mm.0" is the
+/// same place.
+std::vector<std::string> steps_of(const std::string& key) {
+  std::vector<std::string> steps;
   for (std::size_t start = 0; start < key.size();) {
-    const bool is_place = key[start] == '[';
+    const bool in_brackets = key[start] == '[';
     const std::size_t end =
-        std::min(is_place ? key.find(']', start) : key.find_first_of(".[", start), key.size());
-    Step step;
-    step.is_place = is_place;
-    step.name = key.substr(start + is_place, end - start - is_place);
-    if (is_place) {
-      const char* last = step.name.data() + step.name.size();
-      const auto read = std::from_chars(step.name.data(), last, step.place);
-      if (end == key.size() || read.ec != std::errc() || read.ptr != last) return {};
-    }
-    if (step.name.empty()) return {};
-    steps.push_back(step);
-    start = end + is_place;
+        std::min(in_brackets ? key.find(']', start) : key.find_first_of(".[", start), key.size());
+    steps.push_back(key.substr(start + in_brackets, end - start - in_brackets));
+    if (steps.back().empty() || (in_brackets && end == key.size())) return {};
+    start = end + in_brackets;
     if (start < key.size() && key[start] == '.') ++start;
   }
   return steps;
 }
 
+/// A place in an array; beyond every array for what is none.
+std::size_t place_of(const std::string& step) {
+  std::size_t place = 0;
+  const char* const last = step.data() + step.size();
+  const auto read = std::from_chars(step.data(), last, place);
+  return read.ec == std::errc() && read.ptr == last ? place
+                                                    : std::numeric_limits<std::size_t>::max();
+}
+
+toml::node* find_entry(toml::node& node, const std::string& step) {
+  if (toml::table* table = node.as_table()) return table->get(step);
+  if (toml::array* array = node.as_array()) return array->get(place_of(step));
+  return nullptr;
+}
+
 /// The number that a key names; null when there is none.
 toml::node* find_number(toml::table& root, const std::string& key) {
   toml::node* node = &root;
-  const std::vector<Step> steps = steps_of(key);
-  for (const Step& step : steps) {
-    if (step.is_place)
-      node = node->is_array() ? node->as_array()->get(step.place) : nullptr;
-    else
-      node = node->is_table() ? node->as_table()->get(step.name) : nullptr;
-    if (!node) return nullptr;
-  }
-  return steps.empty() || !node->is_number() ? nullptr : node;
+  const std::vector<std::string> steps = steps_of(key);
+  for (const std::string& step : steps)
+    if (node) node = find_entry(*node, step);
+  return steps.empty() || !node || !node->is_number() ? nullptr : node;
 }
 
 /// All keys under a node that name a number.
@@ -255,16 +253,13 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
     toml::node& node = *find_number(root, swept.key);
     if (node.is_integer() && is_whole(swept.values)) continue;
     const double value = swept.values.front();
-    const std::vector<Step> steps = steps_of(swept.key);
+    const std::vector<std::string> steps = steps_of(swept.key);
     toml::node* parent = &root;
-    for (std::size_t i = 0; i + 1 < steps.size(); ++i)
-      parent = steps[i].is_place ? parent->as_array()->get(steps[i].place)
-                                 : parent->as_table()->get(steps[i].name);
-    if (steps.back().is_place)
-      parent->as_array()->replace(parent->as_array()->cbegin() + std::ptrdiff_t(steps.back().place),
-                                  value);
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i) parent = find_entry(*parent, steps[i]);
+    if (toml::array* array = parent->as_array())
+      array->replace(array->cbegin() + std::ptrdiff_t(place_of(steps.back())), value);
     else
-      parent->as_table()->insert_or_assign(steps.back().name, value);
+      parent->as_table()->insert_or_assign(steps.back(), value);
   }
 
   // Values out of range are found before any work, not in the last hour of it.

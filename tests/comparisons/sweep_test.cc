@@ -109,6 +109,8 @@ TEST(Sweep, TakesPlacesInListsAndOneLoadOfMany) {
   Sweep::Cases cases(sweep);
   const Case last = cases.at(11);
   EXPECT_EQ(std::get<RelativeRadii>(last.geometry).major_m, 30e-3);
+  const Sweep dotted(text_with("\"geometry.relative_radii_mm.1\" = [5, 30]\n"), "swept.toml");
+  EXPECT_EQ(std::get<RelativeRadii>(Sweep::Cases(dotted).at(1).geometry).major_m, 30e-3);
   EXPECT_EQ(last.loads_N, std::vector<double>{4});
   EXPECT_EQ(last.fem_level, 2);
 }
