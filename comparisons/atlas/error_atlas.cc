@@ -172,13 +172,22 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
                          std::string(cells[column]), "a finite number");
       return parsed;
     };
+    // By these a run is found: no NaN among them.
+    const auto number_of = [&](std::size_t column, double least, double largest) {
+      const double parsed = value(column);
+      if (!(parsed >= least && parsed <= largest))
+        throw InputError(fmt::format("{}:{}", file, number), header[column],
+                         std::string(cells[column]),
+                         fmt::format("a number from {:g} to {:g}", least, largest));
+      return parsed;
+    };
     AtlasRun run;
     run.kind = cells[0];
-    run.poisson_ratio = value(1);
-    run.radii_ratio = value(2);
-    run.s = value(3);
-    run.thickness_over_radius = value(4);
-    run.friction_coefficient = value(5);
+    run.poisson_ratio = number_of(1, 0, 0.5);
+    run.radii_ratio = number_of(2, 1, 1e6);
+    run.s = number_of(3, 1e-6, 1e6);
+    run.thickness_over_radius = number_of(4, 0, 1e6);
+    run.friction_coefficient = number_of(5, 0, 1e6);
     for (std::size_t q = 0; q < kQuantities; ++q) {
       run.answer[q] = value(6 + q);
       run.stated_error[q] = value(6 + kQuantities + q);
@@ -217,6 +226,11 @@ ErrorAtlas::Grid ErrorAtlas::grid_of(const std::string& kind, double AtlasRun::*
     grid.values[c].assign(values.begin(), values.end());
     size *= values.size();
   }
+  // Runs that lie on no grid would make a sparse one, of the cube of their number.
+  constexpr std::size_t kMostPlaces = 1'000'000;
+  if (size > kMostPlaces)
+    throw InputError("error atlas", "grid of kind \"" + kind + "\"", fmt::format("{} places", size),
+                     fmt::format("at most {}", kMostPlaces));
   grid.run.assign(size, -1);
   for (std::size_t r = 0; r < atlas_.runs.size(); ++r) {
     if (atlas_.runs[r].kind != kind) continue;

@@ -155,6 +155,12 @@ TEST(ErrorAtlas, RefusesADamagedFile) {
   std::string word = text;
   word.replace(word.find("\nflat,0.2"), 9, "\nflat,x.2");
   EXPECT_NE(refusal(word).find("atlas.csv:"), std::string::npos);
+  // Found by fuzzing: a run without a place in the grid was written beside it.
+  for (const char* damage : {"\nflat,,1", "\nflat", "\nflat,0.6,1", "\nflat,0.2,nan"}) {
+    std::string place = text;
+    place.replace(place.find("\nflat,0.2"), 9, damage);
+    EXPECT_NE(refusal(place).find("atlas.csv:"), std::string::npos) << damage;
+  }
   std::string header = text;
   header.replace(header.find("ratio"), 5, "radio");
   EXPECT_NE(refusal(header).find("header"), std::string::npos);

@@ -49,6 +49,12 @@ TEST(TomlReader, RefusesDeepNestingBeforeTheParserRecurses) {
   EXPECT_THROW(simulation::parse_scene(scene, "x.toml"), InputError);
 }
 
+// Found by fuzzing: the parser asserts that these do not happen, which ended a debug build.
+TEST(TomlReader, RefusesWhatTheParserDoesNotExpectOfItself) {
+  for (const char* text : {"[+", "[+]", "[\r", "[[=]]", "x = [}", "x = [,]", "\"x\" = [} 2 = "})
+    expect_words(text, "x.toml:1: not a TOML file: ");
+}
+
 TEST(TomlReader, TakesNestingUpToItsLimit) {
   expect_words("a = " + repeated("[", 16) + repeated("]", 16), "unknown key \"a\"");
   expect_words("a = " + repeated("[", 17) + repeated("]", 17), "at most 16 levels");

@@ -23,7 +23,7 @@ cmake --build --preset fuzz
 build=build/fuzz
 corpus=$build/corpus
 "$build/bin/fuzz_replay" --write-seeds "$build/seeds"
-read -r -a targets <<<"${SOFTFINGER_FUZZ_TARGETS:-$(ls "$build/seeds")}"
+read -r -a targets <<<"${SOFTFINGER_FUZZ_TARGETS:-$(ls "$build/seeds" | tr '\n' ' ')}"
 
 # target:dictionary:largest input. Enough for each kind of entry; longer inputs only cost time.
 settings_of() {

@@ -10,7 +10,7 @@
 namespace softfinger {
 
 /// Of the JSON that this project reads or writes, no brackets are nested deeper than ten.
-constexpr long kDeepestNesting = 64;
+constexpr long kDeepestJson = 64;
 
 /// How deep the brackets of a JSON text are nested. Brackets inside strings do not count. Of a text
 /// that is no JSON: as deep as a parser gets before it stops, or deeper.
@@ -39,9 +39,9 @@ inline long deepest_nesting(std::string_view text) {
 /// @throws InputError
 inline void check_nesting(std::string_view text, const std::string& where) {
   const long depth = deepest_nesting(text);
-  if (depth > kDeepestNesting)
+  if (depth > kDeepestJson)
     throw InputError(where, "nesting of brackets", std::to_string(depth),
-                     "at most " + std::to_string(kDeepestNesting));
+                     "at most " + std::to_string(kDeepestJson));
 }
 
 }  // namespace softfinger

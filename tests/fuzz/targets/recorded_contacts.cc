@@ -2,9 +2,6 @@
 
 #include "comparisons/recorded_contacts.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <exception>
 
 #include "softfinger/input/errors.h"
@@ -13,15 +10,9 @@
 namespace softfinger::fuzz {
 namespace {
 
-ContactLcp parse(std::string_view bytes) {
-  static const int file = memfd_create("fuzzed", 0);
-  if (ftruncate(file, 0) != 0 || pwrite(file, bytes.data(), bytes.size(), 0) < 0) std::terminate();
-  return read_recorded_contacts("/proc/self/fd/" + std::to_string(file));
-}
-
 bool read(std::string_view bytes) {
   try {
-    const ContactLcp problem = parse(bytes);
+    const ContactLcp problem = parse_recorded_contacts(std::string(bytes), "fuzzed.txt");
     if (problem.contacts() > 4 || problem.vertices.cols() > 16) return true;
     ContactLcpSolver solver(problem.contacts(), int(problem.vertices.cols()));
     ContactSolution solution;
