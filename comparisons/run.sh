@@ -12,7 +12,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 if [ "${1:-}" = --analytic-only ]; then
   shift
   softfinger_prepare analytic run
-  (cd "$root" && cmake --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset analytic-only)
+  (cd "$root" && cmake --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset analytic-only --target softfinger)
   for case in "$root"/comparisons/cases/*.toml; do
     # Mesh cases need surfaces that gmsh makes.
     grep -q 'mesh *=' "$case" || "$root/build/analytic-only/bin/softfinger" predict "$case" "$@"
@@ -21,6 +21,7 @@ if [ "${1:-}" = --analytic-only ]; then
 fi
 
 softfinger_prepare fem run
-# The tests have needs of their own: tests/run.sh turns them on.
-(cd "$root" && cmake --preset release -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset release)
+# The tests have needs of their own: tests/run.sh turns them on. What this job does not run (the
+# verification of the finite elements, studies, tools) is not built either.
+(cd "$root" && cmake --preset release -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset release --target softfinger softfinger-fem)
 "$root/build/release/bin/softfinger" compare "$@"

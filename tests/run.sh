@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds and tests: everything in Release, then the fast tests again in Debug
-# with address and undefined-behaviour sanitizers (without finite elements).
+# Installs what is missing, builds and tests: everything in Release, then the fast tests again with
+# address and undefined-behaviour sanitizers and assertions (without finite elements).
 #
-# usage: tests/run.sh [--analytic-only]
+# usage: tests/run.sh [--fast | --analytic-only]
+#        --fast: the fast tests in Release alone, what one runs before a commit
 #
 # Not run here, because of their time:
 #   tests/fuzz/run.sh MINUTES          the readers of files under random bytes (clang)
@@ -18,9 +19,14 @@ if [ "${1:-}" = --analytic-only ]; then preset=analytic-only kind=analytic; fi
 softfinger_prepare "$kind" test
 
 cmake --preset "$preset" -DSOFTFINGER_BUILD_TESTS=ON
+if [ "${1:-}" = --fast ]; then
+  cmake --build --preset release --target fast_tests
+  exec ctest --preset release -j "$(nproc)" -L fast
+fi
 cmake --build --preset "$preset"
 ctest --preset "$preset" -j "$(nproc)"
 
+# The preset builds what the fast tests need and no more.
 cmake --preset sanitized -DSOFTFINGER_BUILD_TESTS=ON
 cmake --build --preset sanitized
 # Whole comparisons take minutes there and run above; their parts are all here.

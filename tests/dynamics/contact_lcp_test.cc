@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
 #include "tests/dynamics/random_scene.h"
 
 namespace softfinger {
