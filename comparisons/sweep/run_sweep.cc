@@ -244,24 +244,26 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
   const std::size_t first = file.points(), points = plan.sweep.points() - first;
   const std::size_t chunks = (points + kPointsPerChunk - 1) / kPointsPerChunk;
   ChunkQueue queue(chunks, 4 * std::size_t(parallel_));
-  std::vector<std::thread> threads;
-  for (int i = 0; i < parallel_; ++i)
-    threads.emplace_back([&] {
-      try {
-        SweepRows rows = plan.rows();
-        for (std::size_t chunk = 0; queue.take(chunk);) {
-          std::string text;
-          const std::size_t begin = first + chunk * kPointsPerChunk;
-          const std::size_t end = std::min(begin + kPointsPerChunk, plan.sweep.points());
-          for (std::size_t point = begin; point < end; ++point) rows.append(point, text);
-          queue.put(chunk, std::move(text));
-        }
-      } catch (...) {
-        queue.fail(std::current_exception());
+  const auto make_chunks = [&] {
+    try {
+      SweepRows rows = plan.rows();
+      for (std::size_t chunk = 0; queue.take(chunk);) {
+        std::string text;
+        const std::size_t begin = first + chunk * kPointsPerChunk;
+        const std::size_t end = std::min(begin + kPointsPerChunk, plan.sweep.points());
+        for (std::size_t point = begin; point < end; ++point) rows.append(point, text);
+        queue.put(chunk, std::move(text));
       }
-    });
+    } catch (...) {
+      queue.fail(std::current_exception());
+    }
+  };
+  std::vector<std::thread> threads;
+  threads.reserve(std::size_t(parallel_));
   std::exception_ptr error;
+  // Whatever fails, the threads have to end before this does.
   try {
+    for (int i = 0; i < parallel_; ++i) threads.emplace_back(make_chunks);
     for (std::string text; file.points() < plan.sweep.points() && !g_signal;) {
       if (!queue.wait_for_next(text)) continue;
       file.append(text, std::min(kPointsPerChunk, plan.sweep.points() - file.points()));
@@ -288,6 +290,8 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
   // Rows without a finite-element result are tried again.
   const bool same = before == identity && !plan.sweep.fem();
   if (same && fs::exists(plan.output / "results.csv", missing)) {
+    // A full disk may have kept the page away.
+    if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
     progress.say(
         fmt::format("softfinger: {} is finished: reused", (plan.output / "results.csv").string()));
     return 0;

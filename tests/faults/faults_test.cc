@@ -47,7 +47,8 @@ std::vector<Command> commands() {
           {"fit", {"fit", "tip.obj", "--point", "0,0,5", "--json"}},
           {"compare", {"compare", "case.toml", "--output", "out"}},
           {"simulate", {"simulate", "pinch.toml", "--vtu-every", "10", "--output", "out"}},
-          {"select", {"select", "case.toml", "--tolerance", "0.05", "--output", "out", "--json"}}};
+          {"select", {"select", "case.toml", "--tolerance", "0.05", "--output", "out", "--json"}},
+          {"sweep", {"sweep", "sweep.toml", "--output", "out", "--jobs", "2"}}};
 }
 
 /// Results without the times that were measured on the way, alone or in sentences.
@@ -76,8 +77,11 @@ bool is_whole(const fs::path& file, const std::string& text, const std::string& 
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   if (!fs::exists(folder)) return files;
+  const auto is_final = [](const std::string& name) {
+    return name[0] != '.' && name != "results.partial.csv";
+  };
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().filename().string()[0] != '.')
+    if (entry.is_regular_file() && is_final(entry.path().filename().string()))
       files[fs::relative(entry.path(), folder).string()] = file_text(entry.path());
   return files;
 }
@@ -99,6 +103,7 @@ class Faults : public testing::TestWithParam<Calls> {
     folder_.write("case.toml", case_text());
     folder_.write("tip.obj", fingertip_obj());
     folder_.write("pinch.toml", scene_text());
+    folder_.write("sweep.toml", case_text() + "[sweep]\n\"layer.thickness_mm\" = [1, 2, 3]\n");
   }
 
   static std::string scene_text() {
