@@ -3,15 +3,10 @@
 #include <dlfcn.h>
 #include <sys/mman.h>
 
+#include <Eigen/Core>
 #include <string>
-#include <vector>
 
 #include "softfinger/input/errors.h"
-
-extern "C" void dgemm_(const char* transpose_a, const char* transpose_b, const int* rows,
-                       const int* columns, const int* inner, const double* alpha, const double* a,
-                       const int* stride_a, const double* b, const int* stride_b,
-                       const double* beta, double* c, const int* stride_c);
 
 namespace softfinger::fem {
 namespace {
@@ -37,12 +32,11 @@ void reserve_blas_memory() {
                      "room for the linear algebra's buffers (is it limited by ulimit -v?)");
   munmap(room, bytes);
   // Large enough that all threads take part.
-  const int size = 512;
-  const double one = 1, zero = 0;
-  const std::vector<double> a(size * size, 1.0);
-  std::vector<double> product(size * size);
-  dgemm_("N", "N", &size, &size, &size, &one, a.data(), &size, a.data(), &size, &zero,
-         product.data(), &size);
+  const Eigen::MatrixXd factor = Eigen::MatrixXd::Ones(512, 512);
+  Eigen::MatrixXd product(512, 512);
+  product.noalias() = factor * factor;  // by BLAS: EIGEN_USE_BLAS
+  if (product(0, 0) != 512)
+    throw InputError("finite elements", "linear algebra", "wrong", "a BLAS");
 }
 
 }  // namespace softfinger::fem
