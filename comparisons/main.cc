@@ -107,8 +107,12 @@ int fail_without_memory() {
   } catch (const std::bad_alloc&) {
     std::_Exit(fail_without_memory());
   } catch (...) {
+    std::abort();
   }
-  std::abort();
+  // On its way out of a library's function that may not throw: what it is nobody can ask.
+  if (std::uncaught_exceptions() == 0) std::abort();
+  std::fputs("softfinger: error: a library could not go on (out of memory?)\n", stderr);
+  std::_Exit(kNotConverged);
 }
 
 }  // namespace
