@@ -56,6 +56,9 @@ double slip_against(const ContactLcp& problem, const Eigen::Vector3d& slip) {
 template <class LeastAlong>
 double residual_of(const ContactLcp& problem, const ContactSolution& solution,
                    const LeastAlong& least_along) {
+  // Smallest and largest values pass over a NaN: beside numbers that overflowed it would look solved.
+  if (!solution.impulse.allFinite() || !solution.velocity.allFinite())
+    return std::numeric_limits<double>::infinity();
   const int nc = problem.contacts();
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
