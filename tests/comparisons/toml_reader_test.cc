@@ -55,6 +55,13 @@ TEST(TomlReader, RefusesWhatTheParserDoesNotExpectOfItself) {
     expect_words(text, "x.toml:1: not a TOML file: ");
 }
 
+// The parser declares what it then does unreachable.
+TEST(TomlReader, RefusesWhatIsNoAsciiOutsideOfTextsAndComments) {
+  for (const char* text : {"\u00b2", "x = 1\u00b2", "[\u3000]", "\xEF\xBB\xBF\u2028"})
+    expect_words(text, "x.toml:1: not a TOML file: a character beyond ASCII");
+  expect_words("\xEF\xBB\xBF# \u00b2\n\"\u00b2\" = '\u00b2'", "unknown key \"\u00b2\"");
+}
+
 TEST(TomlReader, TakesNestingUpToItsLimit) {
   expect_words("a = " + repeated("[", 16) + repeated("]", 16), "unknown key \"a\"");
   expect_words("a = " + repeated("[", 17) + repeated("]", 17), "at most 16 levels");
