@@ -62,13 +62,11 @@ std::size_t end_of_string(std::string_view text, std::size_t at, int& line) {
 }
 
 /// The parser calls itself for each bracket in a bracket and, when it is done, for each part of a
-/// dotted key: some ten thousand of them would overflow the stack. And it runs into statements that
-/// it declares unreachable at some characters beyond ASCII, which TOML has in texts and comments
-/// only. What is wrong otherwise is the parser's to say.
-void require_parsable(std::string_view text, const std::string& file) {
+/// dotted key: some ten thousand of them would overflow the stack. What is wrong otherwise is the
+/// parser's to say.
+void require_shallow(std::string_view text, const std::string& file) {
   int line = 1, brackets = 0, dots = 0;
-  const bool has_mark = text.substr(0, 3) == "\xEF\xBB\xBF";  // of the encoding
-  for (std::size_t at = has_mark ? 3 : 0; at < text.size(); ++at) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
     switch (text[at]) {
       case '"':
       case '\'':
@@ -98,10 +96,6 @@ void require_parsable(std::string_view text, const std::string& file) {
         dots = 0;
         break;
       default:
-        if (static_cast<unsigned char>(text[at]) >= 0x80)
-          throw InputError(fmt::format("{}:{}", file, line),
-                           "not a TOML file: a character beyond ASCII", "",
-                           "one inside quotes or a comment");
         break;
     }
     if (brackets > kDeepestNesting)
@@ -117,7 +111,7 @@ void require_parsable(std::string_view text, const std::string& file) {
 
 toml::table parse_toml(const std::string& text, const std::string& file) {
   constexpr std::size_t kLongestReason = 300;  // it repeats what was typed
-  require_parsable(text, file);
+  require_shallow(text, file);
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {

@@ -49,17 +49,14 @@ TEST(TomlReader, RefusesDeepNestingBeforeTheParserRecurses) {
   EXPECT_THROW(simulation::parse_scene(scene, "x.toml"), InputError);
 }
 
-// Found by fuzzing: the parser asserts that these do not happen, which ended a debug build.
+// Found by fuzzing: the parser asserts that these do not happen, or calls it unreachable, which
+// ended debug and sanitized builds.
 TEST(TomlReader, RefusesWhatTheParserDoesNotExpectOfItself) {
-  for (const char* text : {"[+", "[+]", "[\r", "[[=]]", "x = [}", "x = [,]", "\"x\" = [} 2 = "})
+  for (const char* text : {"[+", "[+]", "[\r", "[[=]]", "x = [}", "x = [,]", "\"x\" = [} 2 = ",
+                           "\xC2\xB2", "a\xC3\xA9 = 1", "[\xD0\xB6]", "a = 1 \xCE\xB1"})
     expect_words(text, "x.toml:1: not a TOML file: ");
-}
-
-// The parser declares what it then does unreachable.
-TEST(TomlReader, RefusesWhatIsNoAsciiOutsideOfTextsAndComments) {
-  for (const char* text : {"\u00b2", "x = 1\u00b2", "[\u3000]", "\xEF\xBB\xBF\u2028"})
-    expect_words(text, "x.toml:1: not a TOML file: a character beyond ASCII");
-  expect_words("\xEF\xBB\xBF# \u00b2\n\"\u00b2\" = '\u00b2'", "unknown key \"\u00b2\"");
+  // No file that is wrong: the text goes on in the next line.
+  expect_words("a = \"\"\" \\\n \xC3\xA9\"\"\"", "unknown key \"a\"");
 }
 
 TEST(TomlReader, TakesNestingUpToItsLimit) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "softfinger/input/errors.h"
 #include "softfinger/math/pi.h"
@@ -41,6 +42,22 @@ TEST(ContactLcp, StopsAFallingBlock) {
   EXPECT_EQ(result.status, LcpStatus::solved);
   EXPECT_NEAR(solution.impulse[0], 0.6, kRoundOff);
   EXPECT_LE(solution.velocity.norm(), kRoundOff);
+}
+
+// Found by fuzzing: vertices of 1e150 made velocities that are no numbers, with a residual of 0.
+TEST(ContactLcp, WhatIsNoNumberSolvesNothing) {
+  const ContactLcp problem = block_on_floor(1, {-0.3, 0, 0, 0}, 0.7, 0.01);
+  ContactSolution solution;
+  ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
+  for (int row = 0; row < 4; ++row) {
+    ContactSolution broken = solution;
+    broken.velocity[row] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_GT(contact_residual(problem, broken), 1e300) << row;
+    broken = solution;
+    broken.impulse[row] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_GT(contact_residual(problem, broken), 1e300) << row;
+    EXPECT_GT(exact_contact_residual(problem, broken), 1e300) << row;
+  }
 }
 
 TEST(ContactLcp, LetsASeparatingBlockGo) {

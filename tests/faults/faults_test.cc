@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -132,13 +131,9 @@ TEST_P(Faults, EndInWordsAndLeaveNoHalfFile) {
   ASSERT_EQ(whole.status, 0) << whole.err;
   const auto whole_files = files_in(folder_.path() / "out");
 
-  // Allocations are many: all of the first two hundred are the thorough suite's.
-  const char* asked_step = std::getenv("SOFTFINGER_FAULT_STEP");
-  const bool allocations = std::string(kind) == "allocation";
-  const long step = allocations && asked_step ? std::atol(asked_step) : 1;
   long faults = 0;
-  // Beyond the first two hundred ever fewer, to the last one.
-  for (long n = 1;; n += n <= 200 ? step : std::max(step, n / 4)) {
+  // Each of the first two hundred, then ever fewer, to the last one.
+  for (long n = 1;; n += n <= 200 ? 1 : n / 4) {
     const std::string fault = std::string(kind) + ":" + std::to_string(n);
     SCOPED_TRACE(fault);
     const ProgramRun hurt =

@@ -56,17 +56,14 @@ double slip_against(const ContactLcp& problem, const Eigen::Vector3d& slip) {
 template <class LeastAlong>
 double residual_of(const ContactLcp& problem, const ContactSolution& solution,
                    const LeastAlong& least_along) {
-  // Smallest and largest values pass over a NaN: beside numbers that overflowed it would look solved.
-  if (!solution.impulse.allFinite() || !solution.velocity.allFinite())
+  // Minima and maxima drop what is no number.
+  if (!all_finite(solution.impulse) || !all_finite(solution.velocity) || !all_finite(solution.slip))
     return std::numeric_limits<double>::infinity();
   const int nc = problem.contacts();
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
   double worst = 0;
-  const auto add = [&worst](double value) {
-    worst = std::max(worst, std::abs(value));
-    if (std::isnan(value)) worst = std::numeric_limits<double>::infinity();
-  };
+  const auto add = [&worst](double value) { worst = std::max(worst, std::abs(value)); };
   const auto over = [](double value, double unit) { return unit > 0 ? value / unit : value; };
   for (int i = 0; i < nc; ++i) {
     const double normal = solution.impulse[4 * i];
@@ -733,17 +730,20 @@ double contact_residual(const ContactLcp& problem, const ContactSolution& soluti
 }
 
 double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (!all_finite(solution.impulse)) return kInfinity;
   const int nc = problem.contacts();
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
   double worst = 0;
   const auto add = [&worst](double value, double unit) {
     worst = std::max(worst, std::abs(unit > 0 ? value / unit : value));
-    if (std::isnan(value)) worst = std::numeric_limits<double>::infinity();
+    if (std::isnan(value)) worst = kInfinity;
   };
   for (int i = 0; i < nc; ++i) {
     const Eigen::Vector4d velocity = problem.free_velocity.segment<4>(4 * i) +
                                      problem.delassus.middleRows<4>(4 * i) * solution.impulse;
+    if (!all_finite(velocity)) return kInfinity;
     const double normal = solution.impulse[4 * i], own = problem.delassus(4 * i, 4 * i);
     const double arm_m = problem.eccentricity_m[i];
     add(std::min(own * normal, velocity[0]), velocity_unit);
