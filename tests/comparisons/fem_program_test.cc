@@ -92,16 +92,20 @@ TEST_F(FemProgram, AnswersWithTheContractsKeysAndItsErrors) {
 }
 
 TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
-  // Two processes share the runs as under mpirun; what one has finished the other need not do.
-  const std::vector<std::string> command = {"atlas",    "--random", "4",      "--seed", "417",
-                                            "--folder", "unseen",   "--jobs", "2"};
-  Start second = start;
-  second.environment.insert(second.environment.end(),
-                            {"OMPI_COMM_WORLD_RANK=1", "OMPI_COMM_WORLD_SIZE=2"});
-  const ProgramRun half = run_softfinger(second, command);
-  EXPECT_EQ(half.status, 1) << half.err;
-  EXPECT_EQ(half.out, "");
-  EXPECT_NE(half.err.find("2 of 4 runs are not finished"), std::string::npos) << half.err;
+  const auto command = [](const char* count) {
+    return std::vector<std::string>{"atlas",    "--random", count,    "--seed", "417",
+                                    "--folder", "unseen",   "--jobs", "2"};
+  };
+  // As a rank each of two processes would do all the work.
+  Start rank = start;
+  rank.environment.insert(rank.environment.end(),
+                          {"OMPI_COMM_WORLD_RANK=1", "OMPI_COMM_WORLD_SIZE=2"});
+  const ProgramRun refused = run_softfinger(rank, command("4"));
+  EXPECT_EQ(refused.status, 2) << refused.err;
+  EXPECT_NE(refused.err.find("softfinger-sweep --atlas"), std::string::npos) << refused.err;
+  // What is finished need not be done again.
+  const ProgramRun half = run_softfinger(start, command("2"));
+  EXPECT_EQ(half.status, 0) << half.err;
   const auto written = [&] {
     std::vector<fs::file_time_type> times;
     for (const auto& entry : fs::directory_iterator(folder.path() / "unseen"))
@@ -111,7 +115,7 @@ TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
   };
   const auto before = written();
   ASSERT_EQ(before.size(), 2u);
-  const ProgramRun whole = run_softfinger(start, command);
+  const ProgramRun whole = run_softfinger(start, command("4"));
   ASSERT_EQ(whole.status, 0) << whole.err;
   const auto after = written();
   ASSERT_EQ(after.size(), 4u);
