@@ -24,7 +24,9 @@ if [ "${1:-}" = --fast ]; then
   exec ctest --preset release -j "$(nproc)" -L fast
 fi
 cmake --build --preset "$preset"
-ctest --preset "$preset" -j "$(nproc)"
+ctest --preset "$preset" -j "$(nproc)" -LE browser
+# A browser beside other jobs draws late, or stumbles over itself, once in some hundred runs.
+ctest --preset "$preset" -L browser --repeat until-pass:2
 
 # The preset builds what the fast tests need and no more.
 cmake --preset sanitized -DSOFTFINGER_BUILD_TESTS=ON

@@ -39,7 +39,7 @@ endif()
 # What the page's own policy stopped: nothing, unless the sample tries.
 attribute(policy-violations violations)
 if(NOT violations STREQUAL "0" AND NOT EXPECTED MATCHES "policy-violations=")
-  message(FATAL_ERROR "the page violates its policy ${violations} times\n${messages}")
+  message(FATAL_ERROR "the page violates its policy ${violations} times: ${root}\n${messages}")
 endif()
 foreach(pair IN LISTS EXPECTED)
   string(REGEX MATCH "^(.*)=(.*)$" pair "${pair}")
