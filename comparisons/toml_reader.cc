@@ -29,6 +29,12 @@ std::string typed_value(const toml::node& node) {
     }
     return "[" + joined(entries) + "]";
   }
+  if (const toml::table* table = node.as_table()) {
+    std::vector<std::string> entries;
+    for (const auto& [key, entry] : *table)
+      entries.push_back(std::string(key.str()) + " = " + typed_value(entry));
+    return "{ " + joined(entries) + " }";
+  }
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
   return text.str();
