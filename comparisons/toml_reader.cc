@@ -31,8 +31,13 @@ std::string typed_value(const toml::node& node) {
   }
   if (const toml::table* table = node.as_table()) {
     std::vector<std::string> entries;
-    for (const auto& [key, entry] : *table)
+    for (const auto& [key, entry] : *table) {
+      if (entries.size() == kMostShown) {
+        entries.push_back("...");
+        break;
+      }
       entries.push_back(std::string(key.str()) + " = " + typed_value(entry));
+    }
     return "{ " + joined(entries) + " }";
   }
   std::ostringstream text;
