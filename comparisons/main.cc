@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/nearest_name.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
@@ -45,7 +45,7 @@ int run(int argc, char** argv) {
   for (const auto& argument : arguments) command_line += " " + argument;
 
   CLI::App app("Soft-finger contact: analytic models, verified by finite elements.", "softfinger");
-  app.set_version_flag("--version", "softfinger " + program_version());
+  app.set_version_flag("--version", "softfinger " + system::program_version());
   app.require_subcommand(1);
   app.footer(
       "Exit status: 0 done, 1 a comparison fell short, 2 bad input, 3 the numerics did not "
@@ -77,7 +77,7 @@ int run(int argc, char** argv) {
         known.push_back(command->get_name());
       if (std::find(known.begin(), known.end(), arguments[0]) == known.end())
         return fail("unknown command \"" + arguments[0] + "\", did you mean \"" +
-                        nearest_name(arguments[0], known) + "\"? (see softfinger --help)",
+                        text::nearest_name(arguments[0], known) + "\"? (see softfinger --help)",
                     kBadInput);
     }
     // The parser takes them from the back.
@@ -85,7 +85,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& request) {
     std::ostringstream text;  // --help, --version
     app.exit(request, text, text);
-    write_to_stdout(text.str());
+    system::write_to_stdout(text.str());
     return kDone;
   } catch (const CLI::ParseError& error) {
     return fail(std::string(error.what()) + " (see softfinger --help)", kBadInput);
@@ -131,7 +131,7 @@ int main(int argc, char** argv) {
   std::set_terminate(end_in_words);
   try {
     return run(argc, argv);
-  } catch (const Interrupted& interruption) {
+  } catch (const system::Interrupted& interruption) {
     commands::remark(interruption.what());
     return 128 + interruption.signal;
   } catch (const InputError& error) {

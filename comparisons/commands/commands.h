@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "comparisons/fem_process.h"
+#include "comparisons/reference/fem_process.h"
 
 /// One file per command: its flags, its help with samples that a test runs, and what it does.
 namespace softfinger::commands {
@@ -27,7 +27,7 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line);
 void add_simulate(CLI::App& app, Action& action, const std::string& command_line);
 
 /// --fem-time-s and --fem-memory-MB, of each finite-element problem.
-void add_fem_limits(CLI::App& command, FemLimits& limits);
+void add_fem_limits(CLI::App& command, reference::FemLimits& limits);
 
 /// Under mpirun each rank would do all the work, in the same folder.
 /// @param in_place  what to type instead

@@ -9,11 +9,12 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
-#include "comparisons/files.h"
-#include "comparisons/local_geometry.h"
-#include "comparisons/nearest_name.h"
-#include "comparisons/predict.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/predict.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -36,12 +37,12 @@ const Simulator& simulator_by_name(const std::string& name) {
     known.emplace_back(simulator.name);
   }
   throw InputError("command line",
-                   "--to " + name + ", did you mean \"" + nearest_name(name, known) + "\"?", "",
-                   joined(known));
+                   "--to " + name + ", did you mean \"" + text::nearest_name(name, known) + "\"?",
+                   "", text::joined(known));
 }
 
 const PressureModel& model_by_name(const std::string& name) {
-  const auto models = models_by_name(name);
+  const auto models = prediction::models_by_name(name);
   if (models.size() != 1)
     throw InputError("command line", "--model", name, "the name of one model; see: list models");
   return *models.front();
@@ -103,16 +104,16 @@ struct Export {
 nlohmann::json to_json(const Export& made, const std::string& fit) {
   const ContactCurve& curve = made.curve;
   nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array();
-  for (const auto& [name, value] : made.lines.values) values[name] = finite_or_null(value);
+  for (const auto& [name, value] : made.lines.values) values[name] = text::finite_or_null(value);
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const LoadPoint& point = curve.points[i];
     loads.push_back(
         {{"load_N", point.load_N},
-         {"eccentricity_m", finite_or_null(point.eccentricity_m)},
+         {"eccentricity_m", text::finite_or_null(point.eccentricity_m)},
          {"max_torque_Nm",
-          finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
-         {"simulator_eccentricity_m", finite_or_null(made.eccentricity_m(point.load_N))},
-         {"relative_error", finite_or_null(made.errors[i])},
+          text::finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
+         {"simulator_eccentricity_m", text::finite_or_null(made.eccentricity_m(point.load_N))},
+         {"relative_error", text::finite_or_null(made.errors[i])},
          {"valid", point.valid()}});
   }
   return {{"case", curve.case_id},
@@ -123,13 +124,13 @@ nlohmann::json to_json(const Export& made, const std::string& fit) {
           {"load_N", curve.nominal.load_N},
           {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
           {"friction_coefficient", curve.friction_coefficient},
-          {"eccentricity_m", finite_or_null(curve.nominal.eccentricity_m)},
-          {"load_exponent", finite_or_null(curve.load_exponent)},
+          {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
+          {"load_exponent", text::finite_or_null(curve.load_exponent)},
           {"simulator_load_exponent", made.simulator.load_exponent},
           {"lines", made.lines.text},
           {"values", values},
           {"loads", loads},
-          {"worst_relative_error", finite_or_null(made.errors[made.worst])},
+          {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
           {"traps", made.simulator.traps}};
 }
 
@@ -168,9 +169,9 @@ int run(const Options& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const PressureModel& model = model_by_name(options.model);
   const auto choice = load_choice(options);
-  const Case contact_case = read_case(find_case_file(options.case_file));
+  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
   const auto loads = choose_loads(contact_case.loads_N, choice);
-  const GeometryResolver resolver(contact_case);
+  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   const ContactCurve curve = ask_contact_curve(contact_case, resolver, model, loads);
   const Export made(simulator, curve,
@@ -182,9 +183,9 @@ int run(const Options& options) {
       break;
     }
   if (options.json)
-    write_to_stdout(to_json(made, options.fit).dump(2) + "\n");
+    system::write_to_stdout(to_json(made, options.fit).dump(2) + "\n");
   else
-    write_text_to_stdout(describe(contact_case) + "\n" + to_text(made));
+    system::write_text_to_stdout(prediction::describe(contact_case) + "\n" + to_text(made));
   return 0;
 }
 

@@ -5,9 +5,9 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/extremes/survey.h"
-#include "comparisons/files.h"
-#include "comparisons/program_paths.h"
 #include "comparisons/report/extremes_page.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -22,27 +22,27 @@ struct Options {
 int run(const Options& options) {
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
-  std::optional<OutputFolder> output;
+  std::optional<system::OutputFolder> output;
   if (options.write_page) output.emplace(options.output);
   nlohmann::json report = extremes::survey(options.survey);
   const std::time_t now = std::time(nullptr);
   char date[32] = "";
   std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   report["provenance"] = {
-      {"version", program_version()}, {"date", date}, {"command", options.command_line}};
+      {"version", system::program_version()}, {"date", date}, {"command", options.command_line}};
   // A command line may hold bytes that are no UTF-8.
   const std::string text =
       report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   if (options.write_page) {
     const std::filesystem::path folder = options.output;
-    write_files_together({{folder / "extremes.json", text},
-                          {folder / "extremes.html", comparisons::render_extremes(report)}});
+    system::write_files_together({{folder / "extremes.json", text},
+                                  {folder / "extremes.html", report::render_extremes(report)}});
     remark("the page is " + (folder / "extremes.html").string());
   }
   if (options.json)
-    write_to_stdout(text);
+    system::write_to_stdout(text);
   else
-    write_text_to_stdout(extremes::table(report));
+    system::write_text_to_stdout(extremes::table(report));
   return extremes::kept_all_promises(report) ? 0 : 1;
 }
 

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/fem_process.h"
-#include "comparisons/files.h"
-#include "comparisons/predict.h"
-#include "comparisons/program_paths.h"
-#include "comparisons/progress.h"
+#include "comparisons/prediction/predict.h"
+#include "comparisons/reference/fem_process.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/system/progress.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -24,7 +24,7 @@ struct Options {
   double approach_mm = 0;
   int level = 0, increments = 20, limit_surface = 0, increments_to_slip = 0;
   bool torsion = false, json = false;
-  FemLimits limits;
+  reference::FemLimits limits;
 };
 
 /// What the finite-element program is asked for besides the normal contact.
@@ -100,10 +100,10 @@ std::string table_row(const nlohmann::json& result) {
 }
 
 int run(const Options& options) {
-  const Case contact_case = read_case(find_case_file(options.case_file));
-  const GeometryResolver resolver(contact_case);
+  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
+  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
-  const std::string program = fem_program().string();
+  const std::string program = system::fem_program().string();
   const int level = options.level > 0 ? options.level : contact_case.fem_level;
 
   // With an approach given, the first load only sizes the patch that a mesh's radii are fitted on.
@@ -113,7 +113,7 @@ int run(const Options& options) {
     throw InputError("--approach-mm", "approach", fmt::format("{}", options.approach_mm),
                      "a finite number > 0 (mm)");
   if (by_approach) loads_N.resize(1);
-  std::vector<LocalGeometry> geometries;
+  std::vector<prediction::LocalGeometry> geometries;
   for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
   // One process for all: the largest contact first, whose mesh may serve the others. At finite
   // strain the smallest first: every load has meshes of its own, and the largest may be more than
@@ -124,23 +124,23 @@ int run(const Options& options) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
     return finite ? loads_N[left] < loads_N[right] : loads_N[left] > loads_N[right];
   });
-  std::optional<OutputFolder> output;
+  std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
-  FemBatch batch;
+  reference::FemBatch batch;
   batch.limits = options.limits;
   // Threads help large factorisations only; on small ones their waiting costs more than it saves.
   batch.single_thread = level <= 2;
   for (const std::size_t i : order) {
     const double load_N = loads_N[i];
-    nlohmann::json problem = fem_problem(contact_case, geometries[i], load_N, level);
+    nlohmann::json problem = reference::fem_problem(contact_case, geometries[i], load_N, level);
     if (by_approach) problem["approach_m"] = 1e-3 * options.approach_mm;
     problem["friction"] = friction_request(options);
     if (!options.output.empty()) {
       const auto folder =
           std::filesystem::path(options.output) /
           (by_approach ? fmt::format("{}_{:g}mm", contact_case.id, options.approach_mm)
-                       : load_folder(contact_case.id, load_N));
-      make_writable_folder(folder);
+                       : reference::load_folder(contact_case.id, load_N));
+      system::make_writable_folder(folder);
       problem["output_directory"] = folder.string();
     }
     if (!options.compliance.empty()) {
@@ -153,7 +153,7 @@ int run(const Options& options) {
     batch.problems.push_back(std::move(problem));
   }
 
-  Progress progress;
+  system::Progress progress;
   const auto title = [&](std::size_t load) {
     return by_approach ? fmt::format("{} {} mm: ", contact_case.id, options.approach_mm)
                        : fmt::format("{} {} N: ", contact_case.id, loads_N[load]);
@@ -163,11 +163,11 @@ int run(const Options& options) {
     std::string message;
   };
   std::vector<nlohmann::json> result_of_load(loads_N.size());
-  FemCallbacks callbacks;
-  callbacks.on_line = [&](FemIndex index, const std::string& line) {
+  reference::FemCallbacks callbacks;
+  callbacks.on_line = [&](reference::FemIndex index, const std::string& line) {
     progress.say(title(order[index.problem]) + line);
   };
-  callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
+  callbacks.on_answer = [&](reference::FemIndex index, reference::FemAnswer answer) {
     const std::size_t load = order[index.problem];
     // A failure ends the rest; at finite strain what is done before it is kept.
     if (answer.result.is_null()) throw Failed{answer.exit_status, title(load) + answer.failure};
@@ -186,7 +186,7 @@ int run(const Options& options) {
   int interrupted = 0, failed_status = 0;
   try {
     // The finite-element program ends with what it has: a coarser level is a result.
-    interrupted = run_fem(program, {batch}, 1, callbacks, OnInterrupt::finish);
+    interrupted = reference::run_fem(program, {batch}, 1, callbacks, system::OnInterrupt::finish);
   } catch (const Failed& failed) {
     progress.say("softfinger: error: " + failed.message);
     failed_status = failed.exit_status;
@@ -195,13 +195,13 @@ int run(const Options& options) {
     if (!finite || nothing) return failed_status;
   }
   nlohmann::json results = nlohmann::json::array();
-  std::string text = describe(contact_case) + "\n";
+  std::string text = prediction::describe(contact_case) + "\n";
   for (std::size_t load = 0; load < loads_N.size(); ++load) {
     nlohmann::json& result = result_of_load[load];
     if (result.is_null()) continue;  // interrupted before
-    text +=
-        fmt::format("\n{:g} N: {}\n", result["load_N"].get<double>(), describe(geometries[load])) +
-        table_row(result) + friction_table(result);
+    text += fmt::format("\n{:g} N: {}\n", result["load_N"].get<double>(),
+                        prediction::describe(geometries[load])) +
+            table_row(result) + friction_table(result);
     if (result.value("coarse", false))
       text += "  (stopped early: a coarser level than was asked for)\n";
     results.push_back(std::move(result));
@@ -211,10 +211,10 @@ int run(const Options& options) {
     if (results.empty()) return 128 + interrupted;
   }
   if (options.json)
-    write_to_stdout(nlohmann::json({{"case", contact_case.id}, {"results", results}}).dump(2) +
-                    "\n");
+    system::write_to_stdout(
+        nlohmann::json({{"case", contact_case.id}, {"results", results}}).dump(2) + "\n");
   else
-    write_text_to_stdout(text);
+    system::write_text_to_stdout(text);
   return interrupted != 0 ? 128 + interrupted : failed_status;
 }
 

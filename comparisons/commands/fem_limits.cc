@@ -4,7 +4,7 @@
 
 namespace softfinger::commands {
 
-void add_fem_limits(CLI::App& command, FemLimits& limits) {
+void add_fem_limits(CLI::App& command, reference::FemLimits& limits) {
   command
       .add_option("--fem-time-s", limits.time_s,
                   fmt::format("longest time of one finite-element problem, 1 to 1e7 s; one beyond "

@@ -1,4 +1,4 @@
-#include "comparisons/predict.h"
+#include "comparisons/prediction/predict.h"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <memory>
 #include <vector>
 
-#include "comparisons/atlas/case_estimate.h"
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/gap_sampling.h"
-#include "comparisons/nearest_name.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/prediction/gap_sampling.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -28,7 +28,7 @@ constexpr double kCostBudget_ns = 1.5e6;
 
 /// The models asked for; with a sampled gap also the one that takes it.
 std::vector<const PressureModel*> chosen_models(const Options& options) {
-  auto models = models_by_name(options.models);
+  auto models = prediction::models_by_name(options.models);
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {
@@ -50,63 +50,71 @@ void check_limit_surface(const Options& options, std::size_t answers) {
 }
 
 /// What the error atlas says of an answer.
-void estimate(const Case& contact_case, TorqueRule rule, ModelAnswer& answer) {
+void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
+              prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer || answer.sampled) return;
-  const auto found =
-      estimate_error(std::string(answer.model->card().name), contact_case, answer.problem);
+  const auto found = judgement::estimate_error(std::string(answer.model->card().name), contact_case,
+                                               answer.problem);
   if (found.bound)
-    answer.error_estimate = to_json(with_torque_rule(found, answer.prediction, rule));
+    answer.error_estimate =
+        judgement::to_json(judgement::with_torque_rule(found, answer.prediction, rule));
   else
     answer.no_estimate = found.outside;
 }
 
 int run(const Options& options) {
   const auto models = chosen_models(options);
-  const Case contact_case = read_case(find_case_file(options.case_file));
+  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
-  const GeometryResolver resolver(contact_case);
+  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
-  const TorqueRule rule = options.torque_rule == "paper" ? TorqueRule::paper : TorqueRule::exact;
+  const prediction::TorqueRule rule = options.torque_rule == "paper"
+                                          ? prediction::TorqueRule::paper
+                                          : prediction::TorqueRule::exact;
   const double budget_ns =
       kCostBudget_ns / static_cast<double>(models.size() * contact_case.loads_N.size());
 
   nlohmann::json results = nlohmann::json::array(), geometries = nlohmann::json::array();
-  std::string text = describe(contact_case) + "\n";
+  std::string text = prediction::describe(contact_case) + "\n";
   for (double load_N : contact_case.loads_N) {
-    const LocalGeometry geometry = resolver.resolve(load_N);
-    std::vector<ModelAnswer> answers;
+    const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+    std::vector<prediction::ModelAnswer> answers;
     for (const PressureModel* model : models) {
       if (options.gap == "sampled" && model->card().name == "layer_fft")
-        answers.push_back(ask_sampled_gap(resolver, geometry, contact_case, load_N));
+        answers.push_back(prediction::ask_sampled_gap(resolver, geometry, contact_case, load_N));
       else
-        answers.push_back(ask_model(*model, contact_case, geometry.radii, load_N, budget_ns));
+        answers.push_back(
+            prediction::ask_model(*model, contact_case, geometry.radii, load_N, budget_ns));
       estimate(contact_case, rule, answers.back());
-      if (geometry.patch) propagate_radii_uncertainty(geometry.patch->relative, answers.back());
+      if (geometry.patch)
+        prediction::propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
     geometries.push_back({{"load_N", load_N},
                           {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                           {"axis_rad", geometry.radii.axis_rad},
-                          {"patch", patch_to_json(geometry)}});
-    text += fmt::format("\n{:g} N: {}\n", load_N, describe(geometry)) + table(answers, rule);
+                          {"patch", prediction::patch_to_json(geometry)}});
+    text += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
+            table(answers, rule);
   }
   // Last, so that a refusal stays a single line.
-  for (const std::string& line : power_law_remarks(contact_case)) remark(line);
-  if (options.models == "all" && options.gap == "quadric" && !slow_models().empty())
-    remark("left out, slower than the others: " + joined(slow_models()) +
+  for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
+  if (options.models == "all" && options.gap == "quadric" && !prediction::slow_models().empty())
+    remark("left out, slower than the others: " + text::joined(prediction::slow_models()) +
            "; ask with --model NAME or --model everything");
   if (options.json) {
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
         {"case", contact_case.id},
-        {"layer", layer_json(contact_case.layer)},
+        {"layer", prediction::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
-        {"object_layer", two_layers ? layer_json(contact_case.object_layer) : nlohmann::json()},
-        {"power_law_fit", to_json(contact_case.power_law_fit)},
+        {"object_layer",
+         two_layers ? prediction::layer_json(contact_case.object_layer) : nlohmann::json()},
+        {"power_law_fit", prediction::to_json(contact_case.power_law_fit)},
         {"friction_coefficient", contact_case.friction_coefficient},
         {"geometry", geometries},
         {"results", results}};
-    write_to_stdout(object.dump(2) + "\n");
+    system::write_to_stdout(object.dump(2) + "\n");
   } else {
     if (options.limit_surface > 0) {
       for (const auto& result : results) {
@@ -125,7 +133,7 @@ int run(const Options& options) {
                               point["fy_N"].get<double>(), point["torque_Nm"].get<double>() * 1e3);
       }
     }
-    write_text_to_stdout(text);
+    system::write_text_to_stdout(text);
   }
   return 0;
 }

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-namespace softfinger {
+namespace softfinger::distributed {
 namespace {
 
 // A worker sends the report of its last task, or nothing at first; rank 0 answers with a task.
@@ -182,4 +182,4 @@ MpiSession::MpiSession(int& argument_count, char**& arguments) {
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
 
-}  // namespace softfinger
+}  // namespace softfinger::distributed

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// Tasks handed out one by one to the ranks of an MPI run, so that no rank waits for another.
-namespace softfinger {
+namespace softfinger::distributed {
 
 /// Does a task, numbered as the caller likes, and tells what came of it. On any rank.
 using RankTask = std::function<std::string(long task)>;
@@ -64,4 +64,4 @@ class MpiSession {
   int rank_ = 0, size_ = 1;
 };
 
-}  // namespace softfinger
+}  // namespace softfinger::distributed

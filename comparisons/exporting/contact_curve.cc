@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/predict.h"
+#include "comparisons/prediction/predict.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::exporting {
@@ -20,10 +20,10 @@ double middle_of(std::vector<double> loads_N) {
 
 bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 
-LoadPoint ask(const Case& contact_case, const RelativeRadii& radii, const PressureModel& model,
-              double load_N) {
+LoadPoint ask(const input::Case& contact_case, const RelativeRadii& radii,
+              const PressureModel& model, double load_N) {
   Prediction prediction = model.predict(contact_case.problem(radii, load_N));
-  check_homogeneity(contact_case, prediction.validity);
+  prediction::check_homogeneity(contact_case, prediction.validity);
   std::string objections;
   for (const ValidityCheck& check : prediction.validity)
     if (!check.holds()) objections += (objections.empty() ? "" : "; ") + std::string(check.message);
@@ -69,7 +69,8 @@ LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice
   return loads;
 }
 
-ContactCurve ask_contact_curve(const Case& contact_case, const GeometryResolver& resolver,
+ContactCurve ask_contact_curve(const input::Case& contact_case,
+                               const prediction::GeometryResolver& resolver,
                                const PressureModel& model, const LoadRange& loads) {
   ContactCurve curve;
   curve.case_id = contact_case.id;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "comparisons/case.h"
-#include "comparisons/local_geometry.h"
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/local_geometry.h"
 #include "softfinger/pressure/pressure_model.h"
 
 /// What to type into a simulator, and what its law of torsional friction makes of it.
@@ -54,7 +54,8 @@ struct ContactCurve {
 
 /// Asks the model at each load, some ten times.
 /// @throws InputError when the model has no answer for one of them, in its own words.
-ContactCurve ask_contact_curve(const Case& contact_case, const GeometryResolver& resolver,
+ContactCurve ask_contact_curve(const input::Case& contact_case,
+                               const prediction::GeometryResolver& resolver,
                                const PressureModel& model, const LoadRange& loads);
 
 }  // namespace softfinger::exporting

@@ -11,7 +11,8 @@
 
 #include "comparisons/extremes/extreme_problem.h"
 #include "comparisons/extremes/jumps.h"
-#include "comparisons/predict.h"
+#include "comparisons/prediction/predict.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/pressure/soundness.h"
@@ -72,7 +73,8 @@ bool has_sound_friction(const ContactProblem& problem, const Prediction& predict
   const double arm_m = prediction.torque_arm_exact_m;
   const FrictionEllipsoid ellipsoid{max_force_N, arm_m};
   const LimitSurface surface(prediction.a_m, prediction.b_m,
-                             std::clamp(equivalent_exponent(prediction), -0.5, 50.), max_force_N);
+                             std::clamp(prediction::equivalent_exponent(prediction), -0.5, 50.),
+                             max_force_N);
   const LimitWrench wrench = surface.wrench_for_twist({0.3 * arm_m, -0.2 * arm_m, 1});
   const double used = ellipsoid.utilisation(wrench.force_x_N, wrench.force_y_N, wrench.torque_Nm);
   constexpr double kRounding = 1e-8;
@@ -146,7 +148,8 @@ class ModelSurvey {
     for (const auto& [reason, times] : reasons)
       refusals.push_back({{"reason", reason}, {"count", times}});
     for (std::size_t i = 0; i < kAxes.size(); ++i) {
-      ranges[kAxes[i].key] = {finite_or_null(ranges_[i].least), finite_or_null(ranges_[i].largest)};
+      ranges[kAxes[i].key] = {text::finite_or_null(ranges_[i].least),
+                              text::finite_or_null(ranges_[i].largest)};
       json& bins = decades[kAxes[i].key] = json::array();
       for (const auto& [bin, counts] : bins_[i])
         bins.push_back({{"from", start_of(kAxes[i], bin)},

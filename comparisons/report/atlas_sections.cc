@@ -1,4 +1,4 @@
-#include "atlas_sections.h"
+#include "comparisons/report/atlas_sections.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "case_section.h"
-#include "scoring.h"
+#include "comparisons/report/case_section.h"
+#include "comparisons/report/scoring.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 struct NamedQuantity {
@@ -393,4 +393,4 @@ Json atlas_chart_data(const Json& report) {
   return drawn;
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -1,4 +1,4 @@
-#include "case_section.h"
+#include "comparisons/report/case_section.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "scoring.h"
+#include "comparisons/report/scoring.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
@@ -430,4 +430,4 @@ std::string case_section(const Json& report, const Json& report_case) {
   return out + "</section>\n";
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

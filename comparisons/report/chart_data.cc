@@ -1,14 +1,14 @@
-#include "chart_data.h"
+#include "comparisons/report/chart_data.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdlib>
 
-#include "atlas_sections.h"
-#include "scoring.h"
+#include "comparisons/report/atlas_sections.h"
+#include "comparisons/report/scoring.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 double rounded(double value, int digits) {
@@ -122,4 +122,4 @@ std::string script_json(const Json& data) {
   return out;
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -1,4 +1,4 @@
-#include "extremes_page.h"
+#include "comparisons/report/extremes_page.h"
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 #include <stdexcept>
 #include <vector>
 
-#include "atlas_sections.h"
-#include "chart_data.h"
-#include "embedded.h"
-#include "page.h"
-#include "scoring.h"
+#include "comparisons/report/atlas_sections.h"
+#include "comparisons/report/chart_data.h"
+#include "comparisons/report/embedded.h"
+#include "comparisons/report/page.h"
+#include "comparisons/report/scoring.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 constexpr std::array<std::pair<const char*, const char*>, 5> kPromises{
@@ -237,4 +237,4 @@ std::string render_extremes(const nlohmann::json& survey) {
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::extremes_js}});
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "comparisons/report/chart_data.h"
+#include "comparisons/report/embedded.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/motion_data.h"
 #include "comparisons/report/page.h"
-#include "embedded.h"
 #include "softfinger/friction/limit_surface.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 using simulation::RecordedContact;
@@ -207,4 +207,4 @@ std::string motion_page(const Recording& recording, const MotionPageOptions& opt
                       {embedded::d3_js, embedded::plot_js, embedded::motion_js}});
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

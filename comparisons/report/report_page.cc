@@ -1,4 +1,4 @@
-#include "report_page.h"
+#include "comparisons/report/report_page.h"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,15 @@
 #include <stdexcept>
 #include <vector>
 
-#include "atlas_sections.h"
-#include "case_section.h"
-#include "chart_data.h"
-#include "embedded.h"
-#include "html.h"
-#include "page.h"
-#include "scoring.h"
+#include "comparisons/report/atlas_sections.h"
+#include "comparisons/report/case_section.h"
+#include "comparisons/report/chart_data.h"
+#include "comparisons/report/embedded.h"
+#include "comparisons/report/html.h"
+#include "comparisons/report/page.h"
+#include "comparisons/report/scoring.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 std::string plural(int count, const char* noun) {
@@ -270,4 +270,4 @@ std::string render_report(const nlohmann::json& report) {
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

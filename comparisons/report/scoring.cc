@@ -1,4 +1,4 @@
-#include "scoring.h"
+#include "comparisons/report/scoring.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 double median(std::vector<double> values) {
@@ -43,14 +43,10 @@ std::optional<Score> score(const Json& load, const Json& model) {
   return worst;
 }
 
-Judgement judge(double error, bool claims_to_hold, double tolerance) {
-  if (!(error <= tolerance)) return Judgement::off;
-  return claims_to_hold ? Judgement::usable : Judgement::accident;
-}
-
 Judgement judge(const Json& report, const Json& load, const Json& model) {
   const auto here = score(load, model);
-  return here ? judge(here->error, flag(model, "valid"), tolerance(report)) : Judgement::silent;
+  return here ? judgement::judge(here->error, flag(model, "valid"), tolerance(report))
+              : Judgement::silent;
 }
 
 std::optional<Score> worst_score(const Json& report_case, const std::string& model) {
@@ -81,8 +77,9 @@ std::optional<Best> best_model(const Json& report, const Json& report_case) {
       if (const Json* entry = find_model(load, name); entry && !child(load, "fem").is_null())
         valid = valid && flag(*entry, "valid");
     const auto rank = [&](const Best& one) {
-      return std::pair(judge(one.score.error, one.valid, tolerance(report)) != Judgement::usable,
-                       one.score.error);
+      return std::pair(
+          judgement::judge(one.score.error, one.valid, tolerance(report)) != Judgement::usable,
+          one.score.error);
     };
     const Best here{name, *candidate, valid};
     if (!best || rank(here) < rank(*best)) best = here;
@@ -177,13 +174,4 @@ Style style(const Json& report, const std::string& model) {
   return {fmt::format("var(--model-{})", slot + 1), kDashes[slot]};
 }
 
-std::string label(const std::string& model) {
-  if (model == "fem") return "FEM";
-  if (model == "fem_coarse") return "FEM, coarse mesh";
-  std::string words = model;
-  std::replace(words.begin(), words.end(), '_', ' ');
-  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] += 'A' - 'a';
-  return words;
-}
-
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

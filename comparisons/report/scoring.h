@@ -4,11 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "html.h"
+#include "comparisons/judgement/judgement.h"
+#include "comparisons/report/html.h"
 
 /// What the page claims about models, computed from report.json alone, so that every claim can be
 /// checked against the tables below it.
-namespace softfinger::comparisons {
+namespace softfinger::report {
+
+using judgement::Judgement;
+using judgement::label;
 
 /// The larger |relative error| of a prediction in area and maximal torque, the quantities that
 /// verdicts judge by. Nothing when the model has no answer or the FEM failed.
@@ -18,11 +22,6 @@ struct Score {
   double load_N = 0;
 };
 std::optional<Score> score(const Json& load, const Json& model);
-
-/// A model at one load. Agreement within the tolerance counts only where the model itself claims to
-/// hold: where its error merely crosses zero outside its assumptions, that is an accident.
-enum class Judgement { usable, accident, off, silent };
-Judgement judge(double error, bool claims_to_hold, double tolerance);
 
 /// The same from the report: `silent` without an answer or a reference.
 Judgement judge(const Json& report, const Json& load, const Json& model);
@@ -73,7 +72,4 @@ struct Style {
 };
 Style style(const Json& report, const std::string& model);
 
-/// The name as people read it: `thin_incompressible` -> `Thin incompressible`, `fem` -> `FEM`.
-std::string label(const std::string& model);
-
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -1,4 +1,4 @@
-#include "select_page.h"
+#include "comparisons/report/select_page.h"
 
 #include <fmt/format.h>
 
@@ -8,14 +8,14 @@
 #include <stdexcept>
 #include <vector>
 
-#include "atlas_sections.h"
-#include "case_section.h"
-#include "chart_data.h"
-#include "embedded.h"
-#include "page.h"
-#include "scoring.h"
+#include "comparisons/report/atlas_sections.h"
+#include "comparisons/report/case_section.h"
+#include "comparisons/report/chart_data.h"
+#include "comparisons/report/embedded.h"
+#include "comparisons/report/page.h"
+#include "comparisons/report/scoring.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 constexpr std::array<std::pair<const char*, const char*>, 6> kColumns{
@@ -289,4 +289,4 @@ std::string render_selection(const nlohmann::json& selection) {
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::select_js}});
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -1,4 +1,4 @@
-#include "sweep_page.h"
+#include "comparisons/report/sweep_page.h"
 
 #include <fmt/format.h>
 
@@ -10,18 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "atlas_sections.h"
-#include "chart_data.h"
-#include "comparisons/simulation/base64.h"
-#include "embedded.h"
-#include "page.h"
-#include "scoring.h"
+#include "comparisons/report/atlas_sections.h"
+#include "comparisons/report/chart_data.h"
+#include "comparisons/report/embedded.h"
+#include "comparisons/report/page.h"
+#include "comparisons/report/scoring.h"
+#include "comparisons/text/base64.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
-
-using simulation::base64;
-using simulation::bytes_of;
 
 constexpr const char* kSpace = "\u00a0";
 constexpr std::size_t kRowsOfTable = 50, kReasons = 10;
@@ -553,7 +550,7 @@ std::string rows_section(const Table& table) {
 }
 
 std::string floats(const std::vector<double>& values) {
-  return base64(bytes_of(std::vector<float>(values.begin(), values.end())));
+  return text::base64(text::bytes_of(std::vector<float>(values.begin(), values.end())));
 }
 
 Json source_data(const Source& source, const Table& table) {
@@ -573,7 +570,7 @@ Json source_data(const Source& source, const Table& table) {
   return {{"name", source.name},
           {"values", values},
           {"errors", errors},
-          {"valid", base64(bytes_of(source.valid))}};
+          {"valid", text::base64(text::bytes_of(source.valid))}};
 }
 
 /// What sweep.js draws: columns as base64 of little-endian float32, in the page's units, NaN where
@@ -639,4 +636,4 @@ std::string render_sweep(const nlohmann::json& sweep) {
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::sweep_js}});
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace softfinger {
+namespace softfinger::sweep {
 
 /// results.csv while it grows. Rows are appended in the order of the points, under another name
 /// until the last one is there: an interrupted sweep goes on after the last whole point.
@@ -40,4 +40,4 @@ class RowsFile {
   std::size_t points_ = 0;
 };
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

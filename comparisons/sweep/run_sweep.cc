@@ -14,14 +14,14 @@
 #include <mutex>
 #include <thread>
 
-#include "comparisons/files.h"
-#include "comparisons/json_text.h"
-#include "comparisons/program_paths.h"
-#include "comparisons/progress.h"
 #include "comparisons/report/sweep_page.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/system/progress.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
@@ -103,7 +103,7 @@ class ChunkQueue {
 
 /// What has to be the same for rows that are there to belong to this sweep.
 json identity_of(const SweepPlan& plan, const std::string& header) {
-  return {{"program", program_identity("/proc/self/exe")},
+  return {{"program", reference::program_identity("/proc/self/exe")},
           {"sweep_toml", plan.text},
           {"rows", plan.sweep.rows()},
           {"columns", header}};
@@ -143,7 +143,7 @@ json sample_of(const fs::path& results, std::size_t all_rows) {
 }
 
 void write_page(const SweepPlan& plan, const std::string& command, std::size_t failed) {
-  const Case& base = plan.sweep.base();
+  const input::Case& base = plan.sweep.base();
   json keys = json::array(), models = json::array();
   for (const SweptKey& swept : plan.sweep.keys()) {
     const auto [smallest, largest] = std::minmax_element(swept.values.begin(), swept.values.end());
@@ -168,20 +168,22 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"failed", failed},
                {"sweep_toml", plan.text},
                {"command", command},
-               {"version", program_version()}});
-  write_file_atomically(plan.output / "sweep.html", comparisons::render_sweep(page));
+               {"version", system::program_version()}});
+  system::write_file_atomically(plan.output / "sweep.html", report::render_sweep(page));
 }
 
 /// Finite elements as they come, and the rows of each point once all its results are there.
 int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& file,
-                     Progress& progress, std::vector<std::string>& failures) {
+                     system::Progress& progress, std::vector<std::string>& failures) {
   const SweepFemJobs& fem = plan.fem;
   failures.resize(fem.jobs.size());
   std::vector<char> finished(fem.jobs.size(), 0);
-  const auto index_of = [&](const FemJob& job) { return std::size_t(&job - fem.jobs.data()); };
-  const std::vector<const FemJob*> pending =
-      pending_fem_jobs(fem.jobs, fem.settings, progress,
-                       [&](const FemJob& job, const json&) { finished[index_of(job)] = 1; });
+  const auto index_of = [&](const reference::FemJob& job) {
+    return std::size_t(&job - fem.jobs.data());
+  };
+  const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
+      fem.jobs, fem.settings, progress,
+      [&](const reference::FemJob& job, const json&) { finished[index_of(job)] = 1; });
   SweepRows rows = plan.rows();
   const std::size_t loads = plan.sweep.base().loads_N.size();
   const auto append_what_is_whole = [&] {
@@ -195,10 +197,10 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
     }
   };
   append_what_is_whole();
-  FemJobProgress shown(progress, fem.jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, fem.jobs.size(), pending.size());
   const int signal = workers.run_fem(
       pending, fem.settings,
-      [&](const FemJob& job, const std::string& failure, const std::string& summary) {
+      [&](const reference::FemJob& job, const std::string& failure, const std::string& summary) {
         finished[index_of(job)] = 1;
         failures[index_of(job)] = failure;
         shown.finished(job, summary);
@@ -210,7 +212,7 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
 }  // namespace
 
 SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
-                     const fs::path& output_folder, const FemLimits& limits)
+                     const fs::path& output_folder, const reference::FemLimits& limits)
     : text(sweep_text),
       file(sweep_file),
       output(output_folder),
@@ -218,22 +220,23 @@ SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
       models(sweep_models(sweep)),
       geometry(sweep.base()) {
   if (!sweep.fem()) return;
-  const fs::path program = fem_program();
+  const fs::path program = system::fem_program();
   SweepRows some_rows = rows();
   fem = sweep_fem_jobs(sweep, some_rows, output / "fem");
   fem.settings.program = program.string();
-  fem.settings.identity = program_identity(program);
+  fem.settings.identity = reference::program_identity(program);
   fem.settings.limits = limits;
 }
 
-int LocalWorkers::run_fem(const std::vector<const FemJob*>& jobs, const FemJobOptions& settings,
-                          const std::function<void(const FemJob&, const std::string& failure,
-                                                   const std::string& summary)>& on_finished) {
-  FemJobOptions local = settings;
+int LocalWorkers::run_fem(
+    const std::vector<const reference::FemJob*>& jobs, const reference::FemJobOptions& settings,
+    const std::function<void(const reference::FemJob&, const std::string& failure,
+                             const std::string& summary)>& on_finished) {
+  reference::FemJobOptions local = settings;
   local.parallel = parallel_;
-  return run_fem_jobs(
-      jobs, local, [](const FemJob&, const std::string&) {},
-      [&](const FemJob& job, const FemAnswer& answer) {
+  return reference::run_fem_jobs(
+      jobs, local, [](const reference::FemJob&, const std::string&) {},
+      [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
         on_finished(job, answer.failure, describe(answer));
       });
 }
@@ -279,14 +282,15 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
 }
 
 int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command) {
-  const OutputFolder folder(plan.output);
-  Progress progress;
+  const system::OutputFolder folder(plan.output);
+  system::Progress progress;
   for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
   const std::string header = plan.rows().header();
   const json identity = identity_of(plan, header);
   const fs::path record = plan.output / "sweep.json";
   std::error_code missing;
-  const json before = fs::exists(record, missing) ? parse_json(read_text_file(record)) : json();
+  const json before =
+      fs::exists(record, missing) ? text::parse_json(system::read_text_file(record)) : json();
   // Rows without a finite-element result are tried again.
   const bool same = before == identity && !plan.sweep.fem();
   if (same && fs::exists(plan.output / "results.csv", missing)) {
@@ -297,7 +301,7 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
     return 0;
   }
   fs::remove(plan.output / "results.csv", missing);
-  write_file_atomically(record, identity.dump(1) + "\n");
+  system::write_file_atomically(record, identity.dump(1) + "\n");
   RowsFile file(plan.output, header, plan.sweep.base().loads_N.size(), same);
   if (file.points() > 0)
     progress.say(fmt::format("softfinger: {} of {} points are there: the sweep goes on",
@@ -335,11 +339,11 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
         fmt::format("softfinger: {} of {} finite-element results are missing; the same "
                     "command tries them again",
                     failed, plan.fem.jobs.size()));
-  write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
-                                   plan.sweep.rows(),
-                                   fs::absolute(plan.output / "results.csv").string(),
-                                   fs::absolute(plan.output / "sweep.html").string()));
+  system::write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
+                                           plan.sweep.rows(),
+                                           fs::absolute(plan.output / "results.csv").string(),
+                                           fs::absolute(plan.output / "sweep.html").string()));
   return failed > 0 ? 1 : 0;
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

@@ -9,13 +9,13 @@
 #include "comparisons/sweep/sweep_file.h"
 #include "comparisons/sweep/sweep_rows.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 
 /// A sweep with all that follows from its file: every process that works on it makes the same one.
 struct SweepPlan {
   /// @throws InputError
   SweepPlan(const std::string& text, const std::filesystem::path& file,
-            const std::filesystem::path& output, const FemLimits& limits);
+            const std::filesystem::path& output, const reference::FemLimits& limits);
 
   /// Makes rows; one for each thread.
   SweepRows rows() const { return SweepRows(sweep, models, geometry); }
@@ -24,7 +24,7 @@ struct SweepPlan {
   std::filesystem::path file, output;
   Sweep sweep;
   std::vector<const PressureModel*> models;
-  GeometryResolver geometry;
+  prediction::GeometryResolver geometry;
   SweepFemJobs fem;  ///< empty without finite elements
 };
 
@@ -36,8 +36,9 @@ class SweepWorkers {
   /// Runs finite-element jobs, whose results are kept in their files.
   /// @param on_finished  on the calling thread: the job, why it failed (or nothing), its accuracy
   /// @returns 0, or the signal that interrupted
-  virtual int run_fem(const std::vector<const FemJob*>& jobs, const FemJobOptions& settings,
-                      const std::function<void(const FemJob&, const std::string& failure,
+  virtual int run_fem(const std::vector<const reference::FemJob*>& jobs,
+                      const reference::FemJobOptions& settings,
+                      const std::function<void(const reference::FemJob&, const std::string& failure,
                                                const std::string& summary)>& on_finished) = 0;
 
   /// Makes the rows of all points that `file` has not yet, from models alone.
@@ -51,8 +52,9 @@ class SweepWorkers {
 class LocalWorkers : public SweepWorkers {
  public:
   explicit LocalWorkers(int parallel) : parallel_(parallel) {}
-  int run_fem(const std::vector<const FemJob*>& jobs, const FemJobOptions& settings,
-              const std::function<void(const FemJob&, const std::string& failure,
+  int run_fem(const std::vector<const reference::FemJob*>& jobs,
+              const reference::FemJobOptions& settings,
+              const std::function<void(const reference::FemJob&, const std::string& failure,
                                        const std::string& summary)>& on_finished) override;
   int make_rows(const SweepPlan& plan, RowsFile& file,
                 const std::function<void()>& on_progress) override;
@@ -67,4 +69,4 @@ class LocalWorkers : public SweepWorkers {
 /// @throws InputError
 int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command);
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

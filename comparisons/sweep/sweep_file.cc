@@ -9,12 +9,12 @@
 #include <random>
 #include <set>
 
-#include "comparisons/case_table.h"
-#include "comparisons/files.h"
-#include "comparisons/nearest_name.h"
+#include "comparisons/input/case_table.h"
+#include "comparisons/system/files.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace fs = std::filesystem;
 namespace {
 
@@ -69,8 +69,8 @@ void collect_keys(const toml::node& node, const std::string& path, std::vector<s
       collect_keys(*array->get(i), fmt::format("{}[{}]", path, i), keys);
 }
 
-std::size_t count_of(const TomlReader& reader, const toml::node& node, const std::string& field,
-                     std::size_t least) {
+std::size_t count_of(const input::TomlReader& reader, const toml::node& node,
+                     const std::string& field, std::size_t least) {
   const std::string allowed = fmt::format("a whole number from {} to {}", least, kMostSweptValues);
   const double value = reader.number(node, field, allowed);
   if (!(value >= double(least) && value <= double(kMostSweptValues)) || value != std::floor(value))
@@ -79,7 +79,7 @@ std::size_t count_of(const TomlReader& reader, const toml::node& node, const std
 }
 
 /// { from, to, steps } or { from, to, random, seed }, either with spacing = "log".
-void read_range(const TomlReader& reader, const toml::table& table, SweptKey& swept) {
+void read_range(const input::TomlReader& reader, const toml::table& table, SweptKey& swept) {
   const std::string& key = swept.key;
   reader.check_keys(table, key, {"from", "to", "steps", "spacing", "random", "seed"});
   const double from = reader.number(reader.required(table, key, "from"), "from", "a number");
@@ -118,7 +118,7 @@ void read_range(const TomlReader& reader, const toml::table& table, SweptKey& sw
     swept.values.push_back(between(double(generator() >> 11) * 0x1p-53));
 }
 
-SweptKey read_key(const TomlReader& reader, const std::string& key, const toml::node& node) {
+SweptKey read_key(const input::TomlReader& reader, const std::string& key, const toml::node& node) {
   SweptKey swept;
   swept.key = key;
   if (const toml::table* table = node.as_table()) {
@@ -145,7 +145,9 @@ bool is_whole(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string read_sweep_text(const fs::path& file) { return read_text_file(file, kLargestTomlFile); }
+std::string read_sweep_text(const fs::path& file) {
+  return system::read_text_file(file, input::kLargestTomlFile);
+}
 
 /// What is parsed: the case's own table, with plain numbers where keys are swept.
 struct Sweep::File {
@@ -164,13 +166,13 @@ Sweep::~Sweep() = default;
 Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_unique<File>()) {
   file_->text = text;
   file_->path = path;
-  toml::table& root = file_->root = parse_toml(text, path.string());
-  const TomlReader reader(path.string());
+  toml::table& root = file_->root = input::parse_toml(text, path.string());
+  const input::TomlReader reader(path.string());
   reader.required_table(root, "sweep");
   // Moved, not copied: a copy knows no lines.
   const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
-  base_ = case_of(root, text, path);
+  base_ = input::case_of(root, text, path);
 
   // The library sorts keys by name.
   std::vector<std::pair<std::string, const toml::node*>> entries;
@@ -205,8 +207,8 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
         throw InputError(
             fmt::format("{}:{}", path.string(), places[i].line),
             fmt::format("[sweep] \"{}\" is no number of this case, did you mean \"{}\"?", key,
-                        nearest_name(key, known)),
-            "", joined(known));
+                        text::nearest_name(key, known)),
+            "", text::joined(known));
       keys_.push_back(read_key(reader, key, *node));
       axes_.push_back({keys_.size() - 1});
     }
@@ -274,7 +276,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
       else
         *node.as_floating_point() = value;
       try {
-        base_ = case_of(tried, text, path);
+        base_ = input::case_of(tried, text, path);
       } catch (const InputError& error) {
         const auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto& candidate) {
           return candidate.first == keys_[k].key;
@@ -313,7 +315,7 @@ Sweep::Cases::Cases(const Sweep& sweep) : sweep_(sweep), table_(std::make_unique
 
 Sweep::Cases::~Cases() = default;
 
-Case Sweep::Cases::at(std::size_t point) {
+input::Case Sweep::Cases::at(std::size_t point) {
   sweep_.values_at(point, values_);
   for (std::size_t key = 0; key < values_.size(); ++key) {
     toml::node& node = *table_->numbers[key];
@@ -322,7 +324,7 @@ Case Sweep::Cases::at(std::size_t point) {
     else
       *node.as_floating_point() = values_[key];
   }
-  return case_of(table_->root, sweep_.file_->text, sweep_.file_->path);
+  return input::case_of(table_->root, sweep_.file_->text, sweep_.file_->path);
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "comparisons/case.h"
+#include "comparisons/input/case.h"
 
 /// A sweep file: a case and the table [sweep], which gives some of the case's numbers many values.
 ///
@@ -18,7 +18,7 @@
 ///   fem = true                                             # also finite elements
 ///
 /// Keys that are not zipped make the product of their values, the last one fastest.
-namespace softfinger {
+namespace softfinger::sweep {
 
 /// Limits of a sweep: rows are streamed, finite-element jobs and values are kept in memory.
 constexpr std::size_t kMostSweepRows = 100'000'000, kMostSweepFemJobs = 100'000,
@@ -45,7 +45,7 @@ class Sweep {
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
 
-  const Case& base() const { return base_; }
+  const input::Case& base() const { return base_; }
   /// In the order of the file.
   const std::vector<SweptKey>& keys() const { return keys_; }
   /// As [sweep] names them, or empty.
@@ -63,7 +63,7 @@ class Sweep {
     explicit Cases(const Sweep& sweep);
     ~Cases();
     /// @throws InputError for values that do not go together; its `where` is the file
-    Case at(std::size_t point);
+    input::Case at(std::size_t point);
 
    private:
     struct Table;
@@ -75,7 +75,7 @@ class Sweep {
  private:
   struct File;
   std::unique_ptr<File> file_;
-  Case base_;
+  input::Case base_;
   std::vector<SweptKey> keys_;
   std::vector<std::vector<std::size_t>> axes_;  ///< keys that change together
   std::vector<std::string> models_;
@@ -83,4 +83,4 @@ class Sweep {
   std::size_t points_ = 1;
 };
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

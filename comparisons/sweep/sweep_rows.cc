@@ -8,13 +8,13 @@
 #include <iterator>
 #include <unordered_map>
 
-#include "comparisons/csv.h"
-#include "comparisons/predict.h"
+#include "comparisons/prediction/predict.h"
+#include "comparisons/text/csv.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace {
 
 using nlohmann::json;
@@ -37,7 +37,7 @@ void append_exact(double value, std::string& text) {
 /// A cell of its own line: rows are counted by their ends.
 std::string text_cell(std::string words) {
   std::replace(words.begin(), words.end(), '\n', ' ');
-  return csv_cell(visible_text(words));
+  return text::csv_cell(visible_text(words));
 }
 
 double number(const json& object, const char* key) {
@@ -66,11 +66,11 @@ double weight_of(const json& problem) {
 std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
   std::vector<const PressureModel*> models;
   for (const std::string& name : sweep.models())
-    for (const PressureModel* model : models_by_name(name))
+    for (const PressureModel* model : prediction::models_by_name(name))
       if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
   if (!models.empty()) return models;
-  const Case& base = sweep.base();
-  for (const PressureModel* model : models_by_name("all")) {
+  const input::Case& base = sweep.base();
+  for (const PressureModel* model : prediction::models_by_name("all")) {
     if (model->card().name == "power_law" && !(base.options.power_law.radius_coefficient > 0))
       continue;
     if (model->card().finite_strain && !base.fem_finite) continue;
@@ -80,7 +80,7 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
 }
 
 SweepRows::SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
-                     const GeometryResolver& geometry)
+                     const prediction::GeometryResolver& geometry)
     : sweep_(sweep), models_(models), geometry_(geometry), cases_(sweep) {}
 
 std::string SweepRows::header() const {
@@ -116,7 +116,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       text += "," + text_cell(words) + "\n";
     }
   };
-  Case contact_case;
+  input::Case contact_case;
   try {
     contact_case = cases_.at(point);
   } catch (const InputError& error) {
@@ -125,10 +125,10 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
   }
   const std::size_t row_begin = text.size();
   try {
-    const GeometryResolver resolver(contact_case, &geometry_);
+    const prediction::GeometryResolver resolver(contact_case, &geometry_);
     for (std::size_t load = 0; load < loads; ++load) {
       const double load_N = contact_case.loads_N[load];
-      const LocalGeometry geometry = resolver.resolve(load_N);
+      const prediction::LocalGeometry geometry = resolver.resolve(load_N);
       text += start;
       append_exact(load_N, text);
       append_number(geometry.radii.major_m, text);
@@ -136,7 +136,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       const ContactProblem problem = contact_case.problem(geometry.radii, load_N);
       for (const PressureModel* model : models_) {
         Prediction prediction = model->predict(problem);
-        check_homogeneity(contact_case, prediction.validity);
+        prediction::check_homogeneity(contact_case, prediction.validity);
         if (!prediction.has_answer) {
           text.append(6, ',');
           text += ",no";
@@ -154,7 +154,8 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       if (fem) {
         const long job = fem->job_of_row[point * loads + load];
         const json result =
-            job < 0 ? json() : finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
+            job < 0 ? json()
+                    : reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
         if (result.is_null()) {
           text.append(12, ',');
           failure = job < 0 ? "" : failures[std::size_t(job)];
@@ -175,12 +176,12 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
 std::vector<json> SweepRows::fem_problems(std::size_t point) {
   std::vector<json> problems(sweep_.base().loads_N.size());
   try {
-    const Case contact_case = cases_.at(point);
-    const GeometryResolver resolver(contact_case, &geometry_);
+    const input::Case contact_case = cases_.at(point);
+    const prediction::GeometryResolver resolver(contact_case, &geometry_);
     for (std::size_t load = 0; load < problems.size(); ++load) {
       const double load_N = contact_case.loads_N[load];
-      problems[load] =
-          fem_problem(contact_case, resolver.resolve(load_N), load_N, contact_case.fem_level);
+      problems[load] = reference::fem_problem(contact_case, resolver.resolve(load_N), load_N,
+                                              contact_case.fem_level);
     }
   } catch (const InputError&) {
     // The point's rows say it.
@@ -204,7 +205,7 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
       const auto [entry, is_new] = known.emplace(name, long(all.jobs.size()));
       all.job_of_row.push_back(entry->second);
       if (!is_new) continue;
-      FemJob job;
+      reference::FemJob job;
       job.title = fmt::format("{} point {}", sweep.base().id, point);
       if (loads_N.size() > 1) job.title += fmt::format(", {} N", loads_N[load]);
       job.problem = problems[load];
@@ -219,4 +220,4 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
   return all;
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

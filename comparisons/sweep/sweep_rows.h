@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "comparisons/fem_jobs.h"
-#include "comparisons/local_geometry.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/fem_jobs.h"
 #include "comparisons/sweep/sweep_file.h"
 #include "softfinger/pressure/pressure_model.h"
 
 /// The rows of results.csv: one per point of the sweep and load, SI units in the columns' names.
-namespace softfinger {
+namespace softfinger::sweep {
 
 /// The models that a sweep asks: those it names, else all that take microseconds; `power_law` only
 /// where the case has a law, those of finite strain only where the case is.
@@ -19,9 +19,9 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep);
 
 /// The finite-element jobs of a sweep. Rows of the same problem share one.
 struct SweepFemJobs {
-  std::vector<FemJob> jobs;
+  std::vector<reference::FemJob> jobs;
   std::vector<long> job_of_row;  ///< -1: the bodies of that row make no contact
-  FemJobOptions settings;
+  reference::FemJobOptions settings;
 };
 
 /// Makes rows one after the other. For one thread; its meshes are shared with other threads.
@@ -29,7 +29,7 @@ class SweepRows {
  public:
   /// @param geometry  of `sweep.base()`: its meshes are read already
   SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
-            const GeometryResolver& geometry);
+            const prediction::GeometryResolver& geometry);
 
   /// "point,layer.thickness_mm,...,load_N,radius_major_m,...", with its end of line.
   std::string header() const;
@@ -52,7 +52,7 @@ class SweepRows {
 
   const Sweep& sweep_;
   std::vector<const PressureModel*> models_;
-  const GeometryResolver& geometry_;
+  const prediction::GeometryResolver& geometry_;
   Sweep::Cases cases_;
   std::vector<double> values_;
 };
@@ -62,4 +62,4 @@ class SweepRows {
 SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
                             const std::filesystem::path& folder);
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

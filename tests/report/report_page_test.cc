@@ -17,7 +17,7 @@
 #include "sample_report.h"
 #include "sample_sweep.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 using Json = nlohmann::json;
@@ -420,4 +420,4 @@ TEST(Html, RoundsToSignificantDigitsWithoutPowersOfTenWherePossible) {
 }
 
 }  // namespace
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

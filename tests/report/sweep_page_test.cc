@@ -12,7 +12,7 @@
 #include "from_base64.h"
 #include "sample_sweep.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 using Json = nlohmann::json;
@@ -210,4 +210,4 @@ TEST(SweepPage, SurvivesRowsWithoutAnswersAndNoRows) {
 }
 
 }  // namespace
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report
