@@ -355,10 +355,10 @@ TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {
   EXPECT_EQ(render_report(report).find("id=\"maps\""), std::string::npos);
 }
 
-TEST(ExtremesPage, NamesTheBrokenPromiseAndItsProblem) {
+TEST(ExtremesPage, NamesTheViolatedInvariantAndItsProblem) {
   const std::string text = visible_text(without_scripts(render_extremes(tests::sample_survey())));
-  EXPECT_NE(text.find("1 of 2 models kept every promise"), std::string::npos);
-  EXPECT_NE(text.find("broken 17 times"), std::string::npos);
+  EXPECT_NE(text.find("1 of 2 models violated no invariant"), std::string::npos);
+  EXPECT_NE(text.find("violated 17 times"), std::string::npos);
   EXPECT_NE(text.find("{{1, 2}, <3>}"), std::string::npos);
   EXPECT_NE(text.find("375 times: no answer: R'' <must> be positive"), std::string::npos);
   EXPECT_TRUE(contains(numbers_in(text), 1289 / 18.75, 1e-3));
