@@ -205,7 +205,7 @@ TEST(AtlasProblem, HasTheSizeThatWasAskedFor) {
                     1e-9);
 }
 
-TEST(ErrorEstimate, OfTheSeedsTorqueRuleHasItsOwnError) {
+TEST(ErrorEstimate, OfThePapersTorqueRuleHasItsOwnError) {
   judgement::ErrorAtlas::Estimate estimate;
   estimate.bound.emplace();
   estimate.bound->fill(0.02);
