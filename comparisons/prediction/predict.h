@@ -14,8 +14,8 @@
 
 namespace softfinger::prediction {
 
-/// `exact` integrates the friction over the ellipse; `paper` is the seed's rule, exact for circles
-/// only.
+/// `exact` integrates the friction over the ellipse. `paper` is the rule of Ciocarlie et al.
+/// (2007), which is exact for circles only.
 enum class TorqueRule { exact, paper };
 
 /// What is known of a contact whose gap was sampled from meshes, beside its prediction.
@@ -89,8 +89,8 @@ double equivalent_exponent(const Prediction& prediction);
 
 /// The contract's keys for one answer. Numbers that do not exist are null. With
 /// `limit_surface_points` > 0, that many points all over the limit surface, in the contact frame (x
-/// along the long axis): the exact surface for the equivalent exponent, or for the seed's torque
-/// rule the seed's ellipsoid.
+/// along the long axis): the exact surface for the equivalent exponent, or with TorqueRule::paper
+/// the ellipsoid of Ciocarlie et al. (2007).
 nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points);
 
 /// Validity as data: check, value, limit, holds, message.
