@@ -123,7 +123,8 @@ int run(const Options& options) {
   const std::string program = system::fem_program().string();
   const int level = options.level > 0 ? options.level : contact_case.fem_level;
 
-  // With an approach given, the first load only sizes the patch that a mesh's radii are fitted on.
+  // With a given approach the load is a result. The first load then only chooses the size of the
+  // patch on which the radii of a mesh are fitted.
   std::vector<double> loads_N = contact_case.loads_N;
   const bool by_approach = options.approach_mm != 0;
   if (!std::isfinite(options.approach_mm))
@@ -132,9 +133,9 @@ int run(const Options& options) {
   if (by_approach) loads_N.resize(1);
   std::vector<prediction::LocalGeometry> geometries;
   for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
-  // One process for all: the largest contact first, whose mesh may serve the others. At finite
-  // strain the smallest first: every load has meshes of its own, and the largest may be more than
-  // the layer can carry.
+  // One process solves all loads. The largest contact comes first, because smaller ones can use its
+  // mesh. At finite strain the smallest comes first: each load has its own meshes there, and the
+  // largest load may be one for which there is no solution.
   const bool finite = contact_case.fem_finite.has_value();
   std::vector<std::size_t> order(loads_N.size());
   std::iota(order.begin(), order.end(), 0);
@@ -145,7 +146,8 @@ int run(const Options& options) {
   if (!options.output.empty()) output.emplace(options.output);
   reference::FemBatch batch;
   batch.limits = options.limits;
-  // Threads help large factorisations only; on small ones their waiting costs more than it saves.
+  // Threads speed up large factorisations only. In small ones they wait for each other longer than
+  // they save.
   batch.single_thread = level <= 2;
   for (const std::size_t i : order) {
     const double load_N = loads_N[i];
@@ -186,7 +188,7 @@ int run(const Options& options) {
   };
   callbacks.on_answer = [&](reference::FemIndex index, reference::FemAnswer answer) {
     const std::size_t load = order[index.problem];
-    // A failure ends the rest; at finite strain what is done before it is kept.
+    // A failure ends the remaining loads. At finite strain the results before it are kept.
     if (!answer.result) throw Failed{answer.exit_status, title(load) + answer.failure};
     // As asked for: the program's own load has gone through units and back.
     if (!by_approach) answer.result->load_N = loads_N[load];
@@ -194,7 +196,7 @@ int run(const Options& options) {
   };
   int interrupted = 0, failed_status = 0;
   try {
-    // The finite-element program ends with what it has: a coarser level is a result.
+    // An interrupted finite-element program returns its last finished level as the result.
     interrupted = reference::run_fem(program, {batch}, 1, callbacks, system::OnInterrupt::finish);
   } catch (const Failed& failed) {
     progress.say("softfinger: error: " + failed.message);
@@ -206,11 +208,11 @@ int run(const Options& options) {
   nlohmann::json results = nlohmann::json::array();
   std::string text = prediction::describe(contact_case) + "\n";
   for (std::size_t load = 0; load < loads_N.size(); ++load) {
-    if (!result_of_load[load]) continue;  // interrupted before
+    if (!result_of_load[load]) continue;  // interrupted before this load
     const reference::ReferenceResult& result = *result_of_load[load];
     text += fmt::format("\n{:g} N: {}\n", result.load_N, prediction::describe(geometries[load])) +
             table_row(result) + friction_table(result);
-    if (result.coarse) text += "  (stopped early: a coarser level than was asked for)\n";
+    if (result.coarse) text += "  (interrupted: the result of a coarser level than requested)\n";
     results.push_back(to_json(result));
   }
   if (interrupted != 0) {

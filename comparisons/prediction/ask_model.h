@@ -14,8 +14,8 @@
 
 namespace softfinger::prediction {
 
-/// `exact` integrates the friction over the ellipse; `paper` is the rule of Ciocarlie et al.
-/// (2007), exact for circles only.
+/// `exact` integrates the friction over the ellipse. `paper` is the rule of Ciocarlie et al.
+/// (2007), which is exact for circles only.
 enum class TorqueRule { exact, paper };
 
 /// What is known of a contact whose gap was sampled from meshes, beside its prediction.

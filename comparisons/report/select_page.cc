@@ -75,12 +75,13 @@ std::string lead(const Json& selection) {
       slowest_us = std::fmax(slowest_us, number(candidate, "cost_us").value_or(0));
     }
     sentence = fmt::format(
-        "<b>{}</b> is the cheapest model that is enough{}: it states an error of at most {} and "
-        "answers in {}.",
+        "<b>{}</b> is the cheapest model that is accurate enough{}: its stated error is at most "
+        "{}, an "
+        "answer takes {}.",
         escape(label(*chosen.begin())), choices.size() > 1 ? " at every load" : "", percent(worst),
         duration(1e-6 * slowest_us));
   } else {
-    sentence = "The cheapest model that is enough changes with the load: ";
+    sentence = "The cheapest model that is accurate enough depends on the load: ";
     bool first = true;
     for (const Json& choice : choices) {
       const std::string model = text(choice, "model");

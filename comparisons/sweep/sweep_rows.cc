@@ -30,12 +30,12 @@ void append_number(double value, std::string& text) {
   if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), "{:.10g}", value);
 }
 
-/// As typed, to the last digit.
+/// A number in as many digits as give exactly the same number back.
 void append_exact(double value, std::string& text) {
   fmt::format_to(std::back_inserter(text), ",{}", value);
 }
 
-/// A cell of its own line: rows are counted by their ends.
+/// A cell without line breaks, because rows are counted by their line breaks.
 std::string text_cell(std::string words) {
   std::replace(words.begin(), words.end(), '\n', ' ');
   return text::csv_cell(visible_text(words));
@@ -59,7 +59,8 @@ std::string hash_of(const json& problem) {
   return fmt::format("{:016x}", hash);
 }
 
-/// Finite strain, an unsymmetric contact and a fine level cost the most.
+/// A rough estimate of a job's cost. Finite strain, contacts without symmetry and fine levels cost
+/// most.
 double weight_of(const json& problem) {
   const double ratio = problem["radii_m"][0].get<double>() / problem["radii_m"][1].get<double>();
   const double level = std::pow(4., problem["level"].get<int>());
@@ -190,7 +191,7 @@ std::vector<json> SweepRows::fem_problems(std::size_t point) {
                                               contact_case.fem_level);
     }
   } catch (const InputError&) {
-    // The point's rows say it.
+    // The rows of this point say why.
   }
   return problems;
 }
@@ -217,8 +218,8 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
       job.problem = problems[load];
       job.file = folder / (name + ".json");
       job.weight = weight_of(problems[load]);
-      // A process per job: on meshes of another contact its numbers would differ in the last
-      // digits.
+      // Each job has a process of its own. In a shared process it would use the mesh of another
+      // contact, and its numbers would differ in the last digits.
       job.group = all.jobs.size();
       all.jobs.push_back(std::move(job));
     }

@@ -453,7 +453,9 @@ TEST(EllipsoidDeviation, EqualsThePublishedExtremesOfCircles) {
 }
 
 TEST(EllipsoidDeviation, GrowsWithElongationAndIsWorstForForceAlongTheShortAxis) {
-  std::printf("deviation of the ellipsoid, percent: a/b, exact e_n, the seed's e_n (Hertz)\n");
+  std::printf(
+      "deviation of the ellipsoid, percent: a/b, exact e_n, e_n of Ciocarlie et al. 2007 "
+      "(Hertz)\n");
   double previous = 0;
   for (const double aspect : {1.0, 1.5, 2.0, 5.0, 10.0}) {
     const LimitSurface surface(aspect, 1, 0.5, 1);
@@ -465,7 +467,7 @@ TEST(EllipsoidDeviation, GrowsWithElongationAndIsWorstForForceAlongTheShortAxis)
     previous = exact.lowest;
     if (aspect == 1) continue;
     EXPECT_LT(std::abs(exact.lowest_wrench.force_x_N), 1e-3);  // the search's resolution in angle
-    // At pure torque the seed's e_n is too small by exact/seed.
+    // At pure torque the e_n of Ciocarlie et al. is too small by the ratio exact/theirs.
     EXPECT_NEAR(paper.highest,
                 surface.eccentricity_m() / surface.paper_ellipsoid().eccentricity_m - 1, 1e-6);
   }
