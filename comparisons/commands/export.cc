@@ -32,11 +32,9 @@ struct Options {
 };
 
 const Simulator& simulator_by_name(const std::string& name) {
+  if (const Simulator* simulator = exporting::find_simulator(name)) return *simulator;
   std::vector<std::string> known;
-  for (const Simulator& simulator : exporting::all_simulators()) {
-    if (simulator.name == name) return simulator;
-    known.emplace_back(simulator.name);
-  }
+  for (const Simulator& simulator : exporting::all_simulators()) known.emplace_back(simulator.name);
   throw InputError("command line",
                    "--to " + name + ", did you mean \"" + text::nearest_name(name, known) + "\"?",
                    "", text::joined(known));

@@ -28,7 +28,7 @@ struct Lines {
   std::vector<std::pair<std::string, double>> values;
 };
 
-/// A simulator's law of torsional friction. Each simulator has a file in this folder, which states
+/// A simulator's law of torsional friction. Each simulator has a file in simulators/, which states
 /// the law and where it is documented.
 struct Simulator {
   std::string_view name;   ///< as typed on the command line
@@ -42,14 +42,21 @@ struct Simulator {
   std::vector<std::string_view> traps;  ///< peculiarities that change the result, a line each
 };
 
-Simulator mujoco();
-Simulator bullet();
-Simulator gazebo();
-Simulator drake();
-Simulator physx();
-
-/// In the order above.
+/// One per file simulators/NAME.cc, which defines NAME_simulator(), in the order of their names.
 const std::vector<Simulator>& all_simulators();
+
+/// Null when there is none of this name.
+const Simulator* find_simulator(std::string_view name);
+
+/// One number in place of one that varies between two positive ends.
+struct BestConstant {
+  double value = 0;
+  double worst_error = 0;  ///< largest |value/x - 1|, the same at both ends
+};
+
+/// The constant whose worst relative error is smallest: value = 2/(1/least + 1/largest), and the
+/// error is (largest - least)/(largest + least).
+BestConstant best_constant(double least, double largest);
 
 /// e_n in the simulator at a load, with the exported lines.
 double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact& contact,
@@ -60,7 +67,7 @@ enum class Fit { nominal, range };
 
 /// The contact to export. `Fit::range`: in the simulator, e at the nominal load P0 becomes e
 /// (P/P0)^n at P, where n is its exponent. The relative error at P is thus e/c - 1 with c = e_n(P)
-/// (P0/P)^n. Its largest magnitude over the range is smallest for e = 2 / (1/min c + 1/max c).
+/// (P0/P)^n. Its largest magnitude over the range is smallest for the `best_constant` of c.
 SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, Fit fit);
 
 /// Relative error of the largest torque in the simulator, against the model, at each of the curve's

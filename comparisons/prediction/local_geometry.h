@@ -34,8 +34,8 @@ class GeometryResolver {
   GeometryResolver(const input::Case& contact_case, const GeometryResolver* known);
 
   /// For meshes the fitted region depends on the load: region and predicted contact are iterated to
-  /// agreement. The area is predicted by the first model of the registry's hot path that calls
-  /// itself valid for the current radii, or by Hertz when none does.
+  /// agreement. The area is predicted by the first closed form that calls itself valid for the
+  /// current radii: bonded_layer where it is valid.
   /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in
   /// words.
   LocalGeometry resolve(double load_N) const;

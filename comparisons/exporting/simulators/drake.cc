@@ -1,4 +1,4 @@
-#include "comparisons/exporting/drake.h"
+#include "comparisons/exporting/simulators/drake.h"
 
 #include <fmt/format.h>
 
@@ -81,7 +81,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator drake() {
+Simulator drake_simulator() {
   return {"drake",
           "Drake",
           "Coulomb's law at every point of an elastic foundation: e_n grows as P^(1/4), the limit "

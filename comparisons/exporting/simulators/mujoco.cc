@@ -31,7 +31,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator mujoco() {
+Simulator mujoco_simulator() {
   return {
       "mujoco",
       "MuJoCo",

@@ -39,7 +39,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator bullet() {
+Simulator bullet_simulator() {
   return {
       "bullet",
       "Bullet",

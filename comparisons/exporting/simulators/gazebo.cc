@@ -35,7 +35,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator gazebo() {
+Simulator gazebo_simulator() {
   return {
       "gazebo",
       "Gazebo",

@@ -30,7 +30,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator physx() {
+Simulator physx_simulator() {
   return {
       "physx",
       "PhysX",
