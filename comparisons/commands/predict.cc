@@ -1,5 +1,3 @@
-#include "comparisons/prediction/predict.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,11 @@
 #include <vector>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -56,10 +58,9 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
   const auto found = judgement::estimate_error(std::string(answer.model->card().name), contact_case,
                                                answer.problem);
   if (found.bound)
-    answer.error_estimate =
-        judgement::to_json(judgement::with_torque_rule(found, answer.prediction, rule));
+    answer.error_bound = judgement::with_torque_rule(found, answer.prediction, rule);
   else
-    answer.no_estimate = found.outside;
+    answer.no_bound = found.outside;
 }
 
 int run(const Options& options) {
@@ -106,10 +107,10 @@ int run(const Options& options) {
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
         {"case", contact_case.id},
-        {"layer", prediction::layer_json(contact_case.layer)},
+        {"layer", input::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
         {"object_layer",
-         two_layers ? prediction::layer_json(contact_case.object_layer) : nlohmann::json()},
+         two_layers ? input::layer_json(contact_case.object_layer) : nlohmann::json()},
         {"power_law_fit", prediction::to_json(contact_case.power_law_fit)},
         {"friction_coefficient", contact_case.friction_coefficient},
         {"geometry", geometries},

@@ -8,8 +8,8 @@
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/judgement/selection/scene_choice.h"
 #include "comparisons/judgement/selection/selection_report.h"
+#include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/report/select_page.h"
 #include "comparisons/system/files.h"
@@ -64,14 +64,13 @@ judgement::FemEccentricity fem_table(const ContactProblem& problem, double least
   std::string failure;
   reference::FemCallbacks callbacks;
   callbacks.on_answer = [&](reference::FemIndex which, const reference::FemAnswer& answer) {
-    if (answer.result.is_null()) {
+    if (!answer.result) {
       failure = answer.failure;
       return;
     }
-    found.eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
-    const nlohmann::json& stated = answer.result.at("error").at("max_torque");
-    if (stated.is_number())
-      found.error = std::max(found.error, stated.get<double>());
+    found.eccentricity_m[which.problem] = answer.result->eccentricity_m;
+    if (const auto& stated = answer.result->error.max_torque)
+      found.error = std::max(found.error, *stated);
     else
       failure = "the error of the torque is not known";
   };

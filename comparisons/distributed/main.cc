@@ -173,8 +173,8 @@ int atlas_on_ranks(const Options& options, int rank) {
   RankPool pool(work);
   RankWorkers workers(pool, jobs);
   system::Progress progress;
-  const auto pending = reference::pending_fem_jobs(jobs, settings, progress,
-                                                   [](const reference::FemJob&, const json&) {});
+  const auto pending =
+      reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
   reference::FemJobProgress shown(progress, jobs.size(), pending.size());
   workers.run_fem(pending, settings,
                   [&](const reference::FemJob& job, const std::string&,

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::exporting {

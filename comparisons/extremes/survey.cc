@@ -11,7 +11,8 @@
 
 #include "comparisons/extremes/extreme_problem.h"
 #include "comparisons/extremes/jumps.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/friction/limit_surface.h"

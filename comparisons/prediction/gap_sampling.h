@@ -1,8 +1,8 @@
 #pragma once
 
 #include "comparisons/input/case.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 
 namespace softfinger::prediction {
 

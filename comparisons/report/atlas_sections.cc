@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "comparisons/report/case_section.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/compared_cases.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {

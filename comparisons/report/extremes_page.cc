@@ -11,7 +11,7 @@
 #include "comparisons/report/chart_data.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {

@@ -7,13 +7,15 @@
 #include <stdexcept>
 #include <vector>
 
+#include "comparisons/judgement/scoring.h"
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
 #include "comparisons/report/chart_data.h"
+#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -34,7 +36,7 @@ std::string input_range(std::optional<double> low, std::optional<double> high) {
   return *low == *high ? plain(low) : plain(low) + " to " + plain(high);
 }
 
-std::string trust_sentence(const ReferenceSummary& reference, double tolerance) {
+std::string trust_sentence(const judgement::ReferenceSummary& reference, double tolerance) {
   if (reference.solved == 0)
     return "The finite elements found no solution, so that nothing can be compared.";
   const double stated = std::max(reference.worst_torque_error, reference.worst_axis_error);
@@ -52,11 +54,16 @@ std::string trust_sentence(const ReferenceSummary& reference, double tolerance) 
                      reference.trusted, reference.solved, numbers);
 }
 
+std::vector<judgement::Usability> usability(const Json& report) {
+  return judgement::usability(compared_cases(report), model_names(report), tolerance(report));
+}
+
 std::string summary(const Json& report) {
-  const ReferenceSummary reference = reference_summary(report);
+  const judgement::ReferenceSummary reference =
+      judgement::reference_summary(compared_cases(report), tolerance(report));
   const double limit = tolerance(report);
   std::string models;
-  for (const Usability& use : usability(report)) {
+  for (const judgement::Usability& use : usability(report)) {
     if (use.compared == 0) continue;
     models += fmt::format("{}<b>{}</b> at {}", models.empty() ? "" : ", ", escape(label(use.model)),
                           use.usable);
@@ -79,7 +86,7 @@ std::string summary(const Json& report) {
 std::string overview_table(const Json& report) {
   std::string rows;
   for (const Json& report_case : child(report, "cases")) {
-    const auto best = best_model(report, report_case);
+    const auto best = judgement::best_model(compared_case(report_case), tolerance(report));
     std::string model = "–", error = "–";
     if (best) {
       model = model_key(report, best->model) +
@@ -108,7 +115,7 @@ std::string overview_table(const Json& report) {
 
 std::string usability_table(const Json& report) {
   std::string rows;
-  for (const Usability& use : usability(report)) {
+  for (const judgement::Usability& use : usability(report)) {
     if (use.compared == 0) continue;
     rows += fmt::format(
         "<tr><th scope=\"row\">{}</th><td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"

@@ -11,9 +11,10 @@
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
 #include "comparisons/report/chart_data.h"
+#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {

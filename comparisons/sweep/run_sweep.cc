@@ -187,7 +187,9 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
   };
   const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
       fem.jobs, fem.settings, progress,
-      [&](const reference::FemJob& job, const json&) { finished[index_of(job)] = 1; });
+      [&](const reference::FemJob& job, const reference::ReferenceResult&) {
+        finished[index_of(job)] = 1;
+      });
   SweepRows rows = plan.rows();
   const std::size_t loads = plan.sweep.base().loads_N.size();
   const auto append_what_is_whole = [&] {

@@ -6,9 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <unordered_map>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/csv.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
@@ -40,9 +41,15 @@ std::string text_cell(std::string words) {
   return text::csv_cell(visible_text(words));
 }
 
-double number(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : NAN;
+/// The columns of `kQuantities`, then those of `kErrors`.
+void append_reference(const reference::ReferenceResult& result, std::string& text) {
+  for (const double value : {result.a_m, result.b_m, result.indentation_m, result.peak_pressure_Pa,
+                             result.area_m2, result.max_torque_Nm})
+    append_number(value, text);
+  const reference::ReferenceErrors& error = result.error;
+  for (const auto& stated :
+       {error.a, error.b, error.indentation, error.peak_pressure, error.area, error.max_torque})
+    append_number(stated.value_or(NAN), text);
 }
 
 std::string hash_of(const json& problem) {
@@ -154,16 +161,15 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       std::string failure;
       if (fem) {
         const long job = fem->job_of_row[point * loads + load];
-        const json result =
-            job < 0 ? json()
-                    : reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
-        if (result.is_null()) {
+        std::optional<reference::ReferenceResult> result;
+        if (job >= 0)
+          result = reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
+        if (!result) {
           text.append(12, ',');
           failure = job < 0 ? "" : failures[std::size_t(job)];
           if (failure.empty()) failure = "no finite-element result";
         } else {
-          for (const char* quantity : kQuantities) append_number(number(result, quantity), text);
-          for (const char* error : kErrors) append_number(number(result["error"], error), text);
+          append_reference(*result, text);
         }
       }
       text += failure.empty() ? ",\n" : "," + text_cell(failure) + "\n";

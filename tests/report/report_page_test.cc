@@ -9,10 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/judgement/scoring.h"
+#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/extremes_page.h"
 #include "comparisons/report/html.h"
-#include "comparisons/report/scoring.h"
 #include "comparisons/report/select_page.h"
+#include "comparisons/report/style.h"
 #include "comparisons/report/sweep_page.h"
 #include "sample_report.h"
 #include "sample_sweep.h"
@@ -382,19 +384,21 @@ Json one_case(std::vector<std::pair<double, bool>> torque_error_and_validity) {
 
 TEST(Scoring, CountsAgreementOutsideTheModelsValidityAsAnAccident) {
   const Json report = one_case({{0.02, true}, {-0.05, false}, {0.40, true}});
-  const auto all = usability(report);
+  const auto all = judgement::usability(compared_cases(report), {"hertz"}, tolerance(report));
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].compared, 3);
   EXPECT_EQ(all[0].usable, 1);
   EXPECT_EQ(all[0].accidents, 1);
   EXPECT_EQ(all[0].broken_claims, 1);
   EXPECT_EQ(all[0].worst, 0.40);
-  EXPECT_EQ(reference_summary(report).without_usable_model, 2);
+  EXPECT_EQ(
+      judgement::reference_summary(compared_cases(report), tolerance(report)).without_usable_model,
+      2);
 }
 
 TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   const Json report = one_case({{0.02, true}, {-0.05, false}});
-  const auto best = best_model(report, report["cases"][0]);
+  const auto best = judgement::best_model(compared_case(report["cases"][0]), tolerance(report));
   ASSERT_TRUE(best);
   EXPECT_EQ(best->model, "hertz");
   EXPECT_EQ(best->score.error, 0.05);

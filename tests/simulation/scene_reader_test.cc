@@ -15,7 +15,7 @@
 namespace softfinger::tests {
 namespace {
 
-using parse_scene;
+using input::parse_scene;
 using input::Scene;
 
 /// Line numbers below count from here.

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "comparisons/judgement/atlas/error_causes.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 #include "comparisons/system/program_paths.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/max_torque.h"

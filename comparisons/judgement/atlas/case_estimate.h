@@ -4,7 +4,7 @@
 
 #include "comparisons/input/case.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 
 namespace softfinger::judgement {
 

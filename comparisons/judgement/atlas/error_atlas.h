@@ -3,23 +3,21 @@
 #include <array>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "comparisons/prediction/quantity.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
 /// What finite elements say of each model, over all contacts of a quadric with a bonded layer.
 namespace softfinger::judgement {
 
-/// The quantities that are judged, in the order of the columns.
-enum class Quantity { a, b, indentation, area, peak_pressure, max_torque };
-constexpr int kQuantities = 6;
-/// The names of interface.md's error_estimate.
-extern const std::array<const char*, kQuantities> kQuantityNames;
-using QuantityErrors = std::array<double, kQuantities>;  ///< relative
+using prediction::kQuantities;
+using prediction::kQuantityNames;
+using prediction::Quantity;
+using prediction::QuantityErrors;
 
 /// A run of the finite elements. A contact on a flat layer is known by three numbers: nu, R'/R''
 /// and s = sqrt(ab)/h, the last one as the bonded layer has it.
@@ -103,9 +101,6 @@ class ErrorAtlas {
 
 /// s = sqrt(ab)/h by the bonded layer, by which runs and questions are placed; NaN without answer.
 double contact_size(const ContactProblem& problem);
-
-/// {"a": .., "b": .., ...}, or null.
-nlohmann::json to_json(const std::optional<QuantityErrors>& bound);
 
 /// The atlas beside the program, read once.
 /// @throws InputError when it is missing or damaged

@@ -9,7 +9,8 @@
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/error_causes.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 

@@ -2,14 +2,14 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "comparisons/input/case.h"
-#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/quantity.h"
 #include "softfinger/friction/friction_ellipsoid.h"
+#include "softfinger/geometry/relative_curvature.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::prediction {
@@ -46,9 +46,9 @@ struct ModelAnswer {
   };
   std::optional<Deviations> deviations;
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
-  /// Bounds of the relative errors as the contract writes them, or null, and why there are none.
-  nlohmann::json error_estimate;
-  std::string no_estimate;
+  /// Bounds of the |relative errors|, or in words why there are none.
+  std::optional<QuantityErrors> error_bound;
+  std::string no_bound;
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m
@@ -80,47 +80,5 @@ void check_homogeneity(const input::Case& contact_case, Validity& validity);
 /// covariance of the fitted R' and R'' (propagated_std). NaN where a neighbouring problem has no
 /// answer. Twenty more predictions.
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer);
-
-/// The exponent n of p ~ (1 - x²/a² - y²/b²)^n whose torque arm for this ellipse is the
-/// prediction's own, so that the limit surface for n meets the true one at pure torque and at pure
-/// force. The named models' exponents (1/2, 1, 2) come out exactly. Between -0.99 and 1000; NaN
-/// without an answer. About 10 microseconds.
-double equivalent_exponent(const Prediction& prediction);
-
-/// The contract's keys for one answer. Numbers that do not exist are null. With
-/// `limit_surface_points` > 0, that many points all over the limit surface, in the contact frame (x
-/// along the long axis): the exact surface for the equivalent exponent, or with TorqueRule::paper
-/// the ellipsoid of Ciocarlie et al. (2007).
-nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points);
-
-/// Validity as data: check, value, limit, holds, message.
-nlohmann::json to_json(const Validity& validity);
-
-/// `softfinger fit`'s keys; a flat direction has radius null.
-nlohmann::json to_json(const QuadricFit& fit);
-
-/// The patch of report.json, or null when no body is a mesh.
-nlohmann::json patch_to_json(const LocalGeometry& geometry);
-
-/// The law that was fitted to a case's data and how well; null without data.
-nlohmann::json to_json(const std::optional<PowerLawFit>& fit);
-
-/// What to tell about that fit: its parameters and scatter, and loads outside the data's range.
-std::vector<std::string> power_law_remarks(const input::Case& contact_case);
-
-/// thickness_m, youngs_modulus_Pa, poisson_ratio.
-nlohmann::json layer_json(const ElasticLayer& layer);
-
-/// "20 mm"; "flat" for an infinite radius.
-std::string millimetres(double length_m);
-
-/// "x, layer 2 mm, E 300 kPa, nu 0.49, mu 0.8": the checked input, echoed before any result.
-std::string describe(const input::Case& contact_case);
-
-/// "R' 20 mm, R'' 5 mm, axis 0°" and, for meshes, how well the patch agrees.
-std::string describe(const LocalGeometry& geometry);
-
-/// The answers for one load as a table in mm, kPa, mN·m, and why models do not hold.
-std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule);
 
 }  // namespace softfinger::prediction
