@@ -17,10 +17,10 @@ std::string surface_key(const input::MeshBody& mesh) {
 }
 
 const PressureModel& patch_model(const ContactProblem& problem) {
-  // Asked many times per load, so that models outside the hot path are out of the question.
+  // Only fast models, because they are asked many times per load.
   for (const PressureModel* model : all_pressure_models())
     if (model->card().hot_path && model->predict(problem).valid()) return *model;
-  // Outside every validity the size of a contact is still known best by the model of widest reach.
+  // Where no model's assumptions hold, the one with the widest range still predicts the size best.
   for (const char* name : {"bonded_layer", "hertz"})
     if (const PressureModel* model = find_pressure_model(name))
       if (model->predict(problem).has_answer) return *model;
@@ -171,7 +171,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
                                        return model.predict(problem).area_m2();
                                      });
   } catch (const InputError& error) {
-    // The fit knows no files: say which case, and on which line, its surface came from.
+    // The fit does not know the file: the line of the case is added here.
     if (error.field() == "point_mm") throw;
     throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
   } catch (const ConvergenceError& error) {
