@@ -6,7 +6,7 @@
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 
-/// What `predict`, `fit` and `compare` write of their answers.
+/// Answers as JSON, for `predict`, `fit` and `compare`.
 namespace softfinger::prediction {
 
 /// By quantity, or null.

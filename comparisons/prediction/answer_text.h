@@ -6,11 +6,11 @@
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 
-/// Cases, geometry and answers as people read them: mm, kPa, mN·m.
+/// Cases, geometry and answers as text for people, in mm, kPa, mN·m.
 namespace softfinger::prediction {
 
-/// What to tell about the law that was fitted to a case's data: its parameters and scatter, and
-/// loads outside the data's range. Nothing without data.
+/// Lines about the power law that was fitted to a case's data: its parameters and scatter, and
+/// which loads lie outside the data. Empty without data.
 std::vector<std::string> power_law_remarks(const input::Case& contact_case);
 
 /// "20 mm"; "flat" for an infinite radius.

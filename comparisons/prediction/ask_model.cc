@@ -14,8 +14,8 @@ namespace {
 double measure_cost_ns(const PressureModel& model, const ContactProblem& problem,
                        double time_budget_ns) {
   using Clock = std::chrono::steady_clock;
-  // Batches, because one call may be shorter than the clock's resolution; the sum keeps the calls
-  // alive.
+  // Batches, because one call may be shorter than the clock's resolution. The sum keeps the
+  // compiler from removing the calls.
   double sum = 0;
   const auto time_batch = [&](int calls) {
     const auto start = Clock::now();
@@ -29,7 +29,7 @@ double measure_cost_ns(const PressureModel& model, const ContactProblem& problem
   const int calls = static_cast<int>(std::clamp(time_budget_ns / kBatches / rough_ns, 1.0, 1000.0));
   std::vector<double> times;
   double spent_ns = rough_ns;
-  // Three at least: in one of them the machine may have been busy with something else.
+  // At least three, because the machine may have been busy during one of them.
   for (int batch = 0; batch < kBatches && (times.size() < 3 || spent_ns < time_budget_ns);
        ++batch) {
     times.push_back(time_batch(calls));
@@ -111,8 +111,9 @@ void check_homogeneity(const input::Case& contact_case, Validity& validity) {
       contrast = std::max({contrast, one.layer.youngs_modulus_Pa / other.layer.youngs_modulus_Pa,
                            bulk_modulus_Pa(one.layer) / bulk_modulus_Pa(other.layer)});
     }
-  // Small contacts feel the outermost sublayer alone, large ones all of them in series: nowhere is
-  // the mean of two that differ by more than a tenth good to a tenth.
+  // A contact much smaller than the outermost sublayer depends on that one only; a much larger one
+  // on all of them in series. Therefore no mean of sublayers that differ by more than 10 % holds to
+  // 10 % for all sizes of contacts.
   validity.add({"homogeneous", contrast, 1.1, true,
                 "the models know one homogeneous layer, here one with 1/E and nu averaged over the "
                 "sublayers' thickness: ask finite elements"});

@@ -18,29 +18,29 @@ namespace softfinger::prediction {
 /// (2007), which is exact for circles only.
 enum class TorqueRule { exact, paper };
 
-/// What is known of a contact whose gap was sampled from meshes, beside its prediction.
+/// Further results for a contact whose gap was sampled from meshes.
 struct SampledGapResult {
-  /// Of the ellipse, from the contact point, in the finger's x and y.
+  /// Centre of the ellipse, from the contact point, along the finger's x and y.
   Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
-  double region_area_m2 = 0;  ///< of the contact, which need not be an ellipse
-  double edge_deviation = 0;  ///< largest, of the contact's edge from the ellipse, relative
+  double region_area_m2 = 0;  ///< area of the contact region, which need not be an ellipse
+  double edge_deviation = 0;  ///< largest relative distance of the contact's edge from the ellipse
   double spacing_m = 0;       ///< of the samples
-  /// Relative changes of the answer when the facets are rounded by the mesh's own normals: what the
-  /// mesh leaves open. NaN when the rounded bodies have no answer.
+  /// Relative changes of the answer when the facets are replaced by the smooth surface of the
+  /// mesh's own normals: an estimate of the mesh's error. NaN when that surface has no answer.
   struct Changes {
     double a = 0, b = 0, indentation = 0, torque = 0, peak = 0;
   };
   Changes changes_by_rounding;
 };
 
-/// One model on one load, with what it costs to ask it.
+/// The answer of one model at one load, and the time that it takes.
 struct ModelAnswer {
   const PressureModel* model = nullptr;
   ContactProblem problem;
   Prediction prediction;
-  double cost_ns = 0;  ///< median of repeated calls; of one call for models outside the hot path
-  /// Standard deviations of a, b and the arm of the torque (exact, paper) that the uncertainty of
-  /// fitted radii leaves; set for mesh cases and models that are fast enough to be asked again.
+  double cost_ns = 0;  ///< median of repeated calls; slow models are called once
+  /// Standard deviations of a, b and the torque arm (exact, paper) that follow from the uncertainty
+  /// of the fitted radii. Set for meshes and models that are fast enough to be asked repeatedly.
   struct Deviations {
     double a_m = 0, b_m = 0, arm_exact_m = 0, arm_paper_m = 0;
   };
@@ -57,28 +57,31 @@ struct ModelAnswer {
   FrictionEllipsoid friction_ellipsoid(TorqueRule rule) const;
 };
 
-/// "all" (those of the hot path), "everything", one name, or several joined by commas.
+/// "all" (the models that take microseconds), "everything", one name, or several separated by
+/// commas.
 /// @throws InputError naming the nearest model for an unknown name.
 std::vector<const PressureModel*> models_by_name(const std::string& names);
 
 /// Names of the models that "all" leaves out because they take longer than microseconds.
 std::vector<std::string> slow_models();
 
-/// @param time_budget_ns  spent on repeating the call to measure its cost; models outside the hot
-///   path are called once, whatever that takes
+/// @param time_budget_ns  time for repeated calls that measure the cost; slow models are called
+/// once,
+///   however long that takes
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns);
 
-/// The same of a case, with a check of what no model knows: whether its layer is homogeneous.
+/// The same for a contact of a case. Adds a check that no model makes itself: whether the layer is
+/// homogeneous.
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
                       const RelativeRadii& radii, double load_N, double time_budget_ns);
 
-/// Fails where a case has several sublayers.
+/// A check that fails if the case has several sublayers.
 void check_homogeneity(const input::Case& contact_case, Validity& validity);
 
-/// Fills `deviations` of a model of the hot path that has an answer: first order, with the
-/// covariance of the fitted R' and R'' (propagated_std). NaN where a neighbouring problem has no
-/// answer. Twenty more predictions.
+/// Sets `deviations` for a fast model that has an answer: to first order, from the covariance of
+/// the fitted R' and R'' (propagated_std). NaN if a neighbouring problem has no answer. Costs
+/// twenty predictions.
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer);
 
 }  // namespace softfinger::prediction

@@ -8,8 +8,8 @@ namespace softfinger::prediction {
 
 double equivalent_exponent(const Prediction& prediction) {
   if (!prediction.has_answer) return NAN;
-  // A circle of radius one has the arm (n+1) B(3/2, n+1), which falls with n; an ellipse has it
-  // times a (2/pi) E(m), whatever n.
+  // The arm of a circle of radius one is (n+1) B(3/2, n+1), which decreases with n. For an ellipse
+  // it is multiplied by a (2/pi) E(m), for every n.
   const double ellipse_m = torque_arm_exact_m(prediction.a_m, prediction.b_m, 0) / (2.0 / 3);
   const double arm = prediction.torque_arm_exact_m / ellipse_m;
   for (const double named : {0.5, 1.0, 2.0})

@@ -179,7 +179,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
                                        return model.predict(problem).area_m2();
                                      });
   } catch (const InputError& error) {
-    // The fit knows no files: say which case, and on which line, its surface came from.
+    // The fit does not know the file: the line of the case is added here.
     if (error.field() == "point_mm") throw;
     throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
   } catch (const ConvergenceError& error) {

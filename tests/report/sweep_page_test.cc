@@ -66,7 +66,7 @@ TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
         "30 rows have an answer, 0 failed.",
         // 2 mN·m (h/mm)^(1/2) P/N from 0.5 mm and 1 N to 5 mm and 5 N.
         "By Bonded layer: a 2.26 to 7.16 mm", "largest torque 1.41 to 22.4 mN·m",
-        "it calls itself valid in 30 of 30 rows"})
+        "Its assumptions hold in 30 of 30 rows"})
     EXPECT_TRUE(contains(text, part)) << part;
 }
 

@@ -136,7 +136,7 @@ json causes_of(const AtlasFile& atlas, const std::vector<QuantityErrors>& errors
           {"max_torque", quantiles(torque)}};
 }
 
-/// The model's torque with the seed's rule, as errors.
+/// Errors of the model's torque with the rule of Ciocarlie et al. (2007).
 std::vector<double> paper_torque_errors(const AtlasFile& atlas,
                                         const std::vector<QuantityErrors>& errors) {
   std::vector<double> paper;

@@ -162,8 +162,8 @@ std::vector<AtlasRun> designed_runs() {
   return runs;
 }
 
-/// The suite's silicone pads and the seed's fingers by their relative radii, from a touch to a hard
-/// grip.
+/// The suite's silicone pads and the fingers of Ciocarlie et al. by their relative radii, from a
+/// touch to a hard grip.
 void add_pads(const char* kind, std::vector<AtlasRun>& runs) {
   for (const char* name :
        {"silicone_pad_1mm", "silicone_pad_2mm", "silicone_pad_3mm", "seed_thumb_silicone",
