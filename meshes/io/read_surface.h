@@ -23,7 +23,7 @@ struct SurfaceFile {
   bool was_inside_out = false;   ///< closed with inward normals: all triangles were turned round
 };
 
-/// Reads binary or ASCII STL, or OBJ (by Assimp; polygons are cut into triangles), scales it to
+/// Reads binary or ASCII STL, or OBJ (polygons are cut into triangles), scales it to
 /// metres and welds equal vertices. The format is recognised by the content, not by the file's
 /// name. No other file is opened, whatever this one names (the materials of an OBJ).
 ///
