@@ -113,10 +113,11 @@ class ContactLcpSolver {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Of the facets. Natural residual max |min(z, w)| without unit: rows of P and beta have their z
-/// multiplied by their own diagonal of W and are divided by max |v_free|; rows of lambda, lambda by
-/// max |v_free| and the rest of the cone by the largest impulse. Velocities are computed again from
-/// the impulses of P and beta. Allocates.
+/// Of the facets. Natural residual max |min(z, w)| without unit:
+/// - rows of P and beta: z times its own diagonal element of W, and w, both over max |v_free|;
+/// - rows of lambda: lambda over max |v_free|, and the rest of the cone over the largest impulse.
+/// Impulses and velocities are computed again from P and beta; what the solution says otherwise is
+/// an error, over the same units. Allocates.
 double contact_residual(const ContactLcp& problem, const ContactSolution& solution);
 
 /// Of the exact rules (of the facets: `contact_residual`). Natural residual without unit, the

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "softfinger/dynamics/contact_system.h"
+#include "softfinger/dynamics/contact_operator.h"
 #include "softfinger/friction/friction_shape.h"
 
 /// Internal: contact impulses with exact friction, from a point close to them.
@@ -19,13 +19,13 @@ namespace softfinger::internal {
 /// as it was.
 class ExactNewton {
  public:
-  explicit ExactNewton(int contacts);
+  explicit ExactNewton(int contact_capacity);
 
   static constexpr int kMostPasses = 8;
 
   /// Improves `impulse`; returns the largest |F| without unit (velocities over the largest of the
   /// free ones). Up to `passes` attempts from the same point. No allocation.
-  double solve(const ContactSystem& system, Eigen::VectorXd& impulse, int passes);
+  double solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes);
 
   int iterations() const { return iterations_; }  ///< of the last solve
 
@@ -41,10 +41,10 @@ class ExactNewton {
     bool full_steps;
   };
 
-  double descend(const ContactSystem& system, const Pass& pass, double best,
+  double descend(const ContactOperator& contacts, const Pass& pass, double best,
                  Eigen::VectorXd& impulse);
-  double evaluate(const ContactSystem& system, const Eigen::VectorXd& impulse);
-  bool find_step(const ContactSystem& system, const Eigen::VectorXd& impulse, double proximal);
+  double evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  bool find_step(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal);
   bool eliminate(int size);
 
   std::vector<Contact> contacts_;

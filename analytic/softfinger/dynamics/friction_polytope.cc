@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "softfinger/dynamics/covering.h"
+#include "softfinger/dynamics/repeatable_random.h"
 
 namespace softfinger::internal {
 namespace {

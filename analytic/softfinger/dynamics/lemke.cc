@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/dynamics/covering.h"
 #include "softfinger/dynamics/lemke_path.h"
+#include "softfinger/dynamics/repeatable_random.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "softfinger/dynamics/basis_inverse.h"
-#include "softfinger/dynamics/covering.h"
+#include "softfinger/dynamics/repeatable_random.h"
 
 /// Internal: the path that Lemke's algorithm follows, for any matrix that can answer a few
 /// questions.
