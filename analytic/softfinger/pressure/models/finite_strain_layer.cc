@@ -47,7 +47,8 @@ class FiniteStrainLayer final : public PressureModel {
         "1.4, 2.3, 1.7 and 4.5 %, area 4.4 %; on a finger with a curved layer d to 14 %",
         "below 1 microsecond",
         true,
-        true};
+        true,
+        {1e-12, 1e-12, 1e-4, "that of bonded_layer, whose table it corrects"}};
     return card;
   }
 
