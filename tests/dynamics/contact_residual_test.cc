@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRoundOff = 1e-15;
 
-/// Eight half directions: forces along the tangents, torques about the normal.
+/// Both directions of each axis: forces along the tangents, torques about the normal.
 Eigen::Matrix3Xd axes() {
   Eigen::Matrix3Xd vertices(3, 6);
   vertices << Eigen::Matrix3d::Identity(), -Eigen::Matrix3d::Identity();
@@ -61,6 +61,21 @@ TEST(ContactResidual, IsZeroForASolutionByHand) {
   EXPECT_LE(contact_residual(slides, with(slides, 2, {{0, 3, 1}}, 1.5)), kRoundOff);
   const ContactLcp sticks = block({-1, 0.25, 0, 0});
   EXPECT_LE(contact_residual(sticks, with(sticks, 2, {{0, 3, 0.5}}, 0)), kRoundOff);
+  // Turns at 2 rad/s, e_n omega = 1 m/s: 0.5 N m s against it leave 0.5 m/s.
+  const ContactLcp turns = block({-1, 0, 0, 2});
+  EXPECT_LE(contact_residual(turns, with(turns, 2, {{0, 5, 1}}, 0.5)), kRoundOff);
+}
+
+TEST(ContactResidual, HasNoUnit) {
+  for (const double scale : {1e-6, 1e6}) {
+    const ContactLcp still = block({-scale, 0, 0, 0});
+    EXPECT_NEAR(contact_residual(still, with(still, scale, {}, 0)), 0.5, kRoundOff);
+    const ContactLcp slips = block({-scale, 0.5 * scale, 0, 0});
+    EXPECT_NEAR(contact_residual(slips, with(slips, 2 * scale, {}, 0)), 0.5, kRoundOff);
+    const ContactLcp exact = block({-scale, scale, 0, 0}, FrictionRule::ellipsoid);
+    EXPECT_NEAR(exact_residual(exact, {2 * scale, 0, 0, 0}), 0.5, kRoundOff);
+    EXPECT_NEAR(exact_residual(exact, {scale, -scale / 2, 0, 0}), 0.5, kRoundOff);
+  }
 }
 
 TEST(ContactResidual, SeesThatBodiesApproachOrPull) {
@@ -127,6 +142,9 @@ TEST(ContactResidual, SeesWhatIsNoNumber) {
   solution.slip[0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_GT(contact_residual(problem, solution), 1e300);
   solution = with(problem, 2, {{0, 3, 1}}, 1.5);
+  solution.velocity[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_GT(contact_residual(problem, solution), 1e300);
+  solution = with(problem, 2, {{0, 3, 1}}, 1.5);
   solution.weights[0].value = std::numeric_limits<double>::quiet_NaN();
   EXPECT_GT(contact_residual(problem, solution), 1e300);
 }
@@ -136,6 +154,8 @@ TEST(ExactContactResidual, IsZeroForASolutionByHand) {
   EXPECT_LE(exact_residual(slides, {2, -1, 0, 0}), kRoundOff);
   const ContactLcp sticks = block({-1, 0.25, 0, 0}, FrictionRule::ellipsoid);
   EXPECT_LE(exact_residual(sticks, {2, -0.5, 0, 0}), kRoundOff);
+  const ContactLcp turns = block({-1, 0, 0, 2}, FrictionRule::ellipsoid);
+  EXPECT_LE(exact_residual(turns, {2, 0, 0, -0.5}), kRoundOff);
 }
 
 TEST(ExactContactResidual, SeesThatBodiesApproachOrPull) {
