@@ -1,6 +1,7 @@
 #include "softfinger/fft/contact_edge.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
