@@ -12,7 +12,7 @@ namespace softfinger::internal {
 
 /// From this residual on a point is a solution.
 constexpr double kSolved = 1e-10;
-/// From this residual on nothing better is looked for: a few hundred roundings.
+/// From this residual on nothing better is looked for: a few thousand roundings.
 constexpr double kGood = 1e-12;
 /// What the last solution may violate, over the natural size, before a vertex is added for it.
 constexpr double kToleratedViolation = 1e-13;
@@ -43,7 +43,7 @@ struct Task {
 inline PathOptions usual_path(int contacts) {
   PathOptions options;
   options.tolerance = 1e-12;
-  // Far more than paths take that arrive: one that gets there goes in circles.
+  // Paths that arrive take far fewer pivots: one that takes so many goes in circles.
   options.most_pivots = 100 * contacts + 200;
   options.refresh_after = 8;
   return options;
@@ -70,8 +70,8 @@ class FrictionStrategy {
   /// The index of a vertex of the last problem in this one; -1: there is no room for it.
   virtual int continue_vertex(const ContactPair& pair, const Eigen::Vector3d& corner) = 0;
 
-  /// Adds the vertices that the solved path's point violates; false where there are none, or where
-  /// the solution is already good.
+  /// Adds the vertices that the solution at the path's end violates. False where there are none, or
+  /// where the solution is already good: the path then need not go on.
   virtual bool add_vertices(const Task& task) = 0;
   /// After the last vertices have been added.
   virtual void refine_path() = 0;
@@ -79,8 +79,8 @@ class FrictionStrategy {
   virtual double read_path(const Task& task) = 0;
   /// Completes the solution without impulses by its lambda; returns its residual.
   virtual double read_zero(const Task& task) = 0;
-  /// Writes the best point so far as a solution; false where it has to be found once more, by its
-  /// attempt.
+  /// Writes the best point so far as a solution. False where it was not kept: then its attempt has
+  /// to be made once more.
   virtual bool restore_best(const Task& task) = 0;
   double best_residual() const { return best_residual_; }
   int best_attempt() const { return best_attempt_; }
