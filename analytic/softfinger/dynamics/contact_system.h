@@ -46,8 +46,13 @@ class ContactSystem {
   int index(const ContactPair& of) const { return pairs_.index(of); }
 
   const FrictionVertices& vertices() const { return vertices_; }
-  /// To ask the shared vertices, which remember the facets found.
-  FrictionVertices& vertices() { return vertices_; }
+  /// As FrictionPolytope, of the shared vertices. Not const: facets that were found are kept.
+  int vertex_beyond(const Eigen::Vector3d& direction, double most) {
+    return vertices_.beyond(direction, most);
+  }
+  bool find_facet(const Eigen::Vector3d& direction, FrictionPolytope::Facet& facet) {
+    return vertices_.find_facet(direction, facet);
+  }
   void use_no_vertices();
   void use_vertex(int contact, int vertex);
   /// A vertex of this contact's own, or the one like it; -1 where there is no room.

@@ -79,7 +79,7 @@ int FacetFriction::continue_vertex(const ContactPair& pair, const Eigen::Vector3
 /// impulses. A contact without load needs none: its lambda touches no other row.
 bool FacetFriction::add_vertices(const Task&) {
   const ContactOperator& contacts = system_.contact_operator();
-  FrictionVertices& vertices = system_.vertices();
+  const FrictionVertices& vertices = system_.vertices();
   const Motion& state = system_.current();
   bool found = false;
   for (int i = 0; i < contacts.contacts(); ++i) {
@@ -87,12 +87,12 @@ bool FacetFriction::add_vertices(const Task&) {
     const Eigen::Vector3d slip = state.velocity.segment<3>(4 * i + 1);
     const double known = state.slip[i] + kToleratedViolation * contacts.natural_size(i);
     if (vertices.radius() * slip.norm() <= known) continue;
-    const int worst = vertices.beyond(-slip, known);
+    const int worst = system_.vertex_beyond(-slip, known);
     if (worst < 0 || vertices.is_in_use(i, worst)) continue;
     system_.use_vertex(i, worst);
     found = true;
     FrictionPolytope::Facet facet;
-    if (!vertices.find_facet(friction_alone(i), facet)) continue;
+    if (!system_.find_facet(friction_alone(i), facet)) continue;
     for (const int vertex : facet) system_.use_vertex(i, vertex);
   }
   return found;
