@@ -7,7 +7,7 @@ softfinger_packages() { # analytic|fem, run|test
   command -v npm >/dev/null || echo npm
   if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then
-    echo libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev
+    echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev
     if [ "$1" = fem ]; then echo openmpi-bin; fi
     command -v chromium >/dev/null || echo chromium
   fi

@@ -132,10 +132,10 @@ int write_table(const char* path, const std::vector<double>& coefficients, doubl
   for (std::size_t i = 0; i < coefficients.size(); ++i)
     unit[i % kLayerQuantities] =
         std::max(unit[i % kLayerQuantities], std::abs(coefficients[i]) / 32767);
-  file << "const double BondedLayerTable::unit[] = {";
+  file << "// clang-format off\nconst double BondedLayerTable::unit[] = {";
   file.precision(17);
   for (int q = 0; q < kLayerQuantities; ++q) file << (q ? ",\n    " : "\n    ") << unit[q];
-  file << "};\n\n// clang-format off\nconst std::int16_t BondedLayerTable::coefficients[] = {";
+  file << "};\n\nconst std::int16_t BondedLayerTable::coefficients[] = {";
   std::string line;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
     const std::string word =

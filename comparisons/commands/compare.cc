@@ -1,9 +1,9 @@
-#include "comparisons/compare.h"
+#include "comparisons/suite/compare.h"
 
 #include <memory>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -12,9 +12,9 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
   struct Options {
     std::vector<std::string> cases;
     std::string output = "softfinger-report";
-    int jobs = default_job_count();
+    int jobs = suite::default_job_count();
     bool full = false;
-    FemLimits fem_limits;
+    reference::FemLimits fem_limits;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -25,7 +25,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
   command->add_option("--output", options->output,
                       "folder for the report, created when missing; default: ./softfinger-report");
   command->add_flag("--full", options->full,
-                    "one finite-element level finer: slower, more certain");
+                    "one finite-element level finer: slower and more accurate");
   command
       ->add_option(
           "--jobs", options->jobs,
@@ -42,13 +42,13 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
   command->callback([options, command_line, &action] {
     action = [options, command_line] {
       require_single_process("softfinger-sweep with fem = true");
-      CompareOptions compare_options;
+      suite::CompareOptions compare_options;
       for (const std::string& typed : options->cases)
-        compare_options.case_files.push_back(find_case_file(typed));
-      if (options->cases.empty()) compare_options.case_files = builtin_case_files();
+        compare_options.case_files.push_back(system::find_case_file(typed));
+      if (options->cases.empty()) compare_options.case_files = system::builtin_case_files();
       if (compare_options.case_files.empty())
-        throw InputError((share_folder() / "cases").string(), "no built-in cases are there", "",
-                         "");
+        throw InputError((system::share_folder() / "cases").string(), "no built-in cases are there",
+                         "", "");
       if (options->output.empty())
         throw InputError("command line", "--output", "\"\"", "the name of a folder");
       compare_options.output = options->output;
@@ -56,7 +56,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       compare_options.jobs = options->jobs;
       compare_options.fem_limits = options->fem_limits;
       compare_options.command = command_line;
-      return compare(compare_options);
+      return suite::compare(compare_options);
     };
   });
 }

@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/material_cards.h"
-#include "comparisons/predict.h"
+#include "comparisons/input/material_cards.h"
+#include "comparisons/prediction/ask_model.h"
+#include "comparisons/system/files.h"
 
 namespace softfinger::commands {
 
@@ -24,9 +24,9 @@ void add_explain(CLI::App& app, Action& action) {
       "  softfinger explain yeoh");
   command->callback([name, &action] {
     action = [name] {
-      for (const MaterialCard& card : material_cards())
+      for (const input::MaterialCard& card : input::material_cards())
         if (card.name == *name) {
-          write_text_to_stdout(fmt::format(
+          system::write_text_to_stdout(fmt::format(
               "{}: {}\n\nEnergy:     {}\nParameters: {}\nSource:     {}\nValidity:   {}\n"
               "In a case:  [layer] material = \"{}\", [fem] kinematics = \"finite\"\n",
               card.name, card.title, card.energy, card.parameters, card.source, card.validity,
@@ -34,7 +34,8 @@ void add_explain(CLI::App& app, Action& action) {
           return 0;
         }
       std::string text;
-      for (const PressureModel* model : models_by_name(*name == "all" ? "everything" : *name)) {
+      for (const PressureModel* model :
+           prediction::models_by_name(*name == "all" ? "everything" : *name)) {
         const ModelCard& card = model->card();
         text += fmt::format(
             "{}{}: {}\n\nAssumptions: {}\nEquations:   {}\nSource:      {}\nValidity:    {}\nCost: "
@@ -42,7 +43,7 @@ void add_explain(CLI::App& app, Action& action) {
             text.empty() ? "" : "\n", card.name, card.title, card.assumptions, card.equations,
             card.source, card.validity, card.cost);
       }
-      write_text_to_stdout(text);
+      system::write_text_to_stdout(text);
       return 0;
     };
   });

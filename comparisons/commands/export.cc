@@ -9,11 +9,13 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
-#include "comparisons/files.h"
-#include "comparisons/local_geometry.h"
-#include "comparisons/nearest_name.h"
-#include "comparisons/predict.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -36,18 +38,18 @@ const Simulator& simulator_by_name(const std::string& name) {
     known.emplace_back(simulator.name);
   }
   throw InputError("command line",
-                   "--to " + name + ", did you mean \"" + nearest_name(name, known) + "\"?", "",
-                   joined(known));
+                   "--to " + name + ", did you mean \"" + text::nearest_name(name, known) + "\"?",
+                   "", text::joined(known));
 }
 
 const PressureModel& model_by_name(const std::string& name) {
-  const auto models = models_by_name(name);
+  const auto models = prediction::models_by_name(name);
   if (models.size() != 1)
     throw InputError("command line", "--model", name, "the name of one model; see: list models");
   return *models.front();
 }
 
-/// The numbers of "1,5"; whether they are loads is for choose_loads to say.
+/// The numbers of "1,5". Whether they are valid loads is checked in choose_loads.
 std::vector<double> numbers(const std::string& flag, const std::string& text) {
   std::vector<double> values;
   for (std::size_t start = 0; start <= text.size();) {
@@ -76,7 +78,7 @@ exporting::LoadChoice load_choice(const Options& options) {
   return choice;
 }
 
-/// What was asked for and what came of it.
+/// What was asked for, and the result.
 struct Export {
   const Simulator& simulator;
   const ContactCurve& curve;
@@ -103,16 +105,16 @@ struct Export {
 nlohmann::json to_json(const Export& made, const std::string& fit) {
   const ContactCurve& curve = made.curve;
   nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array();
-  for (const auto& [name, value] : made.lines.values) values[name] = finite_or_null(value);
+  for (const auto& [name, value] : made.lines.values) values[name] = text::finite_or_null(value);
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const LoadPoint& point = curve.points[i];
     loads.push_back(
         {{"load_N", point.load_N},
-         {"eccentricity_m", finite_or_null(point.eccentricity_m)},
+         {"eccentricity_m", text::finite_or_null(point.eccentricity_m)},
          {"max_torque_Nm",
-          finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
-         {"simulator_eccentricity_m", finite_or_null(made.eccentricity_m(point.load_N))},
-         {"relative_error", finite_or_null(made.errors[i])},
+          text::finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
+         {"simulator_eccentricity_m", text::finite_or_null(made.eccentricity_m(point.load_N))},
+         {"relative_error", text::finite_or_null(made.errors[i])},
          {"valid", point.valid()}});
   }
   return {{"case", curve.case_id},
@@ -123,13 +125,13 @@ nlohmann::json to_json(const Export& made, const std::string& fit) {
           {"load_N", curve.nominal.load_N},
           {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
           {"friction_coefficient", curve.friction_coefficient},
-          {"eccentricity_m", finite_or_null(curve.nominal.eccentricity_m)},
-          {"load_exponent", finite_or_null(curve.load_exponent)},
+          {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
+          {"load_exponent", text::finite_or_null(curve.load_exponent)},
           {"simulator_load_exponent", made.simulator.load_exponent},
           {"lines", made.lines.text},
           {"values", values},
           {"loads", loads},
-          {"worst_relative_error", finite_or_null(made.errors[made.worst])},
+          {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
           {"traps", made.simulator.traps}};
 }
 
@@ -153,7 +155,7 @@ std::string to_text(const Export& made) {
     text += fmt::format("  {:>9.4g} {:>12.4g} {:>9.4g} {:>16.4g} {:>+13.1f} {:>6}\n", point.load_N,
                         curve.friction_coefficient * point.load_N * point.eccentricity_m * 1e3,
                         point.eccentricity_m * 1e3, made.eccentricity_m(point.load_N) * 1e3,
-                        // Rounding must not leave a sign on nothing.
+                        // A value that rounds to zero is printed without a sign.
                         std::abs(made.errors[i]) < 5e-4 ? 0.0 : made.errors[i] * 100,
                         point.valid() ? "yes" : "no");
   }
@@ -168,9 +170,9 @@ int run(const Options& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const PressureModel& model = model_by_name(options.model);
   const auto choice = load_choice(options);
-  const Case contact_case = read_case(find_case_file(options.case_file));
+  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
   const auto loads = choose_loads(contact_case.loads_N, choice);
-  const GeometryResolver resolver(contact_case);
+  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   const ContactCurve curve = ask_contact_curve(contact_case, resolver, model, loads);
   const Export made(simulator, curve,
@@ -182,9 +184,9 @@ int run(const Options& options) {
       break;
     }
   if (options.json)
-    write_to_stdout(to_json(made, options.fit).dump(2) + "\n");
+    system::write_to_stdout(to_json(made, options.fit).dump(2) + "\n");
   else
-    write_text_to_stdout(describe(contact_case) + "\n" + to_text(made));
+    system::write_text_to_stdout(prediction::describe(contact_case) + "\n" + to_text(made));
   return 0;
 }
 
@@ -193,7 +195,8 @@ int run(const Options& options) {
 void add_export(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "export", "What to type into a simulator, with the error that it makes over the load range");
+      "export",
+      "What to type into a simulator, and the error of its constants over a range of loads");
   command
       ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
       ->required();

@@ -6,10 +6,12 @@
 #include <memory>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/local_geometry.h"
-#include "comparisons/predict.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/math/pi.h"
@@ -38,8 +40,8 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
   return vector;
 }
 
-/// Without a load there is no contact to match: a region of some forty vertices determines a
-/// quadric well and is as local as the mesh allows.
+/// The default radius of the region. Without a load the size of the contact is unknown. Some forty
+/// vertices determine a quadric well, and the region stays as small as the mesh allows.
 QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                      const Eigen::Vector3d* normal) {
   constexpr std::size_t kVertices = 40;
@@ -50,7 +52,7 @@ QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& poin
   std::nth_element(distances_m.begin(), distances_m.begin() + static_cast<std::ptrdiff_t>(nth),
                    distances_m.end());
   double radius_m = distances_m[nth];
-  // Vertices of a thin body's other side were counted too: then the region needs to grow.
+  // The count may include vertices on the other side of a thin body; then the region has to grow.
   for (int attempt = 0;; ++attempt, radius_m *= 1.3) {
     constexpr int kLastAttempt = 5;
     try {
@@ -63,7 +65,7 @@ QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& poin
 }
 
 std::string plus_minus(double std_m) {
-  return std::isfinite(std_m) ? "± " + millimetres(std_m) : "uncertainty unknown";
+  return std::isfinite(std_m) ? "± " + prediction::millimetres(std_m) : "uncertainty unknown";
 }
 
 int run(const Options& options) {
@@ -83,11 +85,12 @@ int run(const Options& options) {
     throw InputError("command line", "--radius-mm", fmt::format("{}", options.radius_mm),
                      "a finite number > 0, in mm");
 
-  const auto path = find_mesh_file(options.mesh, "");
+  const auto path = system::find_mesh_file(options.mesh, "");
   const auto file = meshes::read_surface(path.string(), metres_per_unit);
-  for (const std::string& note : {tolerated(file), unit_doubt(file, metres_per_unit)})
+  for (const std::string& note :
+       {prediction::tolerated(file), prediction::unit_doubt(file, metres_per_unit)})
     if (!note.empty()) remark(path.string() + ": " + note);
-  require_point_on_surface(file.surface, point_m, path.string(), "--point");
+  prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
   const QuadricFit fit = [&] {
     try {
@@ -95,7 +98,7 @@ int run(const Options& options) {
                  ? fit_quadric(file.surface, point_m, normal_pointer, options.radius_mm * 1e-3)
                  : fit_local(file.surface, point_m, normal_pointer);
     } catch (const InputError& error) {
-      // The fit knows no files.
+      // The fit does not know the file's name: it is added here.
       throw InputError(path.string(), error.field(), error.value(), error.allowed());
     } catch (const ConvergenceError& error) {
       throw InputError(path.string(), "surface near the point", "",
@@ -106,25 +109,27 @@ int run(const Options& options) {
     remark(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
                        fit.region_radius_m * 1e3, fit.points));
   if (fit.surface_kind == SurfaceKind::sharp_edge)
-    remark(fmt::format("a sharp edge of {:.3g}° lies in the region: the radii say little there",
-                       fit.sharpest_kink_rad * 180 / kPi));
+    remark(fmt::format(
+        "a sharp edge of {:.3g}° lies in the region, where radii of curvature mean little",
+        fit.sharpest_kink_rad * 180 / kPi));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
   const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
   if (options.json) {
-    nlohmann::json object = to_json(fit);
+    nlohmann::json object = prediction::to_json(fit);
     object["mesh"] = options.mesh;
-    object["radii_region_change_m"] = {finite_or_null(region_change_m[0]),
-                                       finite_or_null(region_change_m[1])};
+    object["radii_region_change_m"] = {text::finite_or_null(region_change_m[0]),
+                                       text::finite_or_null(region_change_m[1])};
     object["surface_kind"] = fit.surface_kind == SurfaceKind::sharp_edge ? "sharp_edge" : "smooth";
     object["sharpest_kink_rad"] = fit.sharpest_kink_rad;
     object["outliers"] = fit.outliers;
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
-    write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    system::write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                            "\n");
     return 0;
   }
   const auto& principal = fit.principal;
-  write_text_to_stdout(fmt::format(
+  system::write_text_to_stdout(fmt::format(
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "principal radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
       "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}\n"
@@ -132,10 +137,10 @@ int run(const Options& options) {
       "x axis: {:.5f}, {:.5f}, {:.5f}\n"
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
       fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
-      millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
-      principal.axis_rad * 180 / kPi, millimetres(principal.radii_m[1]),
-      plus_minus(fit.radii_std_m[1]), millimetres(region_change_m[0]),
-      millimetres(region_change_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
+      prediction::millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
+      principal.axis_rad * 180 / kPi, prediction::millimetres(principal.radii_m[1]),
+      plus_minus(fit.radii_std_m[1]), prediction::millimetres(region_change_m[0]),
+      prediction::millimetres(region_change_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
       fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
       fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
   return 0;

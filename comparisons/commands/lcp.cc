@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/recorded_contacts.h"
+#include "comparisons/input/recorded_contacts.h"
+#include "comparisons/system/files.h"
 
 namespace softfinger::commands {
 namespace {
@@ -89,7 +89,7 @@ int run(const Options& options) {
   std::string table;
   bool limit = false;
   for (const std::string& file : options.files) {
-    ContactLcp problem = read_recorded_contacts(file);
+    ContactLcp problem = input::read_recorded_contacts(file);
     if (options.friction == "ellipsoid") problem.friction_rule = FrictionRule::ellipsoid;
     const Solved solved = solve(problem);
     const LcpResult& result = solved.result;
@@ -110,13 +110,13 @@ int run(const Options& options) {
                          result.pivots, solved.solve_us, file);
   }
   if (options.json)
-    write_to_stdout(nlohmann::json{{"results", results}}.dump(
-                        2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                    "\n");
+    system::write_to_stdout(nlohmann::json{{"results", results}}.dump(
+                                2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                            "\n");
   else
-    write_text_to_stdout(fmt::format("{:<10}  {:>8}  {:>6}  {:>9}  {}\n", "status", "residual",
-                                     "pivots", "us", "file") +
-                         table);
+    system::write_text_to_stdout(fmt::format("{:<10}  {:>8}  {:>6}  {:>9}  {}\n", "status",
+                                             "residual", "pivots", "us", "file") +
+                                 table);
   return limit ? 3 : 0;
 }
 

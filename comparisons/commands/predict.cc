@@ -1,17 +1,19 @@
-#include "comparisons/predict.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
 #include <vector>
 
-#include "comparisons/atlas/case_estimate.h"
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/gap_sampling.h"
-#include "comparisons/nearest_name.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/input/layer_json.h"
+#include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/gap_sampling.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -23,12 +25,12 @@ struct Options {
   bool json = false;
 };
 
-// Measuring the cost of a call must not be felt in the program's answer.
+// Short, so that measuring the cost of a call does not slow the program down noticeably.
 constexpr double kCostBudget_ns = 1.5e6;
 
-/// The models asked for; with a sampled gap also the one that takes it.
+/// The requested models; with a sampled gap also layer_fft, which is the one that uses it.
 std::vector<const PressureModel*> chosen_models(const Options& options) {
-  auto models = models_by_name(options.models);
+  auto models = prediction::models_by_name(options.models);
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {
@@ -40,7 +42,7 @@ std::vector<const PressureModel*> chosen_models(const Options& options) {
   return models;
 }
 
-/// Points of all loads and models stay below a gigabyte of text.
+/// Limits the points of all loads and models together, so that the text stays below a gigabyte.
 void check_limit_surface(const Options& options, std::size_t answers) {
   constexpr std::size_t kMostPoints = 1000000;
   if (answers * std::size_t(options.limit_surface) > kMostPoints)
@@ -49,64 +51,71 @@ void check_limit_surface(const Options& options, std::size_t answers) {
                                  kMostPoints / answers, answers));
 }
 
-/// What the error atlas says of an answer.
-void estimate(const Case& contact_case, TorqueRule rule, ModelAnswer& answer) {
+/// The error bounds of an answer, from the error atlas.
+void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
+              prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer || answer.sampled) return;
-  const auto found =
-      estimate_error(std::string(answer.model->card().name), contact_case, answer.problem);
+  const auto found = judgement::estimate_error(std::string(answer.model->card().name), contact_case,
+                                               answer.problem);
   if (found.bound)
-    answer.error_estimate = to_json(with_torque_rule(found, answer.prediction, rule));
+    answer.error_bound = judgement::with_torque_rule(found, answer.prediction, rule);
   else
-    answer.no_estimate = found.outside;
+    answer.no_bound = found.outside;
 }
 
 int run(const Options& options) {
   const auto models = chosen_models(options);
-  const Case contact_case = read_case(find_case_file(options.case_file));
+  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
-  const GeometryResolver resolver(contact_case);
+  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
-  const TorqueRule rule = options.torque_rule == "paper" ? TorqueRule::paper : TorqueRule::exact;
+  const prediction::TorqueRule rule = options.torque_rule == "paper"
+                                          ? prediction::TorqueRule::paper
+                                          : prediction::TorqueRule::exact;
   const double budget_ns =
       kCostBudget_ns / static_cast<double>(models.size() * contact_case.loads_N.size());
 
   nlohmann::json results = nlohmann::json::array(), geometries = nlohmann::json::array();
-  std::string text = describe(contact_case) + "\n";
+  std::string text = prediction::describe(contact_case) + "\n";
   for (double load_N : contact_case.loads_N) {
-    const LocalGeometry geometry = resolver.resolve(load_N);
-    std::vector<ModelAnswer> answers;
+    const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+    std::vector<prediction::ModelAnswer> answers;
     for (const PressureModel* model : models) {
       if (options.gap == "sampled" && model->card().name == "layer_fft")
-        answers.push_back(ask_sampled_gap(resolver, geometry, contact_case, load_N));
+        answers.push_back(prediction::ask_sampled_gap(resolver, geometry, contact_case, load_N));
       else
-        answers.push_back(ask_model(*model, contact_case, geometry.radii, load_N, budget_ns));
+        answers.push_back(
+            prediction::ask_model(*model, contact_case, geometry.radii, load_N, budget_ns));
       estimate(contact_case, rule, answers.back());
-      if (geometry.patch) propagate_radii_uncertainty(geometry.patch->relative, answers.back());
+      if (geometry.patch)
+        prediction::propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
     geometries.push_back({{"load_N", load_N},
                           {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                           {"axis_rad", geometry.radii.axis_rad},
-                          {"patch", patch_to_json(geometry)}});
-    text += fmt::format("\n{:g} N: {}\n", load_N, describe(geometry)) + table(answers, rule);
+                          {"patch", prediction::patch_to_json(geometry)}});
+    text += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
+            table(answers, rule);
   }
   // Last, so that a refusal stays a single line.
-  for (const std::string& line : power_law_remarks(contact_case)) remark(line);
-  if (options.models == "all" && options.gap == "quadric" && !slow_models().empty())
-    remark("left out, slower than the others: " + joined(slow_models()) +
+  for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
+  if (options.models == "all" && options.gap == "quadric" && !prediction::slow_models().empty())
+    remark("left out, slower than the others: " + text::joined(prediction::slow_models()) +
            "; ask with --model NAME or --model everything");
   if (options.json) {
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
         {"case", contact_case.id},
-        {"layer", layer_json(contact_case.layer)},
+        {"layer", input::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
-        {"object_layer", two_layers ? layer_json(contact_case.object_layer) : nlohmann::json()},
-        {"power_law_fit", to_json(contact_case.power_law_fit)},
+        {"object_layer",
+         two_layers ? input::layer_json(contact_case.object_layer) : nlohmann::json()},
+        {"power_law_fit", prediction::to_json(contact_case.power_law_fit)},
         {"friction_coefficient", contact_case.friction_coefficient},
         {"geometry", geometries},
         {"results", results}};
-    write_to_stdout(object.dump(2) + "\n");
+    system::write_to_stdout(object.dump(2) + "\n");
   } else {
     if (options.limit_surface > 0) {
       for (const auto& result : results) {
@@ -118,14 +127,14 @@ int run(const Options& options) {
               "exact for p ~ (1 - x²/a² - y²/b²)^n, n = {:.4g}, which has the model's torque\n",
               result["pressure_exponent"].get<double>());
         else
-          text += "the seed's friction ellipsoid\n";
+          text += "the friction ellipsoid of Ciocarlie et al. (2007)\n";
         text += fmt::format("  {:>12}{:>12}{:>14}\n", "fx N", "fy N", "torque mN·m");
         for (const auto& point : result["limit_surface"])
           text += fmt::format("  {:>12.5g}{:>12.5g}{:>13.5g}\n", point["fx_N"].get<double>(),
                               point["fy_N"].get<double>(), point["torque_Nm"].get<double>() * 1e3);
       }
     }
-    write_text_to_stdout(text);
+    system::write_text_to_stdout(text);
   }
   return 0;
 }
@@ -153,18 +162,19 @@ void add_predict(CLI::App& app, Action& action) {
           "--limit-surface", options->limit_surface,
           "also N points all over the limit surface (forces in N along the contact's "
           "axes, torque in "
-          "N m): exact, or with --torque-rule paper the seed's ellipsoid; 2 to 100000, and at "
+          "N m): exact, or with --torque-rule paper the ellipsoid of Ciocarlie et al. (2007); 2 to "
+          "100000, and at "
           "most a million for all loads and models together")
       ->check(CLI::Range(2, 100000));
   command
       ->add_option("--gap", options->gap,
-                   "\"quadric\" (default): all models see the quadrics fitted to meshes; "
-                   "\"sampled\": the model layer_fft sees the gap between the meshes themselves, "
+                   "\"quadric\" (default): all models get the quadrics fitted to meshes; "
+                   "\"sampled\": the model layer_fft gets the gap between the meshes themselves, "
                    "sampled along the contact's normal (0.3 s per load), all others the quadric")
       ->check(CLI::IsMember({"quadric", "sampled"}));
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
-      "Case files may also say, beside geometry, layer, contact and fem:\n"
+      "Case files may also contain, besides geometry, layer, contact and fem:\n"
       "  [layer] winkler_modulus = \"oedometric\" (default) or \"youngs\"\n"
       "  [object_layer] thickness_mm, youngs_modulus_kPa, poisson_ratio: a compliant object;\n"
       "    without [layer]: a rigid finger on it\n"

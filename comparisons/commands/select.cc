@@ -5,16 +5,16 @@
 #include <memory>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/fem_process.h"
-#include "comparisons/files.h"
-#include "comparisons/local_geometry.h"
-#include "comparisons/nearest_name.h"
-#include "comparisons/predict.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/judgement/selection/model_choice.h"
+#include "comparisons/judgement/selection/scene_choice.h"
+#include "comparisons/judgement/selection/selection_report.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/fem_process.h"
 #include "comparisons/report/select_page.h"
-#include "comparisons/selection/model_choice.h"
-#include "comparisons/selection/scene_choice.h"
-#include "comparisons/selection/selection_report.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -22,7 +22,7 @@ namespace {
 
 struct Options {
   std::string file, models, quantities, output, command_line;
-  SelectionOptions selection;
+  judgement::SelectionOptions selection;
   bool json = false, write_page = false;
 };
 
@@ -34,10 +34,10 @@ std::vector<std::string> allowed_models(const std::string& typed) {
     const std::size_t end = std::min(typed.find(',', start), typed.size());
     const std::string name = typed.substr(start, end - start);
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw InputError(
-          "command line",
-          "unknown model \"" + name + "\", did you mean \"" + nearest_name(name, known) + "\"?", "",
-          joined(known));
+      throw InputError("command line",
+                       "unknown model \"" + name + "\", did you mean \"" +
+                           text::nearest_name(name, known) + "\"?",
+                       "", text::joined(known));
     names.push_back(name);
     start = end + 1;
   }
@@ -45,69 +45,70 @@ std::vector<std::string> allowed_models(const std::string& typed) {
 }
 
 /// e_n by the finite elements at six loads, evenly spaced in ln P.
-FemEccentricity fem_table(const ContactProblem& problem, double least_N, double largest_N) {
+judgement::FemEccentricity fem_table(const ContactProblem& problem, double least_N,
+                                     double largest_N) {
   constexpr int kLoads = 6;
-  Case contact;
+  input::Case contact;
   contact.id = "contact";
   contact.layer = problem.layer;
   contact.friction_coefficient = problem.load.friction_coefficient;
-  LocalGeometry geometry;
+  prediction::LocalGeometry geometry;
   geometry.radii = problem.radii;
-  FemBatch batch;
+  reference::FemBatch batch;
   for (int i = 0; i < kLoads; ++i)
-    batch.problems.push_back(fem_problem(contact, geometry,
-                                         least_N * std::pow(largest_N / least_N, i / (kLoads - 1.)),
-                                         contact.fem_level));
-  FemEccentricity found;
+    batch.problems.push_back(reference::fem_problem(
+        contact, geometry, least_N * std::pow(largest_N / least_N, i / (kLoads - 1.)),
+        contact.fem_level));
+  judgement::FemEccentricity found;
   found.eccentricity_m.assign(kLoads, 0);
   std::string failure;
-  FemCallbacks callbacks;
-  callbacks.on_answer = [&](FemIndex which, const FemAnswer& answer) {
-    if (answer.result.is_null()) {
+  reference::FemCallbacks callbacks;
+  callbacks.on_answer = [&](reference::FemIndex which, const reference::FemAnswer& answer) {
+    if (!answer.result) {
       failure = answer.failure;
       return;
     }
-    found.eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
-    const nlohmann::json& stated = answer.result.at("error").at("max_torque");
-    if (stated.is_number())
-      found.error = std::max(found.error, stated.get<double>());
+    found.eccentricity_m[which.problem] = answer.result->eccentricity_m;
+    if (const auto& stated = answer.result->error.max_torque)
+      found.error = std::max(found.error, *stated);
     else
       failure = "the error of the torque is not known";
   };
   remark(fmt::format("finite elements at {} loads", kLoads));
-  if (const int signal = run_fem(fem_program().string(), {batch}, 1, callbacks))
-    throw Interrupted(signal);
+  if (const int signal = reference::run_fem(system::fem_program().string(), {batch}, 1, callbacks))
+    throw system::Interrupted(signal);
   if (!failure.empty()) throw ConvergenceError("finite elements of a contact", 0, 0, failure);
   return found;
 }
 
 /// A path or a built-in name; empty: a case.
 std::filesystem::path scene_file(const std::string& typed) {
-  const auto scenes = builtin_scene_files();
+  const auto scenes = system::builtin_scene_files();
   for (const auto& file : scenes)
     if (file.stem() == typed) return file;
   std::error_code error;
   if (!std::filesystem::is_regular_file(typed, error)) return {};
-  return simulation::is_scene(typed) ? std::filesystem::path(typed) : std::filesystem::path();
+  return input::is_scene(typed) ? std::filesystem::path(typed) : std::filesystem::path();
 }
 
 int run_scene(const std::filesystem::path& file, const Options& options) {
   if (!options.models.empty() || !options.quantities.empty() || options.write_page ||
       options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us, --output", "",
-                     "a case: a scene's contacts are judged by its motion");
-  const SceneChoice choice = choose_for_scene(simulation::read_scene(file),
-                                              options.selection.tolerance, fem_table, remark);
+                     "a case: in a scene the models are chosen by how they change its motion");
+  const judgement::SceneChoice choice = judgement::choose_for_scene(
+      input::read_scene(file), options.selection.tolerance, fem_table, remark);
   if (options.json)
-    write_to_stdout(to_json(choice, options.selection.tolerance).dump(2) + "\n");
+    system::write_to_stdout(to_json(choice, options.selection.tolerance).dump(2) + "\n");
   else
-    write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n", choice.scene.id,
-                                     percent(options.selection.tolerance)) +
-                         table(choice, options.selection.tolerance));
+    system::write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n",
+                                             choice.scene.id,
+                                             judgement::percent(options.selection.tolerance)) +
+                                 table(choice, options.selection.tolerance));
   return 0;
 }
 
-/// A range of the parser lets NaN through.
+/// The parser's check of ranges accepts NaN.
 void refuse_nan(double value, const char* option, const char* allowed) {
   if (std::isnan(value)) throw InputError("command line", option, "nan", allowed);
 }
@@ -120,18 +121,18 @@ int run(Options options) {
   if (const auto file = scene_file(options.file); !file.empty()) return run_scene(file, options);
   if (!options.models.empty()) options.selection.models = allowed_models(options.models);
   if (!options.quantities.empty())
-    options.selection.quantities = quantities_by_name(options.quantities);
-  const Case contact_case = read_case(find_case_file(options.file));
-  const GeometryResolver resolver(contact_case);
+    options.selection.quantities = judgement::quantities_by_name(options.quantities);
+  const input::Case contact_case = input::read_case(system::find_case_file(options.file));
+  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
-  std::vector<LoadChoice> loads;
+  std::vector<judgement::LoadChoice> loads;
   nlohmann::json choices = nlohmann::json::array();
-  std::string text = describe(contact_case) + "\n";
+  std::string text = prediction::describe(contact_case) + "\n";
   for (const double load_N : contact_case.loads_N) {
-    LoadChoice& load = loads.emplace_back();
+    judgement::LoadChoice& load = loads.emplace_back();
     load.geometry = resolver.resolve(load_N);
     load.problem = contact_case.problem(load.geometry.radii, load_N);
-    load.choice = choose_model(contact_case, load.problem, options.selection);
+    load.choice = judgement::choose_model(contact_case, load.problem, options.selection);
     choices.push_back(to_json(load.choice));
     text += table(load.choice, options.selection);
   }
@@ -139,17 +140,17 @@ int run(Options options) {
       {"case", contact_case.id}, {"tolerance", options.selection.tolerance}, {"choices", choices}};
   if (options.write_page) {
     const std::filesystem::path folder = options.output;
-    const OutputFolder output(folder);
-    const nlohmann::json report =
-        selection_report(contact_case, resolver, options.selection, loads, options.command_line);
-    write_files_together({{folder / "select.json", result.dump(2) + "\n"},
-                          {folder / "select.html", comparisons::render_selection(report)}});
+    const system::OutputFolder output(folder);
+    const nlohmann::json report = judgement::selection_report(
+        contact_case, resolver, options.selection, loads, options.command_line);
+    system::write_files_together({{folder / "select.json", result.dump(2) + "\n"},
+                                  {folder / "select.html", report::render_selection(report)}});
     remark("the page is " + (folder / "select.html").string());
   }
   if (options.json)
-    write_to_stdout(result.dump(2) + "\n");
+    system::write_to_stdout(result.dump(2) + "\n");
   else
-    write_text_to_stdout(text);
+    system::write_text_to_stdout(text);
   return 0;
 }
 
@@ -186,13 +187,13 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "validity: select.html, and select.json; of a case, not of a scene");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
-      "Of a scene's contacts: which are points, which ellipsoids or exact limit surfaces, with "
-      "which\n"
-      "model, by how hard they work in its motion, and what that changes in the motion.\n"
+      "For a scene: which contacts can be points, ellipsoids or exact limit surfaces, and with\n"
+      "which model. It measures how much of its friction limit each contact uses, and how much\n"
+      "the simpler models change the motion.\n"
       "Stated errors are bounds from the error atlas, some 400 finite-element runs: |error| "
       "interpolated\n"
-      "between them, plus half its change between neighbours, plus a quarter of what they "
-      "state.\n"
+      "between them, plus half its spread among neighbours, plus a quarter of the error that the\n"
+      "finite elements state.\n"
       "Samples:\n"
       "  softfinger select seed_thumb --tolerance 0.05\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.05 --output my_choice\n"

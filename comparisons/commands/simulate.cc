@@ -8,11 +8,11 @@
 #include <optional>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/files.h"
-#include "comparisons/program_paths.h"
-#include "comparisons/progress.h"
 #include "comparisons/report/motion_page.h"
 #include "comparisons/simulation/trajectory_files.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/system/progress.h"
 
 namespace softfinger::commands {
 namespace {
@@ -31,7 +31,7 @@ nlohmann::json vector_json(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
 
-nlohmann::json to_json(const Simulation& run, const Scene& scene) {
+nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
   const Recording& recording = run.recording;
   const Frame& last = recording.frames.back();
   nlohmann::json bodies = nlohmann::json::array(), contacts = nlohmann::json::array();
@@ -109,34 +109,34 @@ std::string summary(const nlohmann::json& result) {
   return text;
 }
 
-void write_results(const Options& options, const Scene& scene, const Simulation& run) {
+void write_results(const Options& options, const input::Scene& scene, const Simulation& run) {
   const std::filesystem::path folder = options.output;
   write_trajectory(run.recording, folder);
   const int every = options.vtu_every > 0 ? options.vtu_every
                                           : std::max(1, int(run.recording.frames.size() / 150));
   write_vtu(run.recording, folder, every);
-  comparisons::MotionPageOptions page;
+  report::MotionPageOptions page;
   page.scene_text = scene.text;
-  page.version = program_version();
+  page.version = system::program_version();
   page.command = options.command_line;
-  write_file_atomically(folder / "motion.html", comparisons::motion_page(run.recording, page));
-  write_file_atomically(folder / "simulation.json", to_json(run, scene).dump(2) + "\n");
+  system::write_file_atomically(folder / "motion.html", report::motion_page(run.recording, page));
+  system::write_file_atomically(folder / "simulation.json", to_json(run, scene).dump(2) + "\n");
   remark("results in " + options.output +
          ": motion.html, trajectory.csv, contacts.csv, trajectory.json, motion.pvd");
 }
 
 int run(const Options& options) {
-  const Scene scene = read_scene(find_scene_file(options.scene_file));
-  std::optional<OutputFolder> output;
+  const input::Scene scene = input::read_scene(system::find_scene_file(options.scene_file));
+  std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   SimulationOptions settings;
   if (!options.record_lcp.empty()) {
-    make_writable_folder(options.record_lcp);
+    system::make_writable_folder(options.record_lcp);
     settings.record_lcp = options.record_lcp;
   }
   Simulation run;
   {
-    Progress progress;
+    system::Progress progress;
     std::signal(SIGINT, [](int) { interrupted = 1; });
     settings.go_on = [&](int step) {
       if (step % 100 == 0)
@@ -149,9 +149,9 @@ int run(const Options& options) {
   if (!options.output.empty()) write_results(options, scene, run);
   const nlohmann::json result = to_json(run, scene);
   if (options.json)
-    write_to_stdout(result.dump(2) + "\n");
+    system::write_to_stdout(result.dump(2) + "\n");
   else
-    write_text_to_stdout(summary(result));
+    system::write_text_to_stdout(summary(result));
   if (run.interrupted)
     remark(fmt::format("interrupted after {} of {} steps", run.steps, scene.steps()));
   if (!run.failure.empty()) remark("error: " + run.failure);

@@ -1,18 +1,18 @@
 #include <memory>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/compare.h"
-#include "comparisons/files.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/suite/compare.h"
 #include "comparisons/sweep/run_sweep.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
 
 namespace softfinger::commands {
 
 void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
   struct Options {
     std::string file, output = "softfinger-sweep";
-    int jobs = default_job_count();
-    FemLimits fem_limits;
+    int jobs = suite::default_job_count();
+    reference::FemLimits fem_limits;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
@@ -46,10 +46,11 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
   command->callback([options, command_line, &action] {
     action = [options, command_line] {
       require_single_process("softfinger-sweep SWEEP.toml --output DIR");
-      const auto file = find_sweep_file(options->file);
-      const SweepPlan plan(read_sweep_text(file), file, options->output, options->fem_limits);
-      LocalWorkers workers(options->jobs);
-      return run_sweep(plan, workers, command_line);
+      const auto file = system::find_sweep_file(options->file);
+      const sweep::SweepPlan plan(sweep::read_sweep_text(file), file, options->output,
+                                  options->fem_limits);
+      sweep::LocalWorkers workers(options->jobs);
+      return sweep::run_sweep(plan, workers, command_line);
     };
   });
 }

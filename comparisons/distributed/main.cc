@@ -10,16 +10,16 @@
 #include <optional>
 #include <set>
 
-#include "comparisons/atlas/make_atlas.h"
 #include "comparisons/distributed/rank_pool.h"
-#include "comparisons/files.h"
-#include "comparisons/json_text.h"
-#include "comparisons/program_paths.h"
+#include "comparisons/judgement/atlas/make_atlas.h"
 #include "comparisons/sweep/run_sweep.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
-namespace softfinger {
+namespace softfinger::distributed {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ struct Options {
   bool finite_strain = false;
   int random = 0;
   unsigned seed = 1;
-  FemLimits fem_limits;
+  reference::FemLimits fem_limits;
 };
 
 /// Points per task of a sweep without finite elements: about a tenth of a second.
@@ -40,12 +40,12 @@ void say(const std::string& line) {
   std::fputs(("softfinger-sweep: " + visible_text(line) + "\n").c_str(), stderr);
 }
 
-/// Runs on any rank, on any thread; a rank that cannot go on ends the run.
+/// Calls `work`, on any rank and thread. If it throws, the run ends on all ranks.
 template <class Work>
 auto or_end_all(const Work& work) -> decltype(work()) {
   try {
     return work();
-  } catch (const Interrupted& interruption) {
+  } catch (const system::Interrupted& interruption) {
     end_all_ranks(128 + interruption.signal);
   } catch (const InputError& error) {
     say(std::string("error: ") + error.what());
@@ -56,15 +56,15 @@ auto or_end_all(const Work& work) -> decltype(work()) {
   }
 }
 
-/// One job, by a process of this rank; its result is in its file when this returns.
-std::string do_fem_job(const FemJob& job, const FemJobOptions& settings) {
+/// Runs one job as a process of this rank. The result is in the job's file when this returns.
+std::string do_fem_job(const reference::FemJob& job, const reference::FemJobOptions& settings) {
   json report;
-  const int signal = run_fem_jobs(
-      {&job}, settings, [](const FemJob&, const std::string&) {},
-      [&](const FemJob&, const FemAnswer& answer) {
+  const int signal = reference::run_fem_jobs(
+      {&job}, settings, [](const reference::FemJob&, const std::string&) {},
+      [&](const reference::FemJob&, const reference::FemAnswer& answer) {
         report = {{"failure", answer.failure}, {"summary", describe(answer)}};
       });
-  if (signal != 0) throw Interrupted(signal);
+  if (signal != 0) throw system::Interrupted(signal);
   return report.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -72,48 +72,49 @@ fs::path chunk_file(const fs::path& output, long chunk) {
   return output / fmt::format("rows_{:06}.csv", chunk);
 }
 
-/// The rows of a task, written whole by the rank that made them.
-void make_chunk(const SweepPlan& plan, long chunk) {
-  SweepRows rows = plan.rows();
+/// Computes the rows of a task and writes them to a file, whole or not at all.
+void make_chunk(const sweep::SweepPlan& plan, long chunk) {
+  sweep::SweepRows rows = plan.rows();
   std::string text;
   const std::size_t begin = std::size_t(chunk) * kPointsPerTask;
   const std::size_t end = std::min(begin + kPointsPerTask, plan.sweep.points());
   for (std::size_t point = begin; point < end; ++point) rows.append(point, text);
-  write_file_atomically(chunk_file(plan.output, chunk), text);
+  system::write_file_atomically(chunk_file(plan.output, chunk), text);
 }
 
-class RankWorkers : public SweepWorkers {
+class RankWorkers : public sweep::SweepWorkers {
  public:
-  /// @param jobs  those that the tasks' numbers mean
-  RankWorkers(RankPool& pool, const std::vector<FemJob>& jobs) : pool_(pool), jobs_(jobs) {}
+  /// @param jobs  the jobs; the number of a task is the index of its job
+  RankWorkers(RankPool& pool, const std::vector<reference::FemJob>& jobs)
+      : pool_(pool), jobs_(jobs) {}
 
-  int run_fem(const std::vector<const FemJob*>& pending, const FemJobOptions&,
-              const std::function<void(const FemJob&, const std::string& failure,
+  int run_fem(const std::vector<const reference::FemJob*>& pending, const reference::FemJobOptions&,
+              const std::function<void(const reference::FemJob&, const std::string& failure,
                                        const std::string& summary)>& on_finished) override {
     std::vector<long> tasks;
-    for (const FemJob* job : pending) tasks.push_back(job - jobs_.data());
+    for (const reference::FemJob* job : pending) tasks.push_back(job - jobs_.data());
     pool_.run(tasks, [&](long task, const std::string& text) {
-      const json report = parse_json(text);
+      const json report = text::parse_json(text);
       on_finished(jobs_[std::size_t(task)], report.at("failure"), report.at("summary"));
     });
     return 0;
   }
 
-  int make_rows(const SweepPlan& plan, RowsFile& file,
+  int make_rows(const sweep::SweepPlan& plan, sweep::RowsFile& file,
                 const std::function<void()>& on_progress) override {
     std::vector<long> tasks;
     const std::size_t chunks = (plan.sweep.points() + kPointsPerTask - 1) / kPointsPerTask;
     for (std::size_t chunk = file.points() / kPointsPerTask; chunk < chunks; ++chunk)
       tasks.push_back(long(chunk));
-    // Only what this run made: a file may be left from another sweep.
+    // Only files that this run has made: others may be left from another sweep.
     std::set<long> made;
-    // A sweep that was cut off may have stopped in the middle of a task.
+    // The rows before an interruption may end in the middle of a task: these rows are skipped.
     std::size_t known_rows = file.points() % kPointsPerTask * plan.sweep.base().loads_N.size();
     pool_.run(tasks, [&](long task, const std::string&) {
       made.insert(task);
       for (long chunk; made.count(chunk = long(file.points() / kPointsPerTask));) {
         const fs::path part = chunk_file(plan.output, chunk);
-        std::string rows = read_text_file(part);
+        std::string rows = system::read_text_file(part);
         for (; known_rows > 0; --known_rows) rows.erase(0, rows.find('\n') + 1);
         made.erase(chunk);
         const std::size_t end =
@@ -128,13 +129,13 @@ class RankWorkers : public SweepWorkers {
 
  private:
   RankPool& pool_;
-  const std::vector<FemJob>& jobs_;
+  const std::vector<reference::FemJob>& jobs_;
 };
 
 int sweep_on_ranks(const Options& options, int rank) {
-  const fs::path file = find_sweep_file(options.sweep);
-  const std::string text = text_of_rank_0(rank == 0 ? read_sweep_text(file) : "");
-  const SweepPlan plan(text, file, options.output, options.fem_limits);
+  const fs::path file = system::find_sweep_file(options.sweep);
+  const std::string text = text_of_rank_0(rank == 0 ? sweep::read_sweep_text(file) : "");
+  const sweep::SweepPlan plan(text, file, options.output, options.fem_limits);
   const RankTask work = [&](long task) {
     return or_end_all([&] {
       if (plan.sweep.fem()) return do_fem_job(plan.fem.jobs[std::size_t(task)], plan.fem.settings);
@@ -148,17 +149,18 @@ int sweep_on_ranks(const Options& options, int rank) {
   }
   RankPool pool(work);
   RankWorkers workers(pool, plan.fem.jobs);
-  return run_sweep(plan, workers, options.command_line);
+  return sweep::run_sweep(plan, workers, options.command_line);
 }
 
 int atlas_on_ranks(const Options& options, int rank) {
-  const std::vector<AtlasRun> runs = options.random > 0 ? random_runs(options.random, options.seed)
-                                     : options.finite_strain ? finite_strain_runs()
-                                                             : designed_runs();
-  const std::vector<FemJob> jobs = atlas_jobs(runs, options.output);
-  FemJobOptions settings;
-  settings.program = fem_program().string();
-  settings.identity = program_identity(settings.program);
+  const std::vector<judgement::AtlasRun> runs =
+      options.random > 0      ? judgement::random_runs(options.random, options.seed)
+      : options.finite_strain ? judgement::finite_strain_runs()
+                              : judgement::designed_runs();
+  const std::vector<reference::FemJob> jobs = judgement::atlas_jobs(runs, options.output);
+  reference::FemJobOptions settings;
+  settings.program = system::fem_program().string();
+  settings.identity = reference::program_identity(settings.program);
   settings.limits = options.fem_limits;
   const RankTask work = [&](long task) {
     return or_end_all([&] { return do_fem_job(jobs[std::size_t(task)], settings); });
@@ -167,20 +169,19 @@ int atlas_on_ranks(const Options& options, int rank) {
     serve_tasks(work);
     return 0;
   }
-  const OutputFolder folder(options.output);
+  const system::OutputFolder folder(options.output);
   RankPool pool(work);
   RankWorkers workers(pool, jobs);
-  Progress progress;
+  system::Progress progress;
   const auto pending =
-      pending_fem_jobs(jobs, settings, progress, [](const FemJob&, const json&) {});
-  FemJobProgress shown(progress, jobs.size(), pending.size());
+      reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
+  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
   workers.run_fem(pending, settings,
-                  [&](const FemJob& job, const std::string&, const std::string& summary) {
-                    shown.finished(job, summary);
-                  });
-  const auto atlas = collect_atlas(runs, jobs, settings, options.command_line);
+                  [&](const reference::FemJob& job, const std::string&,
+                      const std::string& summary) { shown.finished(job, summary); });
+  const auto atlas = judgement::collect_atlas(runs, jobs, settings, options.command_line);
   if (!atlas) return 1;
-  write_file_atomically(options.atlas, to_csv(*atlas));
+  system::write_file_atomically(options.atlas, to_csv(*atlas));
   return 0;
 }
 
@@ -188,11 +189,12 @@ int atlas_on_ranks(const Options& options, int rank) {
 std::optional<int> parse(int argument_count, char** arguments, Options& options, int rank) {
   CLI::App app(
       "softfinger sweep, or the error atlas, on the ranks of an MPI run. Each rank solves one\n"
-      "finite-element problem at a time; rank 0 hands them out and works too. The output folder "
+      "finite-element problem at a time; rank 0 hands them out and also computes. The output "
+      "folder "
       "has\n"
-      "to be one that all ranks see. The same command goes on after an interruption.",
+      "to be one that all ranks see. The same command continues after an interruption.",
       "softfinger-sweep");
-  app.set_version_flag("--version", "softfinger-sweep " + program_version());
+  app.set_version_flag("--version", "softfinger-sweep " + system::program_version());
   CLI::Option* sweep = app.add_option("SWEEP", options.sweep,
                                       "case file (TOML) with a table [sweep], or a built-in sweep");
   CLI::Option* atlas =
@@ -232,10 +234,10 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
 }
 
 }  // namespace
-}  // namespace softfinger
+}  // namespace softfinger::distributed
 
 int main(int argument_count, char** arguments) {
-  using namespace softfinger;
+  using namespace softfinger::distributed;
   std::signal(SIGXFSZ, SIG_IGN);
   const MpiSession mpi(argument_count, arguments);
   Options options;

@@ -40,7 +40,7 @@ SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, 
   if (fit == Fit::range)
     contact.origin += fmt::format(", best for {:g} to {:g} N", curve.points.front().load_N,
                                   curve.points.back().load_N);
-  // A case's name may have two hyphens, an XML comment may not.
+  // A case's name may contain two hyphens in a row, which end an XML comment.
   for (std::size_t at; (at = contact.origin.find("--")) != std::string::npos;)
     contact.origin.replace(at, 2, "-");
   return contact;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "html.h"
+#include "comparisons/report/html.h"
 
 /// The error atlas on a page: `report["atlas"]`, described in README.md of this folder. Every
 /// function returns an empty text when there is none.
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// Cost against error of every model and finite-element level, and of the friction laws.
 std::string speed_accuracy_section(const Json& report);
@@ -34,4 +34,4 @@ struct SettingButton {
 std::string setting_buttons(const std::string& setting, const std::string& label,
                             const std::vector<SettingButton>& buttons, std::size_t pressed);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

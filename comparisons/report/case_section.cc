@@ -1,4 +1,4 @@
-#include "case_section.h"
+#include "comparisons/report/case_section.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,10 @@
 #include <cmath>
 #include <vector>
 
-#include "scoring.h"
+#include "comparisons/report/compared_cases.h"
+#include "comparisons/report/style.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
@@ -191,7 +192,7 @@ std::string patch_table(const Json& load) {
   if (region && predicted && *predicted > 0)
     note += fmt::format(
         "The quadric is fitted over {} mm², {} times the contact area of {} mm² that "
-        "{} predicts (wanted: 2). ",
+        "{} predicts (it should be 2 times). ",
         significant(*region * 1e6), significant(*region / *predicted, 3),
         significant(*predicted * 1e6), escape(label(text(patch, "patch_model"))));
   note += escape(text(patch, "remark")) + "</p>\n";
@@ -430,4 +431,4 @@ std::string case_section(const Json& report, const Json& report_case) {
   return out + "</section>\n";
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

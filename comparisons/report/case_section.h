@@ -1,8 +1,8 @@
 #pragma once
 
-#include "html.h"
+#include "comparisons/report/html.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// One case: question, verdict, places for the charts, every number as a table.
 std::string case_section(const Json& report, const Json& report_case);
@@ -19,4 +19,4 @@ std::string verdict_badge(const Json& report_case);
 /// Name of a model with the line that stands for it in the charts.
 std::string model_key(const Json& report, const std::string& model);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "html.h"
+#include "comparisons/report/html.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// What report.js draws: the report without its texts and tables, colours added, numbers rounded to
 /// what a picture shows, profiles thinned to what a curve needs. Keeps the page small: the tables
@@ -12,4 +12,4 @@ Json chart_data(const Json& report);
 /// JSON that is safe inside a script element, whatever its strings contain.
 std::string script_json(const Json& data);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

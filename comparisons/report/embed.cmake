@@ -1,7 +1,7 @@
 # cmake -DINPUTS=name=file,... -DLICENCES=folder -DOUTPUT=file.cc -P embed.cmake
 # Writes text files into a C++ source as raw string literals: portable, and quick to compile. Scripts
 # (NAME_js) come with their hash.
-set(source "#include \"embedded.h\"\n\nnamespace softfinger::comparisons::embedded {\n")
+set(source "#include \"comparisons/report/embedded.h\"\n\nnamespace softfinger::report::embedded {\n")
 string(REPLACE "," ";" inputs "${INPUTS}")
 
 function(append_text name content)
@@ -56,4 +56,4 @@ foreach(hash IN LISTS hashes)
 endforeach()
 append_text(licences "${licences}")
 
-file(WRITE "${OUTPUT}" "${source}\n}  // namespace softfinger::comparisons::embedded\n")
+file(WRITE "${OUTPUT}" "${source}\n}  // namespace softfinger::report::embedded\n")

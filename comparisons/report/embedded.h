@@ -3,7 +3,7 @@
 #include <string_view>
 
 /// Files that the build copies into the program (embed.cmake).
-namespace softfinger::comparisons::embedded {
+namespace softfinger::report::embedded {
 
 /// What runs in a page, and the SHA-256 of its text, 32 bytes.
 struct Script {
@@ -26,4 +26,4 @@ extern const std::string_view motion_css;
 extern const Script motion_js;  ///< with what it imports of three.js
 extern const std::string_view three_licence;
 
-}  // namespace softfinger::comparisons::embedded
+}  // namespace softfinger::report::embedded

@@ -1,11 +1,11 @@
-#include "html.h"
+#include "comparisons/report/html.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 constexpr const char* kDash = "–";
@@ -158,4 +158,4 @@ bool flag(const Json& object, std::string_view key) {
   return value.is_boolean() && value.get<bool>();
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -8,7 +8,7 @@
 
 /// Building blocks of the page: escaping, numbers as text, and reading of a report in which any
 /// value may be null. Everything that reaches the page passes through here.
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 using Json = nlohmann::json;
 
@@ -49,4 +49,4 @@ const Json& child(const Json& value, std::string_view key);
 /// The i-th number of an array, with the same leniency.
 std::optional<double> element(const Json& array, std::size_t index);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

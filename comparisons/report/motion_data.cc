@@ -10,16 +10,14 @@
 #include <utility>
 #include <variant>
 
-#include "comparisons/simulation/base64.h"
 #include "comparisons/simulation/triangulate.h"
+#include "comparisons/text/base64.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/math/pi.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
-using simulation::base64;
-using simulation::bytes_of;
 using simulation::Frame;
 using simulation::RecordedContact;
 using simulation::Recording;
@@ -109,7 +107,7 @@ void append(std::vector<float>& numbers, const Eigen::Isometry3d& pose) {
 
 template <typename Number>
 std::string encoded(const std::vector<Number>& numbers) {
-  return base64(bytes_of(numbers));
+  return text::base64(text::bytes_of(numbers));
 }
 
 Json geometry(const TriangleSurface& surface) {
@@ -130,8 +128,8 @@ Json geometry(const TriangleSurface& surface) {
 std::size_t most_triangles_of_a_mesh(const Recording& recording) {
   std::set<const TriangleSurface*> meshes;
   for (const simulation::RecordedBody& body : recording.bodies)
-    for (const simulation::Shape& shape : body.shapes)
-      if (const auto* mesh = std::get_if<simulation::Mesh>(&shape.kind); mesh && mesh->surface)
+    for (const input::Shape& shape : body.shapes)
+      if (const auto* mesh = std::get_if<input::Mesh>(&shape.kind); mesh && mesh->surface)
         meshes.insert(mesh->surface.get());
   std::vector<std::size_t> counts;
   for (const TriangleSurface* mesh : meshes) counts.push_back(mesh->triangles.size());
@@ -154,8 +152,8 @@ std::pair<Json, Json> bodies_and_geometries(const Recording& recording) {
   std::map<std::string, std::size_t> known;
   for (const simulation::RecordedBody& body : recording.bodies) {
     Json shapes = Json::array();
-    for (const simulation::Shape& shape : body.shapes) {
-      const bool is_plane = std::holds_alternative<simulation::HalfSpace>(shape.kind);
+    for (const input::Shape& shape : body.shapes) {
+      const bool is_plane = std::holds_alternative<input::HalfSpace>(shape.kind);
       // The shape's pose is the page's business: it keeps equal surfaces equal.
       const TriangleSurface surface =
           simulation::triangulate({shape.kind, Eigen::Isometry3d::Identity()}, width_m);
@@ -342,4 +340,4 @@ Json motion_data(const Recording& recording, const std::vector<ContactTrack>& tr
       {"sections", sections.json()}};
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -7,7 +7,7 @@
 #include "comparisons/report/html.h"
 #include "comparisons/simulation/recording.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// A contact followed through the motion. Recordings know contacts of one instant only; what is
 /// drawn over time must not jump when a pair of bodies touches in several places.
@@ -33,4 +33,4 @@ std::vector<std::size_t> shown_frames(const simulation::Recording& recording);
 /// shows no more digits.
 Json motion_data(const simulation::Recording& recording, const std::vector<ContactTrack>& tracks);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -4,7 +4,7 @@
 
 #include "comparisons/simulation/recording.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// Where a recording comes from; what is empty is left out.
 struct MotionPageOptions {
@@ -21,4 +21,4 @@ struct MotionPageOptions {
 /// @throws std::out_of_range when a frame lacks a body or a contact names one that does not exist.
 std::string motion_page(const simulation::Recording& recording, const MotionPageOptions& options);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

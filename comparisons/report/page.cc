@@ -1,15 +1,15 @@
-#include "page.h"
+#include "comparisons/report/page.h"
 
-#include "comparisons/simulation/base64.h"
-#include "html.h"
+#include "comparisons/report/html.h"
+#include "comparisons/text/base64.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 std::string render_page(const Page& page) {
   std::string styles, scripts, hashes;
   for (const std::string_view style : page.styles) styles.append(style) += "\n";
   const auto element = [&hashes](const embedded::Script& script) {
-    hashes += " 'sha256-" + simulation::base64(script.sha256) + "'";
+    hashes += " 'sha256-" + text::base64(script.sha256) + "'";
     return std::string("<script>").append(script.text) + "</script>\n";
   };
   const std::string first_script = element(embedded::page_js);
@@ -36,4 +36,4 @@ std::string provenance_section(const std::string& rows, const std::string& comma
          escape(embedded::licences) + "</pre></details>\n";
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

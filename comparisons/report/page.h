@@ -6,7 +6,7 @@
 
 #include "comparisons/report/embedded.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// What fills the skeleton page.html that all pages share. Everything is taken as it is: texts must
 /// have been escaped, `data` come from `script_json`. Should a text have slipped through, the
@@ -27,4 +27,4 @@ std::string render_page(const Page& page);
 std::string provenance_section(const std::string& rows, const std::string& command,
                                const std::string& remark);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

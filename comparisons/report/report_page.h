@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// The page of a comparison: one HTML file without outside references, from the object described in
 /// README.md of this folder. All text, verdicts and numbers are HTML; JavaScript adds the charts
@@ -12,4 +12,4 @@ namespace softfinger::comparisons {
 /// @throws std::invalid_argument when `report` is not an object with an array `cases`
 std::string render_report(const nlohmann::json& report);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -1,4 +1,4 @@
-#include "sweep_page.h"
+#include "comparisons/report/sweep_page.h"
 
 #include <fmt/format.h>
 
@@ -10,18 +10,15 @@
 #include <utility>
 #include <vector>
 
-#include "atlas_sections.h"
-#include "chart_data.h"
-#include "comparisons/simulation/base64.h"
-#include "embedded.h"
-#include "page.h"
-#include "scoring.h"
+#include "comparisons/report/atlas_sections.h"
+#include "comparisons/report/chart_data.h"
+#include "comparisons/report/embedded.h"
+#include "comparisons/report/page.h"
+#include "comparisons/report/style.h"
+#include "comparisons/text/base64.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
-
-using simulation::base64;
-using simulation::bytes_of;
 
 constexpr const char* kSpace = "\u00a0";
 constexpr std::size_t kRowsOfTable = 50, kReasons = 10;
@@ -353,7 +350,7 @@ std::string finding_of_models(const Table& table) {
     if (const Range range = range_of(model->values[i]); range.count > 0)
       parts.push_back(std::string(kQuantities[i].words) + " " +
                       range_text(range.least, range.largest, kQuantities[i].unit));
-  return fmt::format("By {}: {}; it calls itself valid in {} of {}.", escape(label(model->name)),
+  return fmt::format("By {}: {}. Its assumptions hold in {} of {}.", escape(label(model->name)),
                      listed(parts), grouped(double(valid)),
                      count_text(double(answered), "row", "rows"));
 }
@@ -406,8 +403,8 @@ std::string lead(const Json& sweep, const Table& table) {
   out += " " + (against_fem.empty() ? finding_of_models(table) : against_fem) + "</p>\n";
   if (double(table.rows) < all)
     out += fmt::format(
-        "<p class=\"facts\">{} of {} are drawn, evenly taken out; all are in "
-        "<code>results.csv</code>. The sentence above and the tables are over those drawn.</p>\n",
+        "<p class=\"facts\">{} of {}, evenly spaced, are drawn; all are in "
+        "<code>results.csv</code>. The sentence above and the tables use only those drawn.</p>\n",
         grouped(double(table.rows)), count_text(all, "row", "rows"));
   return out;
 }
@@ -488,7 +485,7 @@ std::string deviations_section(const Table& table) {
   if (table.fem.empty()) return "";
   return "<h2 id=\"deviations\">How far the models are from the finite elements</h2>\n"
          "<p class=\"facts\">|model − FEM| / FEM over the rows: the median, below it the "
-         "worst.</p>\n<h4>Where a model calls itself valid</h4>\n" +
+         "worst.</p>\n<h4>Where a model’s assumptions hold</h4>\n" +
          deviations_table(table, true) + "<h4>Wherever it has an answer</h4>\n" +
          deviations_table(table, false);
 }
@@ -553,7 +550,7 @@ std::string rows_section(const Table& table) {
 }
 
 std::string floats(const std::vector<double>& values) {
-  return base64(bytes_of(std::vector<float>(values.begin(), values.end())));
+  return text::base64(text::bytes_of(std::vector<float>(values.begin(), values.end())));
 }
 
 Json source_data(const Source& source, const Table& table) {
@@ -573,7 +570,7 @@ Json source_data(const Source& source, const Table& table) {
   return {{"name", source.name},
           {"values", values},
           {"errors", errors},
-          {"valid", base64(bytes_of(source.valid))}};
+          {"valid", text::base64(text::bytes_of(source.valid))}};
 }
 
 /// What sweep.js draws: columns as base64 of little-endian float32, in the page's units, NaN where
@@ -639,4 +636,4 @@ std::string render_sweep(const nlohmann::json& sweep) {
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::sweep_js}});
 }
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 
 /// The page of `softfinger sweep`: what was swept, what follows from it, and one picture whose
 /// axes, quantity and models the reader chooses. From the object described in README.md of this
@@ -11,4 +11,4 @@ namespace softfinger::comparisons {
 /// @throws std::invalid_argument when `sweep` has no array `rows`
 std::string render_sweep(const nlohmann::json& sweep);
 
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

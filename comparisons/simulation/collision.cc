@@ -29,17 +29,18 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const ShapeKind& kind) {
-  if (const auto* sphere = std::get_if<Sphere>(&kind))
+std::shared_ptr<fcl::CollisionGeometryd> fcl_geometry(const input::ShapeKind& kind) {
+  if (const auto* sphere = std::get_if<input::Sphere>(&kind))
     return std::make_shared<fcl::Sphered>(sphere->radius_m);
-  if (const auto* ellipsoid = std::get_if<Ellipsoid>(&kind))
+  if (const auto* ellipsoid = std::get_if<input::Ellipsoid>(&kind))
     return std::make_shared<fcl::Ellipsoidd>(ellipsoid->semi_axes_m);
-  if (const auto* cylinder = std::get_if<Cylinder>(&kind))
+  if (const auto* cylinder = std::get_if<input::Cylinder>(&kind))
     return std::make_shared<fcl::Cylinderd>(cylinder->radius_m, cylinder->length_m);
-  if (const auto* capsule = std::get_if<Capsule>(&kind))
+  if (const auto* capsule = std::get_if<input::Capsule>(&kind))
     return std::make_shared<fcl::Capsuled>(capsule->radius_m, capsule->length_m);
-  if (const auto* box = std::get_if<Box>(&kind)) return std::make_shared<fcl::Boxd>(box->size_m);
-  if (const auto* mesh = std::get_if<Mesh>(&kind)) {
+  if (const auto* box = std::get_if<input::Box>(&kind))
+    return std::make_shared<fcl::Boxd>(box->size_m);
+  if (const auto* mesh = std::get_if<input::Mesh>(&kind)) {
     auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
     std::vector<fcl::Triangle> triangles;
     for (const auto& t : mesh->surface->triangles)
@@ -58,13 +59,13 @@ constexpr long kIds = 256;
 /// A shape of a body, in the scene's list.
 struct Part {
   int body = -1;
-  const Shape* shape = nullptr;
+  const input::Shape* shape = nullptr;
   double radius_m = 0;
   Isometry3d pose = Isometry3d::Identity();  ///< in the world, now
   std::unique_ptr<fcl::CollisionObjectd> object;
 
-  bool is_mesh() const { return std::holds_alternative<Mesh>(shape->kind); }
-  bool is_half_space() const { return std::holds_alternative<HalfSpace>(shape->kind); }
+  bool is_mesh() const { return std::holds_alternative<input::Mesh>(shape->kind); }
+  bool is_half_space() const { return std::holds_alternative<input::HalfSpace>(shape->kind); }
 };
 
 struct Nearest {
@@ -113,8 +114,8 @@ struct Edge {
 
 /// The edges of a box that lie within reach of its farthest point in a direction, both ends of
 /// them.
-std::vector<Edge> bearing_edges(const Box& box, const Isometry3d& pose, const Vector3d& direction,
-                                double reach_m) {
+std::vector<Edge> bearing_edges(const input::Box& box, const Isometry3d& pose,
+                                const Vector3d& direction, double reach_m) {
   const Vector3d local = pose.linear().transpose() * direction, half = box.size_m / 2;
   // Of a thin plate only one side faces the other body.
   const double depth_m = std::min(reach_m, box.size_m.minCoeff() / 4);
@@ -135,7 +136,7 @@ std::vector<Edge> bearing_edges(const Box& box, const Isometry3d& pose, const Ve
 /// Whether a capsule that touches with one cap lies along the other surface: its other end is
 /// within reach too, by the tilt and the other's curvature.
 bool lies(const Part& part, const Vector3d& on_part, const SurfacePoint& other, double reach_m) {
-  const auto* capsule = std::get_if<Capsule>(&part.shape->kind);
+  const auto* capsule = std::get_if<input::Capsule>(&part.shape->kind);
   if (!capsule) return false;
   const double past_m = std::abs((part.pose.inverse() * on_part).z()) - capsule->length_m / 2;
   const Vector3d axis = part.pose.linear().col(2);
@@ -158,7 +159,7 @@ Matrix3d any_axes(const Vector3d& normal) {
 }  // namespace
 
 struct CollisionDetector::Implementation {
-  explicit Implementation(const Scene& of_scene);
+  explicit Implementation(const input::Scene& of_scene);
 
   void update(const Multibody& bodies);
   void find(const Multibody& bodies, double time_step_s, std::vector<TouchingPoint>& points);
@@ -174,7 +175,7 @@ struct CollisionDetector::Implementation {
   void find_bearing(const Part& a, const Part& b, const Nearest& nearest, double reach_m,
                     long first_id, std::vector<TouchingPoint>& points) const;
 
-  const Scene& scene;
+  const input::Scene& scene;
   std::vector<Part> parts;
   std::vector<int> half_spaces;
   fcl::DynamicAABBTreeCollisionManagerd manager;
@@ -185,9 +186,9 @@ struct CollisionDetector::Implementation {
   int fits = 0;
 };
 
-CollisionDetector::Implementation::Implementation(const Scene& of_scene) : scene(of_scene) {
+CollisionDetector::Implementation::Implementation(const input::Scene& of_scene) : scene(of_scene) {
   for (int b = 0; b < int(scene.bodies.size()); ++b)
-    for (const Shape& shape : scene.bodies[std::size_t(b)].shapes) {
+    for (const input::Shape& shape : scene.bodies[std::size_t(b)].shapes) {
       Part part;
       part.body = b;
       part.shape = &shape;
@@ -354,7 +355,7 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
     try {
       for (std::size_t side = 0; side < 2; ++side) {
         memory.fits[side].reset();
-        const auto* mesh = std::get_if<Mesh>(&both[side]->shape->kind);
+        const auto* mesh = std::get_if<input::Mesh>(&both[side]->shape->kind);
         if (!mesh) continue;
         memory.fits[side] = fit_quadric(*mesh->surface, points[side], nullptr, radius_m);
         // The quadric tells normal and curvature; where the surface lies, its nearest point does.
@@ -468,8 +469,8 @@ void CollisionDetector::Implementation::find_bearing(const Part& a, const Part& 
   };
   // A body that is round all over is held in one point, and its nearest point is not the one below.
   const auto round_all_over = [](const Part& part) {
-    return std::holds_alternative<Sphere>(part.shape->kind) ||
-           std::holds_alternative<Ellipsoid>(part.shape->kind);
+    return std::holds_alternative<input::Sphere>(part.shape->kind) ||
+           std::holds_alternative<input::Ellipsoid>(part.shape->kind);
   };
   if (round_all_over(a) || round_all_over(b)) {
     add(nearest.on_a, nearest.on_b, nearest.normal, nearest.gap_m, 0);
@@ -512,8 +513,8 @@ void CollisionDetector::Implementation::find_bearing(const Part& a, const Part& 
     id = start + 16;
   }
   // Flat on flat: the corners of the common polygon that are corners of neither.
-  const auto* box_a = std::get_if<Box>(&a.shape->kind);
-  const auto* box_b = std::get_if<Box>(&b.shape->kind);
+  const auto* box_a = std::get_if<input::Box>(&a.shape->kind);
+  const auto* box_b = std::get_if<input::Box>(&b.shape->kind);
   if (box_a && box_b) {
     const std::vector<Edge> edges_a = bearing_edges(*box_a, a.pose, nearest.normal, reach_m);
     const std::vector<Edge> edges_b = bearing_edges(*box_b, b.pose, -nearest.normal, reach_m);
@@ -575,7 +576,7 @@ void CollisionDetector::Implementation::find_between(int first, int second,
   }
 }
 
-CollisionDetector::CollisionDetector(const Scene& scene)
+CollisionDetector::CollisionDetector(const input::Scene& scene)
     : implementation_(std::make_unique<Implementation>(scene)) {}
 CollisionDetector::~CollisionDetector() = default;
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "comparisons/simulation/scene.h"
+#include "comparisons/input/scene.h"
 #include "softfinger/dynamics/multibody.h"
 #include "softfinger/geometry/relative_curvature.h"
 
@@ -34,7 +34,7 @@ struct TouchingPoint {
 /// corners, points of a rim, ends of a line.
 class CollisionDetector {
  public:
-  explicit CollisionDetector(const Scene& scene);
+  explicit CollisionDetector(const input::Scene& scene);
   ~CollisionDetector();
 
   /// Appends all points whose gap may close within `time_step_s` at twice the current velocities,

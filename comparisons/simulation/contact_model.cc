@@ -4,9 +4,9 @@
 
 namespace softfinger::simulation {
 
-const PressureModel* model_of_contact(const Scene& scene, int a, int b, const RelativeRadii& radii,
-                                      ContactProblem& problem) {
-  const ContactRule& rule = scene.rule(a, b);
+const PressureModel* model_of_contact(const input::Scene& scene, int a, int b,
+                                      const RelativeRadii& radii, ContactProblem& problem) {
+  const input::ContactRule& rule = scene.rule(a, b);
   const auto& layer_a = scene.bodies[std::size_t(a)].layer;
   const auto& layer_b = scene.bodies[std::size_t(b)].layer;
   if (rule.model == "rigid" || rule.model == "given" || (!layer_a && !layer_b)) return nullptr;
@@ -25,7 +25,7 @@ const PressureModel* model_of_contact(const Scene& scene, int a, int b, const Re
   return find_pressure_model("hertz");
 }
 
-double predicted_area_m2(const Scene& scene, int a, int b, const RelativeRadii& radii) {
+double predicted_area_m2(const input::Scene& scene, int a, int b, const RelativeRadii& radii) {
   ContactProblem problem;
   if (const PressureModel* model = model_of_contact(scene, a, b, radii, problem)) {
     const Prediction prediction = model->predict(problem);

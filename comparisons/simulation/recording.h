@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "comparisons/simulation/shape.h"
+#include "comparisons/input/shape.h"
 #include "softfinger/input/contact_problem.h"
 
 /// What a simulation leaves: poses and contacts over time, for files and for the page.
@@ -13,8 +13,8 @@ namespace softfinger::simulation {
 
 struct RecordedBody {
   std::string name;
-  bool movable = true;        ///< false: fixed to the world
-  std::vector<Shape> shapes;  ///< may be empty
+  bool movable = true;               ///< false: fixed to the world
+  std::vector<input::Shape> shapes;  ///< may be empty
 };
 
 /// A contact at the end of a step. Forces and torque act on body `b`; -them on body `a`.

@@ -8,8 +8,8 @@
 #include <deque>
 #include <map>
 
-#include "comparisons/predict.h"
-#include "comparisons/recorded_contacts.h"
+#include "comparisons/input/recorded_contacts.h"
+#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
 #include "softfinger/dynamics/time_stepper.h"
@@ -44,11 +44,11 @@ class ModelEccentricity final : public EccentricityLaw {
 /// The touching points of the bodies as contacts with friction.
 class SceneContacts final : public ContactFinder {
  public:
-  explicit SceneContacts(const Scene& scene)
+  explicit SceneContacts(const input::Scene& scene)
       : scene_(scene),
-        all_exact_(scene.friction.rule == FrictionSettings::Rule::limit_surface),
+        all_exact_(scene.friction.rule == input::FrictionSettings::Rule::limit_surface),
         detector_(scene) {
-    for (const ContactRule& rule : scene.rules)
+    for (const input::ContactRule& rule : scene.rules)
       if (const auto& table = rule.eccentricity_table; !table.eccentricity_m.empty())
         tables_.emplace(&rule, SampledEccentricity(table.least_load_N, table.largest_load_N,
                                                    table.eccentricity_m));
@@ -61,7 +61,7 @@ class SceneContacts final : public ContactFinder {
     shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
     for (const TouchingPoint& point : points_) {
-      const ContactRule& rule = scene_.rule(point.a, point.b);
+      const input::ContactRule& rule = scene_.rule(point.a, point.b);
       Contact contact;
       contact.a = point.a;
       contact.b = point.b;
@@ -84,7 +84,8 @@ class SceneContacts final : public ContactFinder {
           // The shape changes little with the load: that of the nominal one.
           const Prediction nominal = laws_.back().predict(scene_.nominal_load_N);
           if (nominal.has_answer) {
-            shapes_.emplace_back(nominal.b_m / nominal.a_m, equivalent_exponent(nominal));
+            shapes_.emplace_back(nominal.b_m / nominal.a_m,
+                                 prediction::equivalent_exponent(nominal));
             contact.shape = &shapes_.back();
           }
         }
@@ -107,9 +108,9 @@ class SceneContacts final : public ContactFinder {
   }
 
  private:
-  const Scene& scene_;
+  const input::Scene& scene_;
   bool all_exact_;
-  std::map<const ContactRule*, SampledEccentricity> tables_;
+  std::map<const input::ContactRule*, SampledEccentricity> tables_;
   CollisionDetector detector_;
   std::vector<TouchingPoint> points_;
   std::deque<ModelEccentricity> laws_;  ///< deques: contacts point into them
@@ -117,7 +118,7 @@ class SceneContacts final : public ContactFinder {
   std::vector<const ModelEccentricity*> law_of_point_;
 };
 
-Frame frame(const TimeStepper& stepper, const Scene& scene, const SceneContacts& finder,
+Frame frame(const TimeStepper& stepper, const input::Scene& scene, const SceneContacts& finder,
             bool with_contacts) {
   const Multibody& bodies = stepper.bodies();
   Frame result;
@@ -152,7 +153,7 @@ Frame frame(const TimeStepper& stepper, const Scene& scene, const SceneContacts&
       const Prediction prediction = law->predict(wrench.normal_force_N);
       recorded.semi_axis_a_m = prediction.a_m;
       recorded.semi_axis_b_m = prediction.b_m;
-      recorded.pressure_exponent = equivalent_exponent(prediction);
+      recorded.pressure_exponent = prediction::equivalent_exponent(prediction);
       recorded.model = std::string(law->model().card().name);
     }
     const FrictionEllipsoid ellipsoid{contact.friction_coefficient * wrench.normal_force_N,
@@ -217,16 +218,16 @@ double percentile(std::vector<double> values, double p) {
   return values[std::size_t(std::lround(rank))];
 }
 
-Simulation simulate(const Scene& scene, const SimulationOptions& options) {
+Simulation simulate(const input::Scene& scene, const SimulationOptions& options) {
   Simulation result;
   TimeStepper::Options stepping;
   stepping.time_step_s = scene.time_step_s;
-  const bool some_exact =
-      std::any_of(scene.rules.begin(), scene.rules.end(),
-                  [](const ContactRule& rule) { return rule.exact_limit_surface.value_or(false); });
+  const bool some_exact = std::any_of(
+      scene.rules.begin(), scene.rules.end(),
+      [](const input::ContactRule& rule) { return rule.exact_limit_surface.value_or(false); });
   stepping.friction_rule =
-      scene.friction.rule == FrictionSettings::Rule::facets ? FrictionRule::facets
-      : some_exact || scene.friction.rule == FrictionSettings::Rule::limit_surface
+      scene.friction.rule == input::FrictionSettings::Rule::facets ? FrictionRule::facets
+      : some_exact || scene.friction.rule == input::FrictionSettings::Rule::limit_surface
           ? FrictionRule::limit_surface
           : FrictionRule::ellipsoid;
   const LinearisedFriction facets(scene.friction.vertices);
@@ -236,7 +237,7 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
   TimeStepper stepper(Multibody(scene.descriptions, scene.joints), scene.motors, stepping);
   SceneContacts finder(scene);
   finder.detector().require_no_overlap(stepper.bodies());
-  for (const ForceOverTime& force : scene.forces)
+  for (const input::ForceOverTime& force : scene.forces)
     stepper.applied_forces().push_back(
         {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
 
@@ -258,7 +259,7 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
     // What is commanded holds at the end of the step.
     const double time_s = stepper.time_s() + scene.time_step_s;
     stepper.set_gravity(scene.gravity.value(time_s));
-    for (const Motion& motion : scene.motions) {
+    for (const input::Motion& motion : scene.motions) {
       Motor& motor = stepper.motors()[std::size_t(motion.motor)];
       if (motion.is_effort) {
         motor.feed_forward = motion.table.value(time_s)[0];
@@ -276,9 +277,9 @@ Simulation simulate(const Scene& scene, const SimulationOptions& options) {
     result.step_ms.push_back(
         std::chrono::duration<double, std::milli>(Clock::now() - start).count());
     if (!options.record_lcp.empty() && stepper.problem().contacts() > 0)
-      write_recorded_contacts(stepper.problem(), stepping.friction_vertices,
-                              fmt::format("{} step {}", scene.id, step + 1),
-                              options.record_lcp / fmt::format("step_{:06d}.txt", step + 1));
+      input::write_recorded_contacts(stepper.problem(), stepping.friction_vertices,
+                                     fmt::format("{} step {}", scene.id, step + 1),
+                                     options.record_lcp / fmt::format("step_{:06d}.txt", step + 1));
     if (!stepped.done()) {
       ++result.lcp_failures;
       result.failure = describe_failure(stepper, stepped);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/input/scene.h"
 #include "comparisons/simulation/recording.h"
-#include "comparisons/simulation/scene.h"
 
 namespace softfinger::simulation {
 
@@ -38,7 +38,7 @@ struct Simulation {
 
 /// Runs a scene from its start.
 /// @throws InputError when bodies overlap at the start.
-Simulation simulate(const Scene& scene, const SimulationOptions& options = {});
+Simulation simulate(const input::Scene& scene, const SimulationOptions& options = {});
 
 /// The p-th part (0 to 1) of the values, by rank.
 double percentile(std::vector<double> values, double p);

@@ -26,7 +26,7 @@ Vector3d direction_of(const Vector3d& vector, const Vector3d& otherwise) {
   return length > 0 ? Vector3d(vector / length) : otherwise;
 }
 
-SurfacePoint near(const Sphere& sphere, const Vector3d& point) {
+SurfacePoint near(const input::Sphere& sphere, const Vector3d& point) {
   SurfacePoint result;
   result.normal = direction_of(point, Vector3d::UnitZ());
   result.point_m = sphere.radius_m * result.normal;
@@ -34,7 +34,7 @@ SurfacePoint near(const Sphere& sphere, const Vector3d& point) {
   return result;
 }
 
-SurfacePoint near(const Ellipsoid& ellipsoid, const Vector3d& point) {
+SurfacePoint near(const input::Ellipsoid& ellipsoid, const Vector3d& point) {
   const Vector3d weights = ellipsoid.semi_axes_m.cwiseAbs2().cwiseInverse();
   const double level = std::sqrt(point.dot(weights.cwiseProduct(point)));
   SurfacePoint result;
@@ -47,7 +47,7 @@ SurfacePoint near(const Ellipsoid& ellipsoid, const Vector3d& point) {
   return result;
 }
 
-SurfacePoint near(const Cylinder& cylinder, const Vector3d& point) {
+SurfacePoint near(const input::Cylinder& cylinder, const Vector3d& point) {
   const double r = cylinder.radius_m, half = cylinder.length_m / 2;
   const double edge = kOnEdge * std::max(r, half);
   const Vector3d across(point.x(), point.y(), 0);
@@ -73,17 +73,17 @@ SurfacePoint near(const Cylinder& cylinder, const Vector3d& point) {
   return result;
 }
 
-SurfacePoint near(const Capsule& capsule, const Vector3d& point) {
+SurfacePoint near(const input::Capsule& capsule, const Vector3d& point) {
   const double half = capsule.length_m / 2;
   const Vector3d core(0, 0, std::clamp(point.z(), -half, half));
-  SurfacePoint result = near(Sphere{capsule.radius_m}, point - core);
+  SurfacePoint result = near(input::Sphere{capsule.radius_m}, point - core);
   result.point_m += core;
   if (std::abs(point.z()) < half)
     result.curvature_per_m -= Vector3d::UnitZ() * Vector3d::UnitZ().transpose() / capsule.radius_m;
   return result;
 }
 
-SurfacePoint near(const Box& box, const Vector3d& point) {
+SurfacePoint near(const input::Box& box, const Vector3d& point) {
   const Vector3d half = box.size_m / 2;
   const double edge = kOnEdge * half.maxCoeff();
   const Vector3d past = point.cwiseAbs() - half;
@@ -104,44 +104,44 @@ SurfacePoint near(const Box& box, const Vector3d& point) {
   return result;
 }
 
-SurfacePoint near(const HalfSpace&, const Vector3d& point) {
+SurfacePoint near(const input::HalfSpace&, const Vector3d& point) {
   SurfacePoint result;
   result.point_m = Vector3d(point.x(), point.y(), 0);
   return result;
 }
 
-SurfacePoint near(const Mesh&, const Vector3d& point) {
+SurfacePoint near(const input::Mesh&, const Vector3d& point) {
   SurfacePoint result;
   result.point_m = point;
   result.smooth = false;
   return result;
 }
 
-Vector3d support(const Sphere& sphere, const Vector3d& direction) {
+Vector3d support(const input::Sphere& sphere, const Vector3d& direction) {
   return sphere.radius_m * direction_of(direction, Vector3d::UnitZ());
 }
-Vector3d support(const Ellipsoid& ellipsoid, const Vector3d& direction) {
+Vector3d support(const input::Ellipsoid& ellipsoid, const Vector3d& direction) {
   const Vector3d scaled = ellipsoid.semi_axes_m.cwiseProduct(direction);
   return ellipsoid.semi_axes_m.cwiseProduct(direction_of(scaled, Vector3d::UnitZ()));
 }
-Vector3d support(const Cylinder& cylinder, const Vector3d& direction) {
+Vector3d support(const input::Cylinder& cylinder, const Vector3d& direction) {
   const Vector3d across(direction.x(), direction.y(), 0);
   return cylinder.radius_m * direction_of(across, Vector3d::Zero()) +
          std::copysign(cylinder.length_m / 2, direction.z()) * Vector3d::UnitZ();
 }
-Vector3d support(const Capsule& capsule, const Vector3d& direction) {
-  return support(Sphere{capsule.radius_m}, direction) +
+Vector3d support(const input::Capsule& capsule, const Vector3d& direction) {
+  return support(input::Sphere{capsule.radius_m}, direction) +
          std::copysign(capsule.length_m / 2, direction.z()) * Vector3d::UnitZ();
 }
-Vector3d support(const Box& box, const Vector3d& direction) {
+Vector3d support(const input::Box& box, const Vector3d& direction) {
   Vector3d corner = box.size_m / 2;
   for (int i = 0; i < 3; ++i) corner[i] = std::copysign(corner[i], direction[i]);
   return corner;
 }
-Vector3d support(const HalfSpace&, const Vector3d& direction) {
+Vector3d support(const input::HalfSpace&, const Vector3d& direction) {
   return std::numeric_limits<double>::infinity() * direction;
 }
-Vector3d support(const Mesh& mesh, const Vector3d& direction) {
+Vector3d support(const input::Mesh& mesh, const Vector3d& direction) {
   const auto& vertices = mesh.surface->vertices_m;
   return *std::max_element(vertices.begin(), vertices.end(),
                            [&](const Vector3d& one, const Vector3d& other) {
@@ -151,7 +151,7 @@ Vector3d support(const Mesh& mesh, const Vector3d& direction) {
 
 /// Six points of each rim: fixed to the body while it stands on its end, else counted from the
 /// lowest one, so that a rolling rim is round.
-std::vector<Vector3d> bearing(const Cylinder& cylinder, const Vector3d& direction, double) {
+std::vector<Vector3d> bearing(const input::Cylinder& cylinder, const Vector3d& direction, double) {
   std::vector<Vector3d> points;
   const Vector3d across(direction.x(), direction.y(), 0);
   const double tilt = across.norm(), along = std::abs(direction.z());
@@ -168,19 +168,19 @@ std::vector<Vector3d> bearing(const Cylinder& cylinder, const Vector3d& directio
   }
   return points;
 }
-std::vector<Vector3d> bearing(const Capsule& capsule, const Vector3d& direction, double) {
-  const Vector3d low = support(Sphere{capsule.radius_m}, direction);
+std::vector<Vector3d> bearing(const input::Capsule& capsule, const Vector3d& direction, double) {
+  const Vector3d low = support(input::Sphere{capsule.radius_m}, direction);
   const Vector3d end(0, 0, capsule.length_m / 2);
   return {low - end, low + end};
 }
-std::vector<Vector3d> bearing(const Box& box, const Vector3d&, double) {
+std::vector<Vector3d> bearing(const input::Box& box, const Vector3d&, double) {
   std::vector<Vector3d> corners;
   for (int i = 0; i < 8; ++i)
     corners.push_back(box.size_m.cwiseProduct(
         Vector3d(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5)));
   return corners;
 }
-std::vector<Vector3d> bearing(const Mesh& mesh, const Vector3d& direction, double reach_m) {
+std::vector<Vector3d> bearing(const input::Mesh& mesh, const Vector3d& direction, double reach_m) {
   const double farthest = support(mesh, direction).dot(direction);
   std::vector<Vector3d> near_plane;
   for (const Vector3d& vertex : mesh.surface->vertices_m)
@@ -202,7 +202,7 @@ std::vector<Vector3d> bearing(const Mesh& mesh, const Vector3d& direction, doubl
   }
   return chosen;
 }
-std::vector<Vector3d> bearing(const HalfSpace&, const Vector3d&, double) { return {}; }
+std::vector<Vector3d> bearing(const input::HalfSpace&, const Vector3d&, double) { return {}; }
 template <class Round>
 std::vector<Vector3d> bearing(const Round& round, const Vector3d& direction, double) {
   return {support(round, direction)};
@@ -210,7 +210,7 @@ std::vector<Vector3d> bearing(const Round& round, const Vector3d& direction, dou
 
 }  // namespace
 
-SurfacePoint surface_near(const ShapeKind& kind, const Vector3d& point_m) {
+SurfacePoint surface_near(const input::ShapeKind& kind, const Vector3d& point_m) {
   return std::visit([&](const auto& shape) { return near(shape, point_m); }, kind);
 }
 
@@ -234,17 +234,18 @@ SurfacePoint surface_near(const QuadricFit& fit, const Vector3d& point_m) {
   return result;
 }
 
-Vector3d support_point(const ShapeKind& kind, const Vector3d& direction) {
+Vector3d support_point(const input::ShapeKind& kind, const Vector3d& direction) {
   return std::visit([&](const auto& shape) { return support(shape, direction); }, kind);
 }
 
-std::vector<Vector3d> bearing_points(const ShapeKind& kind, const Vector3d& direction,
+std::vector<Vector3d> bearing_points(const input::ShapeKind& kind, const Vector3d& direction,
                                      double reach_m) {
   return std::visit([&](const auto& shape) { return bearing(shape, direction, reach_m); }, kind);
 }
 
-double bounding_radius_m(const ShapeKind& kind) {
-  if (std::holds_alternative<HalfSpace>(kind)) return std::numeric_limits<double>::infinity();
+double bounding_radius_m(const input::ShapeKind& kind) {
+  if (std::holds_alternative<input::HalfSpace>(kind))
+    return std::numeric_limits<double>::infinity();
   double square = 0;
   for (int i = 0; i < 3; ++i) {
     const double reach = std::max(support_point(kind, Vector3d::Unit(i))[i],

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "comparisons/simulation/shape.h"
+#include "comparisons/input/shape.h"
 #include "softfinger/geometry/quadric_fit.h"
 
 /// Shapes as surfaces: positions, normals and curvatures in closed form.
@@ -20,23 +20,23 @@ struct SurfacePoint {
 
 /// A point of the shape's surface near `point_m`, both in the shape's frame: the nearest one, on an
 /// ellipsoid the one on the ray from its centre. Not for meshes.
-SurfacePoint surface_near(const ShapeKind& kind, const Eigen::Vector3d& point_m);
+SurfacePoint surface_near(const input::ShapeKind& kind, const Eigen::Vector3d& point_m);
 
 /// A point of the quadric that was fitted to a mesh, above or below `point_m` along the fit's
 /// normal.
 SurfacePoint surface_near(const QuadricFit& fit, const Eigen::Vector3d& point_m);
 
 /// The farthest point in a direction; of a half-space that contains the direction, an infinite one.
-Eigen::Vector3d support_point(const ShapeKind& kind, const Eigen::Vector3d& direction);
+Eigen::Vector3d support_point(const input::ShapeKind& kind, const Eigen::Vector3d& direction);
 
 /// Points that together bear a flat contact in a direction: corners, points of a rim, ends of an
 /// edge. One for a round shape. At most eight; for a mesh those of its vertices within `reach_m` of
 /// the farthest, thinned out.
-std::vector<Eigen::Vector3d> bearing_points(const ShapeKind& kind, const Eigen::Vector3d& direction,
-                                            double reach_m);
+std::vector<Eigen::Vector3d> bearing_points(const input::ShapeKind& kind,
+                                            const Eigen::Vector3d& direction, double reach_m);
 
 /// Half the diagonal of the box around the shape, about its frame's origin; infinite for a
 /// half-space.
-double bounding_radius_m(const ShapeKind& kind);
+double bounding_radius_m(const input::ShapeKind& kind);
 
 }  // namespace softfinger::simulation

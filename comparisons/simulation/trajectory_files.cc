@@ -11,10 +11,10 @@
 #include <variant>
 #include <vector>
 
-#include "comparisons/csv.h"
-#include "comparisons/files.h"
-#include "comparisons/simulation/base64.h"
 #include "comparisons/simulation/triangulate.h"
+#include "comparisons/system/files.h"
+#include "comparisons/text/base64.h"
+#include "comparisons/text/csv.h"
 #include "softfinger/math/pi.h"
 
 namespace softfinger::simulation {
@@ -43,7 +43,7 @@ class CsvRow {
   void append(const Eigen::Vector3d& vector) {
     for (const double number : vector) append(number);
   }
-  void append(const std::string& text) { cell() += csv_cell(text); }
+  void append(const std::string& text) { cell() += text::csv_cell(text); }
 
  private:
   std::string& cell() {
@@ -60,19 +60,21 @@ json numbers(const Vector& vector) {
   return std::vector<double>(vector.begin(), vector.end());
 }
 
-json described(const Sphere& sphere) { return {{"kind", "sphere"}, {"radius_m", sphere.radius_m}}; }
-json described(const Ellipsoid& ellipsoid) {
+json described(const input::Sphere& sphere) {
+  return {{"kind", "sphere"}, {"radius_m", sphere.radius_m}};
+}
+json described(const input::Ellipsoid& ellipsoid) {
   return {{"kind", "ellipsoid"}, {"semi_axes_m", numbers(ellipsoid.semi_axes_m)}};
 }
-json described(const Cylinder& cylinder) {
+json described(const input::Cylinder& cylinder) {
   return {{"kind", "cylinder"}, {"radius_m", cylinder.radius_m}, {"length_m", cylinder.length_m}};
 }
-json described(const Capsule& capsule) {
+json described(const input::Capsule& capsule) {
   return {{"kind", "capsule"}, {"radius_m", capsule.radius_m}, {"length_m", capsule.length_m}};
 }
-json described(const Box& box) { return {{"kind", "box"}, {"size_m", numbers(box.size_m)}}; }
-json described(const HalfSpace&) { return {{"kind", "half_space"}}; }
-json described(const Mesh& mesh) {
+json described(const input::Box& box) { return {{"kind", "box"}, {"size_m", numbers(box.size_m)}}; }
+json described(const input::HalfSpace&) { return {{"kind", "half_space"}}; }
+json described(const input::Mesh& mesh) {
   return {{"kind", "mesh"},
           {"vertices", mesh.surface ? mesh.surface->vertices_m.size() : 0},
           {"triangles", mesh.surface ? mesh.surface->triangles.size() : 0}};
@@ -80,7 +82,7 @@ json described(const Mesh& mesh) {
 
 json described(const RecordedBody& body) {
   json shapes = json::array();
-  for (const Shape& shape : body.shapes) {
+  for (const input::Shape& shape : body.shapes) {
     shapes.push_back(std::visit([](const auto& kind) { return described(kind); }, shape.kind));
     shapes.back()["position_m"] = numbers(shape.pose.translation());
     shapes.back()["quaternion_wxyz"] = numbers(quaternion_wxyz(shape.pose));
@@ -151,12 +153,12 @@ class UnstructuredGrid {
   template <typename Number>
   static std::string array(const char* name, int components, const std::vector<Number>& values) {
     const std::vector<std::uint64_t> header = {values.size() * sizeof(Number)};
-    std::string bytes(bytes_of(header));
-    bytes += bytes_of(values);
+    std::string bytes(text::bytes_of(header));
+    bytes += text::bytes_of(values);
     return fmt::format(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">"
         "{}</DataArray>\n",
-        type_name(Number{}), name, components, base64(bytes));
+        type_name(Number{}), name, components, text::base64(bytes));
   }
 
   std::vector<double> coordinates_m_;
@@ -340,7 +342,7 @@ json trajectory_json(const Recording& recording) {
 }
 
 void write_trajectory(const Recording& recording, const std::filesystem::path& folder) {
-  write_files_together(
+  system::write_files_together(
       {{folder / "trajectory.csv", trajectory_csv(recording)},
        {folder / "contacts.csv", contacts_csv(recording)},
        {folder / "trajectory.json",
@@ -353,10 +355,10 @@ void write_vtu(const Recording& recording, const std::filesystem::path& folder, 
   const double width_m = half_space_width_m(recording);
   std::vector<std::vector<TriangleSurface>> surfaces(recording.bodies.size());
   for (std::size_t body = 0; body < surfaces.size(); ++body)
-    for (const Shape& shape : recording.bodies[body].shapes)
+    for (const input::Shape& shape : recording.bodies[body].shapes)
       surfaces[body].push_back(triangulate(shape, width_m));
 
-  make_writable_folder(folder / "frames");
+  system::make_writable_folder(folder / "frames");
   std::string collection;
   const std::size_t count = recording.frames.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -367,16 +369,17 @@ void write_vtu(const Recording& recording, const std::filesystem::path& folder, 
          {std::pair{"bodies", bodies_vtu(frame, surfaces)},
           std::pair{"contacts", contacts_vtu(frame)}, std::pair{"ellipses", ellipses_vtu(frame)}}) {
       const std::string name = fmt::format("frames/{}_{:06}.vtu", kind, i);
-      write_file_atomically(folder / name, content);
+      system::write_file_atomically(folder / name, content);
       collection += fmt::format("<DataSet timestep=\"{}\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n",
                                 frame.time_s, part++, kind, name);
     }
   }
   // Last: it names files that all exist.
-  write_file_atomically(folder / "motion.pvd",
-                        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
-                        "byte_order=\"LittleEndian\">\n<Collection>\n" +
-                            collection + "</Collection>\n</VTKFile>\n");
+  system::write_file_atomically(
+      folder / "motion.pvd",
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\">\n<Collection>\n" +
+          collection + "</Collection>\n</VTKFile>\n");
 }
 
 }  // namespace softfinger::simulation

@@ -53,7 +53,7 @@ void append_quarter(std::vector<ProfilePoint>& profile, double radius_m, double 
   }
 }
 
-TriangleSurface surface_of(const Capsule& capsule, double) {
+TriangleSurface surface_of(const input::Capsule& capsule, double) {
   std::vector<ProfilePoint> profile;
   append_quarter(profile, capsule.radius_m, -capsule.length_m / 2, -kPi / 2, 0);
   // A capsule without a shaft is a sphere: one equator, not two.
@@ -62,23 +62,23 @@ TriangleSurface surface_of(const Capsule& capsule, double) {
   return revolved(profile);
 }
 
-TriangleSurface surface_of(const Sphere& sphere, double) {
-  return surface_of(Capsule{sphere.radius_m, 0}, 0);
+TriangleSurface surface_of(const input::Sphere& sphere, double) {
+  return surface_of(input::Capsule{sphere.radius_m, 0}, 0);
 }
 
-TriangleSurface surface_of(const Ellipsoid& ellipsoid, double) {
-  TriangleSurface surface = surface_of(Sphere{1}, 0);
+TriangleSurface surface_of(const input::Ellipsoid& ellipsoid, double) {
+  TriangleSurface surface = surface_of(input::Sphere{1}, 0);
   for (Eigen::Vector3d& vertex : surface.vertices_m)
     vertex = vertex.cwiseProduct(ellipsoid.semi_axes_m);
   return surface;
 }
 
-TriangleSurface surface_of(const Cylinder& cylinder, double) {
+TriangleSurface surface_of(const input::Cylinder& cylinder, double) {
   const double half = cylinder.length_m / 2;
   return revolved({{0, -half}, {cylinder.radius_m, -half}, {cylinder.radius_m, half}, {0, half}});
 }
 
-TriangleSurface surface_of(const Box& box, double) {
+TriangleSurface surface_of(const input::Box& box, double) {
   TriangleSurface surface;
   for (int corner = 0; corner < 8; ++corner)
     surface.vertices_m.push_back(
@@ -89,19 +89,19 @@ TriangleSurface surface_of(const Box& box, double) {
   return surface;
 }
 
-TriangleSurface surface_of(const HalfSpace&, double width_m) {
+TriangleSurface surface_of(const input::HalfSpace&, double width_m) {
   const double half = width_m / 2;
   return {{{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}},
           {{0, 1, 2}, {0, 2, 3}}};
 }
 
-TriangleSurface surface_of(const Mesh& mesh, double) {
+TriangleSurface surface_of(const input::Mesh& mesh, double) {
   return mesh.surface ? *mesh.surface : TriangleSurface{};
 }
 
 }  // namespace
 
-TriangleSurface triangulate(const Shape& shape, double half_space_width_m) {
+TriangleSurface triangulate(const input::Shape& shape, double half_space_width_m) {
   TriangleSurface surface = std::visit(
       [&](const auto& kind) { return surface_of(kind, half_space_width_m); }, shape.kind);
   for (Eigen::Vector3d& vertex : surface.vertices_m) vertex = shape.pose * vertex;
@@ -112,8 +112,8 @@ Eigen::AlignedBox3d extent_of(const Recording& recording) {
   Eigen::AlignedBox3d extent;
   for (std::size_t body = 0; body < recording.bodies.size(); ++body) {
     Eigen::AlignedBox3d own;
-    for (const Shape& shape : recording.bodies[body].shapes)
-      if (!std::holds_alternative<HalfSpace>(shape.kind))
+    for (const input::Shape& shape : recording.bodies[body].shapes)
+      if (!std::holds_alternative<input::HalfSpace>(shape.kind))
         for (const Eigen::Vector3d& vertex : triangulate(shape, 0).vertices_m) own.extend(vertex);
     if (own.isEmpty()) continue;
     for (const Frame& frame : recording.frames)
@@ -131,8 +131,8 @@ double half_space_width_m(const Recording& recording) {
   if (extent.isEmpty()) return 1;
   double reach_m = 0;
   for (std::size_t body = 0; body < recording.bodies.size(); ++body)
-    for (const Shape& shape : recording.bodies[body].shapes)
-      if (std::holds_alternative<HalfSpace>(shape.kind))
+    for (const input::Shape& shape : recording.bodies[body].shapes)
+      if (std::holds_alternative<input::HalfSpace>(shape.kind))
         for (const Frame& frame : recording.frames)
           reach_m = std::max(
               reach_m, (frame.poses.at(body) * shape.pose.translation() - extent.center()).norm());

@@ -9,7 +9,7 @@
 
 #include "softfinger/input/errors.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace fs = std::filesystem;
 namespace {
 
@@ -78,4 +78,4 @@ void RowsFile::finish() {
   if (rename(unfinished_.c_str(), finished_.c_str()) != 0) refuse(finished_, "cannot be written");
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

@@ -14,27 +14,27 @@
 #include <mutex>
 #include <thread>
 
-#include "comparisons/files.h"
-#include "comparisons/json_text.h"
-#include "comparisons/program_paths.h"
-#include "comparisons/progress.h"
 #include "comparisons/report/sweep_page.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/system/progress.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
 
-/// A thread's share of the work: large enough that handing it out costs nothing, small enough that
-/// what waits for its turn needs no memory.
+/// Points that a thread computes at a time: enough that handing them out costs nothing, few enough
+/// that the rows that wait to be written need little memory.
 constexpr std::size_t kPointsPerChunk = 500;
 
-// A signal handler can reach nothing but a global.
+// A global, because a signal handler cannot reach anything else.
 volatile std::sig_atomic_t g_signal = 0;
 
-/// Turns SIGINT and SIGTERM into `g_signal` for as long as it lives.
+/// While it exists, SIGINT and SIGTERM only set `g_signal`.
 class SignalFlag {
  public:
   SignalFlag() {
@@ -46,12 +46,14 @@ class SignalFlag {
   }
 };
 
-/// Chunks that are done wait here for their turn, a few at most.
+/// Threads finish chunks in any order. They wait here, a limited number of them, until they can be
+/// written in order.
 class ChunkQueue {
  public:
   ChunkQueue(std::size_t chunks, std::size_t longest) : chunks_(chunks), longest_(longest) {}
 
-  /// The next chunk to make, for a worker. False when there is none, or no use in it.
+  /// For a worker: the next chunk to compute. False when there is none or the sweep has been
+  /// stopped.
   bool take(std::size_t& chunk) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock,
@@ -76,10 +78,11 @@ class ChunkQueue {
     stopped_ = true;
     changed_.notify_all();
   }
-  /// The next chunk in order, for the writer; waits a moment for it. False when it is not there.
+  /// For the writer: the next chunk in order. False when it is not finished within a tenth of a
+  /// second.
   bool wait_for_next(std::string& text) {
     std::unique_lock lock(mutex_);
-    // Not for ever: the writer also looks for signals.
+    // With a time limit, because the writer has to look for signals in between.
     changed_.wait_for(lock, std::chrono::milliseconds(100),
                       [&] { return error_ || done_.count(written_) > 0; });
     if (error_) std::rethrow_exception(error_);
@@ -101,15 +104,15 @@ class ChunkQueue {
   bool stopped_ = false;
 };
 
-/// What has to be the same for rows that are there to belong to this sweep.
+/// Existing rows belong to this sweep if all of this is the same.
 json identity_of(const SweepPlan& plan, const std::string& header) {
-  return {{"program", program_identity("/proc/self/exe")},
+  return {{"program", reference::program_identity("/proc/self/exe")},
           {"sweep_toml", plan.text},
           {"rows", plan.sweep.rows()},
           {"columns", header}};
 }
 
-/// Rows for the page, evenly taken out of all; {"columns", "rows"}.
+/// At most 20000 rows for the page, evenly spaced among all; {"columns", "rows"}.
 json sample_of(const fs::path& results, std::size_t all_rows) {
   constexpr std::size_t kMostRows = 20000;
   const std::size_t every = (all_rows + kMostRows - 1) / kMostRows;
@@ -119,7 +122,7 @@ json sample_of(const fs::path& results, std::size_t all_rows) {
   const auto cells = [](const std::string& text) {
     json values = json::array();
     for (std::size_t start = 0; start <= text.size();) {
-      // The last cell alone may be quoted.
+      // Only the last cell can be quoted.
       const std::size_t end = start < text.size() && text[start] == '"'
                                   ? text.size()
                                   : std::min(text.find(',', start), text.size());
@@ -143,7 +146,7 @@ json sample_of(const fs::path& results, std::size_t all_rows) {
 }
 
 void write_page(const SweepPlan& plan, const std::string& command, std::size_t failed) {
-  const Case& base = plan.sweep.base();
+  const input::Case& base = plan.sweep.base();
   json keys = json::array(), models = json::array();
   for (const SweptKey& swept : plan.sweep.keys()) {
     const auto [smallest, largest] = std::minmax_element(swept.values.begin(), swept.values.end());
@@ -168,20 +171,25 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"failed", failed},
                {"sweep_toml", plan.text},
                {"command", command},
-               {"version", program_version()}});
-  write_file_atomically(plan.output / "sweep.html", comparisons::render_sweep(page));
+               {"version", system::program_version()}});
+  system::write_file_atomically(plan.output / "sweep.html", report::render_sweep(page));
 }
 
-/// Finite elements as they come, and the rows of each point once all its results are there.
+/// Runs the finite elements, and writes the rows of a point as soon as all its results are
+/// finished.
 int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& file,
-                     Progress& progress, std::vector<std::string>& failures) {
+                     system::Progress& progress, std::vector<std::string>& failures) {
   const SweepFemJobs& fem = plan.fem;
   failures.resize(fem.jobs.size());
   std::vector<char> finished(fem.jobs.size(), 0);
-  const auto index_of = [&](const FemJob& job) { return std::size_t(&job - fem.jobs.data()); };
-  const std::vector<const FemJob*> pending =
-      pending_fem_jobs(fem.jobs, fem.settings, progress,
-                       [&](const FemJob& job, const json&) { finished[index_of(job)] = 1; });
+  const auto index_of = [&](const reference::FemJob& job) {
+    return std::size_t(&job - fem.jobs.data());
+  };
+  const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
+      fem.jobs, fem.settings, progress,
+      [&](const reference::FemJob& job, const reference::ReferenceResult&) {
+        finished[index_of(job)] = 1;
+      });
   SweepRows rows = plan.rows();
   const std::size_t loads = plan.sweep.base().loads_N.size();
   const auto append_what_is_whole = [&] {
@@ -195,10 +203,10 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
     }
   };
   append_what_is_whole();
-  FemJobProgress shown(progress, fem.jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, fem.jobs.size(), pending.size());
   const int signal = workers.run_fem(
       pending, fem.settings,
-      [&](const FemJob& job, const std::string& failure, const std::string& summary) {
+      [&](const reference::FemJob& job, const std::string& failure, const std::string& summary) {
         finished[index_of(job)] = 1;
         failures[index_of(job)] = failure;
         shown.finished(job, summary);
@@ -210,7 +218,7 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
 }  // namespace
 
 SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
-                     const fs::path& output_folder, const FemLimits& limits)
+                     const fs::path& output_folder, const reference::FemLimits& limits)
     : text(sweep_text),
       file(sweep_file),
       output(output_folder),
@@ -218,22 +226,23 @@ SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
       models(sweep_models(sweep)),
       geometry(sweep.base()) {
   if (!sweep.fem()) return;
-  const fs::path program = fem_program();
+  const fs::path program = system::fem_program();
   SweepRows some_rows = rows();
   fem = sweep_fem_jobs(sweep, some_rows, output / "fem");
   fem.settings.program = program.string();
-  fem.settings.identity = program_identity(program);
+  fem.settings.identity = reference::program_identity(program);
   fem.settings.limits = limits;
 }
 
-int LocalWorkers::run_fem(const std::vector<const FemJob*>& jobs, const FemJobOptions& settings,
-                          const std::function<void(const FemJob&, const std::string& failure,
-                                                   const std::string& summary)>& on_finished) {
-  FemJobOptions local = settings;
+int LocalWorkers::run_fem(
+    const std::vector<const reference::FemJob*>& jobs, const reference::FemJobOptions& settings,
+    const std::function<void(const reference::FemJob&, const std::string& failure,
+                             const std::string& summary)>& on_finished) {
+  reference::FemJobOptions local = settings;
   local.parallel = parallel_;
-  return run_fem_jobs(
-      jobs, local, [](const FemJob&, const std::string&) {},
-      [&](const FemJob& job, const FemAnswer& answer) {
+  return reference::run_fem_jobs(
+      jobs, local, [](const reference::FemJob&, const std::string&) {},
+      [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
         on_finished(job, answer.failure, describe(answer));
       });
 }
@@ -261,7 +270,7 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
   std::vector<std::thread> threads;
   threads.reserve(std::size_t(parallel_));
   std::exception_ptr error;
-  // Whatever fails, the threads have to end before this does.
+  // Whatever fails, the threads have to end before this function returns.
   try {
     for (int i = 0; i < parallel_; ++i) threads.emplace_back(make_chunks);
     for (std::string text; file.points() < plan.sweep.points() && !g_signal;) {
@@ -279,29 +288,31 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
 }
 
 int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command) {
-  const OutputFolder folder(plan.output);
-  Progress progress;
+  const system::OutputFolder folder(plan.output);
+  system::Progress progress;
   for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
   const std::string header = plan.rows().header();
   const json identity = identity_of(plan, header);
   const fs::path record = plan.output / "sweep.json";
   std::error_code missing;
-  const json before = fs::exists(record, missing) ? parse_json(read_text_file(record)) : json();
-  // Rows without a finite-element result are tried again.
+  const json before =
+      fs::exists(record, missing) ? text::parse_json(system::read_text_file(record)) : json();
+  // With finite elements the rows are written again, because missing results are tried again.
   const bool same = before == identity && !plan.sweep.fem();
   if (same && fs::exists(plan.output / "results.csv", missing)) {
-    // A full disk may have kept the page away.
+    // The page can be missing after a full disk.
     if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
     progress.say(
         fmt::format("softfinger: {} is finished: reused", (plan.output / "results.csv").string()));
     return 0;
   }
   fs::remove(plan.output / "results.csv", missing);
-  write_file_atomically(record, identity.dump(1) + "\n");
+  system::write_file_atomically(record, identity.dump(1) + "\n");
   RowsFile file(plan.output, header, plan.sweep.base().loads_N.size(), same);
   if (file.points() > 0)
-    progress.say(fmt::format("softfinger: {} of {} points are there: the sweep goes on",
-                             file.points(), plan.sweep.points()));
+    progress.say(
+        fmt::format("softfinger: continues after {} of {} points, which are already computed",
+                    file.points(), plan.sweep.points()));
 
   std::vector<std::string> failures;
   int signal = 0;
@@ -335,11 +346,11 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
         fmt::format("softfinger: {} of {} finite-element results are missing; the same "
                     "command tries them again",
                     failed, plan.fem.jobs.size()));
-  write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
-                                   plan.sweep.rows(),
-                                   fs::absolute(plan.output / "results.csv").string(),
-                                   fs::absolute(plan.output / "sweep.html").string()));
+  system::write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
+                                           plan.sweep.rows(),
+                                           fs::absolute(plan.output / "results.csv").string(),
+                                           fs::absolute(plan.output / "sweep.html").string()));
   return failed > 0 ? 1 : 0;
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

@@ -9,17 +9,17 @@
 #include <random>
 #include <set>
 
-#include "comparisons/case_table.h"
-#include "comparisons/files.h"
-#include "comparisons/nearest_name.h"
+#include "comparisons/input/case_table.h"
+#include "comparisons/system/files.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace fs = std::filesystem;
 namespace {
 
-/// "geometry.finger.radii_mm[0]" in parts: names of tables, places in arrays. "radii_mm.0" is the
-/// same place.
+/// Splits "geometry.finger.radii_mm[0]" into names of tables and indices of arrays. "radii_mm.0"
+/// means the same index.
 std::vector<std::string> steps_of(const std::string& key) {
   std::vector<std::string> steps;
   for (std::size_t start = 0; start < key.size();) {
@@ -34,7 +34,7 @@ std::vector<std::string> steps_of(const std::string& key) {
   return steps;
 }
 
-/// A place in an array; beyond every array for what is none.
+/// An index of an array; for a text that is not one, an index larger than any array.
 std::size_t place_of(const std::string& step) {
   std::size_t place = 0;
   const char* const last = step.data() + step.size();
@@ -69,8 +69,8 @@ void collect_keys(const toml::node& node, const std::string& path, std::vector<s
       collect_keys(*array->get(i), fmt::format("{}[{}]", path, i), keys);
 }
 
-std::size_t count_of(const TomlReader& reader, const toml::node& node, const std::string& field,
-                     std::size_t least) {
+std::size_t count_of(const input::TomlReader& reader, const toml::node& node,
+                     const std::string& field, std::size_t least) {
   const std::string allowed = fmt::format("a whole number from {} to {}", least, kMostSweptValues);
   const double value = reader.number(node, field, allowed);
   if (!(value >= double(least) && value <= double(kMostSweptValues)) || value != std::floor(value))
@@ -79,7 +79,7 @@ std::size_t count_of(const TomlReader& reader, const toml::node& node, const std
 }
 
 /// { from, to, steps } or { from, to, random, seed }, either with spacing = "log".
-void read_range(const TomlReader& reader, const toml::table& table, SweptKey& swept) {
+void read_range(const input::TomlReader& reader, const toml::table& table, SweptKey& swept) {
   const std::string& key = swept.key;
   reader.check_keys(table, key, {"from", "to", "steps", "spacing", "random", "seed"});
   const double from = reader.number(reader.required(table, key, "from"), "from", "a number");
@@ -109,8 +109,8 @@ void read_range(const TomlReader& reader, const toml::table& table, SweptKey& sw
       reader.refuse(*node, "seed", "a whole number >= 0");
     seed = std::uint64_t(*value);
   }
-  // Not std::uniform_real_distribution: its numbers differ between libraries. Two keys of the same
-  // seed must not have the same numbers.
+  // std::uniform_real_distribution would give different numbers with different standard libraries.
+  // The key's name enters the seed, so that two keys with the same seed get different numbers.
   std::uint64_t name = 14695981039346656037u;  // FNV-1a
   for (const char byte : key) name = (name ^ static_cast<unsigned char>(byte)) * 1099511628211u;
   std::mt19937_64 generator(seed ^ name);
@@ -118,7 +118,7 @@ void read_range(const TomlReader& reader, const toml::table& table, SweptKey& sw
     swept.values.push_back(between(double(generator() >> 11) * 0x1p-53));
 }
 
-SweptKey read_key(const TomlReader& reader, const std::string& key, const toml::node& node) {
+SweptKey read_key(const input::TomlReader& reader, const std::string& key, const toml::node& node) {
   SweptKey swept;
   swept.key = key;
   if (const toml::table* table = node.as_table()) {
@@ -145,9 +145,11 @@ bool is_whole(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string read_sweep_text(const fs::path& file) { return read_text_file(file, kLargestTomlFile); }
+std::string read_sweep_text(const fs::path& file) {
+  return system::read_text_file(file, input::kLargestTomlFile);
+}
 
-/// What is parsed: the case's own table, with plain numbers where keys are swept.
+/// The parsed file: the table of the case, with one number in place of each swept key's values.
 struct Sweep::File {
   std::string text;
   fs::path path;
@@ -164,13 +166,13 @@ Sweep::~Sweep() = default;
 Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_unique<File>()) {
   file_->text = text;
   file_->path = path;
-  toml::table& root = file_->root = parse_toml(text, path.string());
-  const TomlReader reader(path.string());
+  toml::table& root = file_->root = input::parse_toml(text, path.string());
+  const input::TomlReader reader(path.string());
   reader.required_table(root, "sweep");
-  // Moved, not copied: a copy knows no lines.
+  // Moved, because a copy would lose the line numbers.
   const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
-  base_ = case_of(root, text, path);
+  base_ = input::case_of(root, text, path);
 
   // The library sorts keys by name.
   std::vector<std::pair<std::string, const toml::node*>> entries;
@@ -198,15 +200,15 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
       if (!names || names->empty()) reader.refuse(*node, "models", "a list of model names");
       for (const toml::node& name : *names) models_.push_back(reader.text(name, "models"));
     } else if (key != "zip") {
-      // A list of loads is one number of the sweep.
+      // A list of loads is replaced by a single number that can be swept.
       if (key == "contact.load_N")
         root["contact"].as_table()->insert_or_assign("load_N", base_.loads_N.front());
       if (!find_number(root, key))
         throw InputError(
             fmt::format("{}:{}", path.string(), places[i].line),
-            fmt::format("[sweep] \"{}\" is no number of this case, did you mean \"{}\"?", key,
-                        nearest_name(key, known)),
-            "", joined(known));
+            fmt::format("[sweep] \"{}\" is not a number of this case, did you mean \"{}\"?", key,
+                        text::nearest_name(key, known)),
+            "", text::joined(known));
       keys_.push_back(read_key(reader, key, *node));
       axes_.push_back({keys_.size() - 1});
     }
@@ -248,7 +250,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
                        fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : ""));
   }
 
-  // Whole numbers stay whole: levels and the like want them.
+  // Whole numbers stay integers, because some keys, the level for one, must be integers.
   for (const SweptKey& swept : keys_) {
     toml::node& node = *find_number(root, swept.key);
     if (node.is_integer() && is_whole(swept.values)) continue;
@@ -262,7 +264,8 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
       parent->as_table()->insert_or_assign(steps.back(), value);
   }
 
-  // Values out of range are found before any work, not in the last hour of it.
+  // Checks the extreme values of each key now, so that a value out of range is not found hours
+  // later.
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     const std::vector<double>& values = keys_[k].values;
     const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
@@ -274,7 +277,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
       else
         *node.as_floating_point() = value;
       try {
-        base_ = case_of(tried, text, path);
+        base_ = input::case_of(tried, text, path);
       } catch (const InputError& error) {
         const auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto& candidate) {
           return candidate.first == keys_[k].key;
@@ -289,7 +292,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   try {
     base_ = first.at(0);
   } catch (const InputError&) {
-    // Its values do not go together: that row will say so.
+    // These values do not fit together: the row of this point will say so.
   }
   if (rows() > most)
     throw InputError(path.string(), "[sweep]", fmt::format("{} rows", rows()),
@@ -313,7 +316,7 @@ Sweep::Cases::Cases(const Sweep& sweep) : sweep_(sweep), table_(std::make_unique
 
 Sweep::Cases::~Cases() = default;
 
-Case Sweep::Cases::at(std::size_t point) {
+input::Case Sweep::Cases::at(std::size_t point) {
   sweep_.values_at(point, values_);
   for (std::size_t key = 0; key < values_.size(); ++key) {
     toml::node& node = *table_->numbers[key];
@@ -322,7 +325,7 @@ Case Sweep::Cases::at(std::size_t point) {
     else
       *node.as_floating_point() = values_[key];
   }
-  return case_of(table_->root, sweep_.file_->text, sweep_.file_->path);
+  return input::case_of(table_->root, sweep_.file_->text, sweep_.file_->path);
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

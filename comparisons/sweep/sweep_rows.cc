@@ -6,15 +6,16 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <unordered_map>
 
-#include "comparisons/csv.h"
-#include "comparisons/predict.h"
+#include "comparisons/prediction/ask_model.h"
+#include "comparisons/text/csv.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
-namespace softfinger {
+namespace softfinger::sweep {
 namespace {
 
 using nlohmann::json;
@@ -29,20 +30,26 @@ void append_number(double value, std::string& text) {
   if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), "{:.10g}", value);
 }
 
-/// As typed, to the last digit.
+/// A number in as many digits as give exactly the same number back.
 void append_exact(double value, std::string& text) {
   fmt::format_to(std::back_inserter(text), ",{}", value);
 }
 
-/// A cell of its own line: rows are counted by their ends.
+/// A cell without line breaks, because rows are counted by their line breaks.
 std::string text_cell(std::string words) {
   std::replace(words.begin(), words.end(), '\n', ' ');
-  return csv_cell(visible_text(words));
+  return text::csv_cell(visible_text(words));
 }
 
-double number(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : NAN;
+/// The columns of `kQuantities`, then those of `kErrors`.
+void append_reference(const reference::ReferenceResult& result, std::string& text) {
+  for (const double value : {result.a_m, result.b_m, result.indentation_m, result.peak_pressure_Pa,
+                             result.area_m2, result.max_torque_Nm})
+    append_number(value, text);
+  const reference::ReferenceErrors& error = result.error;
+  for (const auto& stated :
+       {error.a, error.b, error.indentation, error.peak_pressure, error.area, error.max_torque})
+    append_number(stated.value_or(NAN), text);
 }
 
 std::string hash_of(const json& problem) {
@@ -52,7 +59,8 @@ std::string hash_of(const json& problem) {
   return fmt::format("{:016x}", hash);
 }
 
-/// Finite strain, an unsymmetric contact and a fine level cost the most.
+/// A rough estimate of a job's cost. Finite strain, contacts without symmetry and fine levels cost
+/// most.
 double weight_of(const json& problem) {
   const double ratio = problem["radii_m"][0].get<double>() / problem["radii_m"][1].get<double>();
   const double level = std::pow(4., problem["level"].get<int>());
@@ -66,11 +74,11 @@ double weight_of(const json& problem) {
 std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
   std::vector<const PressureModel*> models;
   for (const std::string& name : sweep.models())
-    for (const PressureModel* model : models_by_name(name))
+    for (const PressureModel* model : prediction::models_by_name(name))
       if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
   if (!models.empty()) return models;
-  const Case& base = sweep.base();
-  for (const PressureModel* model : models_by_name("all")) {
+  const input::Case& base = sweep.base();
+  for (const PressureModel* model : prediction::models_by_name("all")) {
     if (model->card().name == "power_law" && !(base.options.power_law.radius_coefficient > 0))
       continue;
     if (model->card().finite_strain && !base.fem_finite) continue;
@@ -80,7 +88,7 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
 }
 
 SweepRows::SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
-                     const GeometryResolver& geometry)
+                     const prediction::GeometryResolver& geometry)
     : sweep_(sweep), models_(models), geometry_(geometry), cases_(sweep) {}
 
 std::string SweepRows::header() const {
@@ -116,7 +124,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       text += "," + text_cell(words) + "\n";
     }
   };
-  Case contact_case;
+  input::Case contact_case;
   try {
     contact_case = cases_.at(point);
   } catch (const InputError& error) {
@@ -125,10 +133,10 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
   }
   const std::size_t row_begin = text.size();
   try {
-    const GeometryResolver resolver(contact_case, &geometry_);
+    const prediction::GeometryResolver resolver(contact_case, &geometry_);
     for (std::size_t load = 0; load < loads; ++load) {
       const double load_N = contact_case.loads_N[load];
-      const LocalGeometry geometry = resolver.resolve(load_N);
+      const prediction::LocalGeometry geometry = resolver.resolve(load_N);
       text += start;
       append_exact(load_N, text);
       append_number(geometry.radii.major_m, text);
@@ -136,7 +144,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       const ContactProblem problem = contact_case.problem(geometry.radii, load_N);
       for (const PressureModel* model : models_) {
         Prediction prediction = model->predict(problem);
-        check_homogeneity(contact_case, prediction.validity);
+        prediction::check_homogeneity(contact_case, prediction.validity);
         if (!prediction.has_answer) {
           text.append(6, ',');
           text += ",no";
@@ -153,15 +161,15 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       std::string failure;
       if (fem) {
         const long job = fem->job_of_row[point * loads + load];
-        const json result =
-            job < 0 ? json() : finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
-        if (result.is_null()) {
+        std::optional<reference::ReferenceResult> result;
+        if (job >= 0)
+          result = reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
+        if (!result) {
           text.append(12, ',');
           failure = job < 0 ? "" : failures[std::size_t(job)];
           if (failure.empty()) failure = "no finite-element result";
         } else {
-          for (const char* quantity : kQuantities) append_number(number(result, quantity), text);
-          for (const char* error : kErrors) append_number(number(result["error"], error), text);
+          append_reference(*result, text);
         }
       }
       text += failure.empty() ? ",\n" : "," + text_cell(failure) + "\n";
@@ -175,15 +183,15 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
 std::vector<json> SweepRows::fem_problems(std::size_t point) {
   std::vector<json> problems(sweep_.base().loads_N.size());
   try {
-    const Case contact_case = cases_.at(point);
-    const GeometryResolver resolver(contact_case, &geometry_);
+    const input::Case contact_case = cases_.at(point);
+    const prediction::GeometryResolver resolver(contact_case, &geometry_);
     for (std::size_t load = 0; load < problems.size(); ++load) {
       const double load_N = contact_case.loads_N[load];
-      problems[load] =
-          fem_problem(contact_case, resolver.resolve(load_N), load_N, contact_case.fem_level);
+      problems[load] = reference::fem_problem(contact_case, resolver.resolve(load_N), load_N,
+                                              contact_case.fem_level);
     }
   } catch (const InputError&) {
-    // The point's rows say it.
+    // The rows of this point say why.
   }
   return problems;
 }
@@ -204,14 +212,14 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
       const auto [entry, is_new] = known.emplace(name, long(all.jobs.size()));
       all.job_of_row.push_back(entry->second);
       if (!is_new) continue;
-      FemJob job;
+      reference::FemJob job;
       job.title = fmt::format("{} point {}", sweep.base().id, point);
       if (loads_N.size() > 1) job.title += fmt::format(", {} N", loads_N[load]);
       job.problem = problems[load];
       job.file = folder / (name + ".json");
       job.weight = weight_of(problems[load]);
-      // A process per job: on meshes of another contact its numbers would differ in the last
-      // digits.
+      // Each job has a process of its own. In a shared process it would use the mesh of another
+      // contact, and its numbers would differ in the last digits.
       job.group = all.jobs.size();
       all.jobs.push_back(std::move(job));
     }
@@ -219,4 +227,4 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
   return all;
 }
 
-}  // namespace softfinger
+}  // namespace softfinger::sweep

@@ -24,8 +24,9 @@
 #include "meshes/io/whole_file.h"
 #include "softfinger/input/errors.h"
 
-// Assimp parses; what it lets pass without a word (numbers that are not numbers, files that end too
-// early, indices out of range) is found here first, while the line or the triangle is still known.
+// Assimp parses the file. Before that, this file looks for defects that Assimp accepts without a
+// message: texts that are not numbers, truncated files, indices out of range. Here the line or the
+// triangle is known, so that the message can name it.
 
 namespace softfinger::meshes {
 namespace {
@@ -35,7 +36,8 @@ using Eigen::Vector3d;
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
 const char* const kAllowedFile = "a readable STL (binary or ASCII) or OBJ file";
 
-/// An OBJ file names others, of materials, and Assimp would open whatever path is written there.
+/// Lets Assimp open no file. An OBJ file can name other files, of materials, and Assimp would open
+/// any path that is written there.
 class NoFiles : public Assimp::IOSystem {
  public:
   bool Exists(const char*) const override { return false; }
@@ -85,7 +87,7 @@ void check_coordinates(const std::string& where, std::string_view rest) {
     const std::string_view digits = !word.empty() && word[0] == '+' ? word.substr(1) : word;
     double value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    // Denormal numbers are reported as out of range, too: they are harmless zeros here.
+    // The library reports denormal numbers as out of range as well: they count as zero here.
     const bool tiny =
         error == std::errc::result_out_of_range && digits.find("e-") != std::string_view::npos;
     if (digits.empty() || (error != std::errc() && !tiny) || end != digits.data() + digits.size() ||
@@ -140,7 +142,8 @@ void check_ascii_stl(const std::string& path, std::string_view text) {
   require_triangles(path, static_cast<std::size_t>(facets));
 }
 
-/// A backslash ends a line of an OBJ file that goes on in the next one. Lines keep their numbers.
+/// Joins lines of an OBJ file that end in a backslash with the next one, and keeps the line
+/// numbers.
 std::string with_whole_lines(const std::string& text) {
   std::string whole;
   std::size_t joined = 0;
@@ -212,7 +215,8 @@ void check_obj(const std::string& path, std::string_view text) {
         if (index > used[kind].largest) used[kind] = {index, line_number};
       }
     }
-    // Cutting a polygon takes the square of its corners: two seconds for the most.
+    // The time to triangulate a polygon grows as the square of its corners: two seconds at this
+    // limit.
     constexpr int kMostCorners = 10'000;
     if (corners < 3 || corners > kMostCorners) {
       throw InputError(at_line(path, line_number), "face", std::to_string(corners) + " corners",
@@ -259,7 +263,8 @@ const char* check_content(const std::string& path, std::string& bytes) {
       return "obj";
     }
   } else if (whole_binary && extension == ".stl" && announced_triangles(bytes) > 0) {
-    // Some programs append notes of their own; room for as many triangles again is no note.
+    // Some programs append notes of their own. A rest that could hold as many triangles again is
+    // more likely a damaged header.
     if (bytes.size() - announced_bytes(bytes) >=
         kStlTriangle * (std::size_t{1} + announced_triangles(bytes)))
       throw InputError(path, "file size", std::to_string(bytes.size()) + " bytes",
@@ -279,8 +284,9 @@ const char* check_content(const std::string& path, std::string& bytes) {
   throw InputError(path, "file", "not a mesh", kAllowedFile);
 }
 
-/// Gives equal vertices one index. STL repeats each vertex per triangle, and programs that compute
-/// in single precision do not always repeat it to the last digit: a few units in that place weld.
+/// Gives equal vertices one index. STL repeats a vertex in each of its triangles, and programs that
+/// compute in single precision may write it with different last digits: vertices within a few units
+/// in the last place are merged.
 class Welder {
  public:
   explicit Welder(double tolerance) : tolerance_(tolerance) {}
@@ -292,7 +298,8 @@ class Welder {
     const auto cell = [&](double value) {
       return static_cast<std::int64_t>(std::floor(value / (4 * tolerance_)));
     };
-    // Cells are four tolerances wide, so few points have to look beyond their own.
+    // Cells are four tolerances wide, so that few points have to be compared with neighbouring
+    // cells.
     const Vector3d low = point.array() - tolerance_, high = point.array() + tolerance_;
     for (auto i = cell(low[0]); i <= cell(high[0]); ++i)
       for (auto j = cell(low[1]); j <= cell(high[1]); ++j)
@@ -335,11 +342,13 @@ class Welder {
   std::unordered_multimap<std::uint64_t, int> cells_;
 };
 
-/// Whether every edge is run through once in each direction, and if so the enclosed volume's sign.
+/// Whether the surface is closed with all normals inwards. It is closed if its triangles use every
+/// edge once in each direction; the sign of the enclosed volume then tells where the normals point.
 bool is_inside_out(const TriangleSurface& surface) {
   std::vector<std::array<int, 3>> edges;  // smaller vertex, larger vertex, direction
   double six_volumes = 0;
-  const Vector3d& origin = surface.vertices_m.front();  // any point does; a near one is accurate
+  const Vector3d& origin =
+      surface.vertices_m.front();  // any point would do; a near one avoids rounding errors
   for (const auto& t : surface.triangles) {
     for (int i = 0; i < 3; ++i) {
       const int a = t[i], b = t[(i + 1) % 3];
@@ -376,7 +385,7 @@ SurfaceFile read_surface(const std::string& path, double metres_per_unit) {
 SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit) {
   if (!(metres_per_unit > 0) || !std::isfinite(metres_per_unit))
     throw InputError(path, "unit", std::to_string(metres_per_unit), "a positive length in metres");
-  // Some editors put a mark of the encoding before the first word.
+  // Some editors write a byte-order mark before the first word.
   if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
   if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedFile);
   const char* const format = check_content(path, bytes);
@@ -419,7 +428,7 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
       const Vector3d &a = welder.points[triangle[0]], &b = welder.points[triangle[1]],
                      &c = welder.points[triangle[2]];
       const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-      // Thinner than what single precision resolves: its normal would be round-off.
+      // Thinner than single precision resolves: its normal would consist of rounding errors.
       if ((b - a).cross(c - a).norm() <= 1e-6 * longest * longest) {
         ++result.degenerate_triangles;
         continue;
@@ -439,7 +448,7 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
                      "at least one triangle");
   }
 
-  // Vertices of dropped triangles only would be points of no surface.
+  // Vertices that belonged only to dropped triangles are removed.
   std::vector<int> renumbered(welder.points.size(), -1);
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (auto& triangle : result.surface.triangles) {
@@ -481,7 +490,7 @@ void write_stl_mm(const TriangleSurface& surface, const std::string& path) {
     std::memcpy(&bytes[kStlHeader + kStlTriangle * t], values.data(), sizeof(float) * 12);
   }
 
-  // A reader never meets half a file: it appears under its name when it is complete.
+  // The file gets its name when it is complete, so that no reader finds half of it.
   const std::string failure = write_whole_file(path, [&](std::ostream& out) { out << bytes; });
   if (!failure.empty())
     throw InputError(path, "output", "cannot be written (" + failure + ")",

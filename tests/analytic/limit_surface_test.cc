@@ -467,7 +467,7 @@ TEST(EllipsoidDeviation, GrowsWithElongationAndIsWorstForForceAlongTheShortAxis)
     previous = exact.lowest;
     if (aspect == 1) continue;
     EXPECT_LT(std::abs(exact.lowest_wrench.force_x_N), 1e-3);  // the search's resolution in angle
-    // At pure torque the e_n of Ciocarlie et al. is too small.
+    // At pure torque the e_n of Ciocarlie et al. is too small by the ratio exact/theirs.
     EXPECT_NEAR(paper.highest,
                 surface.eccentricity_m() / surface.paper_ellipsoid().eccentricity_m - 1, 1e-6);
   }

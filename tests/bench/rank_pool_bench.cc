@@ -10,18 +10,18 @@
 
 int main(int argument_count, char** arguments) {
   using namespace softfinger;
-  const MpiSession mpi(argument_count, arguments);
+  const distributed::MpiSession mpi(argument_count, arguments);
   constexpr long kLong_us = 10000;
   // A task's number says how long it takes.
-  const RankTask work = [](long task) {
+  const distributed::RankTask work = [](long task) {
     if (task % 2 == 1) usleep(kLong_us);
     return std::string();
   };
   if (mpi.rank() != 0) {
-    serve_tasks(work);
+    distributed::serve_tasks(work);
     return 0;
   }
-  RankPool pool(work);
+  distributed::RankPool pool(work);
   for (const bool is_long : {false, true}) {
     const std::size_t count = is_long ? 100 * static_cast<std::size_t>(mpi.size()) : 20000;
     const std::vector<long> tasks(count, is_long ? 1 : 0);

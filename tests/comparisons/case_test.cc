@@ -1,4 +1,4 @@
-#include "comparisons/case.h"
+#include "comparisons/input/case.h"
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ std::string repeated(const std::string& text, int times) {
 }  // namespace
 
 TEST(Case, IsReadInSiUnits) {
-  const Case result = parse_case(kGood, "folder/example.toml");
+  const input::Case result = input::parse_case(kGood, "folder/example.toml");
   EXPECT_EQ(result.id, "example");
   EXPECT_EQ(result.question, "Does it?");
   const auto& radii = std::get<RelativeRadii>(result.geometry);
@@ -63,15 +63,16 @@ TEST(Case, IsReadInSiUnits) {
 TEST(Case, HasAThousandLoadsAndAHundredSublayersAtMost) {
   std::string loads, sublayers;
   for (int i = 0; i < 1000; ++i) loads += std::to_string(1000 - i) + ",";
-  EXPECT_EQ(parse_case(replaced("1.0, 2", loads), "x.toml").loads_N.size(), 1000u);
+  EXPECT_EQ(input::parse_case(replaced("1.0, 2", loads), "x.toml").loads_N.size(), 1000u);
 
   const std::string layer =
       "[layer]\nthickness_mm = 2.0\nyoungs_modulus_kPa = 300.0\n"
       "poisson_ratio = 0.49\n";
   const std::string one = "[" + layer.substr(0, 7) + "]" + layer.substr(7);
-  EXPECT_EQ(parse_case(replaced(layer, repeated(one, 100)), "x.toml").sublayers.size(), 100u);
+  EXPECT_EQ(input::parse_case(replaced(layer, repeated(one, 100)), "x.toml").sublayers.size(),
+            100u);
   try {
-    parse_case(replaced(layer, repeated(one, 101)), "x.toml");
+    input::parse_case(replaced(layer, repeated(one, 101)), "x.toml");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(error.field() + " " + error.value() + " " + error.allowed(),
@@ -89,15 +90,16 @@ std::string finite_case(const std::string& layer_keys,
 }
 
 TEST(Case, TakesAHyperelasticMaterial) {
-  EXPECT_FALSE(parse_case(kGood, "x.toml").fem_finite.has_value());
-  const auto plain = parse_case(finite_case(""), "x.toml").fem_finite;
+  EXPECT_FALSE(input::parse_case(kGood, "x.toml").fem_finite.has_value());
+  const auto plain = input::parse_case(finite_case(""), "x.toml").fem_finite;
   ASSERT_TRUE(plain.has_value());
   EXPECT_EQ(plain->material, "neo_hookean");
   EXPECT_EQ(plain->volumetric, "quadratic");
-  const auto yeoh = parse_case(finite_case("material = \"yeoh\"\nvolumetric = \"logarithmic\"\n"
-                                           "yeoh_ratios = [-0.02, 0.003]"),
-                               "x.toml")
-                        .fem_finite;
+  const auto yeoh =
+      input::parse_case(finite_case("material = \"yeoh\"\nvolumetric = \"logarithmic\"\n"
+                                    "yeoh_ratios = [-0.02, 0.003]"),
+                        "x.toml")
+          .fem_finite;
   EXPECT_EQ(yeoh->material, "yeoh");
   EXPECT_EQ(yeoh->volumetric, "logarithmic");
   EXPECT_EQ(yeoh->yeoh_ratios, (std::vector<double>{-0.02, 0.003}));
@@ -106,7 +108,7 @@ TEST(Case, TakesAHyperelasticMaterial) {
 TEST(Case, RefusesParametersOfAnotherMaterial) {
   const auto message = [](const std::string& keys) -> std::string {
     try {
-      parse_case(finite_case(keys), "x.toml");
+      input::parse_case(finite_case(keys), "x.toml");
     } catch (const InputError& error) {
       return error.what();
     }
@@ -131,7 +133,7 @@ const std::string kPulp =
     "poisson_ratio = 0.48\n";
 
 TEST(Case, TakesSublayersFromTheSurfaceInwards) {
-  const Case result = parse_case(sublayer_case(kSkin + kPulp), "x.toml");
+  const input::Case result = input::parse_case(sublayer_case(kSkin + kPulp), "x.toml");
   ASSERT_EQ(result.sublayers.size(), 2u);
   EXPECT_EQ(result.sublayers[0].name, "skin");
   EXPECT_DOUBLE_EQ(result.sublayers[1].layer.thickness_m, 3e-3);
@@ -142,16 +144,16 @@ TEST(Case, TakesSublayersFromTheSurfaceInwards) {
 }
 
 TEST(Case, GivesEachSublayerItsMaterial) {
-  const Case result =
-      parse_case(sublayer_case(kSkin + "material = \"yeoh\"\nyeoh_ratios = [0.1, 0.01]\n" + kPulp,
-                               "[fem]\nkinematics = \"finite\"\n"),
-                 "x.toml");
+  const input::Case result = input::parse_case(
+      sublayer_case(kSkin + "material = \"yeoh\"\nyeoh_ratios = [0.1, 0.01]\n" + kPulp,
+                    "[fem]\nkinematics = \"finite\"\n"),
+      "x.toml");
   EXPECT_EQ(result.sublayers[0].material.material, "yeoh");
   EXPECT_EQ(result.sublayers[1].material.material, "neo_hookean");
 }
 
 TEST(Case, TakesOneTableOfAListAsTheLayer) {
-  const Case result = parse_case(
+  const input::Case result = input::parse_case(
       sublayer_case(kPulp + "volumetric = \"logarithmic\"\n", "[fem]\nkinematics = \"finite\"\n"),
       "x.toml");
   EXPECT_TRUE(result.sublayers.empty());
@@ -162,7 +164,7 @@ TEST(Case, TakesOneTableOfAListAsTheLayer) {
 TEST(Case, RefusesSublayersThatMakeNoSense) {
   const auto message = [](const std::string& text) -> std::string {
     try {
-      parse_case(text, "x.toml");
+      input::parse_case(text, "x.toml");
     } catch (const InputError& error) {
       return error.what();
     }
@@ -186,52 +188,56 @@ TEST(Case, RefusesSublayersThatMakeNoSense) {
 
 TEST(Case, WrapsALayerAtFiniteStrainAroundABodyThatCloses) {
   const auto shape = [](const std::string& keys) {
-    const Case result = parse_case(
+    const input::Case result = input::parse_case(
         finite_case(
             "", "finger = { radii_mm = [9, 9]" + keys + " }\nobject = { radii_mm = [inf, inf] }",
             "curved"),
         "x.toml");
-    return std::get<QuadricBody>(std::get<BodyPair>(result.geometry).finger).shape;
+    return std::get<input::QuadricBody>(std::get<input::BodyPair>(result.geometry).finger).shape;
   };
-  EXPECT_EQ(shape(""), FingerShape::ellipsoid);
-  EXPECT_EQ(shape(", shape = \"paraboloid\""), FingerShape::paraboloid);
+  EXPECT_EQ(shape(""), input::FingerShape::ellipsoid);
+  EXPECT_EQ(shape(", shape = \"paraboloid\""), input::FingerShape::paraboloid);
 }
 
 TEST(Case, PutsTheLongAxisAlongTheLargerRadius) {
-  const Case result = parse_case(replaced("[20.0, 5.0]", "[5, 20]"), "x.toml");
+  const input::Case result = input::parse_case(replaced("[20.0, 5.0]", "[5, 20]"), "x.toml");
   const auto& radii = std::get<RelativeRadii>(result.geometry);
   EXPECT_DOUBLE_EQ(radii.major_m, 0.02);
   EXPECT_DOUBLE_EQ(radii.axis_rad, std::acos(0.0));
 }
 
 TEST(Case, TakesTwoBodies) {
-  const Case result = parse_case(replaced(kGeometry,
-                                          "finger = { radii_mm = [9.0, 7] }\nobject = { radii_mm = "
-                                          "[-30.0, inf] }\nangle_deg = 90"),
-                                 "x.toml");
-  const auto& pair = std::get<BodyPair>(result.geometry);
-  EXPECT_DOUBLE_EQ(std::get<QuadricBody>(pair.finger).radius_x_m, 9e-3);
-  EXPECT_DOUBLE_EQ(std::get<QuadricBody>(pair.object).radius_x_m, -30e-3);
-  EXPECT_TRUE(std::isinf(std::get<QuadricBody>(pair.object).radius_y_m));
+  const input::Case result =
+      input::parse_case(replaced(kGeometry,
+                                 "finger = { radii_mm = [9.0, 7] }\nobject = { radii_mm = "
+                                 "[-30.0, inf] }\nangle_deg = 90"),
+                        "x.toml");
+  const auto& pair = std::get<input::BodyPair>(result.geometry);
+  EXPECT_DOUBLE_EQ(std::get<input::QuadricBody>(pair.finger).radius_x_m, 9e-3);
+  EXPECT_DOUBLE_EQ(std::get<input::QuadricBody>(pair.object).radius_x_m, -30e-3);
+  EXPECT_TRUE(std::isinf(std::get<input::QuadricBody>(pair.object).radius_y_m));
   EXPECT_DOUBLE_EQ(pair.angle_rad, std::acos(0.0));
 }
 
 TEST(Case, TakesAnExactSphere) {
-  const Case result = parse_case(
+  const input::Case result = input::parse_case(
       replaced(kGeometry, "finger = { radii_mm = [inf, inf] }\nobject = { sphere_radius_mm = 10 }"),
       "x.toml");
-  EXPECT_DOUBLE_EQ(std::get<SphereBody>(std::get<BodyPair>(result.geometry).object).radius_m, 0.01);
+  EXPECT_DOUBLE_EQ(
+      std::get<input::SphereBody>(std::get<input::BodyPair>(result.geometry).object).radius_m,
+      0.01);
 }
 
 TEST(Case, TakesPoissonRatiosOfBothLimitsAndOneLoad) {
   for (const char* nu : {"0", "0.0", "0.5"})
-    EXPECT_NO_THROW(parse_case(replaced("= 0.49", std::string("= ") + nu), "x.toml")) << nu;
-  EXPECT_EQ(parse_case(replaced("[1.0, 2]", "3"), "x.toml").loads_N, std::vector<double>{3});
+    EXPECT_NO_THROW(input::parse_case(replaced("= 0.49", std::string("= ") + nu), "x.toml")) << nu;
+  EXPECT_EQ(input::parse_case(replaced("[1.0, 2]", "3"), "x.toml").loads_N, std::vector<double>{3});
 }
 
 TEST(Case, TakesTheWinklerModulusByName) {
   const auto modulus = [](const std::string& line) {
-    return parse_case(replaced("thickness_mm = 2.0", "thickness_mm = 2.0\n" + line), "x.toml")
+    return input::parse_case(replaced("thickness_mm = 2.0", "thickness_mm = 2.0\n" + line),
+                             "x.toml")
         .options.winkler_modulus;
   };
   EXPECT_EQ(modulus(""), WinklerModulus::oedometric);
@@ -242,7 +248,7 @@ TEST(Case, TakesTheWinklerModulusByName) {
 TEST(Case, TakesACompliantObject) {
   const std::string object =
       "[object_layer]\nthickness_mm = 1.5\nyoungs_modulus_kPa = 50\npoisson_ratio = 0\n[contact]";
-  const Case both = parse_case(replaced("[contact]", object), "x.toml");
+  const input::Case both = input::parse_case(replaced("[contact]", object), "x.toml");
   EXPECT_FALSE(both.layer_on_object);
   EXPECT_DOUBLE_EQ(both.layer.thickness_m, 0.002);
   EXPECT_DOUBLE_EQ(both.object_layer.thickness_m, 0.0015);
@@ -252,14 +258,14 @@ TEST(Case, TakesACompliantObject) {
   std::string text = replaced("[contact]", object);
   const std::size_t begin = text.find("[layer]"), end = text.find("[object_layer]");
   text.erase(begin, end - begin);
-  const Case swapped = parse_case(text, "x.toml");
+  const input::Case swapped = input::parse_case(text, "x.toml");
   EXPECT_TRUE(swapped.layer_on_object);
   EXPECT_DOUBLE_EQ(swapped.layer.thickness_m, 0.0015);
   EXPECT_FALSE(swapped.problem({0.02, 0.01}, 1).has_object_layer());
 }
 
 TEST(Case, TakesAPowerLawOrTheDataToFitOne) {
-  const Case given = parse_case(
+  const input::Case given = input::parse_case(
       replaced("[contact]",
                "[power_law]\nradius_coefficient_mm = 3.1\nradius_exponent = 0.27\n[contact]"),
       "x.toml");
@@ -268,16 +274,17 @@ TEST(Case, TakesAPowerLawOrTheDataToFitOne) {
   EXPECT_EQ(given.options.power_law.pressure_exponent, 2);
   EXPECT_FALSE(given.power_law_fit);
 
-  const Case fitted =
-      parse_case(replaced("[contact]",
-                          "[power_law]\npressure_exponent = 3\ndata = [[1, 2.0], [8.0, 4]]\n"
-                          "[contact]"),
-                 "x.toml");
+  const input::Case fitted =
+      input::parse_case(replaced("[contact]",
+                                 "[power_law]\npressure_exponent = 3\ndata = [[1, 2.0], [8.0, 4]]\n"
+                                 "[contact]"),
+                        "x.toml");
   ASSERT_TRUE(fitted.power_law_fit);
   EXPECT_NEAR(fitted.options.power_law.radius_exponent, 1.0 / 3, 1e-15);
   EXPECT_NEAR(fitted.options.power_law.radius_coefficient, 0.002, 1e-17);
   EXPECT_EQ(fitted.problem({0.02, 0.01}, 1).options.power_law.pressure_exponent, 3);
-  EXPECT_EQ(parse_case(kGood, "x.toml").options.power_law.radius_coefficient, 0) << "none given";
+  EXPECT_EQ(input::parse_case(kGood, "x.toml").options.power_law.radius_coefficient, 0)
+      << "none given";
 }
 
 struct BadCase {
@@ -294,7 +301,7 @@ class BadCaseFile : public testing::TestWithParam<BadCase> {};
 TEST_P(BadCaseFile, IsRefusedWithFileLineFieldAndWhatIsAllowed) {
   const BadCase& bad = GetParam();
   try {
-    parse_case(replaced(bad.old_text, bad.new_text), "bad.toml");
+    input::parse_case(replaced(bad.old_text, bad.new_text), "bad.toml");
     FAIL() << bad.new_text;
   } catch (const InputError& error) {
     EXPECT_EQ(error.where(), bad.line ? "bad.toml:" + std::to_string(bad.line) : "bad.toml");

@@ -1,5 +1,5 @@
 // The bounds of the error atlas against atlases whose errors are known functions.
-#include "comparisons/atlas/error_atlas.h"
+#include "comparisons/judgement/atlas/error_atlas.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <set>
 
-#include "comparisons/atlas/case_estimate.h"
-#include "comparisons/atlas/make_atlas.h"
-#include "comparisons/selection/model_choice.h"
+#include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/judgement/atlas/make_atlas.h"
+#include "comparisons/judgement/selection/model_choice.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -24,9 +24,9 @@ double known_error(double nu, double ratio, double s) {
   return 0.1 + 0.02 * x - 0.03 * y + 0.05 * z + 0.01 * x * y;
 }
 
-AtlasRun run_at(double nu, double ratio, double s, const char* kind = "flat",
-                double thickness_over_radius = 0) {
-  AtlasRun run;
+judgement::AtlasRun run_at(double nu, double ratio, double s, const char* kind = "flat",
+                           double thickness_over_radius = 0) {
+  judgement::AtlasRun run;
   run.kind = kind;
   run.poisson_ratio = nu;
   run.radii_ratio = ratio;
@@ -38,14 +38,14 @@ AtlasRun run_at(double nu, double ratio, double s, const char* kind = "flat",
   return run;
 }
 
-AtlasFile known_atlas() {
-  AtlasFile atlas;
+judgement::AtlasFile known_atlas() {
+  judgement::AtlasFile atlas;
   atlas.provenance = {{"version", "test"}, {"cost_ns fem", "2e9"}};
   for (const double nu : {0.2, 0.4, 0.49})
     for (const double ratio : {1., 3.})
       for (const double s : {0.2, 1., 4.}) {
         atlas.runs.push_back(run_at(nu, ratio, s));
-        QuantityErrors errors;
+        judgement::QuantityErrors errors;
         errors.fill(known_error(nu, ratio, s));
         if (nu == 0.49 && s == 4) errors.fill(NAN);
         atlas.errors["hertz"].push_back(errors);
@@ -54,9 +54,9 @@ AtlasFile known_atlas() {
 }
 
 TEST(ErrorAtlas, InterpolatesBetweenItsRunsAndAddsWhatItDoesNotKnow) {
-  const ErrorAtlas atlas(known_atlas());
+  const judgement::ErrorAtlas atlas(known_atlas());
   const double nu = 0.3, ratio = 2, s = 0.5;
-  const auto estimate = atlas.estimate("hertz", problem_of(run_at(nu, ratio, s)));
+  const auto estimate = atlas.estimate("hertz", judgement::problem_of(run_at(nu, ratio, s)));
   ASSERT_TRUE(estimate.bound) << estimate.outside;
   const double expected = known_error(nu, ratio, s);
   double lowest = 1e9, highest = -1e9;
@@ -66,7 +66,7 @@ TEST(ErrorAtlas, InterpolatesBetweenItsRunsAndAddsWhatItDoesNotKnow) {
         lowest = std::min(lowest, known_error(n, r, t));
         highest = std::max(highest, known_error(n, r, t));
       }
-  for (std::size_t q = 0; q < kQuantities; ++q) {
+  for (std::size_t q = 0; q < judgement::kQuantities; ++q) {
     // The size is placed by a tabulated model that is inverted to round-off.
     EXPECT_NEAR(estimate.mean[q], expected, 1e-9);
     EXPECT_NEAR((*estimate.bound)[q], std::abs(expected) + (highest - lowest) / 2 + kStated / 4,
@@ -75,55 +75,60 @@ TEST(ErrorAtlas, InterpolatesBetweenItsRunsAndAddsWhatItDoesNotKnow) {
 }
 
 TEST(ErrorAtlas, IsTheRunsOwnErrorAtARun) {
-  const ErrorAtlas atlas(known_atlas());
+  const judgement::ErrorAtlas atlas(known_atlas());
   // The last corner of the grid: no neighbour may widen the bound.
-  const auto estimate = atlas.estimate("hertz", problem_of(run_at(0.49, 3, 1)));
+  const auto estimate = atlas.estimate("hertz", judgement::problem_of(run_at(0.49, 3, 1)));
   ASSERT_TRUE(estimate.bound) << estimate.outside;
   EXPECT_NEAR(estimate.mean[0], known_error(0.49, 3, 1), 1e-8);
 }
 
 TEST(ErrorAtlas, NeverExtrapolates) {
-  const ErrorAtlas atlas(known_atlas());
+  const judgement::ErrorAtlas atlas(known_atlas());
   const auto outside = [&](const ContactProblem& problem, const char* model = "hertz") {
     const auto estimate = atlas.estimate(model, problem);
     EXPECT_FALSE(estimate.bound);
     return estimate.outside;
   };
-  EXPECT_NE(outside(problem_of(run_at(0.495, 2, 0.5))).find("Poisson"), std::string::npos);
-  EXPECT_NE(outside(problem_of(run_at(0.3, 3.1, 0.5))).find("R'/R''"), std::string::npos);
-  EXPECT_NE(outside(problem_of(run_at(0.3, 2, 0.19))).find("s = "), std::string::npos);
-  EXPECT_NE(outside(problem_of(run_at(0.3, 2, 4.1))).find("s = "), std::string::npos);
-  EXPECT_NE(outside(problem_of(run_at(0.45, 2, 3))).find("no answer"), std::string::npos)
+  EXPECT_NE(outside(judgement::problem_of(run_at(0.495, 2, 0.5))).find("Poisson"),
+            std::string::npos);
+  EXPECT_NE(outside(judgement::problem_of(run_at(0.3, 3.1, 0.5))).find("R'/R''"),
+            std::string::npos);
+  EXPECT_NE(outside(judgement::problem_of(run_at(0.3, 2, 0.19))).find("s = "), std::string::npos);
+  EXPECT_NE(outside(judgement::problem_of(run_at(0.3, 2, 4.1))).find("s = "), std::string::npos);
+  EXPECT_NE(outside(judgement::problem_of(run_at(0.45, 2, 3))).find("no answer"), std::string::npos)
       << "one of the runs around has none";
-  EXPECT_NE(outside(problem_of(run_at(0.3, 2, 0.5)), "power_law").find("judge"), std::string::npos);
-  ContactProblem two_layers = problem_of(run_at(0.3, 2, 0.5));
+  EXPECT_NE(outside(judgement::problem_of(run_at(0.3, 2, 0.5)), "power_law").find("judge"),
+            std::string::npos);
+  ContactProblem two_layers = judgement::problem_of(run_at(0.3, 2, 0.5));
   two_layers.object_layer = two_layers.layer;
   EXPECT_NE(outside(two_layers).find("two"), std::string::npos);
-  EXPECT_FALSE(atlas.estimate("hertz", problem_of(run_at(0.3, 1, 0.5)), "curved", 0.1).bound)
+  EXPECT_FALSE(
+      atlas.estimate("hertz", judgement::problem_of(run_at(0.3, 1, 0.5)), "curved", 0.1).bound)
       << "no curved runs here";
 }
 
 TEST(ErrorAtlas, KnowsCurvedLayersApartFromFlatOnes) {
-  AtlasFile file = known_atlas();
+  judgement::AtlasFile file = known_atlas();
   for (const double nu : {0.2, 0.4})
     for (const double curved : {0.1, 0.3})
       for (const double s : {0.2, 1.}) {
         file.runs.push_back(run_at(nu, 1, s, "curved", curved));
-        QuantityErrors errors;
+        judgement::QuantityErrors errors;
         errors.fill(-curved);
         file.errors["hertz"].push_back(errors);
       }
-  const ErrorAtlas atlas(file);
-  const ContactProblem problem = problem_of(run_at(0.3, 1, 0.5));
+  const judgement::ErrorAtlas atlas(file);
+  const ContactProblem problem = judgement::problem_of(run_at(0.3, 1, 0.5));
   EXPECT_NEAR(atlas.estimate("hertz", problem, "curved", 0.1).mean[0], -0.1, 1e-12);
   EXPECT_NEAR(atlas.estimate("hertz", problem).mean[0], known_error(0.3, 1, 0.5), 1e-9);
   EXPECT_FALSE(atlas.estimate("hertz", problem, "curved", 0.31).bound);
-  EXPECT_FALSE(atlas.estimate("hertz", problem_of(run_at(0.3, 2, 0.5)), "curved", 0.1).bound);
+  EXPECT_FALSE(
+      atlas.estimate("hertz", judgement::problem_of(run_at(0.3, 2, 0.5)), "curved", 0.1).bound);
 }
 
 TEST(ErrorAtlas, FiniteElementsStateTheirOwnError) {
-  const ErrorAtlas atlas(known_atlas());
-  const auto estimate = atlas.estimate("fem", problem_of(run_at(0.3, 2, 0.5)));
+  const judgement::ErrorAtlas atlas(known_atlas());
+  const auto estimate = atlas.estimate("fem", judgement::problem_of(run_at(0.3, 2, 0.5)));
   ASSERT_TRUE(estimate.bound);
   for (const double bound : *estimate.bound) EXPECT_EQ(bound, kStated);
   EXPECT_EQ(atlas.cost_ns("fem"), 2e9);
@@ -131,10 +136,10 @@ TEST(ErrorAtlas, FiniteElementsStateTheirOwnError) {
 }
 
 TEST(ErrorAtlas, SurvivesItsFile) {
-  const AtlasFile atlas = known_atlas();
+  const judgement::AtlasFile atlas = known_atlas();
   const std::string text = to_csv(atlas);
   EXPECT_EQ(text.find("nan"), std::string::npos);
-  const AtlasFile read = parse_atlas(text, "atlas.csv");
+  const judgement::AtlasFile read = judgement::parse_atlas(text, "atlas.csv");
   EXPECT_EQ(to_csv(read), text);
   ASSERT_EQ(read.runs.size(), atlas.runs.size());
   EXPECT_EQ(read.provenance, atlas.provenance);
@@ -146,7 +151,7 @@ TEST(ErrorAtlas, RefusesADamagedFile) {
   const std::string text = to_csv(known_atlas());
   const auto refusal = [](const std::string& damaged) {
     try {
-      parse_atlas(damaged, "atlas.csv");
+      judgement::parse_atlas(damaged, "atlas.csv");
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -167,10 +172,10 @@ TEST(ErrorAtlas, RefusesADamagedFile) {
 }
 
 TEST(AtlasRuns, AreEnoughAndAllDifferent) {
-  const auto runs = designed_runs();
+  const auto runs = judgement::designed_runs();
   EXPECT_GE(runs.size(), 400u);
   std::set<std::string> all;
-  for (const AtlasRun& run : runs)
+  for (const judgement::AtlasRun& run : runs)
     all.insert(run.kind + std::to_string(run.poisson_ratio) + " " +
                std::to_string(run.radii_ratio) + " " + std::to_string(run.s) + " " +
                std::to_string(run.thickness_over_radius) + " " +
@@ -179,13 +184,14 @@ TEST(AtlasRuns, AreEnoughAndAllDifferent) {
 }
 
 TEST(AtlasRuns, AreDrawnInsideTheGridTheSameForTheSameSeed) {
-  const auto runs = random_runs(100, 5), again = random_runs(100, 5), other = random_runs(100, 6);
-  const ErrorAtlas& atlas = error_atlas();
+  const auto runs = judgement::random_runs(100, 5), again = judgement::random_runs(100, 5),
+             other = judgement::random_runs(100, 6);
+  const judgement::ErrorAtlas& atlas = judgement::error_atlas();
   int differ = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     EXPECT_EQ(runs[i].s, again[i].s);
     differ += runs[i].s != other[i].s;
-    const auto estimate = atlas.estimate("bonded_layer", problem_of(runs[i]));
+    const auto estimate = atlas.estimate("bonded_layer", judgement::problem_of(runs[i]));
     EXPECT_TRUE(estimate.bound) << estimate.outside;
   }
   EXPECT_EQ(differ, 100);
@@ -195,35 +201,40 @@ TEST(AtlasProblem, HasTheSizeThatWasAskedFor) {
   for (const double nu : {0., 0.3, 0.5})
     for (const double ratio : {1., 10.})
       for (const double s : {0.06, 1., 8.})
-        EXPECT_NEAR(contact_size(problem_of(run_at(nu, ratio, s))) / s, 1, 1e-9);
+        EXPECT_NEAR(judgement::contact_size(judgement::problem_of(run_at(nu, ratio, s))) / s, 1,
+                    1e-9);
 }
 
-TEST(ErrorEstimate, OfTheSeedsTorqueRuleHasItsOwnError) {
-  ErrorAtlas::Estimate estimate;
+TEST(ErrorEstimate, OfThePapersTorqueRuleHasItsOwnError) {
+  judgement::ErrorAtlas::Estimate estimate;
   estimate.bound.emplace();
   estimate.bound->fill(0.02);
   estimate.mean.fill(-0.015);
   Prediction prediction;
   prediction.torque_arm_exact_m = 1;
   prediction.torque_arm_paper_m = 0.9;
-  const auto torque = std::size_t(Quantity::max_torque);
-  EXPECT_EQ(with_torque_rule(estimate, prediction, TorqueRule::exact)[torque], 0.02);
-  const QuantityErrors paper = with_torque_rule(estimate, prediction, TorqueRule::paper);
-  // The exact rule's true error lies in -0.015 ± 0.005: the seed's between 0.9 * 0.98 and 0.9 *
-  // 0.99.
+  const auto torque = std::size_t(judgement::Quantity::max_torque);
+  EXPECT_EQ(
+      judgement::with_torque_rule(estimate, prediction, prediction::TorqueRule::exact)[torque],
+      0.02);
+  const judgement::QuantityErrors paper =
+      judgement::with_torque_rule(estimate, prediction, prediction::TorqueRule::paper);
+  // The exact rule's true error lies in -0.015 ± 0.005: that of the sqrt(ab) rule between 0.9 *
+  // 0.98 and 0.9 * 0.99.
   EXPECT_NEAR(paper[torque], 1 - 0.9 * 0.98, 1e-12);
   EXPECT_EQ(paper[0], 0.02);
 }
 
 /// A sphere on a flat layer of 2 mm, h/R = 0.2, or a round finger on a plane.
-Case finite_strain_case(const std::string& bodies, const std::string& fem,
-                        const std::string& layer = "") {
-  return parse_case("id = \"x\"\n[geometry]\n" + bodies +
-                        "\n[layer]\nthickness_mm = 2\n"
-                        "youngs_modulus_kPa = 300\npoisson_ratio = 0.47\n" +
-                        layer + "\n[contact]\nload_N = 1\nfriction_coefficient = 0.5\n[fem]\n" +
-                        fem + "kinematics = \"finite\"\n",
-                    "x.toml");
+input::Case finite_strain_case(const std::string& bodies, const std::string& fem,
+                               const std::string& layer = "") {
+  return input::parse_case("id = \"x\"\n[geometry]\n" + bodies +
+                               "\n[layer]\nthickness_mm = 2\n"
+                               "youngs_modulus_kPa = 300\npoisson_ratio = 0.47\n" +
+                               layer +
+                               "\n[contact]\nload_N = 1\nfriction_coefficient = 0.5\n[fem]\n" +
+                               fem + "kinematics = \"finite\"\n",
+                           "x.toml");
 }
 
 TEST(FiniteStrainAtlas, BoundsRoundContactsOfTheMaterialThatItKnows) {
@@ -233,22 +244,22 @@ TEST(FiniteStrainAtlas, BoundsRoundContactsOfTheMaterialThatItKnows) {
        {std::pair(flat + "object = { sphere_radius_mm = 10 }", ""),
         {"finger = { radii_mm = [10, 10] }\nobject = { radii_mm = [inf, inf] }",
          "geometry = \"curved\"\n"}}) {
-    const Case known = finite_strain_case(bodies, fem);
+    const input::Case known = finite_strain_case(bodies, fem);
     for (const char* model :
          {"hertz", "bonded_layer", "finite_strain_layer", "fem_linear", "fem"}) {
-      const auto estimate = estimate_error(model, known, problem);
+      const auto estimate = judgement::estimate_error(model, known, problem);
       ASSERT_TRUE(estimate.bound) << model << ": " << estimate.outside;
       for (const double bound : *estimate.bound) EXPECT_GT(bound, 0) << model;
     }
-    const auto torque = std::size_t(Quantity::max_torque);
-    EXPECT_LT((*estimate_error("bonded_layer", known, problem).bound)[torque],
-              (*estimate_error("hertz", known, problem).bound)[torque]);
-    const Case other = finite_strain_case(bodies, fem, "volumetric = \"logarithmic\"");
-    EXPECT_NE(estimate_error("hertz", other, problem).outside.find("neo-Hookean"),
+    const auto torque = std::size_t(judgement::Quantity::max_torque);
+    EXPECT_LT((*judgement::estimate_error("bonded_layer", known, problem).bound)[torque],
+              (*judgement::estimate_error("hertz", known, problem).bound)[torque]);
+    const input::Case other = finite_strain_case(bodies, fem, "volumetric = \"logarithmic\"");
+    EXPECT_NE(judgement::estimate_error("hertz", other, problem).outside.find("neo-Hookean"),
               std::string::npos);
   }
-  const Case paraboloid = finite_strain_case(flat + "object = { radii_mm = [10, 10] }", "");
-  EXPECT_NE(estimate_error("hertz", paraboloid, problem).outside.find("spheres"),
+  const input::Case paraboloid = finite_strain_case(flat + "object = { radii_mm = [10, 10] }", "");
+  EXPECT_NE(judgement::estimate_error("hertz", paraboloid, problem).outside.find("spheres"),
             std::string::npos);
 }
 
@@ -264,19 +275,19 @@ Eigen::Vector2d least_squares(const std::vector<Eigen::Vector2d>& features,
 /// The model's numbers are the least squares of one half of the runs; its stated errors are those
 /// on the other half.
 TEST(FiniteStrainLayer, IsFittedOnOneHalfOfTheRunsAndJudgedOnTheOther) {
-  const AtlasFile& atlas = finite_strain_atlas().file();
+  const judgement::AtlasFile& atlas = judgement::finite_strain_atlas().file();
   const PressureModel& linear = *find_pressure_model("bonded_layer");
   const auto& of_linear = atlas.errors.at("bonded_layer");
   const auto& of_model = atlas.errors.at("finite_strain_layer");
   struct Fitted {
-    Quantity quantity;
+    judgement::Quantity quantity;
     Eigen::Vector2d numbers;
     double stated;
   };
-  for (const Fitted& fitted : {Fitted{Quantity::a, {-0.266, 0}, 0.014},
-                               {Quantity::indentation, {-0.426, 0.058}, 0.011},
-                               {Quantity::peak_pressure, {0.925, 0.169}, 0.016},
-                               {Quantity::max_torque, {-0.378, 0.180}, 0.005}}) {
+  for (const Fitted& fitted : {Fitted{judgement::Quantity::a, {-0.266, 0}, 0.014},
+                               {judgement::Quantity::indentation, {-0.426, 0.058}, 0.011},
+                               {judgement::Quantity::peak_pressure, {0.925, 0.169}, 0.016},
+                               {judgement::Quantity::max_torque, {-0.378, 0.180}, 0.005}}) {
     const auto q = std::size_t(fitted.quantity);
     std::vector<Eigen::Vector2d> features;
     std::vector<double> logarithms;
@@ -288,7 +299,7 @@ TEST(FiniteStrainLayer, IsFittedOnOneHalfOfTheRunsAndJudgedOnTheOther) {
         worst = std::max(worst, std::abs(of_model[r][q]));
         continue;
       }
-      const ContactProblem problem = problem_of(atlas.runs[r]);
+      const ContactProblem problem = judgement::problem_of(atlas.runs[r]);
       const Prediction found = linear.predict(problem);
       const double compressibility = 1 - 2 * problem.layer.poisson_ratio;
       features.emplace_back(
@@ -299,65 +310,68 @@ TEST(FiniteStrainLayer, IsFittedOnOneHalfOfTheRunsAndJudgedOnTheOther) {
     ASSERT_GE(features.size(), 20u);
     // Of the semi-axes the slope changes nothing: they have one number. Three digits of them are in
     // the program; the file's errors have four.
-    if (fitted.quantity == Quantity::a)
+    if (fitted.quantity == judgement::Quantity::a)
       for (Eigen::Vector2d& feature : features) feature[1] = 0;
     const Eigen::Vector2d numbers = least_squares(features, logarithms);
-    EXPECT_NEAR(numbers[0], fitted.numbers[0], 2e-3) << kQuantityNames[q];
-    EXPECT_NEAR(numbers[1], fitted.numbers[1], 2e-3) << kQuantityNames[q];
-    EXPECT_LE(worst, fitted.stated) << kQuantityNames[q];
+    EXPECT_NEAR(numbers[0], fitted.numbers[0], 2e-3) << judgement::kQuantityNames[q];
+    EXPECT_NEAR(numbers[1], fitted.numbers[1], 2e-3) << judgement::kQuantityNames[q];
+    EXPECT_LE(worst, fitted.stated) << judgement::kQuantityNames[q];
     std::printf("finite_strain_layer, %s: largest error on the other half %.4f\n",
-                kQuantityNames[q], worst);
+                judgement::kQuantityNames[q], worst);
   }
 }
 
 /// The suite's silicone pads, of which it has seen nothing: paraboloids, R'/R'' to 5/3, nu to
 /// 0.4999. The 3 % are what a correction was asked for.
 TEST(FiniteStrainLayer, HoldsOnPadsThatItHasNotSeen) {
-  const AtlasFile& atlas = finite_strain_atlas().file();
+  const judgement::AtlasFile& atlas = judgement::finite_strain_atlas().file();
   const auto& errors = atlas.errors.at("finite_strain_layer");
   int pads = 0;
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
-    const AtlasRun& run = atlas.runs[r];
+    const judgement::AtlasRun& run = atlas.runs[r];
     if (run.kind != "finite_pad" || run.poisson_ratio < 0.3) continue;  // its own limit
     ++pads;
-    for (const Quantity quantity :
-         {Quantity::a, Quantity::b, Quantity::indentation, Quantity::max_torque})
+    for (const judgement::Quantity quantity :
+         {judgement::Quantity::a, judgement::Quantity::b, judgement::Quantity::indentation,
+          judgement::Quantity::max_torque})
       EXPECT_LE(std::abs(errors[r][std::size_t(quantity)]), 0.03)
-          << kQuantityNames[std::size_t(quantity)] << ", s " << run.s;
+          << judgement::kQuantityNames[std::size_t(quantity)] << ", s " << run.s;
   }
   EXPECT_EQ(pads, 25);
 }
 
-Case simple_case() {
-  Case contact_case;
+input::Case simple_case() {
+  input::Case contact_case;
   contact_case.id = "simple";
   return contact_case;
 }
 
 TEST(ModelChoice, ClosedFormsAreRefusedInWordsWhereNoneHolds) {
-  SelectionOptions options;
+  judgement::SelectionOptions options;
   options.tolerance = 0.05;
   options.models = {"hertz", "winkler", "thin_incompressible"};
-  const Choice choice = choose_model(simple_case(), problem_of(run_at(0.49, 1, 2)), options);
+  const judgement::Choice choice =
+      judgement::choose_model(simple_case(), judgement::problem_of(run_at(0.49, 1, 2)), options);
   EXPECT_EQ(choice.chosen, -1);
   EXPECT_NE(choice.reason.find("none"), std::string::npos) << choice.reason;
   options.models.push_back("bonded_layer");
-  const Choice with_layer = choose_model(simple_case(), problem_of(run_at(0.49, 1, 2)), options);
+  const judgement::Choice with_layer =
+      judgement::choose_model(simple_case(), judgement::problem_of(run_at(0.49, 1, 2)), options);
   ASSERT_GE(with_layer.chosen, 0);
   EXPECT_EQ(with_layer.candidates[std::size_t(with_layer.chosen)].model, "bonded_layer");
 }
 
 TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
-  SelectionOptions options;
-  const ContactProblem problem = problem_of(run_at(0.3, 2, 0.07));
+  judgement::SelectionOptions options;
+  const ContactProblem problem = judgement::problem_of(run_at(0.3, 2, 0.07));
   for (const double tolerance : {0.3, 0.1, 0.03, 0.015, 1e-3, 1e-5}) {
     options.tolerance = tolerance;
-    const Choice choice = choose_model(simple_case(), problem, options);
+    const judgement::Choice choice = judgement::choose_model(simple_case(), problem, options);
     const auto& all = choice.candidates;
     ASSERT_EQ(all.size(), all_pressure_models().size() + 1) << "and fem";
     for (std::size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].cost_us, all[i].cost_us);
     for (int i = 0; i < int(all.size()); ++i) {
-      const Candidate& candidate = all[std::size_t(i)];
+      const judgement::Candidate& candidate = all[std::size_t(i)];
       if (candidate.accurate) {
         ASSERT_TRUE(candidate.bound);
         for (const double bound : *candidate.bound) EXPECT_LE(bound, tolerance);
@@ -375,22 +389,24 @@ TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
   }
   options.tolerance = 0.02;
   options.budget_us = 1e-3;
-  const Choice none = choose_model(simple_case(), problem, options);
+  const judgement::Choice none = judgement::choose_model(simple_case(), problem, options);
   EXPECT_EQ(none.chosen, -1);
   EXPECT_NE(none.reason.find("costs at most"), std::string::npos) << none.reason;
 }
 
 TEST(ModelChoice, JudgesTheQuantitiesThatCount) {
-  SelectionOptions options;
+  judgement::SelectionOptions options;
   options.tolerance = 1;
   options.models = {"winkler"};
-  options.quantities = quantities_by_name("max_torque,a");
-  const Choice choice = choose_model(simple_case(), problem_of(run_at(0.3, 2, 1)), options);
-  const Candidate& winkler = choice.candidates.front();
+  options.quantities = judgement::quantities_by_name("max_torque,a");
+  const judgement::Choice choice =
+      judgement::choose_model(simple_case(), judgement::problem_of(run_at(0.3, 2, 1)), options);
+  const judgement::Candidate& winkler = choice.candidates.front();
   ASSERT_TRUE(winkler.bound);
-  EXPECT_EQ(winkler.worst, std::max((*winkler.bound)[std::size_t(Quantity::a)],
-                                    (*winkler.bound)[std::size_t(Quantity::max_torque)]));
-  EXPECT_THROW(quantities_by_name("max_torqe"), InputError);
+  EXPECT_EQ(winkler.worst,
+            std::max((*winkler.bound)[std::size_t(judgement::Quantity::a)],
+                     (*winkler.bound)[std::size_t(judgement::Quantity::max_torque)]));
+  EXPECT_THROW(judgement::quantities_by_name("max_torqe"), InputError);
 }
 
 }  // namespace

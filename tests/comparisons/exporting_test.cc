@@ -19,8 +19,8 @@ namespace {
 constexpr double kLoad_N = 2.0 / 15, kFriction = 0.5;
 const double kEccentricity_m = 3 * kPi / 16 * 1e-3;
 
-Case round_contact() {
-  return parse_case(
+input::Case round_contact() {
+  return input::parse_case(
       "id = \"round\"\n[geometry]\nrelative_radii_mm = [10, 10]\n"
       "[layer]\nthickness_mm = 100\nyoungs_modulus_kPa = 1000\npoisson_ratio = 0\n"
       "[contact]\nload_N = " +
@@ -28,8 +28,9 @@ Case round_contact() {
       "round.toml");
 }
 
-ContactCurve curve_of(const Case& contact_case, const char* model, const LoadChoice& choice = {}) {
-  return ask_contact_curve(contact_case, GeometryResolver(contact_case),
+ContactCurve curve_of(const input::Case& contact_case, const char* model,
+                      const LoadChoice& choice = {}) {
+  return ask_contact_curve(contact_case, prediction::GeometryResolver(contact_case),
                            *find_pressure_model(model), choose_loads(contact_case.loads_N, choice));
 }
 
@@ -183,7 +184,7 @@ TEST(Exporting, TheTableHasBothEndsAndTheNominalLoadOnce) {
 }
 
 TEST(Exporting, NamesDoNotEndAnXmlComment) {
-  Case contact_case = round_contact();
+  input::Case contact_case = round_contact();
   contact_case.id = "a---b--";
   const ContactCurve curve = curve_of(contact_case, "hertz");
   for (const Simulator& simulator : {mujoco(), gazebo(), drake()}) {

@@ -1,4 +1,4 @@
-#include "comparisons/gap_sampling.h"
+#include "comparisons/prediction/gap_sampling.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -26,10 +26,11 @@ constexpr double kLoad_N = 1;
 /// A mesh pressed against a plane, and what it answers.
 class GapSampling : public ::testing::Test {
  protected:
-  Case mesh_case(const TriangleSurface& surface, const Vector3d& point_m, const Vector3d& normal,
-                 double load_N = kLoad_N, const std::string& object = "radii_mm = [inf, inf]") {
+  input::Case mesh_case(const TriangleSurface& surface, const Vector3d& point_m,
+                        const Vector3d& normal, double load_N = kLoad_N,
+                        const std::string& object = "radii_mm = [inf, inf]") {
     meshes::write_stl_mm(surface, (folder_ / "mesh.stl").string());
-    return parse_case(
+    return input::parse_case(
         fmt::format("id = \"mesh\"\n[geometry]\nfinger = {{ mesh = \"mesh.stl\", point_mm = [{}, "
                     "{}, {}], normal = [{}, {}, {}] }}\nobject = {{ {} }}\n[layer]\nthickness_mm = "
                     "2.0\nyoungs_modulus_kPa = 300.0\npoisson_ratio = 0.45\n[contact]\nload_N = "
@@ -39,13 +40,13 @@ class GapSampling : public ::testing::Test {
         folder_ / "mesh.toml");
   }
 
-  static ModelAnswer ask(const Case& contact_case) {
-    const GeometryResolver resolver(contact_case);
+  static prediction::ModelAnswer ask(const input::Case& contact_case) {
+    const prediction::GeometryResolver resolver(contact_case);
     const double load_N = contact_case.loads_N.front();
-    return ask_sampled_gap(resolver, resolver.resolve(load_N), contact_case, load_N);
+    return prediction::ask_sampled_gap(resolver, resolver.resolve(load_N), contact_case, load_N);
   }
 
-  static std::string refusal(const Case& contact_case) {
+  static std::string refusal(const input::Case& contact_case) {
     try {
       ask(contact_case);
     } catch (const InputError& error) {
@@ -97,7 +98,7 @@ TEST_F(GapSampling, MeshesOfASphereConvergeToTheExactSphereWithTheirFacets) {
   const Vector3d direction = Vector3d(0.3, -0.55, 0.7).normalized();
   for (const int n : {12, 24, 48, 96}) {
     const TriangleSurface mesh = meshes::triangulated_ellipsoid({R, R, R}, {0.001, 0, 0.002}, n);
-    const ModelAnswer answer =
+    const prediction::ModelAnswer answer =
         ask(mesh_case(mesh, Vector3d(0.001, 0, 0.002) + R * direction, direction));
     const auto percent = [](double value, double truth) { return 100 * (value / truth - 1); };
     const Prediction& p = answer.prediction;
@@ -129,7 +130,7 @@ TEST_F(GapSampling, EllipsoidKeepsItsAxesInATurnedFrame) {
   // Larger than on the sphere of radius C by the squares of the axes: the smallest radius is
   // C (C/A)² at the ends, but B²/C at the pole.
   const double sag = sag_m(mesh, B * B / C);
-  const ModelAnswer answer = ask(mesh_case(mesh, {0, 0, C}, Vector3d::UnitZ()));
+  const prediction::ModelAnswer answer = ask(mesh_case(mesh, {0, 0, C}, Vector3d::UnitZ()));
   expect_within_facets(answer.prediction, exact, sag);
   // The fit's x axis is the global x, along which the ellipsoid is longest.
   EXPECT_NEAR(answer.problem.radii.axis_rad, 0, sag / exact.approach_m);
@@ -139,7 +140,7 @@ TEST_F(GapSampling, EllipsoidKeepsItsAxesInATurnedFrame) {
   const Vector3d shift(0.03, -0.01, 0.02);
   TriangleSurface turned = mesh;
   for (Vector3d& vertex : turned.vertices_m) vertex = turn * vertex + shift;
-  const ModelAnswer again =
+  const prediction::ModelAnswer again =
       ask(mesh_case(turned, turn * Vector3d(0, 0, C) + shift, turn * Vector3d::UnitZ()));
   // Through seven digits of an STL file.
   EXPECT_NEAR(again.prediction.a_m / answer.prediction.a_m, 1, 2e-3);
@@ -203,7 +204,7 @@ TEST_F(GapSampling, RefusesAMeshThatDoesNotCoverTheContact) {
 }
 
 TEST_F(GapSampling, RefusesACaseWithoutMeshes) {
-  const Case contact_case = parse_case(
+  const input::Case contact_case = input::parse_case(
       "id = \"radii\"\n[geometry]\nrelative_radii_mm = [20.0, 5.0]\n[layer]\nthickness_mm = "
       "2.0\nyoungs_modulus_kPa = 300.0\npoisson_ratio = 0.45\n[contact]\nload_N = "
       "1.0\nfriction_coefficient = 0.8\n",

@@ -1,4 +1,4 @@
-#include "comparisons/process_pool.h"
+#include "comparisons/system/process_pool.h"
 
 #include <gtest/gtest.h>
 
@@ -10,17 +10,18 @@
 namespace softfinger {
 namespace {
 
-ProcessJob shell(const std::string& script, const std::string& input = "") {
+system::ProcessJob shell(const std::string& script, const std::string& input = "") {
   return {{"/bin/sh", "-c", script}, input, {}};
 }
 
-std::map<std::size_t, ProcessOutcome> outcomes(const std::vector<ProcessJob>& jobs, int parallel) {
-  std::map<std::size_t, ProcessOutcome> result;
-  ProcessCallbacks callbacks;
-  callbacks.on_finish = [&](std::size_t job, const ProcessOutcome& outcome) {
+std::map<std::size_t, system::ProcessOutcome> outcomes(const std::vector<system::ProcessJob>& jobs,
+                                                       int parallel) {
+  std::map<std::size_t, system::ProcessOutcome> result;
+  system::ProcessCallbacks callbacks;
+  callbacks.on_finish = [&](std::size_t job, const system::ProcessOutcome& outcome) {
     result[job] = outcome;
   };
-  EXPECT_EQ(run_processes(jobs, parallel, callbacks), 0);
+  EXPECT_EQ(system::run_processes(jobs, parallel, callbacks), 0);
   return result;
 }
 
@@ -51,51 +52,51 @@ TEST(ProcessPool, TakesInputThatIsLargerThanAUsualPipe) {
 
 TEST(ProcessPool, PassesLinesOfOutputOnAsTheyCome) {
   std::vector<std::string> seen;
-  ProcessCallbacks callbacks;
+  system::ProcessCallbacks callbacks;
   callbacks.on_output = [&](std::size_t, const std::string& line) {
     seen.push_back(line);
     if (line == "first") throw std::runtime_error("stop");
   };
   // The process would go on for half a minute: its first line comes before its end.
-  EXPECT_THROW(run_processes({shell("echo first; sleep 30; echo second")}, 1, callbacks),
+  EXPECT_THROW(system::run_processes({shell("echo first; sleep 30; echo second")}, 1, callbacks),
                std::runtime_error);
   EXPECT_EQ(seen, std::vector<std::string>{"first"});
 }
 
 TEST(ProcessPool, RunsNoMoreAtOnceThanAsked) {
   std::size_t running = 0, most = 0;
-  ProcessCallbacks callbacks;
+  system::ProcessCallbacks callbacks;
   callbacks.on_start = [&](std::size_t) { most = std::max(most, ++running); };
-  callbacks.on_finish = [&](std::size_t, const ProcessOutcome&) { --running; };
-  run_processes(std::vector<ProcessJob>(7, shell("sleep 0.02")), 3, callbacks);
+  callbacks.on_finish = [&](std::size_t, const system::ProcessOutcome&) { --running; };
+  system::run_processes(std::vector<system::ProcessJob>(7, shell("sleep 0.02")), 3, callbacks);
   EXPECT_EQ(most, 3u);
   EXPECT_EQ(running, 0u);
 }
 
 TEST(ProcessPool, GivesAJobItsOwnEnvironment) {
-  ProcessJob job = shell("echo $OMP_NUM_THREADS");
+  system::ProcessJob job = shell("echo $OMP_NUM_THREADS");
   job.environment = {"OMP_NUM_THREADS=1"};
   EXPECT_EQ(outcomes({job}, 1).at(0).output, "1\n");
 }
 
 TEST(ProcessPool, HidesVariablesFromAJob) {
   setenv("SOFTFINGER_TEST_RANK", "3", 1);
-  ProcessJob job = shell("echo ${SOFTFINGER_TEST_RANK:-none}");
+  system::ProcessJob job = shell("echo ${SOFTFINGER_TEST_RANK:-none}");
   job.hidden = {"SOFTFINGER_TEST_"};
   EXPECT_EQ(outcomes({job}, 1).at(0).output, "none\n");
 }
 
 TEST(ProcessPool, EndsAJobThatIsSilentForTooLong) {
-  ProcessJob job = shell("echo 1; sleep 0.6; echo 2; sleep 0.6; echo 3; sleep 30; echo 4");
+  system::ProcessJob job = shell("echo 1; sleep 0.6; echo 2; sleep 0.6; echo 3; sleep 30; echo 4");
   job.time_limit_s = 1;
-  const ProcessOutcome outcome = outcomes({job}, 1).at(0);
-  EXPECT_EQ(outcome.exceeded, ProcessLimit::time);
+  const system::ProcessOutcome outcome = outcomes({job}, 1).at(0);
+  EXPECT_EQ(outcome.exceeded, system::ProcessLimit::time);
   EXPECT_EQ(outcome.output, "1\n2\n3\n") << "each line starts the time anew";
 }
 
 TEST(ProcessPool, NamesAProgramThatCannotBeStarted) {
   try {
-    run_processes({{{"/nonexistent/program"}, "", {}}}, 1, {});
+    system::run_processes({{{"/nonexistent/program"}, "", {}}}, 1, {});
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(error.where(), "/nonexistent/program");
@@ -103,12 +104,13 @@ TEST(ProcessPool, NamesAProgramThatCannotBeStarted) {
 }
 
 TEST(ProcessPool, StopsTheOthersWhenACallbackThrows) {
-  ProcessCallbacks callbacks;
-  callbacks.on_finish = [](std::size_t, const ProcessOutcome&) {
+  system::ProcessCallbacks callbacks;
+  callbacks.on_finish = [](std::size_t, const system::ProcessOutcome&) {
     throw std::runtime_error("disk");
   };
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_THROW(run_processes({shell("sleep 30"), shell("true")}, 2, callbacks), std::runtime_error);
+  EXPECT_THROW(system::run_processes({shell("sleep 30"), shell("true")}, 2, callbacks),
+               std::runtime_error);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 

@@ -1,4 +1,4 @@
-#include "comparisons/recorded_contacts.h"
+#include "comparisons/input/recorded_contacts.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "comparisons/files.h"
+#include "comparisons/system/files.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -26,7 +26,7 @@ std::string replaced(const std::string& old_text, const std::string& new_text) {
 
 void expect_refusal(const std::string& text, const std::string& words) {
   try {
-    parse_recorded_contacts(text, "step.txt");
+    input::parse_recorded_contacts(text, "step.txt");
     ADD_FAILURE() << "not refused: " << words;
   } catch (const InputError& error) {
     const std::string message = error.what();
@@ -39,7 +39,7 @@ void expect_refusal(const std::string& text, const std::string& words) {
 }  // namespace
 
 TEST(RecordedContacts, MakeTheirMatrixFromJacobianAndMasses) {
-  const ContactLcp problem = parse_recorded_contacts(kGood, "step.txt");
+  const ContactLcp problem = input::parse_recorded_contacts(kGood, "step.txt");
   Eigen::Matrix4d delassus;
   delassus << 5, 0, 0, 0, 0, 5, 0, 2.5, 0, 0, 5, 0, 0, 2.5, 0, 20001.25;
   EXPECT_EQ(problem.delassus, delassus);
@@ -54,7 +54,7 @@ TEST(RecordedContacts, MayEndWithoutALineBreakAndHoldBlanks) {
   const std::string text =
       "softlcp 1\r\n\n nc\t1\nu 0\nnb 1\nmu 1 0\nen 1 0\nV 0\nminv 6 1 1 1 1 1 1 \n"
       "q4 4 0 0 0 0\nJ 1\n0 2 1";
-  EXPECT_EQ(parse_recorded_contacts(text, "step.txt").delassus(0, 0), 1);
+  EXPECT_EQ(input::parse_recorded_contacts(text, "step.txt").delassus(0, 0), 1);
 }
 
 TEST(RecordedContacts, HaveEachKeyOnce) {
@@ -95,9 +95,9 @@ TEST(RecordedContacts, HaveEachEntryOnceAndInside) {
 TEST(RecordedContacts, AreReadAsTheyWereWritten) {
   std::string name = (std::filesystem::temp_directory_path() / "softfinger-lcp-XXXXXX").string();
   const std::filesystem::path folder = mkdtemp(name.data());
-  const ContactLcp problem = parse_recorded_contacts(kGood, "step.txt");
-  write_recorded_contacts(problem, problem.vertices, "a note", folder / "step.txt");
-  const ContactLcp again = read_recorded_contacts(folder / "step.txt");
+  const ContactLcp problem = input::parse_recorded_contacts(kGood, "step.txt");
+  input::write_recorded_contacts(problem, problem.vertices, "a note", folder / "step.txt");
+  const ContactLcp again = input::read_recorded_contacts(folder / "step.txt");
   EXPECT_TRUE(again.delassus.isApprox(problem.delassus, 1e-14));
   EXPECT_EQ(again.vertices, problem.vertices);
   EXPECT_EQ(again.free_velocity, problem.free_velocity);
@@ -114,7 +114,7 @@ TEST(RecordedContacts, OfHostileNumbersAreSolvedByNumbersOrNotAtAll) {
                                                                   : "";
         const std::string text = replaced(place, number + after);
         try {
-          ContactLcp problem = parse_recorded_contacts(text, "step.txt");
+          ContactLcp problem = input::parse_recorded_contacts(text, "step.txt");
           problem.friction_rule = rule;
           ContactLcpSolver solver(1, 4);
           ContactSolution solution;

@@ -1,4 +1,4 @@
-#include "comparisons/selection/scene_choice.h"
+#include "comparisons/judgement/selection/scene_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ namespace {
 const auto silent = [](const std::string&) {};
 
 /// The pinch on a layer thinner than any in the atlas: no model's error is known.
-simulation::Scene outside_the_atlas() {
-  simulation::Scene scene = simulation::read_scene(SOFTFINGER_SCENES "/pinch.toml");
+input::Scene outside_the_atlas() {
+  input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/pinch.toml");
   for (auto& body : scene.bodies)
     if (body.layer) body.layer->thickness_m = 5e-5;
   return scene;
@@ -26,10 +26,10 @@ struct PretendedFem {
   double factor, error;
   int& calls;
 
-  FemEccentricity operator()(const ContactProblem& problem, double least_N,
-                             double largest_N) const {
+  judgement::FemEccentricity operator()(const ContactProblem& problem, double least_N,
+                                        double largest_N) const {
     ++calls;
-    FemEccentricity found;
+    judgement::FemEccentricity found;
     found.error = error;
     const SampledEccentricity law = SampledEccentricity::of_model(
         *find_pressure_model("bonded_layer"), problem, least_N, largest_N);
@@ -50,33 +50,33 @@ TEST(InterpolationError, VanishesForPowersAndIsExactForParabolas) {
     power.push_back(0.003 * std::exp(0.3 * i));
     parabola.push_back(0.003 * std::exp(0.3 * i + curvature * i * i));
   }
-  EXPECT_NEAR(interpolation_error(power), 0, 1e-14) << "round-off of a logarithm";
+  EXPECT_NEAR(judgement::interpolation_error(power), 0, 1e-14) << "round-off of a logarithm";
   // Between two samples a parabola c x² lies c/4 below its chord.
-  EXPECT_NEAR(interpolation_error(parabola), curvature / 4, 1e-14);
-  EXPECT_EQ(interpolation_error({1, 2}), 0);
+  EXPECT_NEAR(judgement::interpolation_error(parabola), curvature / 4, 1e-14);
+  EXPECT_EQ(judgement::interpolation_error({1, 2}), 0);
 }
 
 TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
   int calls = 0;
   constexpr double factor = 1.1;
-  const simulation::Scene scene = outside_the_atlas();
-  const SceneChoice choice =
-      choose_for_scene(scene, 0.01, PretendedFem{factor, 1e-3, calls}, silent);
+  const input::Scene scene = outside_the_atlas();
+  const judgement::SceneChoice choice =
+      judgement::choose_for_scene(scene, 0.01, PretendedFem{factor, 1e-3, calls}, silent);
   EXPECT_EQ(calls, 1) << "both fingertips are alike";
   ASSERT_EQ(choice.pairs.size(), 2u);
-  for (const PairChoice& pair : choice.pairs) {
-    EXPECT_EQ(pair.detail, ContactDetail::fem_table) << pair.reason;
+  for (const judgement::PairChoice& pair : choice.pairs) {
+    EXPECT_EQ(pair.detail, judgement::ContactDetail::fem_table) << pair.reason;
     EXPECT_NE(pair.reason.find("finite elements is within"), std::string::npos) << pair.reason;
     EXPECT_EQ(pair.reason.find("no better is known"), std::string::npos) << pair.reason;
     // The motion is that of the table's e_n: its torque at the limit is the factor's.
-    const auto largest_torque = [&](const simulation::Scene& of) {
+    const auto largest_torque = [&](const input::Scene& of) {
       double largest_Nm = 0;
       for (const auto& frame : simulation::simulate(of).recording.frames)
         for (const auto& contact : frame.contacts)
           largest_Nm = std::max(largest_Nm, std::abs(contact.torque_Nm));
       return largest_Nm;
     };
-    simulation::Scene layer = scene;
+    input::Scene layer = scene;
     for (auto& rule : layer.rules) rule.model = "bonded_layer";
     // The load hardly changes, and ends of a table are samples.
     EXPECT_NEAR(largest_torque(choice.scene) / largest_torque(layer), factor, 1e-6);
@@ -86,22 +86,23 @@ TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
 
 TEST(SceneChoice, SaysWhereFiniteElementsAreNotEnoughEither) {
   int calls = 0;
-  const SceneChoice choice =
-      choose_for_scene(outside_the_atlas(), 0.01, PretendedFem{1, 0.03, calls}, silent);
-  for (const PairChoice& pair : choice.pairs) {
-    EXPECT_EQ(pair.detail, ContactDetail::fem_table);
+  const judgement::SceneChoice choice =
+      judgement::choose_for_scene(outside_the_atlas(), 0.01, PretendedFem{1, 0.03, calls}, silent);
+  for (const judgement::PairChoice& pair : choice.pairs) {
+    EXPECT_EQ(pair.detail, judgement::ContactDetail::fem_table);
     EXPECT_NE(pair.reason.find("no better is known"), std::string::npos) << pair.reason;
   }
 }
 
 TEST(SceneChoice, KeepsAModelThatIsKnownBetterThanFiniteElements) {
   int calls = 0;
-  const simulation::Scene scene = simulation::read_scene(SOFTFINGER_SCENES "/pinch.toml");
+  const input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/pinch.toml");
   // Finer than any model's bound.
-  const SceneChoice choice = choose_for_scene(scene, 1e-5, PretendedFem{1, 0.01, calls}, silent);
+  const judgement::SceneChoice choice =
+      judgement::choose_for_scene(scene, 1e-5, PretendedFem{1, 0.01, calls}, silent);
   EXPECT_EQ(calls, 1);
-  for (const PairChoice& pair : choice.pairs) {
-    EXPECT_EQ(pair.detail, ContactDetail::limit_surface) << pair.reason;
+  for (const judgement::PairChoice& pair : choice.pairs) {
+    EXPECT_EQ(pair.detail, judgement::ContactDetail::limit_surface) << pair.reason;
     EXPECT_EQ(pair.model, "bonded_layer");
     EXPECT_NE(pair.reason.find("no better is known"), std::string::npos) << pair.reason;
   }

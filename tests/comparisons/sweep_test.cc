@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "comparisons/files.h"
 #include "comparisons/sweep/rows_file.h"
 #include "comparisons/sweep/sweep_file.h"
+#include "comparisons/system/files.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -21,14 +21,14 @@ std::string text_with(const std::string& sweep) {
 
 std::string refusal(const std::string& sweep) {
   try {
-    Sweep(text_with(sweep), "swept.toml");
+    sweep::Sweep(text_with(sweep), "swept.toml");
   } catch (const InputError& error) {
     return error.what();
   }
   return "";
 }
 
-std::vector<double> values(const Sweep& sweep, std::size_t point) {
+std::vector<double> values(const sweep::Sweep& sweep, std::size_t point) {
   std::vector<double> found;
   sweep.values_at(point, found);
   return found;
@@ -37,16 +37,16 @@ std::vector<double> values(const Sweep& sweep, std::size_t point) {
 }  // namespace
 
 TEST(Sweep, MakesTheProductOfItsKeysInTheOrderOfTheFile) {
-  const Sweep sweep(text_with("\"layer.thickness_mm\" = [1, 2.5, 4]\n"
-                              "\"contact.friction_coefficient\" = [0.5, 0.6]\n"),
-                    "swept.toml");
+  const sweep::Sweep sweep(text_with("\"layer.thickness_mm\" = [1, 2.5, 4]\n"
+                                     "\"contact.friction_coefficient\" = [0.5, 0.6]\n"),
+                           "swept.toml");
   ASSERT_EQ(sweep.points(), 6u);
   EXPECT_EQ(sweep.rows(), 12u) << "two loads";
   EXPECT_EQ(values(sweep, 0), (std::vector<double>{1, 0.5}));
   EXPECT_EQ(values(sweep, 1), (std::vector<double>{1, 0.6}));
   EXPECT_EQ(values(sweep, 5), (std::vector<double>{4, 0.6}));
-  Sweep::Cases cases(sweep);
-  const Case last = cases.at(5), first = cases.at(0);
+  sweep::Sweep::Cases cases(sweep);
+  const input::Case last = cases.at(5), first = cases.at(0);
   EXPECT_EQ(last.layer.thickness_m, 4e-3);
   EXPECT_EQ(last.friction_coefficient, 0.6);
   EXPECT_EQ(first.layer.thickness_m, 1e-3);
@@ -54,18 +54,19 @@ TEST(Sweep, MakesTheProductOfItsKeysInTheOrderOfTheFile) {
 }
 
 TEST(Sweep, PairsWhatIsZipped) {
-  const Sweep sweep(text_with("\"layer.thickness_mm\" = [1, 2]\n"
-                              "\"layer.poisson_ratio\" = [0.1, 0.2, 0.3]\n"
-                              "\"layer.youngs_modulus_kPa\" = [100, 200]\n"
-                              "zip = [[\"layer.thickness_mm\", \"layer.youngs_modulus_kPa\"]]\n"),
-                    "swept.toml");
+  const sweep::Sweep sweep(
+      text_with("\"layer.thickness_mm\" = [1, 2]\n"
+                "\"layer.poisson_ratio\" = [0.1, 0.2, 0.3]\n"
+                "\"layer.youngs_modulus_kPa\" = [100, 200]\n"
+                "zip = [[\"layer.thickness_mm\", \"layer.youngs_modulus_kPa\"]]\n"),
+      "swept.toml");
   ASSERT_EQ(sweep.points(), 6u);
   EXPECT_EQ(values(sweep, 0), (std::vector<double>{1, 0.1, 100}));
   EXPECT_EQ(values(sweep, 3), (std::vector<double>{2, 0.1, 200}));
 }
 
 TEST(Sweep, SpacesRangesWithExactEnds) {
-  const Sweep sweep(
+  const sweep::Sweep sweep(
       text_with("\"layer.thickness_mm\" = { from = 0.5, to = 8, steps = 5, spacing = \"log\" }\n"
                 "\"layer.poisson_ratio\" = { from = 0.1, to = 0.4, steps = 4 }\n"),
       "swept.toml");
@@ -84,7 +85,7 @@ TEST(Sweep, DrawsTheSameRandomValuesAgain) {
       "}\n"
       "\"layer.youngs_modulus_kPa\" = { from = 0.5, to = 8, random = 1000, seed = 3 }\n"
       "zip = [[\"layer.thickness_mm\", \"layer.youngs_modulus_kPa\"]]\n");
-  const Sweep one(text, "swept.toml"), other(text, "swept.toml");
+  const sweep::Sweep one(text, "swept.toml"), other(text, "swept.toml");
   EXPECT_EQ(one.keys()[0].values, other.keys()[0].values);
   double mean_log = 0, correlation = 0;
   for (std::size_t i = 0; i < 1000; ++i) {
@@ -101,16 +102,17 @@ TEST(Sweep, DrawsTheSameRandomValuesAgain) {
 }
 
 TEST(Sweep, TakesPlacesInListsAndOneLoadOfMany) {
-  const Sweep sweep(text_with("\"geometry.relative_radii_mm[1]\" = [5, 30]\n"
-                              "\"contact.load_N\" = [2, 3, 4]\n"
-                              "\"fem.level\" = [1, 2]\n"),
-                    "swept.toml");
+  const sweep::Sweep sweep(text_with("\"geometry.relative_radii_mm[1]\" = [5, 30]\n"
+                                     "\"contact.load_N\" = [2, 3, 4]\n"
+                                     "\"fem.level\" = [1, 2]\n"),
+                           "swept.toml");
   EXPECT_EQ(sweep.rows(), 12u);
-  Sweep::Cases cases(sweep);
-  const Case last = cases.at(11);
+  sweep::Sweep::Cases cases(sweep);
+  const input::Case last = cases.at(11);
   EXPECT_EQ(std::get<RelativeRadii>(last.geometry).major_m, 30e-3);
-  const Sweep dotted(text_with("\"geometry.relative_radii_mm.1\" = [5, 30]\n"), "swept.toml");
-  EXPECT_EQ(std::get<RelativeRadii>(Sweep::Cases(dotted).at(1).geometry).major_m, 30e-3);
+  const sweep::Sweep dotted(text_with("\"geometry.relative_radii_mm.1\" = [5, 30]\n"),
+                            "swept.toml");
+  EXPECT_EQ(std::get<RelativeRadii>(sweep::Sweep::Cases(dotted).at(1).geometry).major_m, 30e-3);
   EXPECT_EQ(last.loads_N, std::vector<double>{4});
   EXPECT_EQ(last.fem_level, 2);
 }
@@ -166,7 +168,7 @@ class GrowingRows : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder); }
   void write(const std::string& text) const {
-    write_file_atomically(folder / "results.partial.csv", text);
+    system::write_file_atomically(folder / "results.partial.csv", text);
   }
   fs::path folder;
 };
@@ -174,11 +176,12 @@ class GrowingRows : public testing::Test {
 TEST_F(GrowingRows, GoOnAfterTheLastWholePoint) {
   for (const char* rest : {"", "3,1", "3,1\n", "3,1\n3,2"}) {
     write(std::string("point,load\n1,1\n1,2\n2,1\n2,2\n") + rest);
-    RowsFile file(folder, "point,load\n", 2, true);
+    sweep::RowsFile file(folder, "point,load\n", 2, true);
     EXPECT_EQ(file.points(), 2u) << rest;
     file.append("3,1\n3,2\n", 1);
     file.finish();
-    EXPECT_EQ(read_text_file(folder / "results.csv"), "point,load\n1,1\n1,2\n2,1\n2,2\n3,1\n3,2\n");
+    EXPECT_EQ(system::read_text_file(folder / "results.csv"),
+              "point,load\n1,1\n1,2\n2,1\n2,2\n3,1\n3,2\n");
     EXPECT_FALSE(fs::exists(folder / "results.partial.csv"));
   }
 }
@@ -186,10 +189,11 @@ TEST_F(GrowingRows, GoOnAfterTheLastWholePoint) {
 TEST_F(GrowingRows, StartAnewForAnotherSweep) {
   for (const bool same_header : {true, false}) {
     write("point,load\n1,1\n1,2\n");
-    RowsFile file(folder, same_header ? "point,load\n" : "point,mu\n", 2, !same_header);
+    sweep::RowsFile file(folder, same_header ? "point,load\n" : "point,mu\n", 2, !same_header);
     EXPECT_EQ(file.points(), 0u);
     file.finish();
-    EXPECT_EQ(read_text_file(folder / "results.csv"), same_header ? "point,load\n" : "point,mu\n");
+    EXPECT_EQ(system::read_text_file(folder / "results.csv"),
+              same_header ? "point,load\n" : "point,mu\n");
   }
 }
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "comparisons/case.h"
-#include "comparisons/simulation/scene.h"
+#include "comparisons/input/case.h"
+#include "comparisons/input/scene.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -18,7 +18,7 @@ std::string repeated(const std::string& text, int times) {
 
 std::string message(const std::string& text) {
   try {
-    parse_case(text, "x.toml");
+    input::parse_case(text, "x.toml");
   } catch (const InputError& error) {
     return error.what();
   }
@@ -46,7 +46,7 @@ TEST(TomlReader, RefusesDeepNestingBeforeTheParserRecurses) {
   expect_words("\n[layer" + repeated(".'a'", kDeep) + "]", dots);
   expect_words("\na = { b" + repeated(".a", kDeep) + " = 1 }", dots);
   const std::string scene = "id = 'x'\n[simulation" + repeated(".a", kDeep) + "]";
-  EXPECT_THROW(simulation::parse_scene(scene, "x.toml"), InputError);
+  EXPECT_THROW(input::parse_scene(scene, "x.toml"), InputError);
 }
 
 // Found by fuzzing: the parser asserts that these do not happen, or calls it unreachable, which

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "comparisons/files.h"
+#include "comparisons/system/files.h"
 #include "from_base64.h"
 #include "sample_motion.h"
 #include "softfinger/input/errors.h"
@@ -141,9 +141,9 @@ TEST_F(TrajectoryFiles, CsvQuotesNamesThatNeedIt) {
 TEST_F(TrajectoryFiles, JsonSaysTheSameAndNamesTheShapes) {
   const Recording recording = tests::sample_motion(40);
   write_trajectory(recording, folder_);
-  EXPECT_EQ(read_text_file(folder_ / "trajectory.csv"), trajectory_csv(recording));
-  EXPECT_EQ(read_text_file(folder_ / "contacts.csv"), contacts_csv(recording));
-  const json read = json::parse(read_text_file(folder_ / "trajectory.json"));
+  EXPECT_EQ(system::read_text_file(folder_ / "trajectory.csv"), trajectory_csv(recording));
+  EXPECT_EQ(system::read_text_file(folder_ / "contacts.csv"), contacts_csv(recording));
+  const json read = json::parse(system::read_text_file(folder_ / "trajectory.json"));
   EXPECT_EQ(read, trajectory_json(recording));
   EXPECT_EQ(read["scene"], "box_in_pinch");
   EXPECT_EQ(read["bodies"][0]["shapes"][0]["kind"], "capsule");
@@ -223,7 +223,7 @@ TEST_F(TrajectoryFiles, VtuHoldsBodiesWhereTheyAre) {
   const Recording recording = tests::sample_motion(40);
   write_vtu(recording, folder_);
   const Frame& frame = recording.frames[30];
-  const std::string vtu = read_text_file(folder_ / "frames/bodies_000030.vtu");
+  const std::string vtu = system::read_text_file(folder_ / "frames/bodies_000030.vtu");
   const auto points_m = vtu_array<double>(vtu, "points");
   const auto corners = vtu_array<std::int32_t>(vtu, "connectivity");
   const auto offsets = vtu_array<std::int32_t>(vtu, "offsets");
@@ -258,7 +258,7 @@ TEST_F(TrajectoryFiles, VtuHoldsContactsAndTheirEllipses) {
   write_vtu(recording, folder_);
   const Frame& frame = recording.frames.front();
   ASSERT_EQ(frame.contacts.size(), 6u);
-  const std::string contacts = read_text_file(folder_ / "frames/contacts_000000.vtu");
+  const std::string contacts = system::read_text_file(folder_ / "frames/contacts_000000.vtu");
   EXPECT_EQ(stated(contacts, "NumberOfPoints"), 6u);
   const auto points_m = vtu_array<double>(contacts, "points");
   const auto normal_forces_N = vtu_array<double>(contacts, "normal_force_N");
@@ -271,7 +271,7 @@ TEST_F(TrajectoryFiles, VtuHoldsContactsAndTheirEllipses) {
     EXPECT_EQ(bodies[2 * i + 1], contact.b);
   }
   // Four of the six are points.
-  const std::string ellipses = read_text_file(folder_ / "frames/ellipses_000000.vtu");
+  const std::string ellipses = system::read_text_file(folder_ / "frames/ellipses_000000.vtu");
   EXPECT_EQ(stated(ellipses, "NumberOfCells"), 2u);
   EXPECT_EQ(vtu_array<double>(ellipses, "utilisation").size(), 2u);
   const auto rim_m = vtu_array<double>(ellipses, "points");
@@ -288,7 +288,7 @@ TEST_F(TrajectoryFiles, VtuHoldsContactsAndTheirEllipses) {
 TEST_F(TrajectoryFiles, PvdNamesEveryNthFrameAndTheLast) {
   const Recording recording = tests::sample_motion(40);
   write_vtu(recording, folder_, 7);
-  const std::string pvd = read_text_file(folder_ / "motion.pvd");
+  const std::string pvd = system::read_text_file(folder_ / "motion.pvd");
   const std::regex entry("<DataSet timestep=\"([^\"]+)\" part=\"([0-2])\"[^>]*file=\"([^\"]+)\"/>");
   std::vector<double> times;
   std::size_t files = 0;
@@ -305,11 +305,12 @@ TEST_F(TrajectoryFiles, PvdNamesEveryNthFrameAndTheLast) {
 
 TEST_F(TrajectoryFiles, VtuOfNothingIsStillAFile) {
   write_vtu(tests::motion_without_contacts(), folder_, 1000);
-  const std::string contacts = read_text_file(folder_ / "frames/contacts_000000.vtu");
+  const std::string contacts = system::read_text_file(folder_ / "frames/contacts_000000.vtu");
   EXPECT_EQ(stated(contacts, "NumberOfPoints"), 0u);
   EXPECT_TRUE(vtu_array<double>(contacts, "points").empty());
   write_vtu(tests::empty_motion(), folder_ / "empty");
-  EXPECT_EQ(read_text_file(folder_ / "empty/motion.pvd").find("DataSet"), std::string::npos);
+  EXPECT_EQ(system::read_text_file(folder_ / "empty/motion.pvd").find("DataSet"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -37,8 +37,8 @@ TEST(Triangulate, ClosedShapesAreClosedAndSeenFromOutside) {
   // which lose their square over 4, to the next order, which is positive.
   const double circle = 18 / kPi * std::sin(kPi / 18);
   const double ball = circle * (1 - std::pow(kPi / 18, 2) / 4);
-  const auto check = [](const ShapeKind& kind, double exact_m3, double least, double most) {
-    Shape shape{kind, Eigen::Isometry3d::Identity()};
+  const auto check = [](const input::ShapeKind& kind, double exact_m3, double least, double most) {
+    input::Shape shape{kind, Eigen::Isometry3d::Identity()};
     shape.pose.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
     shape.pose.pretranslate(Eigen::Vector3d(1, -2, 0.5));
     const TriangleSurface surface = triangulate(shape, 1);
@@ -47,27 +47,27 @@ TEST(Triangulate, ClosedShapesAreClosedAndSeenFromOutside) {
     EXPECT_GE(ratio, least - 1e-12);
     EXPECT_LE(ratio, most + 1e-12);
   };
-  check(Box{{1, 2, 3}}, 6, 1, 1);
-  check(Cylinder{0.5, 2}, kPi / 2, circle, circle);
-  check(Sphere{2}, 32 * kPi / 3, ball, circle);
-  check(Ellipsoid{{1, 2, 3}}, 8 * kPi, ball, circle);
-  check(Capsule{0.5, 2}, kPi / 2 + kPi / 6, ball, circle);
+  check(input::Box{{1, 2, 3}}, 6, 1, 1);
+  check(input::Cylinder{0.5, 2}, kPi / 2, circle, circle);
+  check(input::Sphere{2}, 32 * kPi / 3, ball, circle);
+  check(input::Ellipsoid{{1, 2, 3}}, 8 * kPi, ball, circle);
+  check(input::Capsule{0.5, 2}, kPi / 2 + kPi / 6, ball, circle);
 }
 
 TEST(Triangulate, VerticesLieOnTheSurface) {
   constexpr double kRounding = 1e-15;
   for (const Eigen::Vector3d& vertex :
-       triangulate({Sphere{1}, Eigen::Isometry3d::Identity()}, 1).vertices_m)
+       triangulate({input::Sphere{1}, Eigen::Isometry3d::Identity()}, 1).vertices_m)
     EXPECT_NEAR(vertex.norm(), 1, kRounding);
   for (const Eigen::Vector3d& vertex :
-       triangulate({Capsule{1, 4}, Eigen::Isometry3d::Identity()}, 1).vertices_m)
+       triangulate({input::Capsule{1, 4}, Eigen::Isometry3d::Identity()}, 1).vertices_m)
     EXPECT_NEAR(std::hypot(vertex.x(), vertex.y(), std::max(0., std::abs(vertex.z()) - 2)), 1,
                 kRounding);
 }
 
 TEST(Triangulate, AHalfSpaceIsASquareOfItsPlaneSeenFromOutside) {
   const TriangleSurface square =
-      triangulate({HalfSpace{}, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 3))}, 4);
+      triangulate({input::HalfSpace{}, Eigen::Isometry3d(Eigen::Translation3d(0, 0, 3))}, 4);
   ASSERT_EQ(square.triangles.size(), 2u);
   for (const auto& [i, j, k] : square.triangles) {
     const Eigen::Vector3d twice_area = (square.vertices_m[j] - square.vertices_m[i])
@@ -79,10 +79,10 @@ TEST(Triangulate, AHalfSpaceIsASquareOfItsPlaneSeenFromOutside) {
 
 TEST(Triangulate, AMeshIsItselfAndAMissingOneIsNothing) {
   const auto surface = std::make_shared<TriangleSurface>(
-      triangulate({Box{{1, 1, 1}}, Eigen::Isometry3d::Identity()}, 1));
-  EXPECT_EQ(triangulate({Mesh{surface}, Eigen::Isometry3d::Identity()}, 1).vertices_m,
+      triangulate({input::Box{{1, 1, 1}}, Eigen::Isometry3d::Identity()}, 1));
+  EXPECT_EQ(triangulate({input::Mesh{surface}, Eigen::Isometry3d::Identity()}, 1).vertices_m,
             surface->vertices_m);
-  EXPECT_TRUE(triangulate({Mesh{}, Eigen::Isometry3d::Identity()}, 1).triangles.empty());
+  EXPECT_TRUE(triangulate({input::Mesh{}, Eigen::Isometry3d::Identity()}, 1).triangles.empty());
 }
 
 TEST(Extent, HoldsBodiesInAllFramesAndNoHalfSpace) {

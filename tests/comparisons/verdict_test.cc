@@ -1,4 +1,4 @@
-#include "comparisons/verdict.h"
+#include "comparisons/judgement/verdict.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kTolerance = 0.1;
 
-LoadErrors load(double load_N, std::vector<ModelError> models) {
+judgement::LoadErrors load(double load_N, std::vector<judgement::ModelError> models) {
   return {load_N, true, true, "", std::move(models)};
 }
 
@@ -18,7 +18,7 @@ bool contains(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST(Verdict, NamesTheModelThatHoldsAtAllLoads) {
-  const Verdict verdict = compose_verdict(
+  const judgement::Verdict verdict = judgement::compose_verdict(
       {load(1, {{"hertz", true, true, 0.01, -0.02}, {"winkler", true, false, 0.5, 0.4}}),
        load(2, {{"hertz", true, true, 0.04, 0.01}, {"winkler", true, false, 0.7, 0.3}})},
       kTolerance);
@@ -29,7 +29,7 @@ TEST(Verdict, NamesTheModelThatHoldsAtAllLoads) {
 }
 
 TEST(Verdict, SaysAtWhichLoadsAModelHoldsAndWhatIsNearestElsewhere) {
-  const Verdict verdict = compose_verdict(
+  const judgement::Verdict verdict = judgement::compose_verdict(
       {load(0.5, {{"hertz", true, true, 0.01, 0.02}, {"winkler", true, false, 0.5, 0.4}}),
        load(5, {{"hertz", true, false, 0.3, 0.2}, {"winkler", true, true, -0.2, 0.1}})},
       kTolerance);
@@ -40,7 +40,7 @@ TEST(Verdict, SaysAtWhichLoadsAModelHoldsAndWhatIsNearestElsewhere) {
 }
 
 TEST(Verdict, PutsModelsTogetherThatHoldAtDifferentLoads) {
-  const Verdict verdict = compose_verdict(
+  const judgement::Verdict verdict = judgement::compose_verdict(
       {load(0.5, {{"hertz", true, true, 0.01, 0.02}, {"winkler", false, false, 0, 0}}),
        load(5, {{"hertz", true, false, 0.3, 0.2}, {"winkler", true, true, 0.05, 0.04}})},
       kTolerance);
@@ -51,21 +51,23 @@ TEST(Verdict, PutsModelsTogetherThatHoldAtDifferentLoads) {
 }
 
 TEST(Verdict, SaysThatNoneHoldsAndHowNearTheNearestComes) {
-  const Verdict verdict = compose_verdict({load(5, {{"hertz", true, false, 0.48, 0.2},
-                                                    {"layer", true, true, 0.104, 0.02},
-                                                    {"winkler", false, false, 0, 0}})},
-                                          kTolerance);
+  const judgement::Verdict verdict =
+      judgement::compose_verdict({load(5, {{"hertz", true, false, 0.48, 0.2},
+                                           {"layer", true, true, 0.104, 0.02},
+                                           {"winkler", false, false, 0, 0}})},
+                                 kTolerance);
   EXPECT_EQ(verdict.verdict_class, "bad");
   EXPECT_EQ(verdict.sentence,
             "No model can be relied on at 5 N: nearest is Layer, off by +10.4 % in area, +2.0 % in "
             "torque.");
-  EXPECT_EQ(compose_verdict({load(5, {{"winkler", false, false, 0, 0}})}, kTolerance).sentence,
-            "No model can be relied on at 5 N: none has an answer.");
+  EXPECT_EQ(
+      judgement::compose_verdict({load(5, {{"winkler", false, false, 0, 0}})}, kTolerance).sentence,
+      "No model can be relied on at 5 N: none has an answer.");
 }
 
 TEST(Verdict, DoesNotTrustAnErrorThatCrossesZeroOutsideTheAssumptions) {
-  const Verdict verdict =
-      compose_verdict({load(5, {{"winkler", true, false, 0.02, -0.01}})}, kTolerance);
+  const judgement::Verdict verdict =
+      judgement::compose_verdict({load(5, {{"winkler", true, false, 0.02, -0.01}})}, kTolerance);
   EXPECT_EQ(verdict.verdict_class, "mixed");
   EXPECT_EQ(verdict.sentence,
             "No model can be relied on at 5 N: Winkler agrees (area within 2.0 %, torque within "
@@ -73,42 +75,45 @@ TEST(Verdict, DoesNotTrustAnErrorThatCrossesZeroOutsideTheAssumptions) {
 }
 
 TEST(Verdict, TellsWhenTheReferenceFailedOrIsDoubtful) {
-  LoadErrors failed{5, false, false, "no convergence", {{"hertz", true, true, 0, 0}}};
-  EXPECT_EQ(compose_verdict({failed}, kTolerance).verdict_class, "failed");
-  LoadErrors doubtful = load(2, {{"hertz", true, true, 0.01, 0.01}});
+  judgement::LoadErrors failed{5, false, false, "no convergence", {{"hertz", true, true, 0, 0}}};
+  EXPECT_EQ(judgement::compose_verdict({failed}, kTolerance).verdict_class, "failed");
+  judgement::LoadErrors doubtful = load(2, {{"hertz", true, true, 0.01, 0.01}});
   doubtful.fem_trusted = false;
-  const Verdict verdict = compose_verdict({doubtful, failed}, kTolerance);
+  const judgement::Verdict verdict = judgement::compose_verdict({doubtful, failed}, kTolerance);
   EXPECT_EQ(verdict.verdict_class, "good");
   EXPECT_TRUE(contains(verdict.sentence, "own error is too large at 2 N")) << verdict.sentence;
   EXPECT_TRUE(contains(verdict.sentence, "FEM failed at 5 N")) << verdict.sentence;
 }
 
 TEST(Verdict, LeadsWithTheMostAccurateFastModelAndNamesOneMore) {
-  std::vector<ModelError> models = {{"bonded_layer", true, true, 0.002, 0.001},
-                                    {"hertz", true, true, 0.05, 0.04},
-                                    {"layer_fft", true, true, 0.0001, 0.0001, false},
-                                    {"layer_fredholm", true, true, 0.0001, 0.0001, false},
-                                    {"power_law", false, false, 0, 0, true, false},
-                                    {"thin_incompressible", true, false, 0.9, 0.8},
-                                    {"winkler", true, false, 0.2, 0.1}};
-  std::vector<LoadErrors> loads;
+  std::vector<judgement::ModelError> models = {
+      {"bonded_layer", true, true, 0.002, 0.001},
+      {"hertz", true, true, 0.05, 0.04},
+      {"layer_fft", true, true, 0.0001, 0.0001, false},
+      {"layer_fredholm", true, true, 0.0001, 0.0001, false},
+      {"power_law", false, false, 0, 0, true, false},
+      {"thin_incompressible", true, false, 0.9, 0.8},
+      {"winkler", true, false, 0.2, 0.1}};
+  std::vector<judgement::LoadErrors> loads;
   for (double load_N : {0.5, 1.0, 2.0, 5.0, 10.0}) loads.push_back(load(load_N, models));
-  EXPECT_EQ(compose_verdict(loads, kTolerance).sentence,
+  EXPECT_EQ(judgement::compose_verdict(loads, kTolerance).sentence,
             "Use Bonded layer (area within 0.2 %, torque within 0.1 % of FEM) or Hertz (area "
             "within 5.0 %, torque within 4.0 %) at 0.5 to 10 N; 2 others are off by 20 % to 90 %.");
 }
 
 TEST(Verdict, NamesASlowModelWhenNoOtherWillDo) {
-  const ModelError slow{"layer_fft", true, true, 0.001, 0.001, false};
+  const judgement::ModelError slow{"layer_fft", true, true, 0.001, 0.001, false};
   const std::string sentence =
-      compose_verdict({load(1, {{"hertz", true, false, 0.5, 0.4}, slow})}, kTolerance).sentence;
+      judgement::compose_verdict({load(1, {{"hertz", true, false, 0.5, 0.4}, slow})}, kTolerance)
+          .sentence;
   EXPECT_TRUE(contains(sentence, "Use Layer fft (area within 0.1 %")) << sentence;
   EXPECT_TRUE(contains(sentence, "Hertz is off by +50 %")) << sentence;
   // Also where nothing holds everywhere: beside a fast model that does as well it has no place.
   const std::string mixed =
-      compose_verdict({load(1, {{"hertz", true, true, 0.05, 0.04}, slow}),
-                       load(2, {{"hertz", false, false, 0, 0}, {"layer_fft", false, false, 0, 0}})},
-                      kTolerance)
+      judgement::compose_verdict(
+          {load(1, {{"hertz", true, true, 0.05, 0.04}, slow}),
+           load(2, {{"hertz", false, false, 0, 0}, {"layer_fft", false, false, 0, 0}})},
+          kTolerance)
           .sentence;
   EXPECT_FALSE(contains(mixed, "fft")) << mixed;
 }

@@ -5,8 +5,10 @@
 # The arrows go one way, towards what is depended on:
 #   input <- math <- friction, layer <- fft <- pressure;  input, math <- geometry;  all of these <- dynamics
 #   input <- meshes <- fem
-#   everything <- comparisons
-# The finite elements judge the analytic models: they never see one.
+#   everything <- comparisons, and in it:
+#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes
+#   all of these <- report <- suite, sweep <- commands, distributed
+# The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
 
 # may_include(folder pattern...): patterns of the headers that the files of a folder may include. The
@@ -19,7 +21,7 @@ endmacro()
 
 # The standard library's headers have neither folder nor suffix; what ends in .h is named singly.
 set(std "^[a-z_0-9]+$")
-set(posix "^(sys/[a-z]+|unistd|fcntl|malloc|signal|time|dirent|dlfcn)[.]h$")
+set(posix "^(sys/[a-z]+|unistd|fcntl|malloc|signal|time|dirent|dlfcn|poll|sched)[.]h$")
 set(eigen "^Eigen/")
 set(input "^softfinger/input/")
 
@@ -42,11 +44,39 @@ may_include(fem/studies ${std} ${eigen} ${input} "^meshes/" "^fem/" "^fmt/")
 may_include(fem ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^deal[.]II/"
             "^omp[.]h$" "^(suitesparse/)?cholmod[.]h$")
 
+
+set(library "^(nlohmann|fmt)/")
+set(rooms "")
+# room(NAME extra patterns...): a room knows itself, the rooms declared before it, and the libraries.
+macro(room name)
+  list(APPEND rooms ${name})
+  list(JOIN rooms "|" known)
+  may_include(comparisons/${name} ${std} ${posix} ${eigen} ${library} "^softfinger/"
+              "^comparisons/(${known})/" ${ARGN})
+endmacro()
+room(text)
+room(system)
+room(input "^toml[+][+]/" "^meshes/io/")
+room(prediction "^meshes/")
+room(reference)
+room(simulation "^fcl/" "^meshes/")
+room(judgement)
+room(exporting)
+room(extremes)
+room(report)
+room(suite)
+room(sweep "^toml[+][+]/")
+room(commands "^CLI/" "^meshes/")
+room(distributed "^CLI/" "^mpi[.]h$")
+may_include(comparisons/main.cc ${std} "^CLI/" "^softfinger/input/" "^comparisons/(system|text|commands)/")
+# Nothing else lies loose in the root: such a file may not know any room.
+may_include(comparisons ${std} "^softfinger/input/")
+
 # One line per broken arrow under `root`, as a list in `out`; the number of files read in `out_files`.
 function(find_broken_arrows root out out_files)
   set(broken "")
   set(patterns "")
-  foreach(top analytic meshes fem)
+  foreach(top analytic meshes fem comparisons)
     list(APPEND patterns ${root}/${top}/*.h ${root}/${top}/*.cc)
   endforeach()
   file(GLOB_RECURSE files RELATIVE ${root} ${patterns})
@@ -86,7 +116,12 @@ if(SELF_TEST)
       "meshes/io/g.cc|softfinger/geometry/g.h"
       "fem/h.cc|softfinger/pressure/pressure_model.h"
       "fem/i.h|comparisons/case.h"
-      "fem/j.cc|nlohmann/json.hpp")
+      "fem/j.cc|nlohmann/json.hpp"
+      "comparisons/input/k.h|comparisons/prediction/k.h"
+      "comparisons/judgement/atlas/l.cc|comparisons/report/l.h"
+      "comparisons/report/m.cc|comparisons/commands/m.h"
+      "comparisons/reference/n.cc|fem/n.h"
+      "comparisons/n.cc|comparisons/input/n.h")
     string(REPLACE "|" ";" pair "${pair}")
     list(GET pair 0 file)
     list(GET pair 1 header)

@@ -9,7 +9,7 @@
 
 namespace softfinger::tests {
 
-/// The array that simulation::base64 wrote, padding and all.
+/// The array that base64 wrote, padding and all.
 template <typename Number>
 std::vector<Number> from_base64(const std::string& text) {
   constexpr std::string_view kDigits =

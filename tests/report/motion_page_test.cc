@@ -16,7 +16,7 @@
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/math/pi.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 using simulation::Recording;
@@ -73,10 +73,8 @@ TEST(MotionPage, StaysBelowThreeMegabytes) {
   for (simulation::Frame& frame : stress.frames)
     while (frame.contacts.size() < 100) frame.contacts.push_back(frame.contacts.front());
   for (int i = 0; i < 5; ++i) {
-    simulation::Mesh& mesh =
-        std::get<simulation::Mesh>(stress.bodies[5 * i + 4].shapes.front().kind);
-    TriangleSurface own =
-        *std::get<simulation::Mesh>(stress.bodies[25].shapes.front().kind).surface;
+    input::Mesh& mesh = std::get<input::Mesh>(stress.bodies[5 * i + 4].shapes.front().kind);
+    TriangleSurface own = *std::get<input::Mesh>(stress.bodies[25].shapes.front().kind).surface;
     for (Eigen::Vector3d& vertex : own.vertices_m) vertex *= 0.2 + 0.01 * i;
     mesh.surface = std::make_shared<const TriangleSurface>(own);
   }
@@ -228,14 +226,14 @@ TEST(MotionData, EqualSurfacesAreKeptOnce) {
 
 TEST(MotionData, ABoxHasSharpEdgesAndASphereNone) {
   Recording recording = tests::sample_motion(1);
-  const auto vertices = [&](const simulation::ShapeKind& kind) {
+  const auto vertices = [&](const input::ShapeKind& kind) {
     recording.bodies[0].shapes = {{kind, Eigen::Isometry3d::Identity()}};
     const Json data = motion_data(recording, {});
     return from_base64<float>(data["geometries"][0]["positions"]).size() / 3;
   };
-  EXPECT_EQ(vertices(simulation::Box{{1, 2, 3}}), 24u);
-  EXPECT_EQ(vertices(simulation::Sphere{1}), 2u + 36 * 17);
+  EXPECT_EQ(vertices(input::Box{{1, 2, 3}}), 24u);
+  EXPECT_EQ(vertices(input::Sphere{1}), 2u + 36 * 17);
 }
 
 }  // namespace
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

@@ -50,7 +50,7 @@ void differentiate(Recording& recording) {
 
 /// A surface of revolution about z; `profile` gives (radius, z) of its parameter from 0 to 1.
 template <typename Profile>
-simulation::Mesh turned(int segments, int rings, const Profile& profile) {
+input::Mesh turned(int segments, int rings, const Profile& profile) {
   TriangleSurface surface;
   for (int ring = 0; ring < rings; ++ring)
     for (int j = 0; j < segments; ++j) {
@@ -106,12 +106,12 @@ Recording sample_motion(int steps) {
   const double finger_radius_m = 0.009;
   const auto tip = [&](const char* name) {
     return simulation::RecordedBody{
-        name, true, {{simulation::Capsule{finger_radius_m, 0.03}, Isometry3d::Identity()}}};
+        name, true, {{input::Capsule{finger_radius_m, 0.03}, Isometry3d::Identity()}}};
   };
   recording.bodies = {tip("thumb"),
                       tip("index finger"),
-                      {"box", true, {{simulation::Box{box_size}, Isometry3d::Identity()}}},
-                      {"table", false, {{simulation::HalfSpace{}, Isometry3d::Identity()}}}};
+                      {"box", true, {{input::Box{box_size}, Isometry3d::Identity()}}},
+                      {"table", false, {{input::HalfSpace{}, Isometry3d::Identity()}}}};
   for (int step = 0; step <= steps; ++step) {
     const double time_s = step * recording.time_step_s;
     Frame frame;
@@ -169,11 +169,11 @@ Recording large_motion() {
   recording.question = "Does the page carry 27 bodies over 1,800 steps?";
   recording.time_step_s = 1. / 180;
   // As fine as surfaces come out of CAD: 6,720 and 24,000 triangles.
-  const simulation::Mesh fingertip = turned(60, 57, [](double t) {
+  const input::Mesh fingertip = turned(60, 57, [](double t) {
     return std::pair{0.008 * std::sin(kPi * t), -0.013 * std::cos(kPi * t)};
   });
   // Up the outer wall and down the inner one.
-  const simulation::Mesh glass = turned(120, 101, [](double t) {
+  const input::Mesh glass = turned(120, 101, [](double t) {
     const bool is_outside = t < 0.5;
     const double along_m = 0.28 * (is_outside ? t : 1 - t);  // from the axis, over the foot, up
     const double radius_m = std::min(along_m, 0.033), height_m = std::max(0., along_m - 0.033);
@@ -185,13 +185,13 @@ Recording large_motion() {
       recording.bodies.push_back(
           {"finger " + std::to_string(finger) + " link " + std::to_string(link),
            true,
-           {{simulation::Capsule{0.009 - 0.001 * link, 0.03 + 0.002 * finger + 0.001 * link},
+           {{input::Capsule{0.009 - 0.001 * link, 0.03 + 0.002 * finger + 0.001 * link},
              Isometry3d::Identity()}}});
     recording.bodies.push_back(
         {"fingertip " + std::to_string(finger), true, {{fingertip, Isometry3d::Identity()}}});
   }
   recording.bodies.push_back({"glass", true, {{glass, Isometry3d::Identity()}}});
-  recording.bodies.push_back({"table", false, {{simulation::HalfSpace{}, Isometry3d::Identity()}}});
+  recording.bodies.push_back({"table", false, {{input::HalfSpace{}, Isometry3d::Identity()}}});
   const int glass_index = 25, table_index = 26;
   for (int step = 0; step <= 1800; ++step) {
     const double time_s = step * recording.time_step_s;

@@ -12,7 +12,7 @@
 #include "from_base64.h"
 #include "sample_sweep.h"
 
-namespace softfinger::comparisons {
+namespace softfinger::report {
 namespace {
 
 using Json = nlohmann::json;
@@ -130,9 +130,9 @@ TEST(SweepPage, SaysWhenNotAllRowsAreDrawn) {
   const Json sweep = tests::sweep_at_random();
   const std::string text = visible_text(sweep);
   EXPECT_TRUE(contains(text,
-                       "20,000 of 1,000,000 rows are drawn, evenly taken out; all are in "
+                       "20,000 of 1,000,000 rows, evenly spaced, are drawn; all are in "
                        "results.csv"));
-  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "evenly taken out"));
+  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "evenly spaced"));
   // 60 columns of 20,000 rows; without the chart libraries.
   EXPECT_LT(render_sweep(sweep).size(), 7'000'000u);
 }
@@ -210,4 +210,4 @@ TEST(SweepPage, SurvivesRowsWithoutAnswersAndNoRows) {
 }
 
 }  // namespace
-}  // namespace softfinger::comparisons
+}  // namespace softfinger::report

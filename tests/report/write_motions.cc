@@ -56,7 +56,7 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const std::string folder = argv[1];
-  softfinger::comparisons::MotionPageOptions options;
+  softfinger::report::MotionPageOptions options;
   options.scene_text = "question = \"...\"\n\n[[body]]\nname = \"box\"\nshape = \"box\"\n";
   options.version = "0.0.0";
   options.command = "softfinger simulate box_in_pinch.toml --output motion";
@@ -64,7 +64,7 @@ int main(int argc, char** argv) try {
        {std::pair{"pinch", sample_motion()}, std::pair{"large", large_motion()},
         std::pair{"without_contacts", motion_without_contacts()},
         std::pair{"one_frame", motion_of_one_frame()}, std::pair{"empty", empty_motion()}}) {
-    const std::string page = softfinger::comparisons::motion_page(recording, options);
+    const std::string page = softfinger::report::motion_page(recording, options);
     write_page(folder + "/" + name + ".html", page);
     write_page(folder + "/" + name + "_desktop.html", framed_page(page, 1280, 900, kReader));
     write_page(folder + "/" + name + "_phone.html", framed_page(page, 390, 844, kReader));

@@ -33,7 +33,7 @@ page.querySelectorAll('.plot svg').forEach((chart) => {
 
 /// A page into which a text has slipped without having been escaped.
 std::string injected_page() {
-  softfinger::comparisons::Page page;
+  softfinger::report::Page page;
   page.title = "Injected";
   page.data = "{}";
   page.body =
@@ -41,9 +41,8 @@ std::string injected_page() {
       "<img src=\"https://example.org/a.png\" alt=\"\">"
       "<link rel=\"stylesheet\" href=\"https://example.org/a.css\">"
       "<svg onload=\"document.documentElement.dataset.injected = 'yes'\"></svg>";
-  page.scripts = {softfinger::comparisons::embedded::d3_js,
-                  softfinger::comparisons::embedded::plot_js,
-                  softfinger::comparisons::embedded::charts_js};
+  page.scripts = {softfinger::report::embedded::d3_js, softfinger::report::embedded::plot_js,
+                  softfinger::report::embedded::charts_js};
   const std::string html = render_page(page);
   const std::size_t root = html.find("<html ");
   return html.substr(0, root) +
@@ -61,7 +60,7 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const std::string folder = argv[1];
-  using namespace softfinger::comparisons;
+  using namespace softfinger::report;
   for (const auto& [name, page] : {std::pair{"sample", render_report(sample_report())},
                                    std::pair{"large", render_report(large_report(20))},
                                    std::pair{"selection", render_selection(sample_selection())},

@@ -113,7 +113,7 @@ int main(int argc, char** argv) try {
         std::pair{"three_keys", sweep_of_three_keys()}, std::pair{"zipped", sweep_of_zipped_keys()},
         std::pair{"awkward", sweep_of_awkward_keys()}, std::pair{"random", sweep_at_random()},
         std::pair{"one_row", sweep_of_one_row()}, std::pair{"nothing", sweep_without_answers()}}) {
-    const std::string page = softfinger::comparisons::render_sweep(sweep);
+    const std::string page = softfinger::report::render_sweep(sweep);
     write_page(folder + "/" + name + ".html", page);
     write_page(folder + "/" + name + "_desktop.html", framed_page(page, 1280, 900, kReader));
     write_page(folder + "/" + name + "_phone.html", framed_page(page, 390, 844, kReader));

@@ -49,7 +49,7 @@ struct Detection {
       text += fmt::format("[[body]]\nname = \"b{}\"\nshapes = [{{ {} }}]\n{}\n", b, bodies[b].shape,
                           fixed ? "fixed = true" : "mass_g = 100\ninertia_kg_mm2 = [1, 1, 1]");
     }
-    scene = parse_scene(text, file);
+    scene = input::parse_scene(text, file);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       scene.descriptions[b].pose = bodies[b].pose;
       if (!scene.descriptions[b].fixed) scene.descriptions[b].velocity_m_per_s = Vector3d(1, 0, 0);
@@ -64,7 +64,7 @@ struct Detection {
   }
   void move(int body, const Isometry3d& pose) { scene.descriptions[std::size_t(body)].pose = pose; }
 
-  Scene scene;
+  input::Scene scene;
   std::unique_ptr<CollisionDetector> detector;
 };
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "comparisons/simulation/scene.h"
+#include "comparisons/input/scene.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/math/pi.h"
 #include "tests/comparisons/run_program.h"
@@ -15,8 +15,8 @@
 namespace softfinger::tests {
 namespace {
 
-using simulation::parse_scene;
-using simulation::Scene;
+using input::parse_scene;
+using input::Scene;
 
 /// Line numbers below count from here.
 const std::string kHead =
@@ -240,7 +240,7 @@ TEST_F(SceneProgram, ReportsAStepWithoutSolutionAndWritesEverythingUpToIt) {
 // --- what is read --------------------------------------------------------------------------------
 
 TEST(Scene, IsReadInSi) {
-  const Scene scene = parse_scene(
+  const input::Scene scene = input::parse_scene(
       kHead +
           with(kBall, "mass_g = 100\n",
                "mass_g = 100\nvelocity_mm_per_s = [1, 2, 3]\nrotation_deg = [10, 20, 30]\n"
@@ -274,7 +274,7 @@ TEST(Scene, IsReadInSi) {
   EXPECT_EQ(scene.rule(1, 0).friction_coefficient, 0.7);
   EXPECT_EQ(scene.rule(0, 0).friction_coefficient, 0.3);
   // Eased: at rest at both ends, half way at half time, at 15/8 of the mean speed.
-  const simulation::TimeTable& table = scene.motions[0].table;
+  const input::TimeTable& table = scene.motions[0].table;
   EXPECT_EQ(table.value(0)[0], 0);
   EXPECT_EQ(table.value(1)[0], 0);
   EXPECT_NEAR(table.value(2)[0], 0.05, 1e-16);
@@ -293,7 +293,7 @@ TEST(Scene, UnitesTheMassOfSeveralShapes) {
       "[{ sphere_radius_mm = 10, position_mm = [30, 0, 0] }, { sphere_radius_mm = 10, "
       "position_mm = [-30, 0, 0] }, { cylinder_radius_length_mm = [5, 40], rotation_deg = [0, 90, "
       "0] }]");
-  const Scene scene = parse_scene(kHead + dumb_bell, "scene.toml");
+  const input::Scene scene = input::parse_scene(kHead + dumb_bell, "scene.toml");
   const double ball = 4 * kPi / 3 * 1e-6, rod = kPi * 25e-6 * 0.04, all = 2 * ball + rod;
   const double along = (2 * ball * 0.4e-4 + rod * 12.5e-6) / all;
   const double across = (2 * ball * (0.4e-4 + 9e-4) + rod * (25e-6 / 4 + 0.0016 / 12)) / all;

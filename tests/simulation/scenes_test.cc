@@ -46,7 +46,7 @@ std::string pinch(const std::string& friction, const std::string& contact, doubl
 
 const char* const kGiven = "model = \"given\"\neccentricity_mm = 1.7";
 
-Simulation run(const std::string& text) { return simulate(parse_scene(text, "pinch.toml")); }
+Simulation run(const std::string& text) { return simulate(input::parse_scene(text, "pinch.toml")); }
 
 /// Angular velocity of the plate at the end.
 double spin(const Simulation& run) {
@@ -119,7 +119,7 @@ TEST(PinchThreshold, OfTheExactLimitSurface) {
 }
 
 TEST(BuiltinScenes, LiftTheBoxUpright) {
-  const Simulation lift = simulate(read_scene(SOFTFINGER_SCENES "/lift_box.toml"));
+  const Simulation lift = simulate(input::read_scene(SOFTFINGER_SCENES "/lift_box.toml"));
   EXPECT_EQ(lift.failure, "");
   EXPECT_EQ(lift.steps, 2000);
   const Frame &first = lift.recording.frames.front(), &last = lift.recording.frames.back();
@@ -134,7 +134,7 @@ TEST(BuiltinScenes, LiftTheBoxUpright) {
 }
 
 TEST(BuiltinScenes, LetTheCurvedObjectTurnInTheGrasp) {
-  const Simulation lift = simulate(read_scene(SOFTFINGER_SCENES "/lift_curved.toml"));
+  const Simulation lift = simulate(input::read_scene(SOFTFINGER_SCENES "/lift_curved.toml"));
   EXPECT_EQ(lift.failure, "");
   EXPECT_EQ(lift.steps, 2000);
   const Frame &first = lift.recording.frames.front(), &last = lift.recording.frames.back();
@@ -152,7 +152,7 @@ TEST(BuiltinScenes, LetTheCurvedObjectTurnInTheGrasp) {
 }
 
 TEST(BuiltinScenes, HundredContactsAreHundred) {
-  Scene scene = read_scene(SOFTFINGER_SCENES "/hundred_contacts.toml");
+  input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/hundred_contacts.toml");
   scene.duration_s = 0.02;
   const Simulation simulation = simulate(scene);
   EXPECT_EQ(simulation.failure, "");

@@ -30,11 +30,15 @@ class Random {
   std::normal_distribution<double> normal_;
 };
 
-const std::vector<ShapeKind> kShapes = {
-    Sphere{0.03},        Ellipsoid{{0.01, 0.02, 0.05}}, Cylinder{0.02, 0.07}, Cylinder{0.05, 0.01},
-    Capsule{0.02, 0.05}, Box{{0.02, 0.05, 0.09}},       HalfSpace{}};
+const std::vector<input::ShapeKind> kShapes = {
+    input::Sphere{0.03},         input::Ellipsoid{{0.01, 0.02, 0.05}},
+    input::Cylinder{0.02, 0.07}, input::Cylinder{0.05, 0.01},
+    input::Capsule{0.02, 0.05},  input::Box{{0.02, 0.05, 0.09}},
+    input::HalfSpace{}};
 
-bool bounded(const ShapeKind& kind) { return !std::holds_alternative<HalfSpace>(kind); }
+bool bounded(const input::ShapeKind& kind) {
+  return !std::holds_alternative<input::HalfSpace>(kind);
+}
 
 /// h/size for central differences: their error is h², with round-off epsilon/h.
 constexpr double kDifference = 1e-5;
@@ -42,7 +46,7 @@ constexpr double kDifference = 1e-5;
 TEST(SurfacePoint, NormalIsAcrossAndCurvatureTurnsTheNormal) {
   Random random;
   int smooth = 0;
-  for (const ShapeKind& kind : kShapes) {
+  for (const input::ShapeKind& kind : kShapes) {
     const double size = bounded(kind) ? bounding_radius_m(kind) : 0.05;
     for (int trial = 0; trial < 200; ++trial) {
       const SurfacePoint at =
@@ -78,30 +82,31 @@ TEST(SurfacePoint, LiesOnTheSurface) {
   Random random;
   for (int trial = 0; trial < 200; ++trial) {
     const Vector3d point = random.uniform(0.01, 0.2) * random.direction();
-    const auto on = [&](const ShapeKind& kind) { return surface_near(kind, point).point_m; };
+    const auto on = [&](const input::ShapeKind& kind) { return surface_near(kind, point).point_m; };
     const double round_off = 64 * kEpsilon;
-    EXPECT_NEAR(on(Sphere{0.03}).norm(), 0.03, round_off);
-    EXPECT_NEAR(
-        on(Ellipsoid{{0.01, 0.02, 0.05}}).cwiseQuotient(Vector3d(0.01, 0.02, 0.05)).squaredNorm(),
-        1, round_off);
-    const Vector3d capsule = on(Capsule{0.02, 0.05});
+    EXPECT_NEAR(on(input::Sphere{0.03}).norm(), 0.03, round_off);
+    EXPECT_NEAR(on(input::Ellipsoid{{0.01, 0.02, 0.05}})
+                    .cwiseQuotient(Vector3d(0.01, 0.02, 0.05))
+                    .squaredNorm(),
+                1, round_off);
+    const Vector3d capsule = on(input::Capsule{0.02, 0.05});
     EXPECT_NEAR((capsule - Vector3d(0, 0, std::clamp(capsule.z(), -0.025, 0.025))).norm(), 0.02,
                 round_off);
-    const Vector3d cylinder = on(Cylinder{0.02, 0.07});
+    const Vector3d cylinder = on(input::Cylinder{0.02, 0.07});
     EXPECT_NEAR(
         std::max(std::hypot(cylinder.x(), cylinder.y()) / 0.02, std::abs(cylinder.z()) / 0.035), 1,
         round_off);
-    const Vector3d box = on(Box{{0.02, 0.05, 0.09}});
+    const Vector3d box = on(input::Box{{0.02, 0.05, 0.09}});
     EXPECT_NEAR(box.cwiseAbs().cwiseQuotient(Vector3d(0.01, 0.025, 0.045)).maxCoeff(), 1,
                 round_off);
-    EXPECT_EQ(on(HalfSpace{}).z(), 0);
+    EXPECT_EQ(on(input::HalfSpace{}).z(), 0);
   }
 }
 
 TEST(SurfacePoint, IsTheNearestOneButOnEllipsoids) {
   Random random;
-  for (const ShapeKind& kind : kShapes) {
-    if (std::holds_alternative<Ellipsoid>(kind) || !bounded(kind)) continue;
+  for (const input::ShapeKind& kind : kShapes) {
+    if (std::holds_alternative<input::Ellipsoid>(kind) || !bounded(kind)) continue;
     const double size = bounding_radius_m(kind);
     for (int trial = 0; trial < 100; ++trial) {
       const Vector3d point = 2 * size * random.direction();  // outside
@@ -118,21 +123,22 @@ TEST(SurfacePoint, IsTheNearestOneButOnEllipsoids) {
 
 TEST(SurfacePoint, CurvaturesOfTheEllipsoidsEndsAreTheTextbooks) {
   const double a = 0.01, b = 0.02, c = 0.05;
-  const SurfacePoint top = surface_near(Ellipsoid{{a, b, c}}, Vector3d(0, 0, 1));
+  const SurfacePoint top = surface_near(input::Ellipsoid{{a, b, c}}, Vector3d(0, 0, 1));
   EXPECT_NEAR(top.curvature_per_m(0, 0), c / (a * a), 64 * kEpsilon * c / (a * a));
   EXPECT_NEAR(top.curvature_per_m(1, 1), c / (b * b), 64 * kEpsilon * c / (b * b));
   EXPECT_TRUE(top.smooth);
-  const SurfacePoint side = surface_near(Cylinder{a, c}, Vector3d(1, 0, 0));
+  const SurfacePoint side = surface_near(input::Cylinder{a, c}, Vector3d(1, 0, 0));
   EXPECT_NEAR(side.curvature_per_m(1, 1), 1 / a, 64 * kEpsilon / a);
   EXPECT_NEAR(side.curvature_per_m(2, 2), 0, 64 * kEpsilon / a);
-  EXPECT_FALSE(surface_near(Cylinder{a, c}, Vector3d(a, 0, c / 2)).smooth) << "on the rim";
-  EXPECT_FALSE(surface_near(Box{{a, b, c}}, Vector3d(a / 2, b / 2, 0)).smooth) << "on an edge";
-  EXPECT_FALSE(surface_near(Box{{a, b, c}}, Vector3d(a, b, c)).smooth) << "beyond a corner";
+  EXPECT_FALSE(surface_near(input::Cylinder{a, c}, Vector3d(a, 0, c / 2)).smooth) << "on the rim";
+  EXPECT_FALSE(surface_near(input::Box{{a, b, c}}, Vector3d(a / 2, b / 2, 0)).smooth)
+      << "on an edge";
+  EXPECT_FALSE(surface_near(input::Box{{a, b, c}}, Vector3d(a, b, c)).smooth) << "beyond a corner";
 }
 
 TEST(SupportPoint, IsTheFarthestOne) {
   Random random;
-  for (const ShapeKind& kind : kShapes) {
+  for (const input::ShapeKind& kind : kShapes) {
     if (!bounded(kind)) continue;
     const double size = bounding_radius_m(kind);
     for (int trial = 0; trial < 200; ++trial) {
@@ -150,7 +156,7 @@ TEST(SupportPoint, IsTheFarthestOne) {
 
 TEST(BearingPoints, AreOnTheSurfaceAndCarry) {
   Random random;
-  for (const ShapeKind& kind : kShapes) {
+  for (const input::ShapeKind& kind : kShapes) {
     if (!bounded(kind)) continue;
     const double size = bounding_radius_m(kind);
     for (int trial = 0; trial < 100; ++trial) {
@@ -167,7 +173,7 @@ TEST(BearingPoints, AreOnTheSurfaceAndCarry) {
         // The upper end of a capsule that lies nearly flat: inside by the square of the tilt.
         ASSERT_LE((surface_near(kind, point).point_m - point).norm(),
                   1e3 * kEpsilon * size +
-                      (std::holds_alternative<Capsule>(kind) ? reach * reach / size : 0));
+                      (std::holds_alternative<input::Capsule>(kind) ? reach * reach / size : 0));
       }
       ASSERT_NEAR(farthest, most, 1e-9 * size)
           << "the lowest point is among them: shape " << kind.index();
@@ -179,7 +185,7 @@ TEST(BearingPoints, OfAMeshAreSpreadOverItsFlatSide) {
   auto mesh = std::make_shared<TriangleSurface>(
       meshes::triangulated_ellipsoid({0.03, 0.03, 0.03}, Vector3d::Zero(), 10));
   for (Vector3d& vertex : mesh->vertices_m) vertex.z() = std::max(vertex.z(), -0.02);
-  const auto points = bearing_points(Mesh{mesh}, -Vector3d::UnitZ(), 1e-4);
+  const auto points = bearing_points(input::Mesh{mesh}, -Vector3d::UnitZ(), 1e-4);
   EXPECT_GE(points.size(), 4u);
   EXPECT_LE(points.size(), 8u);
   Vector3d least = points[0], most = points[0];

@@ -1,6 +1,6 @@
 // Case files.
 
-#include "comparisons/case.h"
+#include "comparisons/input/case.h"
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
 
@@ -9,7 +9,7 @@ namespace {
 
 bool read(std::string_view bytes) {
   try {
-    parse_case(std::string(bytes), "fuzzed.toml");
+    input::parse_case(std::string(bytes), "fuzzed.toml");
     return true;
   } catch (const InputError&) {
     return false;

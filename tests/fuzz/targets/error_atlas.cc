@@ -1,6 +1,6 @@
 // The table of errors, and what is made of it: answers for contacts in it and beside it.
 
-#include "comparisons/atlas/error_atlas.h"
+#include "comparisons/judgement/atlas/error_atlas.h"
 
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
@@ -10,7 +10,7 @@ namespace {
 
 bool read(std::string_view bytes) {
   try {
-    const ErrorAtlas atlas(parse_atlas(std::string(bytes), "fuzzed.csv"));
+    const judgement::ErrorAtlas atlas(judgement::parse_atlas(std::string(bytes), "fuzzed.csv"));
     for (const double poisson_ratio : {0., 0.3, 0.5})
       for (const double load_N : {0.1, 5.}) {
         const ContactProblem problem = {

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "comparisons/case.h"
-#include "comparisons/fem_process.h"
-#include "comparisons/local_geometry.h"
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/fem_process.h"
 #include "fem/read_problem.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
@@ -46,12 +46,13 @@ bool read(std::string_view bytes) {
 std::vector<std::string> seeds() {
   std::vector<std::string> texts;
   for (const std::string& text : texts_of(SOFTFINGER_CASES, ".toml")) {
-    const Case contact_case = parse_case(text, "seed.toml");
+    const input::Case contact_case = input::parse_case(text, "seed.toml");
     if (text.find("mesh") != std::string::npos || contact_case.object_layer.thickness_m > 0)
       continue;
     const double load_N = contact_case.loads_N.front();
-    const LocalGeometry geometry = GeometryResolver(contact_case).resolve(load_N);
-    texts.push_back(softfinger::fem_problem(contact_case, geometry, load_N, 2).dump(1));
+    const prediction::LocalGeometry geometry =
+        prediction::GeometryResolver(contact_case).resolve(load_N);
+    texts.push_back(reference::fem_problem(contact_case, geometry, load_N, 2).dump(1));
   }
   const std::string mesh =
       "{\"shape\": \"mesh\", \"mesh\": \"tip.stl\", \"metres_per_unit\": 0.001,\n\"point_m\": [0, "

@@ -1,6 +1,6 @@
 // Recorded contact problems, read and, where they are small, solved.
 
-#include "comparisons/recorded_contacts.h"
+#include "comparisons/input/recorded_contacts.h"
 
 #include <exception>
 
@@ -12,7 +12,7 @@ namespace {
 
 bool read(std::string_view bytes) {
   try {
-    const ContactLcp problem = parse_recorded_contacts(std::string(bytes), "fuzzed.txt");
+    const ContactLcp problem = input::parse_recorded_contacts(std::string(bytes), "fuzzed.txt");
     if (problem.contacts() > 4 || problem.vertices.cols() > 16) return true;
     ContactLcpSolver solver(problem.contacts(), int(problem.vertices.cols()));
     ContactSolution solution;

@@ -1,6 +1,6 @@
 // Scene files.
 
-#include "comparisons/simulation/scene.h"
+#include "comparisons/input/scene.h"
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
 
@@ -9,7 +9,7 @@ namespace {
 
 bool read(std::string_view bytes) {
   try {
-    simulation::parse_scene(std::string(bytes), "fuzzed.toml");
+    input::parse_scene(std::string(bytes), "fuzzed.toml");
     return true;
   } catch (const InputError&) {
     return false;

@@ -1,7 +1,7 @@
 // Results of finite elements that are kept between runs.
 
-#include "comparisons/fem_process.h"
-#include "comparisons/finished_results.h"
+#include "comparisons/reference/fem_process.h"
+#include "comparisons/reference/finished_results.h"
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
 
@@ -14,10 +14,11 @@ nlohmann::json problem() { return {{"name", "pad"}, {"load_N", 1}}; }
 
 bool read(std::string_view bytes) {
   try {
-    const FinishedResult finished = parse_finished_result(std::string(bytes), kProgram, problem());
-    if (finished.result.is_null()) return false;
-    fem_is_trusted(finished.result);
-    finished.result.dump();
+    const reference::FinishedResult finished =
+        reference::parse_finished_result(std::string(bytes), kProgram, problem());
+    if (!finished.result) return false;
+    reference::is_trusted(finished.result->error);
+    finished.result->document.dump();
     return true;
   } catch (const InputError&) {
     return false;

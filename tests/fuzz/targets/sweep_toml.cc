@@ -11,8 +11,8 @@ namespace {
 
 bool read(std::string_view bytes) {
   try {
-    const Sweep sweep(std::string(bytes), "fuzzed.toml");
-    Sweep::Cases cases(sweep);
+    const sweep::Sweep sweep(std::string(bytes), "fuzzed.toml");
+    sweep::Sweep::Cases cases(sweep);
     for (std::size_t point = 0; point < std::min<std::size_t>(sweep.points(), 3); ++point) try {
         cases.at(point);
       } catch (const InputError&) {  // values that do not go together

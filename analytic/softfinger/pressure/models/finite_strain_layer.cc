@@ -19,8 +19,8 @@ struct Correction {
   double strain, slope;
 };
 
-/// Least squares over every second run of comparisons/atlas/finite_strain.csv, spheres on flat
-/// layers; a test fits them anew and compares them with the other half.
+/// Least squares over every second run of comparisons/judgement/atlas/finite_strain.csv, spheres on
+/// flat layers. A test repeats the fit and computes the errors on the other half.
 constexpr Correction kSemiAxes{-0.266, 0}, kIndentation{-0.426, 0.058}, kPeakPressure{0.925, 0.169},
     kTorqueArm{-0.378, 0.180};
 /// The largest d/h and ab/(R' R'') and the least nu in these runs. Beyond them the corrections keep
@@ -40,9 +40,8 @@ class FiniteStrainLayer final : public PressureModel {
         "bonded_layer's values times exp(c1 x + c2 ab/(R' R'')), x = (1 - 2 nu)/sqrt(1.1 - 2 nu) "
         "d/h; c1, c2 of a and b: -0.266, 0; of d: -0.426, 0.058; of the peak: 0.925, 0.169; of the "
         "torque: -0.378, 0.180",
-        "this project: fitted on one half of 40 finite-element runs at finite strain, compared "
-        "with "
-        "the other (comparisons/atlas/finite_strain.csv)",
+        "this project: fitted to one half of 40 finite-element runs at finite strain, tested on "
+        "the other (comparisons/judgement/atlas/finite_strain.csv)",
         "nu 0.3 to 0.49, d/h <= 0.4, a/R <= 0.47, a/h 0.3 to 4, R'/R'' = 1: on the runs that it "
         "was not fitted to a within 1.4 %, d 1.1 %, torque 0.5 %, peak pressure 1.6 %; on all runs "
         "1.4, 2.3, 1.7 and 4.5 %, area 4.4 %; on a finger with a curved layer d to 14 %",
@@ -86,11 +85,10 @@ class FiniteStrainLayer final : public PressureModel {
     prediction.validity.add({"fitted_poisson_ratio", problem.layer.poisson_ratio,
                              kLeastPoissonRatio, false,
                              "Poisson's ratio is below those that the correction was fitted to"});
-    prediction.validity.add({"round_contact",
-                             std::min(problem.radii.major_m / problem.radii.minor_m, 1e300), 1.67,
-                             true,
-                             "the correction was compared with R'/R'' up to 5/3; longer contacts "
-                             "have no stated error"});
+    prediction.validity.add(
+        {"round_contact", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300), 1.67,
+         true,
+         "the correction was tested on R'/R'' up to 5/3; longer contacts have no stated error"});
     return finite_or_no_answer(prediction, problem);
   }
 

@@ -1,0 +1,405 @@
+#include "comparisons/input/case.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "comparisons/input/case_table.h"
+#include "comparisons/input/toml_reader.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::input {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMostLoads = 1000, kMostSublayers = 100, kMostMeasuredRadii = 1000;
+
+double checked_radius(const TomlReader& reader, const toml::node& node, const std::string& field,
+                      double radius_mm) {
+  const double radius_m = radius_mm * kMillimetre;
+  if (radius_m == 0)
+    reader.refuse(node, field, "radii other than 0 (inf = flat, negative = concave)");
+  return radius_m;
+}
+
+void read_finger_shape(const TomlReader& reader, const toml::table& table, QuadricBody& quadric) {
+  if (const toml::node* shape = table.get("shape")) {
+    const std::string chosen =
+        reader.choice(*shape, "finger.shape", {"paraboloid", "ellipsoid", "tapered"});
+    if (chosen == "ellipsoid") quadric.shape = FingerShape::ellipsoid;
+    if (chosen == "tapered") quadric.shape = FingerShape::tapered;
+  }
+  if (const toml::node* taper = table.get("taper_per_mm")) {
+    if (quadric.shape != FingerShape::tapered)
+      reader.say(*taper, "taper_per_mm belongs to shape = \"tapered\"");
+    quadric.taper_per_m =
+        reader.number(*taper, "taper_per_mm", "a finite number per mm") / kMillimetre;
+  }
+}
+
+CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::string& name,
+                   const fs::path& folder) {
+  if (!node.is_table())
+    reader.refuse(node, name,
+                  "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
+  const toml::table& table = *node.as_table();
+  reader.check_keys(table, name,
+                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "shape",
+                     "taper_per_mm"});
+  const int forms = static_cast<int>(table.contains("radii_mm")) +
+                    static_cast<int>(table.contains("sphere_radius_mm")) +
+                    static_cast<int>(table.contains("mesh"));
+  if (forms != 1) reader.say(node, name + " needs exactly one of radii_mm, sphere_radius_mm, mesh");
+  if (!table.contains("mesh"))
+    for (const char* key : {"unit", "point_mm", "normal"})
+      if (const toml::node* entry = table.get(key))
+        reader.say(*entry,
+                   fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
+
+  for (const char* key : {"shape", "taper_per_mm"})
+    if (const toml::node* entry = table.get(key))
+      if (name != "finger" || !table.contains("radii_mm"))
+        reader.say(*entry, fmt::format("{} is for a finger with radii_mm", key));
+
+  if (const toml::node* entry = table.get("radii_mm")) {
+    const std::string field = name + ".radii_mm";
+    const auto radii = reader.numbers(
+        *entry, field, 2, "two radii in mm, along x and y (inf = flat, negative = concave)", true);
+    QuadricBody quadric{checked_radius(reader, *entry, field, radii[0]),
+                        checked_radius(reader, *entry, field, radii[1])};
+    read_finger_shape(reader, table, quadric);
+    return quadric;
+  }
+  if (const toml::node* entry = table.get("sphere_radius_mm")) {
+    if (name == "finger")
+      reader.say(*entry, "sphere_radius_mm is for the object; a finger has radii_mm");
+    return SphereBody{reader.positive(*entry, name + ".sphere_radius_mm", kMillimetre)};
+  }
+  MeshBody mesh;
+  const toml::node& file = *table.get("mesh");
+  const std::string typed = reader.text(file, name + ".mesh");
+  if (typed.empty()) reader.refuse(file, name + ".mesh", "the path of an STL or OBJ file");
+  mesh.path = system::find_mesh_file(typed, folder);
+  mesh.where = reader.where(file);
+  if (const toml::node* unit = table.get("unit"))
+    mesh.metres_per_unit = reader.choice(*unit, name + ".unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
+  const auto point = reader.numbers(reader.required(table, name, "point_mm"), name + ".point_mm", 3,
+                                    "three finite numbers in mm");
+  mesh.point_m = kMillimetre * Eigen::Vector3d(point[0], point[1], point[2]);
+  if (const toml::node* entry = table.get("normal")) {
+    const std::string allowed = "three finite numbers, not all 0: the direction out of the body";
+    const auto normal = reader.numbers(*entry, name + ".normal", 3, allowed);
+    mesh.normal = Eigen::Vector3d(normal[0], normal[1], normal[2]);
+    if (!(mesh.normal->norm() > 0)) reader.refuse(*entry, name + ".normal", allowed);
+    mesh.normal->normalize();
+  }
+  return mesh;
+}
+
+std::variant<RelativeRadii, BodyPair> read_geometry(const TomlReader& reader,
+                                                    const toml::table& table,
+                                                    const fs::path& folder) {
+  reader.check_keys(table, "[geometry]", {"relative_radii_mm", "finger", "object", "angle_deg"});
+  const bool relative = table.contains("relative_radii_mm");
+  const bool bodies = table.contains("finger") || table.contains("object");
+  if (relative == bodies)
+    reader.say(table, "[geometry] needs exactly one form: relative_radii_mm, or finger and object");
+  if (relative) {
+    const toml::node& node = *table.get("relative_radii_mm");
+    if (const toml::node* angle = table.get("angle_deg"))
+      reader.say(*angle, "angle_deg turns an object against a finger; relative_radii_mm has none");
+    const std::string field = "relative_radii_mm";
+    const auto radii = reader.numbers(node, field, 2, "two radii in mm, R' and R''", true);
+    for (double radius_mm : radii) {
+      if (std::isinf(radius_mm))
+        reader.say(node,
+                   "relative_radii_mm = " + as_typed(node) +
+                       ": no contact ellipse: a flat direction makes a line or plane contact");
+      if (radius_mm < 0)
+        reader.say(node, "relative_radii_mm = " + as_typed(node) +
+                             (radii[0] < 0 && radii[1] < 0
+                                  ? ": no contact ellipse: two negative relative radii make a gap "
+                                    "that opens nowhere, the bodies would interpenetrate all round"
+                                  : ": no contact ellipse: a negative relative radius makes a "
+                                    "saddle gap"));
+      if (!(radius_mm * kMillimetre > 0)) reader.refuse(node, field, "finite numbers > 0");
+    }
+    RelativeRadii result;
+    result.major_m = kMillimetre * std::max(radii[0], radii[1]);
+    result.minor_m = kMillimetre * std::min(radii[0], radii[1]);
+    // The first radius is the one along x: if it is the smaller one, the long axis lies along y.
+    result.axis_rad = radii[0] < radii[1] ? 90 * kDegree : 0;
+    return result;
+  }
+  BodyPair pair;
+  pair.finger = read_body(reader, reader.required(table, "[geometry]", "finger"), "finger", folder);
+  pair.object = read_body(reader, reader.required(table, "[geometry]", "object"), "object", folder);
+  if (const toml::node* angle = table.get("angle_deg"))
+    pair.angle_rad = kDegree * reader.number(*angle, "angle_deg", "a finite number of degrees");
+  return pair;
+}
+
+void read_winkler_modulus(const TomlReader& reader, const toml::table& table, Case& result) {
+  if (const toml::node* node = table.get("winkler_modulus"))
+    result.options.winkler_modulus =
+        reader.choice(*node, "winkler_modulus", {"oedometric", "youngs"}) == "youngs"
+            ? WinklerModulus::youngs
+            : WinklerModulus::oedometric;
+}
+
+std::vector<std::string> with_material_keys(std::vector<std::string> keys) {
+  keys.insert(keys.end(), {"material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"});
+  return keys;
+}
+
+/// The tables of [[layer]], or none where there is only one layer.
+std::vector<const toml::table*> sublayer_tables(const TomlReader& reader, const toml::table& root) {
+  std::vector<const toml::table*> tables;
+  const toml::array* list = root["layer"].as_array();
+  if (!list || !list->is_array_of_tables()) return {};
+  reader.list(*list, "[[layer]]", kMostSublayers, "tables");
+  for (const toml::node& entry : *list) tables.push_back(entry.as_table());
+  return tables;
+}
+
+/// [[layer]], from the surface inwards.
+void read_sublayers(const TomlReader& reader, const std::vector<const toml::table*>& tables,
+                    Case& result) {
+  double compliance = 0, poisson = 0;
+  for (const toml::table* table : tables) {
+    reader.check_keys(
+        *table, "[[layer]]",
+        with_material_keys({"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"}));
+    Sublayer sublayer;
+    if (const toml::node* name = table->get("name")) {
+      sublayer.name = reader.name(*name, "name");
+      for (const Sublayer& other : result.sublayers)
+        if (other.name == sublayer.name) reader.refuse(*name, "name", "each name once");
+    }
+    sublayer.layer = reader.elastic_layer(*table, "[[layer]]");
+    result.layer.thickness_m += sublayer.layer.thickness_m;
+    compliance += sublayer.layer.thickness_m / sublayer.layer.youngs_modulus_Pa;
+    poisson += sublayer.layer.thickness_m * sublayer.layer.poisson_ratio;
+    result.sublayers.push_back(sublayer);
+  }
+  result.layer.youngs_modulus_Pa = result.layer.thickness_m / compliance;
+  result.layer.poisson_ratio = poisson / result.layer.thickness_m;
+}
+
+/// [layer] on the finger, [object_layer] on the object; at least one of them.
+void read_layers(const TomlReader& reader, const toml::table& root, Case& result) {
+  const toml::node* on_object = root.get("object_layer");
+  result.layer_on_object = on_object && !root.contains("layer");
+  if (const auto tables = sublayer_tables(reader, root); !tables.empty()) {
+    read_sublayers(reader, tables, result);
+  } else if (!result.layer_on_object) {
+    const toml::table& table = reader.required_table(root, "layer");
+    reader.check_keys(table, "[layer]",
+                      with_material_keys({"thickness_mm", "youngs_modulus_kPa", "poisson_ratio",
+                                          "winkler_modulus"}));
+    result.layer = reader.elastic_layer(table, "[layer]");
+    read_winkler_modulus(reader, table, result);
+  }
+  if (!on_object) return;
+  const toml::table& table = reader.required_table(root, "object_layer");
+  std::vector<std::string> keys = {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio"};
+  // One choice for both layers; if there is a [layer], it has to be written there.
+  if (result.layer_on_object) keys.push_back("winkler_modulus");
+  reader.check_keys(table, "[object_layer]", keys);
+  (result.layer_on_object ? result.layer : result.object_layer) =
+      reader.elastic_layer(table, "[object_layer]");
+  if (result.layer_on_object) read_winkler_modulus(reader, table, result);
+}
+
+void read_power_law(const TomlReader& reader, const toml::node& node, Case& result) {
+  if (!node.is_table()) reader.refuse(node, "power_law", "a table");
+  const toml::table& table = *node.as_table();
+  reader.check_keys(table, "[power_law]",
+                    {"radius_coefficient_mm", "radius_exponent", "pressure_exponent", "data"});
+  PowerLaw& law = result.options.power_law;
+  if (const toml::node* exponent = table.get("pressure_exponent")) {
+    const std::string allowed = "a finite number >= 1 (2: as Hertz, larger: flatter)";
+    law.pressure_exponent = reader.number(*exponent, "pressure_exponent", allowed);
+    if (law.pressure_exponent < 1) reader.refuse(*exponent, "pressure_exponent", allowed);
+  }
+  if (const toml::node* data = table.get("data")) {
+    for (const char* key : {"radius_coefficient_mm", "radius_exponent"})
+      if (const toml::node* entry = table.get(key))
+        reader.say(*entry, std::string(key) +
+                               " is fitted when [power_law] has data: give one of "
+                               "the two");
+    const std::string allowed = "a list of measured [load_N, radius_mm], all > 0";
+    std::vector<LoadAndRadius> points;
+    for (const toml::node& row : reader.list(*data, "data", kMostMeasuredRadii, allowed)) {
+      const auto pair = reader.numbers(row, "data", 2, allowed);
+      points.push_back({pair[0], pair[1] * kMillimetre});
+      if (!(points.back().load_N > 0 && points.back().radius_m > 0))
+        reader.refuse(row, "data", allowed);
+    }
+    try {
+      result.power_law_fit = fit_power_law(points, law.pressure_exponent);
+    } catch (const InputError& error) {
+      throw InputError(reader.where(*data), "data: " + error.field(), error.value(),
+                       error.allowed());
+    }
+    law = result.power_law_fit->law;
+    return;
+  }
+  law.radius_coefficient =
+      reader.positive(reader.required(table, "[power_law]", "radius_coefficient_mm"),
+                      "radius_coefficient_mm", kMillimetre);
+  const toml::node& exponent = reader.required(table, "[power_law]", "radius_exponent");
+  const std::string allowed = "a number between 0 and 1 (linear elastic: 1/3 and less)";
+  law.radius_exponent = reader.number(exponent, "radius_exponent", allowed);
+  if (!(law.radius_exponent > 0 && law.radius_exponent < 1))
+    reader.refuse(exponent, "radius_exponent", allowed);
+}
+
+void read_contact(const TomlReader& reader, const toml::table& table, Case& result) {
+  reader.check_keys(table, "[contact]", {"load_N", "friction_coefficient"});
+  const toml::node& load = reader.required(table, "[contact]", "load_N");
+  if (load.is_array()) {
+    const std::string allowed = "a number > 0 or a list of them";
+    const toml::array& list = reader.list(load, "load_N", kMostLoads, allowed);
+    if (list.empty()) reader.refuse(load, "load_N", allowed);
+    std::set<double> known;
+    for (const toml::node& entry : list) {
+      const double load_N = reader.positive(entry, "load_N", 1);
+      if (!known.insert(load_N).second) reader.refuse(entry, "load_N", "each load once");
+      result.loads_N.push_back(load_N);
+    }
+  } else {
+    result.loads_N.push_back(reader.positive(load, "load_N", 1));
+  }
+  result.friction_coefficient = reader.positive(
+      reader.required(table, "[contact]", "friction_coefficient"), "friction_coefficient", 1);
+}
+
+void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
+  if (!node.is_table()) reader.refuse(node, "fem", "a table");
+  const toml::table& table = *node.as_table();
+  reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics", "mesh", "mesh_unit"});
+  if (const toml::node* level = table.get("level"))
+    result.fem_level = reader.integer(*level, "level", 1, 3, "1, 2 or 3");
+  if (const toml::node* geometry = table.get("geometry"))
+    if (reader.choice(*geometry, "geometry", {"flat", "curved"}) == "curved") {
+      if (!std::holds_alternative<BodyPair>(result.geometry))
+        reader.refuse(*geometry, "geometry",
+                      "\"flat\" with relative_radii_mm; a curved layer needs finger and object");
+      if (result.layer_on_object)
+        reader.refuse(*geometry, "geometry",
+                      "\"flat\" with [object_layer]: the curved layer is the finger's");
+      result.fem_curved = true;
+    }
+  if (const toml::node* mesh = table.get("mesh")) {
+    const std::string typed = reader.text(*mesh, "mesh");
+    if (typed.empty()) reader.refuse(*mesh, "mesh", "the name of a gmsh file (.msh) of the layer");
+    if (result.fem_curved)
+      reader.refuse(*mesh, "mesh", "geometry = \"flat\": the mesh is the layer, curved or not");
+    result.fem_mesh = system::find_mesh_file(typed, result.file.parent_path());
+  }
+  if (const toml::node* unit = table.get("mesh_unit"))
+    result.fem_mesh_metres_per_unit =
+        reader.choice(*unit, "mesh_unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
+  if (const toml::node* kinematics = table.get("kinematics"))
+    if (reader.choice(*kinematics, "kinematics", {"linear", "finite"}) == "finite")
+      result.fem_finite = FiniteStrain();
+}
+
+/// Reads the keys of a layer's table that belong to finite strain.
+/// @param name  of the table, as typed
+FiniteStrain read_material(const TomlReader& reader, const toml::table& table, const char* name,
+                           bool finite) {
+  FiniteStrain material;
+  if (!finite) {
+    for (const char* key : {"material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"})
+      if (const toml::node* node = table.get(key))
+        reader.refuse(*node, key, "nothing here: it needs [fem] kinematics = \"finite\"");
+    return material;
+  }
+  if (const toml::node* node = table.get("material"))
+    material.material = reader.choice(*node, "material", {"neo_hookean", "mooney_rivlin", "yeoh"});
+  if (const toml::node* node = table.get("volumetric"))
+    material.volumetric = reader.choice(*node, "volumetric", {"quadratic", "logarithmic"});
+  const auto require = [&](const char* key, const char* of) {
+    const toml::node* node = table.get(key);
+    if (node && material.material != of)
+      reader.refuse(*node, key, std::string("nothing here: it needs material = \"") + of + "\"");
+    return material.material == of ? &reader.required(table, name, key) : nullptr;
+  };
+  if (const toml::node* node = require("mooney_rivlin_share", "mooney_rivlin"))
+    material.mooney_rivlin_share =
+        reader.number(*node, "mooney_rivlin_share", "c01/(c10 + c01), 0 to 1");
+  if (const toml::node* node = require("yeoh_ratios", "yeoh"))
+    material.yeoh_ratios =
+        reader.numbers(*node, "yeoh_ratios", 2, "two numbers, c20/c10 and c30/c10");
+  return material;
+}
+
+void read_materials(const TomlReader& reader, const toml::table& root, Case& result) {
+  const auto tables = sublayer_tables(reader, root);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    result.sublayers[i].material =
+        read_material(reader, *tables[i], "[[layer]]", result.fem_finite.has_value());
+    if (!result.fem_mesh.empty() && result.sublayers[i].name.empty())
+      reader.say(*tables[i], "[[layer]] needs a name: that of its volume in the mesh of the layer");
+  }
+  if (result.sublayers.size() == 1 && result.fem_mesh.empty()) {
+    if (result.fem_finite) result.fem_finite = result.sublayers[0].material;
+    result.sublayers.clear();  // a homogeneous layer after all
+  }
+  if (!tables.empty() || !root.contains("layer")) return;
+  const FiniteStrain material =
+      read_material(reader, *root["layer"].as_table(), "[layer]", result.fem_finite.has_value());
+  if (result.fem_finite) result.fem_finite = material;
+}
+
+/// At finite strain the shape of the finger counts, not only its curvature at the contact. A finger
+/// without a given shape is then an ellipsoid (a sphere for equal radii) and not a paraboloid.
+void settle_finger_shape(const toml::table& geometry, Case& result) {
+  if (!result.fem_finite || !result.fem_curved) return;
+  auto* finger = std::get_if<QuadricBody>(&std::get<BodyPair>(result.geometry).finger);
+  if (finger && !geometry.at_path("finger.shape")) finger->shape = FingerShape::ellipsoid;
+}
+
+}  // namespace
+
+Case case_of(const toml::table& root, const std::string& text, const fs::path& file) {
+  const TomlReader reader(file.string());
+  reader.check_keys(
+      root, "",
+      {"id", "question", "geometry", "layer", "object_layer", "power_law", "contact", "fem"});
+
+  Case result;
+  result.file = file;
+  result.text = text;
+  result.id = reader.id(root);
+  if (const toml::node* question = root.get("question"))
+    result.question = reader.text(*question, "question");
+
+  const toml::table& geometry = reader.required_table(root, "geometry");
+  result.geometry_where = reader.where(geometry);
+  read_layers(reader, root, result);
+  if (const toml::node* law = root.get("power_law")) read_power_law(reader, *law, result);
+  read_contact(reader, reader.required_table(root, "contact"), result);
+  result.geometry = read_geometry(reader, geometry, file.parent_path());
+  if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
+  read_materials(reader, root, result);
+  settle_finger_shape(geometry, result);
+  return result;
+}
+
+Case parse_case(const std::string& text, const fs::path& file) {
+  return case_of(parse_toml(text, file.string()), text, file);
+}
+
+Case read_case(const fs::path& file) {
+  return parse_case(system::read_text_file(file, kLargestTomlFile), file);
+}
+
+}  // namespace softfinger::input

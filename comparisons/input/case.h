@@ -1,0 +1,107 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "softfinger/input/contact_problem.h"
+#include "softfinger/pressure/power_law_fit.h"
+
+/// A case file: what to compare, as written by a user. The only place that knows TOML.
+namespace softfinger::input {
+
+/// The shape of a finger away from the contact point, where its radii alone do not describe it.
+/// Only finite elements on its curved layer use it. Default: a paraboloid; at finite strain an
+/// ellipsoid.
+enum class FingerShape { paraboloid, ellipsoid, tapered };
+
+/// A paraboloid by its principal radii; infinite = flat, negative = concave.
+struct QuadricBody {
+  double radius_x_m = 0, radius_y_m = 0;
+  FingerShape shape = FingerShape::paraboloid;
+  double taper_per_m = 0;  ///< of `tapered`: relative change of the cross-section's radius along x
+};
+
+/// An exact sphere.
+struct SphereBody {
+  double radius_m = 0;
+};
+
+/// A point on a triangulated surface.
+struct MeshBody {
+  std::filesystem::path path;
+  std::string where;              ///< "file:line" that names it, for messages
+  double metres_per_unit = 1e-3;  ///< of the file's coordinates
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> normal;  ///< outward, need only be roughly right
+};
+
+using CaseBody = std::variant<QuadricBody, SphereBody, MeshBody>;
+
+/// Two bodies; the object is turned by `angle_rad` about the finger's normal.
+struct BodyPair {
+  CaseBody finger, object;
+  double angle_rad = 0;
+};
+
+/// A hyperelastic layer; its small-strain constants are those of [layer]. The finite-element
+/// program checks the parameters (`softfinger explain neo_hookean` describes them).
+struct FiniteStrain {
+  std::string material = "neo_hookean";
+  std::string volumetric = "quadratic";
+  double mooney_rivlin_share = 0;
+  std::vector<double> yeoh_ratios;  ///< two, or none
+};
+
+/// One of several bonded layers.
+struct Sublayer {
+  std::string name;  ///< with a mesh, the name of its volume there; else it may be empty
+  ElasticLayer layer;
+  FiniteStrain material;  ///< at finite strain
+};
+
+/// A case with every value checked, in SI units.
+struct Case {
+  std::string id;
+  std::string question;  ///< may be empty
+  std::filesystem::path file;
+  std::string text;  ///< of the file, for reproduction
+  std::variant<RelativeRadii, BodyPair> geometry;
+  std::string geometry_where;  ///< "file:line" of [geometry], for messages
+  ElasticLayer layer;          ///< the finger's, or the only one
+  /// From the surface inwards, if [[layer]] is repeated; empty for a homogeneous layer. With
+  /// sublayers, `layer` is the homogeneous layer that the models get: of the same thickness, with
+  /// 1/E and nu averaged over the thickness, which is exact for columns that stretch freely.
+  std::vector<Sublayer> sublayers;
+  ElasticLayer object_layer;  ///< thickness 0: one of the bodies is rigid
+  /// The file has an [object_layer] and no [layer]: the finger is rigid and `layer` is the
+  /// object's. For a quadric gap it makes no difference which of the bodies carries the layer.
+  bool layer_on_object = false;
+  ModelOptions options;
+  std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
+  std::vector<double> loads_N;               ///< all different
+  double friction_coefficient = 0;
+  int fem_level = 2;               ///< 1 to 3
+  bool fem_curved = false;         ///< finite elements on the finger's own curved core
+  std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
+  double fem_mesh_metres_per_unit = 1e-3;
+  std::optional<FiniteStrain> fem_finite;  ///< none: linear elasticity
+
+  ContactProblem problem(const RelativeRadii& radii, double load_N) const {
+    return {radii, layer, {load_N, friction_coefficient}, object_layer, options};
+  }
+};
+
+/// Reads and checks a case file. Mesh files are looked up relative to the case's folder, then among
+/// the built-in meshes, but not opened.
+/// @throws InputError with where = "file:line" for anything that is missing, unknown, of the wrong
+/// type or out of range; the nearest known key is named for an unknown one.
+Case read_case(const std::filesystem::path& file);
+
+/// The same for a text that is already in memory; `file` is used in messages and to find meshes.
+Case parse_case(const std::string& text, const std::filesystem::path& file);
+
+}  // namespace softfinger::input

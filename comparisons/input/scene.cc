@@ -1,0 +1,761 @@
+#include "comparisons/input/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "comparisons/input/toml_reader.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
+#include "meshes/io/read_surface.h"
+#include "softfinger/input/errors.h"
+#include "softfinger/math/pi.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger::input {
+namespace fs = std::filesystem;
+namespace {
+
+/// What one scene may hold, copies counted. All poses are recorded: five million of them take about
+/// a gigabyte.
+constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, kMostJoints = 1000,
+                      kMostMotors = 1000, kMostForces = 1000, kMostContactRules = 1000,
+                      kMostTimes = 10000, kMostEccentricities = 1000;
+constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
+constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
+
+constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
+
+/// The pieces of a scene that only the reading needs.
+class SceneReader {
+ public:
+  SceneReader(const toml::table& root, const fs::path& file, Scene& scene)
+      : reader_(file.string()), root_(root), folder_(file.parent_path()), scene_(scene) {}
+
+  void read();
+
+ private:
+  std::vector<const toml::table*> tables(const char* key, std::size_t most,
+                                         bool required = false) const;
+  Eigen::Vector3d vector(const toml::node& node, const std::string& field, double si) const;
+  Eigen::Vector3d vector_or_zero(const toml::table& table, const std::string& key, double si) const;
+  Eigen::Isometry3d pose(const toml::table& table) const;
+  int body_named(const toml::node& node, const std::string& field, bool world_allowed) const;
+  std::vector<double> times(const toml::table& table, const std::string& name) const;
+
+  void read_simulation();
+  void read_layers();
+  void read_bodies();
+  Shape read_shape(const toml::node& node) const;
+  void read_mass(const toml::table& table, const std::string& where,
+                 const std::vector<Shape>& shapes, BodyDescription& body) const;
+  void read_joints();
+  void read_motors();
+  void read_forces();
+  void read_rules();
+  EccentricityOverLoad eccentricity_table(const toml::node& node);
+
+  TomlReader reader_;
+  const toml::table& root_;
+  fs::path folder_;
+  Scene& scene_;
+  std::map<std::string, ElasticLayer> layers_;
+  std::vector<const toml::table*> joint_tables_;
+};
+
+std::vector<const toml::table*> SceneReader::tables(const char* key, std::size_t most,
+                                                    bool required) const {
+  std::vector<const toml::table*> result;
+  const toml::node* node = root_.get(key);
+  const std::string name = fmt::format("[[{}]]", key);
+  if (!node) {
+    if (required) throw InputError(scene_.file.string(), "there is no " + name, "", "");
+    return result;
+  }
+  for (const toml::node& entry : reader_.list(*node, name, most, "tables " + name)) {
+    if (!entry.is_table()) reader_.refuse(entry, key, "tables " + name);
+    result.push_back(entry.as_table());
+  }
+  return result;
+}
+
+Eigen::Vector3d SceneReader::vector(const toml::node& node, const std::string& field,
+                                    double si) const {
+  const auto values = reader_.numbers(node, field, 3, "three finite numbers");
+  return si * Eigen::Vector3d(values[0], values[1], values[2]);
+}
+
+Eigen::Vector3d SceneReader::vector_or_zero(const toml::table& table, const std::string& key,
+                                            double si) const {
+  const toml::node* node = table.get(key);
+  return node ? vector(*node, key, si) : Eigen::Vector3d::Zero();
+}
+
+/// position_mm, then rotation_deg about the fixed x, y and z axes, in this order.
+Eigen::Isometry3d SceneReader::pose(const toml::table& table) const {
+  const Eigen::Vector3d angles = vector_or_zero(table, "rotation_deg", kDegree);
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.linear() = (Eigen::AngleAxisd(angles.z(), Eigen::Vector3d::UnitZ()) *
+                     Eigen::AngleAxisd(angles.y(), Eigen::Vector3d::UnitY()) *
+                     Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX()))
+                        .toRotationMatrix();
+  result.translation() = vector_or_zero(table, "position_mm", kMillimetre);
+  return result;
+}
+
+int SceneReader::body_named(const toml::node& node, const std::string& field,
+                            bool world_allowed) const {
+  const std::string typed = reader_.name(node, field);
+  if (world_allowed && typed == "world") return -1;
+  std::vector<std::string> known;
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    if (scene_.bodies[b].name == typed) return int(b);
+    known.push_back(scene_.bodies[b].name);
+  }
+  reader_.refuse(
+      node, field,
+      fmt::format("the name of a body; did you mean \"{}\"?", text::nearest_name(typed, known)));
+}
+
+std::vector<double> SceneReader::times(const toml::table& table, const std::string& name) const {
+  const toml::node& node = reader_.required(table, name, "time_s");
+  const std::string allowed = "a list of times in s, each later than the one before";
+  const toml::array& list = reader_.list(node, "time_s", kMostTimes, allowed);
+  if (list.empty()) reader_.refuse(node, "time_s", allowed);
+  std::vector<double> result;
+  for (const toml::node& entry : list) {
+    result.push_back(reader_.number(entry, "time_s", allowed));
+    if (result.size() > 1 && !(result.back() > result[result.size() - 2]))
+      reader_.refuse(node, "time_s", allowed);
+  }
+  return result;
+}
+
+void SceneReader::read_simulation() {
+  const toml::table& table = reader_.required_table(root_, "simulation");
+  reader_.check_keys(table, "[simulation]",
+                     {"time_step_ms", "duration_s", "gravity_m_per_s2", "gravity_time_s",
+                      "friction", "vertices", "nominal_load_N"});
+  scene_.time_step_s = reader_.positive(reader_.required(table, "[simulation]", "time_step_ms"),
+                                        "time_step_ms", 1e-3);
+  scene_.duration_s =
+      reader_.positive(reader_.required(table, "[simulation]", "duration_s"), "duration_s", 1);
+  if (scene_.duration_s / scene_.time_step_s > kMostSteps)
+    reader_.refuse(*table.get("duration_s"), "duration_s",
+                   fmt::format("at most {:.0f} steps of time_step_ms", kMostSteps));
+  if (const toml::node* load = table.get("nominal_load_N"))
+    scene_.nominal_load_N = reader_.positive(*load, "nominal_load_N", 1);
+  scene_.gravity.time_s = {0};
+  scene_.gravity.values = Eigen::RowVector3d(0, 0, -9.81);
+  if (const toml::node* gravity = table.get("gravity_m_per_s2")) {
+    const toml::array* list = gravity->as_array();
+    if (list && !list->empty() && (*list)[0].is_array()) {
+      reader_.list(*gravity, "gravity_m_per_s2", kMostTimes, "directions");
+      scene_.gravity.time_s.clear();
+      const toml::node& typed_times = reader_.required(table, "[simulation]", "gravity_time_s");
+      const toml::array* times = typed_times.as_array();
+      const std::string allowed = "as many increasing times as there are directions";
+      if (!times || times->size() != list->size())
+        reader_.refuse(typed_times, "gravity_time_s", allowed);
+      scene_.gravity.values.resize(Eigen::Index(list->size()), 3);
+      for (std::size_t n = 0; n < list->size(); ++n) {
+        scene_.gravity.time_s.push_back(reader_.number((*times)[n], "gravity_time_s", allowed));
+        if (n > 0 && !(scene_.gravity.time_s[n] > scene_.gravity.time_s[n - 1]))
+          reader_.refuse(typed_times, "gravity_time_s", allowed);
+        scene_.gravity.values.row(Eigen::Index(n)) =
+            vector((*list)[n], "gravity_m_per_s2", 1).transpose();
+      }
+    } else {
+      scene_.gravity.values = vector(*gravity, "gravity_m_per_s2", 1).transpose();
+    }
+  }
+  if (const toml::node* friction = table.get("friction")) {
+    const std::string rule =
+        reader_.choice(*friction, "friction", {"ellipsoid", "limit_surface", "facets"});
+    scene_.friction.rule = rule == "facets"          ? FrictionSettings::Rule::facets
+                           : rule == "limit_surface" ? FrictionSettings::Rule::limit_surface
+                                                     : FrictionSettings::Rule::ellipsoid;
+  }
+  if (const toml::node* vertices = table.get("vertices")) {
+    if (scene_.friction.rule != FrictionSettings::Rule::facets)
+      reader_.say(*vertices, "vertices belongs to friction = \"facets\"");
+    scene_.friction.vertices =
+        reader_.integer(*vertices, "vertices", kFewestVertices, kMostVertices,
+                        fmt::format("{} to {}", kFewestVertices, kMostVertices));
+  }
+}
+
+void SceneReader::read_layers() {
+  for (const toml::table* table : tables("layer", kMostLayers)) {
+    reader_.check_keys(*table, "[[layer]]",
+                       {"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"});
+    const toml::node& name = reader_.required(*table, "[[layer]]", "name");
+    if (!layers_.emplace(reader_.name(name, "name"), reader_.elastic_layer(*table, "[[layer]]"))
+             .second)
+      reader_.refuse(name, "name", "each layer once");
+  }
+}
+
+Shape SceneReader::read_shape(const toml::node& node) const {
+  if (!node.is_table()) reader_.refuse(node, "shape", "a table such as { sphere_radius_mm = 10 }");
+  const toml::table& table = *node.as_table();
+  const std::vector<std::string> kinds = {"sphere_radius_mm",
+                                          "ellipsoid_semi_axes_mm",
+                                          "cylinder_radius_length_mm",
+                                          "capsule_radius_length_mm",
+                                          "box_size_mm",
+                                          "half_space",
+                                          "mesh"};
+  std::vector<std::string> known = kinds;
+  known.insert(known.end(), {"position_mm", "rotation_deg", "unit"});
+  reader_.check_keys(table, "shape", known);
+  std::vector<std::string> found;
+  for (const std::string& kind : kinds)
+    if (table.contains(kind)) found.push_back(kind);
+  if (found.size() != 1) reader_.say(table, "a shape needs exactly one of " + text::joined(kinds));
+  const std::string& kind = found[0];
+  const toml::node& value = *table.get(kind);
+  Shape shape;
+  shape.pose = pose(table);
+  if (table.contains("unit") && kind != "mesh") reader_.say(table, "unit belongs to a mesh");
+  const auto positive_numbers = [&](std::size_t count) {
+    const std::string allowed = fmt::format("{} numbers > 0, in mm", count);
+    auto numbers = reader_.numbers(value, kind, count, allowed);
+    for (double& number : numbers) {
+      if (!(number > 0)) reader_.refuse(value, kind, allowed);
+      number *= kMillimetre;
+    }
+    return numbers;
+  };
+  if (kind == "sphere_radius_mm") {
+    shape.kind = Sphere{reader_.positive(value, kind, kMillimetre)};
+  } else if (kind == "ellipsoid_semi_axes_mm") {
+    const auto axes = positive_numbers(3);
+    shape.kind = Ellipsoid{{axes[0], axes[1], axes[2]}};
+  } else if (kind == "cylinder_radius_length_mm") {
+    const auto size = positive_numbers(2);
+    shape.kind = Cylinder{size[0], size[1]};
+  } else if (kind == "capsule_radius_length_mm") {
+    const auto size = positive_numbers(2);
+    shape.kind = Capsule{size[0], size[1]};
+  } else if (kind == "box_size_mm") {
+    const auto size = positive_numbers(3);
+    shape.kind = Box{{size[0], size[1], size[2]}};
+  } else if (kind == "half_space") {
+    const std::string allowed = "true: all below the shape's plane z = 0";
+    if (!reader_.boolean(value, kind, allowed)) reader_.refuse(value, kind, allowed);
+    shape.kind = HalfSpace{};
+  } else {
+    const std::string typed = reader_.text(value, "mesh");
+    const toml::node* unit = table.get("unit");
+    const bool metres = unit && reader_.choice(*unit, "unit", {"mm", "m"}) == "m";
+    try {
+      shape.kind = Mesh{std::make_shared<TriangleSurface>(
+          meshes::read_surface(system::find_mesh_file(typed, folder_).string(), metres ? 1 : 1e-3)
+              .surface)};
+    } catch (const InputError& error) {
+      throw InputError(reader_.where(value), "mesh " + error.where() + ": " + error.field(),
+                       error.value(), error.allowed());
+    }
+  }
+  return shape;
+}
+
+struct Solid {
+  MassProperties unit_mass;
+  double volume_m3 = 0;
+};
+
+/// Of a shape in the body's frame.
+Solid solid(const Shape& shape, const std::string& where) {
+  Solid result;
+  if (const auto* sphere = std::get_if<Sphere>(&shape.kind)) {
+    result.unit_mass = unit_mass_of_ellipsoid(Eigen::Vector3d::Constant(sphere->radius_m));
+    result.volume_m3 = 4 * kPi / 3 * std::pow(sphere->radius_m, 3);
+  } else if (const auto* ellipsoid = std::get_if<Ellipsoid>(&shape.kind)) {
+    result.unit_mass = unit_mass_of_ellipsoid(ellipsoid->semi_axes_m);
+    result.volume_m3 = 4 * kPi / 3 * ellipsoid->semi_axes_m.prod();
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.kind)) {
+    result.unit_mass = unit_mass_of_cylinder(cylinder->radius_m, cylinder->length_m);
+    result.volume_m3 = kPi * cylinder->radius_m * cylinder->radius_m * cylinder->length_m;
+  } else if (const auto* capsule = std::get_if<Capsule>(&shape.kind)) {
+    const double r = capsule->radius_m;
+    result.unit_mass = unit_mass_of_capsule(r, capsule->length_m);
+    result.volume_m3 = kPi * r * r * (capsule->length_m + 4 * r / 3);
+  } else if (const auto* box = std::get_if<Box>(&shape.kind)) {
+    result.unit_mass = unit_mass_of_box(box->size_m);
+    result.volume_m3 = box->size_m.prod();
+  } else if (const auto* mesh = std::get_if<Mesh>(&shape.kind)) {
+    result.unit_mass = unit_mass_of_closed_surface(*mesh->surface, where, &result.volume_m3);
+  }
+  const Eigen::Matrix3d turn = shape.pose.linear();
+  result.unit_mass.inertia_kg_m2 = turn * result.unit_mass.inertia_kg_m2 * turn.transpose();
+  result.unit_mass.center_m = shape.pose * result.unit_mass.center_m;
+  return result;
+}
+
+/// Of all shapes together, mass 1; overlaps count twice.
+Solid united(const std::vector<Shape>& shapes, const std::string& where) {
+  Solid sum;
+  std::vector<Solid> parts;
+  for (const Shape& shape : shapes) {
+    parts.push_back(solid(shape, where));
+    sum.volume_m3 += parts.back().volume_m3;
+  }
+  for (const Solid& part : parts)
+    sum.unit_mass.center_m += part.volume_m3 / sum.volume_m3 * part.unit_mass.center_m;
+  for (const Solid& part : parts) {
+    const Eigen::Vector3d arm = part.unit_mass.center_m - sum.unit_mass.center_m;
+    sum.unit_mass.inertia_kg_m2 +=
+        part.volume_m3 / sum.volume_m3 *
+        (part.unit_mass.inertia_kg_m2 + arm.squaredNorm() * Eigen::Matrix3d::Identity() -
+         arm * arm.transpose());
+  }
+  sum.unit_mass.mass_kg = 1;
+  return sum;
+}
+
+void SceneReader::read_mass(const toml::table& table, const std::string& where,
+                            const std::vector<Shape>& shapes, BodyDescription& body) const {
+  const toml::node* mass = table.get("mass_g");
+  const toml::node* density = table.get("density_kg_per_m3");
+  const toml::node* inertia = table.get("inertia_kg_mm2");
+  const toml::node* center = table.get("center_of_mass_mm");
+  if (body.fixed) {
+    for (const toml::node* node : {mass, density, inertia, center})
+      if (node) reader_.say(*node, "a fixed body needs no mass");
+    return;
+  }
+  if ((mass != nullptr) == (density != nullptr))
+    reader_.say(table, where + " needs exactly one of mass_g, density_kg_per_m3");
+  for (const Shape& shape : shapes)
+    if (std::holds_alternative<HalfSpace>(shape.kind))
+      reader_.say(table, where + " has a half_space: that is for fixed bodies");
+  if (density && inertia) reader_.say(*inertia, "inertia_kg_mm2 goes with mass_g");
+  const bool derived = !inertia;
+  if (derived && shapes.empty())
+    reader_.say(table, where + " has no shape to derive its inertia from: give inertia_kg_mm2");
+  double volume_m3 = 0;
+  if (derived) {
+    try {
+      const Solid whole = united(shapes, where);
+      body.mass = whole.unit_mass;
+      volume_m3 = whole.volume_m3;
+    } catch (const InputError& error) {
+      throw InputError(reader_.where(table.contains("shapes") ? *table.get("shapes") : table),
+                       where + ": " + error.field(), error.value(), error.allowed());
+    }
+  }
+  const double mass_kg = mass ? reader_.number(*mass, "mass_g", "a finite number > 0") * kGram
+                              : reader_.positive(*density, "density_kg_per_m3", 1) * volume_m3;
+  if (mass && !(mass_kg > 0)) reader_.refuse(*mass, "mass_g", "a finite number > 0");
+  if (derived) {
+    body.mass = with_mass(body.mass, mass_kg);
+  } else {
+    body.mass.mass_kg = mass_kg;
+    const toml::array* list = inertia->as_array();
+    const std::string allowed = "[xx, yy, zz] or [xx, yy, zz, xy, xz, yz] about the centre of mass";
+    const std::size_t count = list && list->size() == 6 ? 6 : 3;
+    const auto values = reader_.numbers(*inertia, "inertia_kg_mm2", count, allowed);
+    Eigen::Matrix3d& matrix = body.mass.inertia_kg_m2;
+    matrix = Eigen::Vector3d(values[0], values[1], values[2]).asDiagonal();
+    if (count == 6) {
+      matrix(0, 1) = matrix(1, 0) = values[3];
+      matrix(0, 2) = matrix(2, 0) = values[4];
+      matrix(1, 2) = matrix(2, 1) = values[5];
+    }
+    matrix *= kKilogramSquareMillimetre;
+  }
+  if (center) body.mass.center_m = vector(*center, "center_of_mass_mm", kMillimetre);
+  try {
+    require_physical(body.mass, where);
+  } catch (const InputError& error) {
+    throw InputError(reader_.where(inertia ? *inertia : *(mass ? mass : density)),
+                     where + ": " + error.field(), error.value(), error.allowed());
+  }
+}
+
+void SceneReader::read_bodies() {
+  std::set<std::string> body_names;
+  for (const toml::table* table : tables("body", kMostBodies, true)) {
+    reader_.check_keys(
+        *table, "[[body]]",
+        {"name", "fixed", "position_mm", "rotation_deg", "mass_g", "density_kg_per_m3",
+         "center_of_mass_mm", "inertia_kg_mm2", "velocity_mm_per_s", "angular_velocity_deg_per_s",
+         "layer", "shapes", "copies"});
+    SceneBody body;
+    BodyDescription description;
+    const toml::node& name = reader_.required(*table, "[[body]]", "name");
+    body.name = reader_.name(name, "name");
+    const std::string where = "body \"" + body.name + "\"";
+    if (body.name == "world" || body.name == "*")
+      reader_.refuse(name, "name", "a name; \"world\" and \"*\" are taken");
+    if (const toml::node* fixed = table->get("fixed"))
+      description.fixed = reader_.boolean(*fixed, "fixed");
+    description.pose = pose(*table);
+    description.velocity_m_per_s = vector_or_zero(*table, "velocity_mm_per_s", kMillimetre);
+    description.angular_velocity_rad_per_s =
+        vector_or_zero(*table, "angular_velocity_deg_per_s", kDegree);
+    if (const toml::node* shapes = table->get("shapes"))
+      for (const toml::node& shape :
+           reader_.list(*shapes, "shapes", kMostShapes, "a list of shapes"))
+        body.shapes.push_back(read_shape(shape));
+    if (const toml::node* layer = table->get("layer")) {
+      const std::string typed = reader_.name(*layer, "layer");
+      const auto found = layers_.find(typed);
+      if (found == layers_.end()) reader_.refuse(*layer, "layer", "the name of a [[layer]]");
+      body.layer = found->second;
+    }
+    read_mass(*table, where, body.shapes, description);
+    std::array<std::int64_t, 3> count = {1, 1, 1};
+    Eigen::Vector3d spacing_m = Eigen::Vector3d::Zero();
+    if (const toml::node* copies = table->get("copies")) {
+      if (!copies->is_table())
+        reader_.refuse(*copies, "copies", "{ count = [2, 2, 1], spacing_mm = [10, 10, 0] }");
+      reader_.check_keys(*copies->as_table(), "copies", {"count", "spacing_mm"});
+      const toml::node& counts = reader_.required(*copies->as_table(), "copies", "count");
+      const std::string allowed = fmt::format("three whole numbers from 1 to {}", kMostCopies);
+      const auto typed = reader_.numbers(counts, "count", 3, allowed);
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (!(typed[i] >= 1 && typed[i] <= kMostCopies) || typed[i] != std::floor(typed[i]))
+          reader_.refuse(counts, "count", allowed);
+        count[i] = std::int64_t(typed[i]);
+      }
+      spacing_m = vector(reader_.required(*copies->as_table(), "copies", "spacing_mm"),
+                         "spacing_mm", kMillimetre);
+    }
+    const Eigen::Vector3d corner = description.pose.translation();
+    const std::size_t copies = std::size_t(count[0] * count[1] * count[2]);
+    if (scene_.bodies.size() + copies > kMostBodies)
+      reader_.refuse(name, "name",
+                     fmt::format("at most {} bodies in a scene, copies counted", kMostBodies));
+    const bool several = copies > 1;
+    int number = 0;
+    for (std::int64_t z = 0; z < count[2]; ++z)
+      for (std::int64_t y = 0; y < count[1]; ++y)
+        for (std::int64_t x = 0; x < count[0]; ++x) {
+          SceneBody copy = body;
+          if (several) copy.name = fmt::format("{}_{}", body.name, ++number);
+          description.name = copy.name;
+          description.pose.translation() =
+              corner + spacing_m.cwiseProduct(Eigen::Vector3d(double(x), double(y), double(z)));
+          if (!body_names.insert(copy.name).second) reader_.refuse(name, "name", "each body once");
+          scene_.bodies.push_back(copy);
+          scene_.descriptions.push_back(description);
+        }
+  }
+}
+
+void SceneReader::read_joints() {
+  for (const toml::table* table : tables("joint", kMostJoints)) {
+    reader_.check_keys(*table, "[[joint]]",
+                       {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
+                        "start_mm", "limits_deg", "limits_mm"});
+    JointDescription joint;
+    const toml::node& name = reader_.required(*table, "[[joint]]", "name");
+    joint.name = reader_.name(name, "name");
+    for (const JointDescription& other : scene_.joints)
+      if (other.name == joint.name) reader_.refuse(name, "name", "each joint once");
+    const std::string kind = reader_.choice(reader_.required(*table, "[[joint]]", "kind"), "kind",
+                                            {"fixed", "revolute", "prismatic"});
+    joint.kind = kind == "fixed"      ? JointKind::fixed
+                 : kind == "revolute" ? JointKind::revolute
+                                      : JointKind::prismatic;
+    joint.parent = body_named(reader_.required(*table, "[[joint]]", "parent"), "parent", true);
+    joint.child = body_named(reader_.required(*table, "[[joint]]", "child"), "child", false);
+    const bool turns = joint.kind == JointKind::revolute, moves = joint.kind != JointKind::fixed;
+    for (const char* key : {"start_deg", "limits_deg", "anchor_mm"})
+      if (!turns && table->contains(key))
+        reader_.say(*table->get(key), std::string(key) + " belongs to a revolute joint");
+    for (const char* key : {"start_mm", "limits_mm"})
+      if (kind != "prismatic" && table->contains(key))
+        reader_.say(*table->get(key), std::string(key) + " belongs to a prismatic joint");
+    if (moves) joint.axis = vector(reader_.required(*table, "[[joint]]", "axis"), "axis", 1);
+    if (turns)
+      joint.anchor_m =
+          vector(reader_.required(*table, "[[joint]]", "anchor_mm"), "anchor_mm", kMillimetre);
+    const double unit = turns ? kDegree : kMillimetre;
+    const std::string suffix = turns ? "_deg" : "_mm";
+    if (const toml::node* start = table->get("start" + suffix))
+      joint.start = unit * reader_.number(*start, "start" + suffix, "a finite number");
+    if (const toml::node* limits = table->get("limits" + suffix)) {
+      const std::string allowed = "[lower, upper] with lower <= start <= upper";
+      const auto pair = reader_.numbers(*limits, "limits" + suffix, 2, allowed, true);
+      joint.lower = unit * pair[0];
+      joint.upper = unit * pair[1];
+      if (!(joint.lower <= joint.start && joint.start <= joint.upper))
+        reader_.refuse(*limits, "limits" + suffix, allowed);
+    }
+    scene_.joints.push_back(joint);
+    joint_tables_.push_back(table);
+  }
+}
+
+void SceneReader::read_motors() {
+  for (const toml::table* table : tables("motor", kMostMotors)) {
+    const toml::node& name = reader_.required(*table, "[[motor]]", "joint");
+    const std::string typed = reader_.name(name, "joint");
+    Motor motor;
+    std::vector<std::string> known;
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+      if (scene_.joints[j].name == typed) motor.joint = int(j);
+      known.push_back(scene_.joints[j].name);
+    }
+    if (motor.joint < 0)
+      reader_.refuse(name, "joint",
+                     known.empty() ? "the name of a [[joint]], of which there are none"
+                                   : fmt::format("the name of a joint; did you mean \"{}\"?",
+                                                 text::nearest_name(typed, known)));
+    const JointDescription& joint = scene_.joints[std::size_t(motor.joint)];
+    if (joint.kind == JointKind::fixed)
+      reader_.refuse(name, "joint", "a revolute or prismatic joint");
+    for (const Motor& other : scene_.motors)
+      if (other.joint == motor.joint) reader_.refuse(name, "joint", "one motor per joint");
+    const bool turns = joint.kind == JointKind::revolute;
+    const std::string stiffness = turns ? "stiffness_Nm_per_rad" : "stiffness_N_per_m";
+    const std::string damping = turns ? "damping_Nms_per_rad" : "damping_Ns_per_m";
+    const std::string most = turns ? "max_effort_Nm" : "max_effort_N";
+    const std::string position = turns ? "position_deg" : "position_mm";
+    const std::string effort = turns ? "effort_Nm" : "effort_N";
+    reader_.check_keys(*table, "[[motor]]",
+                       {"joint", stiffness, damping, most, position, effort, "time_s"});
+    const auto not_negative = [&](const std::string& key, double& value) {
+      const toml::node* node = table->get(key);
+      if (!node) return;
+      value = reader_.number(*node, key, "a number >= 0", true);
+      if (!(value >= 0)) reader_.refuse(*node, key, "a number >= 0");
+    };
+    not_negative(stiffness, motor.stiffness);
+    not_negative(damping, motor.damping);
+    not_negative(most, motor.max_effort);
+    if (std::isinf(motor.stiffness) || std::isinf(motor.damping))
+      reader_.say(*table, "a motor's stiffness and damping are finite");
+    motor.target = joint.start;
+    const int index = int(scene_.motors.size());
+    scene_.motors.push_back(motor);
+    bool used_times = false;
+    for (const std::string& key : {position, effort}) {
+      const toml::node* node = table->get(key);
+      if (!node) continue;
+      used_times = true;
+      if (key == position && motor.stiffness == 0)
+        reader_.say(*node, key + " needs a " + stiffness + " > 0");
+      Motion motion;
+      motion.motor = index;
+      motion.is_effort = key == effort;
+      motion.table.smooth = !motion.is_effort;
+      motion.table.time_s = times(*table, "[[motor]]");
+      const auto values = reader_.numbers(*node, key, motion.table.time_s.size(),
+                                          "finite numbers, as many as time_s has");
+      motion.table.values.resize(Eigen::Index(values.size()), 1);
+      const double unit = motion.is_effort ? 1 : turns ? kDegree : kMillimetre;
+      for (std::size_t i = 0; i < values.size(); ++i)
+        motion.table.values(Eigen::Index(i), 0) = unit * values[i];
+      scene_.motions.push_back(motion);
+    }
+    if (!used_times && table->contains("time_s"))
+      reader_.say(*table->get("time_s"), "time_s goes with " + position + " or " + effort);
+  }
+}
+
+void SceneReader::read_forces() {
+  for (const toml::table* table : tables("force", kMostForces)) {
+    reader_.check_keys(*table, "[[force]]", {"body", "point_mm", "time_s", "force_N", "torque_Nm"});
+    ForceOverTime force;
+    const toml::node& name = reader_.required(*table, "[[force]]", "body");
+    force.body = body_named(name, "body", false);
+    const BodyDescription& body = scene_.descriptions[std::size_t(force.body)];
+    if (body.fixed) reader_.refuse(name, "body", "a body that is not fixed");
+    force.point_in_body_m = table->contains("point_mm")
+                                ? vector(*table->get("point_mm"), "point_mm", kMillimetre)
+                                : body.mass.center_m;
+    force.table.time_s = times(*table, "[[force]]");
+    const std::size_t count = force.table.time_s.size();
+    force.table.values.setZero(Eigen::Index(count), 6);
+    if (!table->contains("force_N") && !table->contains("torque_Nm"))
+      reader_.say(*table, "[[force]] needs force_N or torque_Nm");
+    for (const auto& [key, column] : {std::pair("force_N", 0), std::pair("torque_Nm", 3)}) {
+      const toml::node* node = table->get(key);
+      if (!node) continue;
+      const toml::array* rows = node->as_array();
+      if (!rows || rows->size() != count)
+        reader_.refuse(*node, key, "a list of as many [x, y, z] as time_s has");
+      for (std::size_t i = 0; i < count; ++i)
+        force.table.values.block<1, 3>(Eigen::Index(i), column) =
+            vector((*rows)[i], key, 1).transpose();
+    }
+    scene_.forces.push_back(force);
+  }
+}
+
+EccentricityOverLoad SceneReader::eccentricity_table(const toml::node& node) {
+  const toml::table* samples = node.as_table();
+  const char* form =
+      "{ loads_N = [least, largest], eccentricity_mm = [at least two, evenly spaced in ln P] }";
+  if (!samples) reader_.refuse(node, "eccentricity_table", form);
+  reader_.check_keys(*samples, "eccentricity_table", {"loads_N", "eccentricity_mm"});
+  const toml::node& loads = reader_.required(*samples, "eccentricity_table", "loads_N");
+  const std::vector<double> range =
+      reader_.numbers(loads, "loads_N", 2, "two numbers, 0 < least < largest");
+  if (!(range[0] > 0 && range[0] < range[1]))
+    reader_.refuse(loads, "loads_N", "two numbers, 0 < least < largest");
+  const toml::node& values = reader_.required(*samples, "eccentricity_table", "eccentricity_mm");
+  const toml::array& array = reader_.list(values, "eccentricity_mm", kMostEccentricities, form);
+  if (array.size() < 2) reader_.refuse(values, "eccentricity_mm", form);
+  EccentricityOverLoad table{range[0], range[1], {}};
+  for (const toml::node& value : array)
+    table.eccentricity_m.push_back(reader_.positive(value, "eccentricity_mm", kMillimetre));
+  return table;
+}
+
+void SceneReader::read_rules() {
+  const std::size_t count = scene_.bodies.size();
+  scene_.rules.assign(1, {});
+  scene_.rule_of_pair.assign(count * count, 0);
+  std::vector<std::string> models = {"auto", "rigid", "given", "table"};
+  for (const PressureModel* model : all_pressure_models())
+    if (model->card().hot_path) models.emplace_back(model->card().name);
+  for (const toml::table* table : tables("contact", kMostContactRules)) {
+    reader_.check_keys(*table, "[[contact]]",
+                       {"bodies", "friction_coefficient", "model", "eccentricity_mm",
+                        "eccentricity_table", "limit_surface", "collide"});
+    const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
+    const toml::array* names = pair.as_array();
+    if (!names || names->size() != 2)
+      reader_.refuse(pair, "bodies", "two names; \"*\" is any body, \"tip*\" any that begins so");
+    std::array<std::vector<std::size_t>, 2> chosen;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::string typed = reader_.text((*names)[side], "bodies");
+      const bool prefix = !typed.empty() && typed.back() == '*';
+      const std::string start = prefix ? typed.substr(0, typed.size() - 1) : typed;
+      for (std::size_t b = 0; b < count; ++b) {
+        const std::string& name = scene_.bodies[b].name;
+        if (prefix ? name.compare(0, start.size(), start) == 0 : name == typed)
+          chosen[side].push_back(b);
+      }
+      if (chosen[side].empty()) body_named((*names)[side], "bodies", false);  // refuses
+    }
+    ContactRule rule;
+    if (const toml::node* friction = table->get("friction_coefficient")) {
+      rule.friction_coefficient =
+          reader_.number(*friction, "friction_coefficient", "a finite number >= 0");
+      if (rule.friction_coefficient < 0)
+        reader_.refuse(*friction, "friction_coefficient", "a finite number >= 0");
+    }
+    if (const toml::node* model = table->get("model"))
+      rule.model = reader_.choice(*model, "model", models);
+    if (const toml::node* arm = table->get("eccentricity_mm")) {
+      if (rule.model != "given") reader_.say(*arm, "eccentricity_mm belongs to model = \"given\"");
+      rule.eccentricity_m = reader_.positive(*arm, "eccentricity_mm", kMillimetre);
+    } else if (rule.model == "given") {
+      reader_.say(*table, "model = \"given\" needs eccentricity_mm");
+    }
+    if (const toml::node* samples = table->get("eccentricity_table")) {
+      if (rule.model != "table")
+        reader_.say(*samples, "eccentricity_table belongs to model = \"table\"");
+      rule.eccentricity_table = eccentricity_table(*samples);
+    } else if (rule.model == "table") {
+      reader_.say(*table, "model = \"table\" needs eccentricity_table");
+    }
+    if (const toml::node* exact = table->get("limit_surface")) {
+      rule.exact_limit_surface = reader_.boolean(*exact, "limit_surface");
+      if (*rule.exact_limit_surface && scene_.friction.rule == FrictionSettings::Rule::facets)
+        reader_.say(*exact,
+                    "limit_surface = true needs friction = \"ellipsoid\" or \"limit_surface\"");
+    }
+    if (const toml::node* collide = table->get("collide"))
+      rule.collide = reader_.boolean(*collide, "collide");
+    const int index = int(scene_.rules.size());
+    scene_.rules.push_back(rule);
+    for (const std::size_t a : chosen[0])
+      for (const std::size_t b : chosen[1])
+        scene_.rule_of_pair[a * count + b] = scene_.rule_of_pair[b * count + a] = index;
+  }
+}
+
+void SceneReader::read() {
+  reader_.check_keys(
+      root_, "",
+      {"id", "question", "simulation", "layer", "body", "joint", "motor", "force", "contact"});
+  scene_.id = reader_.id(root_);
+  if (const toml::node* question = root_.get("question"))
+    scene_.question = reader_.text(*question, "question");
+  read_simulation();
+  read_layers();
+  read_bodies();
+  if (scene_.duration_s / scene_.time_step_s * double(scene_.bodies.size()) > kMostRecordedPoses)
+    reader_.refuse(*root_["simulation"].as_table()->get("duration_s"), "duration_s",
+                   fmt::format("steps times bodies of at most {:.0f}", kMostRecordedPoses));
+  read_joints();
+  read_motors();
+  read_forces();
+  read_rules();
+  // Rings, second parents: found by the bodies themselves, of which nothing else is needed here.
+  try {
+    Multibody(scene_.descriptions, scene_.joints);
+  } catch (const InputError& error) {
+    std::string where = scene_.file.string();
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j)
+      if (error.where() == "joint \"" + scene_.joints[j].name + "\"")
+        where = reader_.where(*joint_tables_[j]);
+    throw InputError(where, error.where() + ": " + error.field(), error.value(), error.allowed());
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// The interval of a time, and how far into it, 0 to 1.
+std::pair<Eigen::Index, double> find_interval(const std::vector<double>& times, double time_s) {
+  const auto next = std::upper_bound(times.begin(), times.end(), time_s);
+  const Eigen::Index i = next - times.begin();
+  if (i == 0) return {0, 0};
+  if (next == times.end()) return {Eigen::Index(times.size()) - 1, 0};
+  const double before = times[std::size_t(i) - 1];
+  return {i - 1, (time_s - before) / (*next - before)};
+}
+
+}  // namespace
+
+Eigen::VectorXd TimeTable::value(double time) const {
+  const auto [i, part] = find_interval(time_s, time);
+  if (part == 0) return values.row(i).transpose();
+  // Ease: 10 x³ - 15 x⁴ + 6 x⁵, at rest and without jerk at both ends.
+  const double x = smooth ? part * part * part * (10 + part * (6 * part - 15)) : part;
+  return ((1 - x) * values.row(i) + x * values.row(i + 1)).transpose();
+}
+
+Eigen::VectorXd TimeTable::rate(double time) const {
+  const auto [i, part] = find_interval(time_s, time);
+  if (part == 0) return Eigen::VectorXd::Zero(values.cols());
+  const double span = time_s[std::size_t(i) + 1] - time_s[std::size_t(i)];
+  const double slope = smooth ? 30 * part * part * (1 - part) * (1 - part) : 1;
+  return (slope / span * (values.row(i + 1) - values.row(i))).transpose();
+}
+
+int Scene::steps() const { return int(std::lround(std::max(1., duration_s / time_step_s))); }
+
+Scene parse_scene(const std::string& text, const fs::path& file) {
+  Scene scene;
+  scene.file = file;
+  scene.text = text;
+  const toml::table root = parse_toml(text, file.string());
+  SceneReader(root, file, scene).read();
+  return scene;
+}
+
+bool is_scene(const fs::path& file) {
+  return parse_toml(system::read_text_file(file, kLargestTomlFile), file.string())
+      .contains("simulation");
+}
+
+Scene read_scene(const fs::path& file) {
+  return parse_scene(system::read_text_file(file, kLargestTomlFile), file);
+}
+
+}  // namespace softfinger::input

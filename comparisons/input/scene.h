@@ -1,0 +1,107 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/input/shape.h"
+#include "softfinger/dynamics/multibody.h"
+#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/input/contact_problem.h"
+
+/// A scene file: bodies, joints, motors and what is asked of them, as written by a user.
+namespace softfinger::input {
+
+/// How contacts resist sliding.
+struct FrictionSettings {
+  enum class Rule { ellipsoid, limit_surface, facets };
+  Rule rule = Rule::ellipsoid;
+  int vertices = 16;  ///< of `facets`
+};
+
+struct SceneBody {
+  std::string name;
+  std::vector<Shape> shapes;
+  std::optional<ElasticLayer> layer;  ///< a soft surface on a rigid core
+};
+
+/// e_n over the load, as finite elements or measurements have it.
+struct EccentricityOverLoad {
+  double least_load_N = 0, largest_load_N = 0;
+  std::vector<double> eccentricity_m;  ///< evenly spaced in ln P; empty: no table
+};
+
+/// What holds for the contacts of two bodies.
+struct ContactRule {
+  double friction_coefficient = 0.5;
+  /// "auto": a point where both are rigid, else the cheapest model that is valid; or a pressure
+  /// model's name; or "rigid"; or "given": `eccentricity_m` at any load; or "table":
+  /// `eccentricity_table`.
+  std::string model = "auto";
+  double eccentricity_m = 0;
+  EccentricityOverLoad eccentricity_table;
+  std::optional<bool> exact_limit_surface;  ///< none: as the scene's friction has it
+  bool collide = true;
+};
+
+/// A value over time: constant before the first and after the last point.
+struct TimeTable {
+  std::vector<double> time_s;
+  Eigen::MatrixXd values;  ///< a row per time
+  bool smooth = false;     ///< eased between the points, at rest in each; else straight lines
+
+  Eigen::VectorXd value(double time_s) const;
+  Eigen::VectorXd rate(double time_s) const;
+};
+
+/// A motor's target or feed-forward over time.
+struct Motion {
+  int motor = -1;
+  bool is_effort = false;
+  TimeTable table;  ///< one column: rad, m, N m or N
+};
+
+struct ForceOverTime {
+  int body = -1;
+  Eigen::Vector3d point_in_body_m = Eigen::Vector3d::Zero();
+  TimeTable table;  ///< six columns: force in N, torque in N m, world axes
+};
+
+struct Scene {
+  std::string id, question;
+  std::filesystem::path file;
+  std::string text;
+  double time_step_s = 1e-3, duration_s = 1;
+  double nominal_load_N = 5;  ///< for which meshes are fitted before their load is known
+  FrictionSettings friction;
+  std::vector<SceneBody> bodies;
+  std::vector<BodyDescription> descriptions;  ///< of the same bodies
+  std::vector<JointDescription> joints;
+  std::vector<Motor> motors;
+  std::vector<Motion> motions;
+  std::vector<ForceOverTime> forces;
+  TimeTable gravity;  ///< three columns, m/s2
+
+  const ContactRule& rule(int body, int other) const {
+    return rules[std::size_t(rule_of_pair[std::size_t(body) * bodies.size() + std::size_t(other)])];
+  }
+  std::vector<ContactRule> rules;
+  std::vector<int> rule_of_pair;  ///< bodies x bodies
+
+  int steps() const;
+};
+
+/// Reads and checks a scene file. Mesh files are looked up relative to the scene's folder, then
+/// among the built-in meshes.
+/// @throws InputError with where = "file:line" for anything missing, unknown, of the wrong type or
+/// out of range.
+Scene read_scene(const std::filesystem::path& file);
+/// Whether the file is meant to be a scene, not a case: it has a table [simulation].
+/// @throws InputError when it is no TOML
+bool is_scene(const std::filesystem::path& file);
+Scene parse_scene(const std::string& text, const std::filesystem::path& file);
+
+}  // namespace softfinger::input

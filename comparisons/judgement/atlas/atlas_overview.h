@@ -1,0 +1,27 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "comparisons/input/case.h"
+#include "comparisons/judgement/atlas/error_atlas.h"
+
+namespace softfinger::judgement {
+
+/// What the pages draw and list of the atlas (report/README.md, "atlas"): error quantiles and cost
+/// of every model and finite-element level, errors on the grid, causes of torque errors, friction
+/// laws. Costs of fast models are measured now. Null for an atlas without flat runs. About a
+/// second.
+nlohmann::json atlas_overview(const AtlasFile& atlas);
+
+/// How far each model and linear finite elements are off at finite strain, by indentation and
+/// Poisson's ratio (report/README.md, "finite_strain"): quantiles over the runs of each kind.
+nlohmann::json finite_strain_overview(const AtlasFile& atlas);
+
+/// Where a contact lies on the maps: {"id", "load_N", "poisson_ratio", "radii_ratio", "s", "seed"};
+/// s by the bonded layer, null without answer.
+nlohmann::json map_mark(const input::Case& contact_case, const ContactProblem& problem);
+
+/// The marks of the built-in cases that are the seed method's fingertips.
+nlohmann::json seed_marks();
+
+}  // namespace softfinger::judgement

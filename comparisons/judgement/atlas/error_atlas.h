@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/prediction/quantity.h"
+#include "softfinger/input/contact_problem.h"
+#include "softfinger/pressure/pressure_model.h"
+
+/// What finite elements say of each model, over all contacts of a quadric with a bonded layer.
+namespace softfinger::judgement {
+
+using prediction::kQuantities;
+using prediction::kQuantityNames;
+using prediction::Quantity;
+using prediction::QuantityErrors;
+
+/// A run of the finite elements. A contact on a flat layer is known by three numbers: nu, R'/R''
+/// and s = sqrt(ab)/h, the last one as the bonded layer has it.
+struct AtlasRun {
+  /// "flat", "curved" or "friction"; at finite strain "finite_sphere" on a flat layer,
+  /// "finite_curved" or "finite_pad" (a paraboloid on a flat layer), and their linear twins
+  /// "linear_sphere", "linear_curved" and "linear_pad".
+  std::string kind;
+  double poisson_ratio = 0, radii_ratio = 1, s = 0;
+  double thickness_over_radius =
+      0;  ///< h/R of a curved finger, sphere or pad, R = sqrt(R' R''); else 0
+  double friction_coefficient = 0;
+  /// a/h, b/h, d/h, area/h², peak pressure/E*, max torque/(mu P h).
+  QuantityErrors answer{};
+  QuantityErrors stated_error{};  ///< of the finite elements, relative; area: of a and b
+  /// Twist to full slip, of kind "friction": stuck stiffness/(G h³), full-slip torque/(mu P h).
+  double stiffness = 0, stiffness_error = 0, full_slip = 0, full_slip_error = 0;
+  /// The coarser of the two meshes: signed relative difference from `answer`.
+  QuantityErrors coarse_error{};
+  double cost_s = 0,
+         coarse_cost_s = 0;  ///< CPU, of both meshes; of the coarse one and what went before
+};
+
+/// Whether h/R counts, as it does at finite strain; linear answers follow from s and h alone.
+bool has_own_radius(const AtlasRun& run);
+
+/// Contact problem of a run: h = 1 m, E* = 1 Pa, the load that gives its s.
+ContactProblem problem_of(const AtlasRun& run);
+
+/// Signed relative errors of a model's answer; NaN where it has none.
+/// @param problem  `problem_of(run)`
+QuantityErrors model_errors(const PressureModel& model, const AtlasRun& run,
+                            const ContactProblem& problem);
+
+/// The compact CSV: lines "# key: value" of provenance, a header, a row per run: what the finite
+/// elements found, then for each model the signed errors.
+struct AtlasFile {
+  std::vector<std::pair<std::string, std::string>> provenance;
+  std::vector<AtlasRun> runs;
+  std::map<std::string, std::vector<QuantityErrors>> errors;  ///< by model, per run
+};
+std::string to_csv(const AtlasFile& atlas);
+/// @throws InputError(file, line)
+AtlasFile parse_atlas(const std::string& text, const std::string& file);
+
+/// Bounds of a model's errors for a contact, from the runs around it.
+class ErrorAtlas {
+ public:
+  explicit ErrorAtlas(AtlasFile atlas);
+
+  struct Estimate {
+    std::optional<QuantityErrors> bound;  ///< of |relative error|
+    QuantityErrors mean{};                ///< interpolated signed error; set with `bound`
+    std::string outside;                  ///< why there is no bound: in words, for a reader
+  };
+  /// Multilinear between the runs, in ln s, ln R'/R'' and -ln(0.501 - nu), as stiffness grows near
+  /// 1/2: |interpolated error| + half the spread of the corners' errors + a quarter of the finite
+  /// elements' own stated error there. Never extrapolates.
+  /// @param model  its name, or "fem": what the finite elements state of themselves at level 2
+  /// @param kind  of the runs: "flat", "curved", "finite_sphere" or "finite_curved"
+  /// @param thickness_over_radius  h/R, of all kinds but flat ones
+  Estimate estimate(const std::string& model, const ContactProblem& problem,
+                    const std::string& kind = "flat", double thickness_over_radius = 0) const;
+
+  /// The time of one answer as it was when the atlas was made, in ns; NaN for unknown models.
+  double cost_ns(const std::string& model) const;
+
+  const AtlasFile& file() const { return atlas_; }
+
+ private:
+  /// Runs on a grid of three coordinates.
+  struct Grid {
+    std::array<std::vector<double>, 3> values;
+    std::vector<int> run;  ///< the last coordinate fastest; -1: missing
+  };
+  Grid grid_of(const std::string& kind, double AtlasRun::*second) const;
+
+  AtlasFile atlas_;
+  std::map<std::string, Grid> grids_;  ///< of flat ones (nu, R'/R'', s), of others (nu, h/R, s)
+};
+
+/// s = sqrt(ab)/h by the bonded layer, by which runs and questions are placed; NaN without answer.
+double contact_size(const ContactProblem& problem);
+
+/// The atlas beside the program, read once.
+/// @throws InputError when it is missing or damaged
+const ErrorAtlas& error_atlas();
+
+/// The one at finite strain, neo-Hookean with a quadratic volume energy. A "model" of it is
+/// "fem_linear", the finite elements of linear theory.
+const ErrorAtlas& finite_strain_atlas();
+
+}  // namespace softfinger::judgement

@@ -1,0 +1,362 @@
+#include "comparisons/judgement/atlas/make_atlas.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "comparisons/input/case.h"
+#include "comparisons/reference/fem_process.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/system/progress.h"
+#include "softfinger/math/pi.h"
+
+namespace softfinger::judgement {
+namespace {
+
+using nlohmann::json;
+
+const std::vector<double> kPoissonRatios = {0, 0.15, 0.3, 0.4, 0.45, 0.475, 0.49, 0.4999, 0.5};
+const std::vector<double> kRadiiRatios = {1, 2, 4, 10};
+const std::vector<double> kSizes = {0.06, 0.1, 0.17, 0.28, 0.45, 0.75, 1.25, 2, 3.2, 5, 8};
+
+/// A millimetre of rubber: the finite elements scale what they get, but sizes far from those of
+/// fingers would be refused as wrong units.
+constexpr double kThickness_m = 1e-3, kModulus_Pa = 1e6;
+
+std::string name_of(const AtlasRun& run) {
+  return fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", run.kind, run.poisson_ratio,
+                     run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
+}
+
+/// A linear curved finger's own radius over the one of `problem_of`. s stays with the load times
+/// the radius, indentation and pressure then go with the load.
+double radius_scale(const AtlasRun& run, const ContactProblem& unit) {
+  return run.kind == "curved" ? 1 / run.thickness_over_radius / unit.radii.major_m : 1;
+}
+
+bool is_on_curved_layer(const AtlasRun& run) {
+  return run.kind == "curved" || run.kind == "linear_curved" || run.kind == "finite_curved";
+}
+bool is_on_sphere(const AtlasRun& run) {
+  return run.kind == "linear_sphere" || run.kind == "finite_sphere";
+}
+bool is_finite_strain(const AtlasRun& run) { return run.kind.rfind("finite_", 0) == 0; }
+
+json fem_problem_of(const AtlasRun& run) {
+  const ContactProblem unit = problem_of(run);
+  const double scale = radius_scale(run, unit);
+  json problem = {
+      {"name", name_of(run)},
+      {"radii_m",
+       {kThickness_m * scale * unit.radii.major_m, kThickness_m * scale * unit.radii.minor_m}},
+      {"axis_rad", 0},
+      {"sphere_radius_m", nullptr},
+      {"layer",
+       {{"thickness_m", kThickness_m},
+        {"youngs_modulus_Pa", kModulus_Pa * unit.layer.youngs_modulus_Pa},
+        {"poisson_ratio", run.poisson_ratio}}},
+      {"load_N", unit.load.normal_force_N / scale * kModulus_Pa * kThickness_m * kThickness_m},
+      {"friction_coefficient", unit.load.friction_coefficient},
+      {"level", 2}};
+  if (is_on_sphere(run)) problem["sphere_radius_m"] = kThickness_m / run.thickness_over_radius;
+  if (is_finite_strain(run)) {
+    problem["kinematics"] = "finite";
+    problem["layer"]["material"] = "neo_hookean";
+    problem["layer"]["volumetric"] = "quadratic";
+    problem["layer"]["mooney_rivlin_share"] = 0;
+  }
+  if (is_on_curved_layer(run)) {
+    const double radius_m = kThickness_m / run.thickness_over_radius;
+    problem["fingertip"] = {{"pad",
+                             {{"shape", "ellipsoid"},
+                              {"radii_m", {radius_m, radius_m}},
+                              {"taper_per_m", 0},
+                              {"turn_rad", 0}}},
+                            {"object",
+                             {{"shape", "paraboloid"},
+                              {"radii_m", {nullptr, nullptr}},
+                              {"taper_per_m", 0},
+                              {"turn_rad", 0}}}};
+  }
+  if (run.kind == "friction")
+    problem["friction"] = {
+        {"torsion", true}, {"increments", 20}, {"limit_surface", 0}, {"increments_to_slip", 0}};
+  return problem;
+}
+
+/// Without units, as AtlasRun wants them.
+void take_answer(const json& problem, const reference::ReferenceResult& result, AtlasRun& run) {
+  const auto or_nan = [](const std::optional<double>& error) {
+    return error.value_or(std::numeric_limits<double>::quiet_NaN());
+  };
+  const double scale = radius_scale(run, problem_of(run));
+  const double h = kThickness_m, load_N = problem["load_N"].get<double>();
+  const double mu = problem["friction_coefficient"].get<double>();
+  run.answer = {result.a_m / h,
+                result.b_m / h,
+                scale * result.indentation_m / h,
+                result.area_m2 / (h * h),
+                scale * result.peak_pressure_Pa / kModulus_Pa,
+                result.max_torque_Nm / (mu * load_N * h)};
+  const reference::ReferenceLevel& coarse = result.levels.front();
+  run.coarse_error = {coarse.a_m / result.a_m - 1,
+                      coarse.b_m / result.b_m - 1,
+                      coarse.indentation_m / result.indentation_m - 1,
+                      kPi * coarse.a_m * coarse.b_m / result.area_m2 - 1,
+                      coarse.peak_pressure_Pa / result.peak_pressure_Pa - 1,
+                      coarse.max_torque_Nm / result.max_torque_Nm - 1};
+  run.cost_s = result.cpu_s;
+  run.coarse_cost_s = run.cost_s - result.levels.back().cpu_s;
+  const reference::ReferenceErrors& error = result.error;
+  run.stated_error = {or_nan(error.a),
+                      or_nan(error.b),
+                      or_nan(error.indentation),
+                      or_nan(error.area),
+                      or_nan(error.peak_pressure),
+                      or_nan(error.max_torque)};
+  if (!result.twist) return;
+  const double nu = run.poisson_ratio;
+  const double shear_modulus_Pa =
+      problem["layer"]["youngs_modulus_Pa"].get<double>() / (2 * (1 + nu));
+  run.stiffness = result.twist->stiffness_Nm_per_rad / (shear_modulus_Pa * h * h * h);
+  run.stiffness_error = or_nan(error.torsional_stiffness);
+  run.full_slip = result.twist->full_slip_torque_Nm / (mu * load_N * h);
+  run.full_slip_error = or_nan(error.full_slip_torque);
+}
+
+}  // namespace
+
+std::vector<AtlasRun> designed_runs() {
+  std::vector<AtlasRun> runs;
+  const auto add = [&runs](const char* kind, double nu, double ratio, double s, double curved,
+                           double mu) {
+    AtlasRun run;
+    run.kind = kind;
+    run.poisson_ratio = nu;
+    run.radii_ratio = ratio;
+    run.s = s;
+    run.thickness_over_radius = curved;
+    run.friction_coefficient = mu;
+    runs.push_back(run);
+  };
+  for (const double ratio : kRadiiRatios)
+    for (const double nu : kPoissonRatios)
+      for (const double s : kSizes) add("flat", nu, ratio, s, 0, 0.5);
+  for (const double curved : {0.05, 0.15, 0.3})
+    for (const double nu : {0.3, 0.45, 0.49})
+      for (const double s : {0.3, 0.6, 1., 1.6}) {
+        // a/R beyond 0.6 is no fingertip any more.
+        if (s * curved <= 0.45) add("curved", nu, 1, s, curved, 0.5);
+      }
+  for (const double mu : {0.2, 0.8, 1.5})
+    for (const double nu : {0.3, 0.45, 0.4999})
+      for (const double s : {0.2, 1., 3.2}) add("friction", nu, 1, s, 0, mu);
+  return runs;
+}
+
+/// The suite's silicone pads and the seed's fingers by their relative radii, from a touch to a hard
+/// grip.
+void add_pads(const char* kind, std::vector<AtlasRun>& runs) {
+  for (const char* name :
+       {"silicone_pad_1mm", "silicone_pad_2mm", "silicone_pad_3mm", "seed_thumb_silicone",
+        "seed_thumb", "seed_ring_finger", "nearly_incompressible"}) {
+    const input::Case pad = input::read_case(system::find_case_file(name));
+    const RelativeRadii radii = std::get<RelativeRadii>(pad.geometry);
+    for (const double load_N : {0.01, 0.1, 1., 3., 10.}) {
+      AtlasRun run;
+      run.kind = kind;
+      run.poisson_ratio = pad.layer.poisson_ratio;
+      run.radii_ratio = radii.major_m / radii.minor_m;
+      run.s = contact_size(pad.problem(radii, load_N));
+      run.thickness_over_radius = pad.layer.thickness_m / std::sqrt(radii.major_m * radii.minor_m);
+      run.friction_coefficient = 0.5;
+      // Beyond d/h of 0.4 or so, as above, the layer is as good as pressed through.
+      if (run.s * run.s * run.thickness_over_radius > (run.poisson_ratio > 0.4 ? 0.8 : 0.55))
+        continue;
+      runs.push_back(run);
+    }
+  }
+}
+
+std::vector<AtlasRun> finite_strain_runs() {
+  std::vector<AtlasRun> runs;
+  for (const char* kind : {"finite_sphere", "finite_curved", "linear_sphere", "linear_curved"})
+    for (const double curved : {0.05, 0.15, 0.3})
+      for (const double nu : {0.3, 0.45, 0.49})
+        for (const double s : {0.3, 0.6, 1., 1.6, 2.5, 4.}) {
+          // d/h is about s² h/R / 2, and half of it where the layer cannot change its volume.
+          // Beyond 0.4 and a/R of 0.6 it is no fingertip any more.
+          const double deepest = nu > 0.4 ? 0.8 : 0.55;
+          if (s * s * curved > deepest || s * curved > 0.6) continue;
+          AtlasRun run;
+          run.kind = kind;
+          run.poisson_ratio = nu;
+          run.s = s;
+          run.thickness_over_radius = curved;
+          run.friction_coefficient = 0.5;
+          runs.push_back(run);
+        }
+  for (const char* kind : {"finite_pad", "linear_pad"}) add_pads(kind, runs);
+  return runs;
+}
+
+std::vector<AtlasRun> random_runs(int count, unsigned seed) {
+  std::mt19937_64 generator(seed);
+  // Not std::uniform_real_distribution: its numbers differ between libraries.
+  const auto draw = [&generator](double lowest, double highest) {
+    return lowest + (highest - lowest) * double(generator() >> 11) * 0x1p-53;
+  };
+  std::vector<AtlasRun> runs;
+  for (int i = 0; i < count; ++i) {
+    AtlasRun run;
+    run.kind = "flat";
+    run.poisson_ratio = 0.501 - std::exp(draw(std::log(0.501 - kPoissonRatios.back()),
+                                              std::log(0.501 - kPoissonRatios.front())));
+    run.radii_ratio = std::exp(draw(std::log(kRadiiRatios.front()), std::log(kRadiiRatios.back())));
+    run.s = std::exp(draw(std::log(kSizes.front()), std::log(kSizes.back())));
+    run.friction_coefficient = 0.5;
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+std::vector<reference::FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
+                                          const std::filesystem::path& folder) {
+  std::vector<reference::FemJob> jobs;
+  for (const AtlasRun& run : runs) {
+    reference::FemJob job;
+    job.title = name_of(run);
+    job.problem = fem_problem_of(run);
+    job.file = folder / (job.title + ".json");
+    job.weight = run.radii_ratio + (is_finite_strain(run) ? 100 * run.thickness_over_radius : 0);
+    // A process per run: on a larger contact's meshes errors would be stated larger.
+    job.group = jobs.size();
+    jobs.push_back(std::move(job));
+  }
+  return jobs;
+}
+
+std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
+                                       const std::vector<reference::FemJob>& jobs,
+                                       const reference::FemJobOptions& settings,
+                                       const std::string& command) {
+  AtlasFile atlas;
+  atlas.runs = runs;
+  std::size_t missing = 0;
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    const auto result = reference::finished_result(jobs[run], settings).result;
+    if (result)
+      take_answer(jobs[run].problem, *result, atlas.runs[run]);
+    else
+      ++missing;
+  }
+  if (missing > 0) {
+    system::Progress().say(fmt::format("{} of {} runs are not finished; the same command goes on",
+                                       missing, runs.size()));
+    return std::nullopt;
+  }
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
+  atlas.provenance = {{"version", system::program_version()}, {"date", date}, {"command", command}};
+  judge_models(atlas);
+  return atlas;
+}
+
+AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& options) {
+  const system::OutputFolder folder(options.folder);
+  reference::FemJobOptions settings;
+  settings.program = system::fem_program().string();
+  settings.identity = reference::program_identity(settings.program);
+  settings.parallel = options.jobs;
+  settings.limits = options.fem_limits;
+  const std::vector<reference::FemJob> jobs = atlas_jobs(runs, options.folder);
+  system::Progress progress;
+  const auto pending =
+      reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
+  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
+  AtlasOutcome outcome;
+  outcome.signal = reference::run_fem_jobs(
+      pending, settings,
+      [&](const reference::FemJob& job, const std::string& line) { shown.line(job, line); },
+      [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
+        shown.finished(job, describe(answer));
+      });
+  outcome.atlas = collect_atlas(runs, jobs, settings, options.command);
+  return outcome;
+}
+
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// Of the linear finite elements on the same contacts, relative to those at finite strain.
+void judge_linear_theory(AtlasFile& atlas) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  auto& errors = atlas.errors["fem_linear"];
+  for (const AtlasRun& run : atlas.runs) {
+    errors.emplace_back().fill(is_finite_strain(run) ? kNaN : 0);
+    if (!is_finite_strain(run)) continue;
+    const std::string kind = "linear_" + run.kind.substr(std::string("finite_").size());
+    for (const AtlasRun& linear : atlas.runs)
+      if (linear.kind == kind && linear.poisson_ratio == run.poisson_ratio && linear.s == run.s &&
+          linear.radii_ratio == run.radii_ratio &&
+          linear.thickness_over_radius == run.thickness_over_radius)
+        for (std::size_t q = 0; q < kQuantities; ++q)
+          errors.back()[q] = linear.answer[q] / run.answer[q] - 1;
+  }
+}
+
+}  // namespace
+
+void judge_models(AtlasFile& atlas) {
+  const bool finite_strain = std::any_of(atlas.runs.begin(), atlas.runs.end(), is_finite_strain);
+  atlas.errors.clear();
+  if (finite_strain) judge_linear_theory(atlas);
+  auto& provenance = atlas.provenance;
+  provenance.erase(
+      std::remove_if(provenance.begin(), provenance.end(),
+                     [](const auto& line) { return line.first.rfind("cost", 0) == 0; }),
+      provenance.end());
+  std::vector<double> costs_ns;
+  for (const AtlasRun& run : atlas.runs)
+    if ((run.kind == "flat" || is_finite_strain(run)) && std::isfinite(run.cost_s))
+      costs_ns.push_back(1e9 * run.cost_s);
+  if (!costs_ns.empty())
+    provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));
+  for (const PressureModel* model : all_pressure_models()) {
+    // A law that was fitted to a finger says nothing of other layers.
+    if (model->card().name == "power_law") continue;
+    // What large strain changes is no error of linear elasticity, nor of a contact without radius.
+    if (model->card().finite_strain && !finite_strain) continue;
+    auto& errors = atlas.errors[std::string(model->card().name)];
+    costs_ns.clear();
+    for (const AtlasRun& run : atlas.runs) {
+      const ContactProblem problem = problem_of(run);
+      const auto start = std::chrono::steady_clock::now();
+      errors.push_back(model_errors(*model, run, problem));
+      if (!std::isfinite(errors.back()[0])) continue;  // it said no, which is cheap
+      costs_ns.push_back(
+          std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start)
+              .count());
+    }
+    if (!model->card().hot_path &&
+        !costs_ns.empty())  // the others are measured anew where they are asked for
+      provenance.emplace_back(fmt::format("cost_ns {}", model->card().name),
+                              fmt::format("{:.3g}", median(costs_ns)));
+  }
+}
+
+}  // namespace softfinger::judgement

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/judgement/atlas/error_atlas.h"
+#include "comparisons/reference/fem_jobs.h"
+
+namespace softfinger::judgement {
+
+/// The designed set of runs: a grid of (nu, R'/R'', s) on flat layers, curved fingers over h/R, and
+/// twists over the friction coefficient.
+std::vector<AtlasRun> designed_runs();
+
+/// Spheres on flat layers and round fingers on planes at finite strain (neo-Hookean, quadratic
+/// volume energy) over (nu, h/R, s), and built-in pads over the load, each with its linear twin.
+std::vector<AtlasRun> finite_strain_runs();
+
+/// Contacts drawn at random from within the grid, to test bounds with: ln s, ln R'/R'', and nu by
+/// the measure of its grid. The same for the same seed.
+std::vector<AtlasRun> random_runs(int count, unsigned seed);
+
+struct AtlasOptions {
+  std::filesystem::path folder;  ///< finished runs are kept there: the same command goes on
+  int jobs = 1;
+  reference::FemLimits fem_limits;  ///< of each run
+  std::string command;
+};
+
+/// The finite-element problems of the runs, each with its file in `folder`.
+std::vector<reference::FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
+                                          const std::filesystem::path& folder);
+
+/// The runs with what the finite elements found and each model's errors; nothing when results are
+/// missing, which is said on standard error.
+std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
+                                       const std::vector<reference::FemJob>& jobs,
+                                       const reference::FemJobOptions& settings,
+                                       const std::string& command);
+
+struct AtlasOutcome {
+  std::optional<AtlasFile> atlas;  ///< nothing when runs failed or are missing
+  int signal = 0;                  ///< that interrupted
+};
+
+/// Runs what is not finished yet, keeps results as they come, and collects them.
+AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& options);
+
+/// The errors of all models, anew, for finite elements that are known.
+void judge_models(AtlasFile& atlas);
+
+}  // namespace softfinger::judgement

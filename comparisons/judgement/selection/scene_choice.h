@@ -1,0 +1,82 @@
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "comparisons/input/scene.h"
+#include "comparisons/judgement/selection/model_choice.h"
+#include "comparisons/simulation/simulate.h"
+
+/// Model only what the scene requires: how little each of its contacts needs, judged by how hard it
+/// works in the most accurate simulation, and what the motion loses by it.
+namespace softfinger::judgement {
+
+/// What the contacts of two bodies need, from less to more.
+enum class ContactDetail {
+  point,          ///< no torsion: it hardly carries any
+  ellipsoid,      ///< friction ellipsoid, e_n(P) of a pressure model
+  limit_surface,  ///< the exact limit surface, e_n(P) of a pressure model
+  fem_table       ///< the same, e_n(P) from finite elements
+};
+extern const char* const kContactDetailNames[4];
+
+/// Two bodies that touch in a scene, one of them soft, over the whole motion.
+struct PairChoice {
+  int a = -1, b = -1;
+  double least_load_N = 0, largest_load_N = 0;
+  double utilisation = 0;     ///< largest, of the exact limit: 1 slides
+  double torsion = 0;         ///< largest |torque|/(mu P e_n)
+  double surface_change = 0;  ///< largest difference of ellipsoid and exact surface near the limit
+  double allowed_error = 0;   ///< of e_n, from the tolerance and how far it stays from its limit
+  ContactDetail detail = ContactDetail::limit_surface;
+  std::string model;  ///< of the pressure; empty for a point
+  Choice pressure;    ///< at the largest load
+  std::string reason;
+};
+
+/// How far two motions are apart: the largest difference of any body's position and orientation at
+/// the same time, beside the largest travel of any body.
+struct MotionChange {
+  double position_m = 0, rotation_rad = 0;
+  double travel_m = 0, turn_rad = 0;
+  std::string body;  ///< that moved otherwise
+};
+
+struct SceneChoice {
+  std::vector<PairChoice> pairs;
+  MotionChange change;        ///< of the chosen against the most accurate simulation
+  bool motion_holds = false;  ///< within the tolerance of the travel and turn
+  int refinements = 0;        ///< how often pairs had to be modelled in more detail for that
+  double accurate_step_ms = 0, chosen_step_ms = 0;  ///< medians
+  input::Scene scene;                               ///< with what was chosen
+};
+
+/// What finite elements say of e_n over the load.
+struct FemEccentricity {
+  std::vector<double> eccentricity_m;  ///< at loads evenly spaced in ln P, least to largest
+  double error = 0;                    ///< relative, the largest that they state for one of them
+};
+
+/// May take seconds.
+using FemTable = std::function<FemEccentricity(const ContactProblem& problem, double least_load_N,
+                                               double largest_load_N)>;
+
+/// What lines between samples in ln e_n over ln P miss, relative: a quarter of what they miss where
+/// every second sample is left out, since that falls with the square of the spacing.
+double interpolation_error(const std::vector<double>& eccentricity_m);
+
+/// Simulates the scene as accurately as it can, decides, simulates again, and where the motion
+/// changes by more than the tolerance, adds detail until it does not. The most accurate simulation
+/// has exact limit surfaces, with e_n of the bonded layer or, for pairs whose models are not known
+/// to be as accurate, of finite elements.
+/// @param fem_table  called only where no model is accurate enough, once for pairs that are alike
+/// @throws InputError, ConvergenceError when the accurate simulation fails
+SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const FemTable& fem_table,
+                             const std::function<void(const std::string&)>& progress);
+
+nlohmann::json to_json(const SceneChoice& choice, double tolerance);
+std::string table(const SceneChoice& choice, double tolerance);
+
+}  // namespace softfinger::judgement

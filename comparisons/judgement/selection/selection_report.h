@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "comparisons/judgement/selection/model_choice.h"
+#include "comparisons/prediction/local_geometry.h"
+
+namespace softfinger::judgement {
+
+/// A choice and the contact it is for.
+struct LoadChoice {
+  prediction::LocalGeometry geometry;
+  ContactProblem problem;
+  Choice choice;
+};
+
+/// What select.html is made of (report/README.md): the choices, stated errors over the load, causes
+/// of the torque's error in the nearest run of the atlas, the atlas itself. About a second.
+nlohmann::json selection_report(const input::Case& contact_case,
+                                const prediction::GeometryResolver& resolver,
+                                const SelectionOptions& options,
+                                const std::vector<LoadChoice>& choices, const std::string& command);
+
+}  // namespace softfinger::judgement

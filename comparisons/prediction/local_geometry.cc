@@ -1,0 +1,186 @@
+#include "comparisons/prediction/local_geometry.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "meshes/io/read_surface.h"
+#include "softfinger/geometry/surface_region.h"
+#include "softfinger/input/errors.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger::prediction {
+namespace {
+
+std::string surface_key(const input::MeshBody& mesh) {
+  return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit);
+}
+
+const PressureModel& patch_model(const ContactProblem& problem) {
+  // Asked many times per load, so that models outside the hot path are out of the question.
+  for (const PressureModel* model : all_pressure_models())
+    if (model->card().hot_path && model->predict(problem).valid()) return *model;
+  // Outside every validity the size of a contact is still known best by the model of widest reach.
+  for (const char* name : {"bonded_layer", "hertz"})
+    if (const PressureModel* model = find_pressure_model(name))
+      if (model->predict(problem).has_answer) return *model;
+  return *all_pressure_models().front();
+}
+
+bool is_flat(const input::CaseBody& body) {
+  const auto* quadric = std::get_if<input::QuadricBody>(&body);
+  return quadric && std::isinf(quadric->radius_x_m) && std::isinf(quadric->radius_y_m);
+}
+
+void require_ellipse(const RelativeCurvature& relative, const std::string& where) {
+  const auto& curvature = relative.curvatures_per_m;
+  const std::string numbers =
+      fmt::format(" (relative curvatures {:.4g} and {:.4g} per metre)", curvature[0], curvature[1]);
+  switch (relative.kind) {
+    case ContactKind::elliptic:
+      return;
+    case ContactKind::line:
+      throw InputError(where,
+                       "no contact ellipse: the bodies touch along a line, one relative curvature "
+                       "vanishes" +
+                           numbers,
+                       "", "");
+    case ContactKind::conforming:
+      throw InputError(where,
+                       "no contact ellipse: the bodies conform, flat on flat, both relative "
+                       "curvatures vanish" +
+                           numbers,
+                       "", "");
+    case ContactKind::saddle:
+      throw InputError(
+          where,
+          std::string("no contact ellipse: ") +
+              (curvature[1] < 0 ? "the gap closes in every direction" : "the gap is a saddle") +
+              ", the bodies would interpenetrate beside the point" + numbers,
+          "", "");
+  }
+}
+
+}  // namespace
+
+std::string tolerated(const meshes::SurfaceFile& file) {
+  std::string text;
+  if (file.degenerate_triangles > 0 || file.duplicate_triangles > 0)
+    text = fmt::format("{} degenerate and {} duplicate triangles were left out",
+                       file.degenerate_triangles, file.duplicate_triangles);
+  if (file.was_inside_out)
+    text += std::string(text.empty() ? "" : "; ") + "all triangles faced inwards and were turned";
+  return text;
+}
+
+std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit) {
+  constexpr double kSmallest_m = 0.5e-3, kLargest_m = 1;
+  const auto plausible = [&](double size_m) {
+    return size_m >= kSmallest_m && size_m <= kLargest_m;
+  };
+  if (plausible(file.size_m)) return "";
+  const bool in_metres = metres_per_unit == 1;
+  const char *const taken = in_metres ? "m" : "mm", *const other = in_metres ? "mm" : "m";
+  const double other_size_m = file.size_m / metres_per_unit * (in_metres ? 1e-3 : 1);
+  std::string text =
+      fmt::format("the surface is {:.3g} mm across, read in {}", file.size_m * 1e3, taken);
+  if (!plausible(other_size_m)) return text + ": is the unit right?";
+  return text +
+         fmt::format("; in {0} it would be {1:.3g} mm: unit = \"{0}\"?", other, other_size_m * 1e3);
+}
+
+void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                              const std::string& where, const std::string& field) {
+  constexpr double kFarthest = 0.05;
+  const internal::SurfaceNeighbourhood neighbourhood(surface, point_m, nullptr);
+  if (neighbourhood.distance_m() > kFarthest * neighbourhood.extent_m())
+    throw InputError(where, field,
+                     fmt::format("{:.4g}, {:.4g}, {:.4g} mm", 1e3 * point_m.x(), 1e3 * point_m.y(),
+                                 1e3 * point_m.z()),
+                     fmt::format("a point on the surface; the nearest triangle is {:.4g} mm away",
+                                 1e3 * neighbourhood.distance_m()));
+}
+
+GeometryResolver::GeometryResolver(const input::Case& contact_case, const GeometryResolver* known)
+    : case_(contact_case) {
+  const auto* pair = std::get_if<input::BodyPair>(&case_.geometry);
+  if (!pair) return;
+  for (const input::CaseBody* body : {&pair->finger, &pair->object}) {
+    const auto* mesh = std::get_if<input::MeshBody>(body);
+    if (!mesh || surfaces_.count(surface_key(*mesh))) continue;
+    if (known) {
+      if (const auto found = known->surfaces_.find(surface_key(*mesh));
+          found != known->surfaces_.end()) {
+        surfaces_.insert(*found);
+        continue;
+      }
+    }
+    std::error_code ignored;
+    if (!std::filesystem::exists(mesh->path, ignored))
+      throw InputError(mesh->where, "mesh", mesh->path.string(),
+                       "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
+                       "does not exist");
+    auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
+    for (const std::string& text : {tolerated(file), unit_doubt(file, mesh->metres_per_unit)})
+      if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
+    surfaces_.emplace(surface_key(*mesh),
+                      std::make_shared<const TriangleSurface>(std::move(file.surface)));
+  }
+}
+
+const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) const {
+  return *surfaces_.at(surface_key(mesh));
+}
+
+ContactBody GeometryResolver::contact_body(const input::CaseBody& body) const {
+  if (const auto* quadric = std::get_if<input::QuadricBody>(&body))
+    return quadric_from_radii(quadric->radius_x_m, quadric->radius_y_m);
+  if (const auto* sphere = std::get_if<input::SphereBody>(&body))
+    return quadric_from_radii(sphere->radius_m, sphere->radius_m);
+  const auto& mesh = std::get<input::MeshBody>(body);
+  require_point_on_surface(surface(mesh), mesh.point_m, mesh.where, "point_mm");
+  return MeshContactPoint{&surface(mesh), mesh.point_m, mesh.normal};
+}
+
+LocalGeometry GeometryResolver::resolve(double load_N) const {
+  LocalGeometry result;
+  if (const auto* radii = std::get_if<RelativeRadii>(&case_.geometry)) {
+    result.radii = *radii;
+    return result;
+  }
+  const auto& pair = std::get<input::BodyPair>(case_.geometry);
+  const bool meshes = std::holds_alternative<input::MeshBody>(pair.finger) ||
+                      std::holds_alternative<input::MeshBody>(pair.object);
+  if (!meshes) {
+    const Eigen::Matrix3d exact = Eigen::Matrix3d::Zero();
+    const auto relative =
+        relative_curvature(std::get<Quadric>(contact_body(pair.finger)), exact,
+                           std::get<Quadric>(contact_body(pair.object)), exact, pair.angle_rad);
+    require_ellipse(relative, case_.geometry_where);
+    result.radii = relative.radii;
+    if (const auto* sphere = std::get_if<input::SphereBody>(&pair.object))
+      if (is_flat(pair.finger) && !case_.layer_on_object) result.sphere_radius_m = sphere->radius_m;
+    return result;
+  }
+  try {
+    result.patch = fit_contact_patch(contact_body(pair.finger), contact_body(pair.object),
+                                     pair.angle_rad, [&](const RelativeRadii& radii) {
+                                       const ContactProblem problem = case_.problem(radii, load_N);
+                                       const PressureModel& model = patch_model(problem);
+                                       result.patch_model = model.card().name;
+                                       return model.predict(problem).area_m2();
+                                     });
+  } catch (const InputError& error) {
+    // The fit knows no files: say which case, and on which line, its surface came from.
+    if (error.field() == "point_mm") throw;
+    throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
+  } catch (const ConvergenceError& error) {
+    throw InputError(case_.geometry_where, "surface near the contact point", "",
+                     std::string("one that a quadric can follow (") + error.what() + ")");
+  }
+  require_ellipse(result.patch->relative, case_.geometry_where);
+  result.radii = result.patch->relative.radii;
+  return result;
+}
+
+}  // namespace softfinger::prediction

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/input/case.h"
+#include "meshes/io/read_surface.h"
+#include "softfinger/geometry/contact_patch.h"
+#include "softfinger/input/triangle_surface.h"
+
+namespace softfinger::prediction {
+
+/// The geometry that models and FEM are given for one load of a case.
+struct LocalGeometry {
+  RelativeRadii radii;
+  std::optional<ContactPatch> patch;  ///< set when a body is a mesh
+  std::string patch_model;  ///< the pressure model that predicted the patch's contact area
+  /// Set for an exact sphere on a flat finger: the FEM then takes the sphere itself. Beside a
+  /// curved finger the sphere enters by its curvature only, as in the models.
+  double sphere_radius_m = std::numeric_limits<double>::infinity();
+};
+
+/// From a case's bodies to relative radii. Reads each mesh file once, however many loads there are.
+class GeometryResolver {
+ public:
+  /// @throws InputError when a mesh cannot be read. `contact_case` must outlive this object.
+  explicit GeometryResolver(const input::Case& contact_case)
+      : GeometryResolver(contact_case, nullptr) {}
+  /// @param known  its surfaces serve again where they come from the same files; may be null
+  GeometryResolver(const input::Case& contact_case, const GeometryResolver* known);
+
+  /// For meshes the fitted region depends on the load: region and predicted contact are iterated to
+  /// agreement. The area is predicted by the first model of the registry's hot path that calls
+  /// itself valid for the current radii, or by Hertz when none does.
+  /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in
+  /// words.
+  LocalGeometry resolve(double load_N) const;
+
+  /// The triangles of one of the case's mesh bodies, metres.
+  const TriangleSurface& surface(const input::MeshBody& mesh) const;
+
+  /// What had to be tolerated in the meshes, and what is doubtful about them, one line each.
+  const std::vector<std::string>& remarks() const { return remarks_; }
+
+ private:
+  ContactBody contact_body(const input::CaseBody& body) const;
+
+  const input::Case& case_;
+  std::map<std::string, std::shared_ptr<const TriangleSurface>> surfaces_;  ///< by path and unit
+  std::vector<std::string> remarks_;
+};
+
+/// "3 degenerate and 1 duplicate triangles were left out", "all triangles were turned round", or
+/// empty.
+std::string tolerated(const meshes::SurfaceFile& file);
+
+/// "the surface is 0.02 mm across, read in mm; in m it would be 20 mm: unit = "m"?" for one smaller
+/// than half a millimetre or larger than a metre, else empty. Nothing else tells that the unit was
+/// mistaken: all lengths come out wrong alike.
+std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit);
+
+/// A contact point that floats beside the surface, or lies deep inside the body, is a mistake in
+/// the point or the unit: a region wide enough to reach the surface from there would say nothing.
+/// @throws InputError when the surface is farther than 5 % of its own extent.
+void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                              const std::string& where, const std::string& field);
+
+}  // namespace softfinger::prediction

@@ -1,0 +1,116 @@
+#include "comparisons/reference/fem_jobs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "comparisons/system/files.h"
+
+namespace softfinger::reference {
+namespace fs = std::filesystem;
+
+FinishedResult finished_result(const FemJob& job, const FemJobOptions& options) {
+  FinishedResult finished = read_finished_result(job.file, options.identity, job.problem);
+  if (!finished.result || !finished.result->vtu_file || job.output_directory.empty())
+    return finished;
+  std::error_code error;
+  if (!fs::exists(job.output_directory / fs::path(*finished.result->vtu_file).filename(), error))
+    return {std::nullopt, "its VTU file is missing"};
+  return finished;
+}
+
+std::vector<const FemJob*> pending_fem_jobs(
+    const std::vector<FemJob>& jobs, const FemJobOptions& options, system::Progress& progress,
+    const std::function<void(const FemJob&, ReferenceResult result)>& on_reused) {
+  std::vector<const FemJob*> pending;
+  std::size_t reused = 0;
+  for (const FemJob& job : jobs) {
+    FinishedResult finished = finished_result(job, options);
+    if (finished.result) {
+      progress.say(fmt::format("[{}/{}] {}: reused", ++reused, jobs.size(), job.title));
+      on_reused(job, *std::move(finished.result));
+      continue;
+    }
+    if (!finished.flaw.empty())
+      progress.say(fmt::format("softfinger: {}: made again, it cannot be used: {}",
+                               job.file.string(), finished.flaw));
+    pending.push_back(&job);
+  }
+  std::stable_sort(pending.begin(), pending.end(), [](const FemJob* left, const FemJob* right) {
+    return left->weight > right->weight;
+  });
+  return pending;
+}
+
+int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& options,
+                 const std::function<void(const FemJob&, const std::string& line)>& on_line,
+                 const std::function<void(const FemJob&, const FemAnswer&)>& on_finished) {
+  std::vector<FemBatch> batches;
+  std::vector<std::vector<const FemJob*>> jobs_of;  // per batch
+  for (const FemJob* job : jobs) {
+    // What is there answers another problem: while the new files are being written nothing must
+    // claim them.
+    std::error_code ignored;
+    fs::remove(job->file, ignored);
+    if (batches.empty() || jobs_of.back().back()->group != job->group) {
+      batches.emplace_back();
+      batches.back().single_thread = options.single_thread;
+      batches.back().limits = options.limits;
+      jobs_of.emplace_back();
+    }
+    batches.back().problems.push_back(job->problem);
+    if (!job->output_directory.empty()) {
+      system::make_writable_folder(job->output_directory);
+      batches.back().problems.back()["output_directory"] = job->output_directory.string();
+    }
+    jobs_of.back().push_back(job);
+  }
+  FemCallbacks callbacks;
+  callbacks.on_line = [&](FemIndex index, const std::string& line) {
+    on_line(*jobs_of[index.batch][index.problem], line);
+  };
+  callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
+    const FemJob& job = *jobs_of[index.batch][index.problem];
+    if (answer.result)
+      write_finished_result(job.file, options.identity, job.problem, *answer.result);
+    on_finished(job, answer);
+  };
+  return run_fem(options.program, batches, options.parallel, callbacks);
+}
+
+FemJobProgress::FemJobProgress(system::Progress& progress, std::size_t all, std::size_t pending)
+    : progress_(progress), all_(all), pending_(pending) {}
+
+std::string FemJobProgress::remaining() const {
+  if (finished_ == 0 || finished_ == pending_) return "";
+  const double elapsed_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return fmt::format("; about {:.0f} s left", elapsed_s / static_cast<double>(finished_) *
+                                                  static_cast<double>(pending_ - finished_));
+}
+
+void FemJobProgress::line(const FemJob& job, const std::string& text) {
+  progress_.show(fmt::format("[{}/{}] {}: {}{}", all_ - pending_ + finished_, all_, job.title, text,
+                             remaining()));
+}
+
+void FemJobProgress::finished(const FemJob& job, const std::string& outcome) {
+  ++finished_;
+  progress_.say(fmt::format("[{}/{}] {}: {}{}", all_ - pending_ + finished_, all_, job.title,
+                            outcome, remaining()));
+}
+
+std::string describe(const FemAnswer& answer) {
+  if (!answer.result) return "FEM failed: " + answer.failure;
+  const ReferenceResult& result = *answer.result;
+  const auto in_percent = [](const std::optional<double>& error) {
+    return 100 * error.value_or(std::numeric_limits<double>::quiet_NaN());
+  };
+  return fmt::format("{:.0f} unknowns, a ±{:.2g} %, torque ±{:.2g} %, {:.1f} s",
+                     result.unknowns.value_or(std::numeric_limits<double>::quiet_NaN()),
+                     in_percent(result.error.a), in_percent(result.error.max_torque),
+                     result.wall_s);
+}
+
+}  // namespace softfinger::reference

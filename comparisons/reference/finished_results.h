@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "comparisons/reference/reference_result.h"
+
+/// Results of the finite elements that are kept between runs: one file each,
+/// {"program", "problem", "result"}. A result is used again only when the same program gave it for
+/// the same problem.
+namespace softfinger::reference {
+
+/// The version and the program's own bytes: a rebuilt program must not use an older one's results.
+/// @throws InputError when the program cannot be read
+std::string program_identity(const std::filesystem::path& program);
+
+/// What a file of a finished result says.
+struct FinishedResult {
+  std::optional<ReferenceResult> result;
+  std::string flaw;  ///< why a file that is there is of no use; empty when nothing is wrong
+};
+
+/// @param text     of the file
+/// @param program  `program_identity` of the one that would be asked
+FinishedResult parse_finished_result(const std::string& text, const std::string& program,
+                                     const nlohmann::json& problem);
+
+/// The same for a file; one that does not exist is no flaw.
+FinishedResult read_finished_result(const std::filesystem::path& file, const std::string& program,
+                                    const nlohmann::json& problem);
+
+/// Writes the file whole or not at all; its folder is made when it is missing.
+/// @throws InputError
+void write_finished_result(const std::filesystem::path& file, const std::string& program,
+                           const nlohmann::json& problem, const ReferenceResult& result);
+
+}  // namespace softfinger::reference

@@ -1,0 +1,239 @@
+#include "comparisons/suite/compare.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+#include "comparisons/input/case.h"
+#include "comparisons/judgement/atlas/error_atlas.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/reference/fem_jobs.h"
+#include "comparisons/report/report_page.h"
+#include "comparisons/suite/suite_report.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/system/progress.h"
+#include "comparisons/text/json_text.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::suite {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::json;
+
+constexpr double kTolerance = 0.10;
+
+/// One load of one case on its way from geometry to reference.
+struct LoadRun {
+  const input::Case* contact_case = nullptr;
+  double load_N = 0;
+  prediction::LocalGeometry geometry;
+  json problem;
+  fs::path folder;
+  std::optional<reference::ReferenceResult> reference;
+  std::string failure;
+
+  std::string title() const { return fmt::format("{} {} N", contact_case->id, load_N); }
+};
+
+/// Runs what is not finished yet. @returns 0 or the signal that interrupted.
+int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
+                system::Progress& progress) {
+  reference::FemJobOptions settings;
+  settings.program = system::fem_program().string();
+  settings.identity = reference::program_identity(settings.program);
+  settings.parallel = options.jobs;
+  settings.single_thread = options.jobs > 1;
+  settings.limits = options.fem_limits;
+  // A case's loads share their process, the largest contact first, whose mesh may serve the others.
+  std::vector<std::size_t> order(runs.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto case_of = [&](std::size_t run) {
+    return runs[run].contact_case - runs[0].contact_case;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
+    return std::pair(case_of(left), -runs[left].load_N) <
+           std::pair(case_of(right), -runs[right].load_N);
+  });
+  std::vector<reference::FemJob> jobs;
+  for (const std::size_t i : order) {
+    reference::FemJob job;
+    job.title = runs[i].title();
+    job.problem = runs[i].problem;
+    job.file = runs[i].folder / "result.json";
+    job.output_directory = runs[i].folder;
+    job.group = static_cast<std::size_t>(case_of(i));
+    jobs.push_back(std::move(job));
+  }
+  const auto run_of = [&](const reference::FemJob& job) -> LoadRun& {
+    return runs[order[static_cast<std::size_t>(&job - jobs.data())]];
+  };
+  const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
+      jobs, settings, progress,
+      [&](const reference::FemJob& job, reference::ReferenceResult result) {
+        run_of(job).reference = std::move(result);
+      });
+  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
+  std::size_t done = jobs.size() - pending.size();
+  const int signal = reference::run_fem_jobs(
+      pending, settings,
+      [&](const reference::FemJob& job, const std::string& line) { shown.line(job, line); },
+      [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
+        ++done;
+        run_of(job).reference = answer.result;
+        run_of(job).failure = answer.failure;
+        shown.finished(job, describe(answer));
+      });
+  if (signal != 0)
+    progress.say(
+        fmt::format("softfinger: interrupted: {} of {} FEM results are finished in {}; the same "
+                    "command continues from there",
+                    done, runs.size(), (options.output / "fem").string()));
+  return signal;
+}
+
+/// Cases of a report that is there already and that a new one would leave out.
+std::vector<std::string> cases_left_out(const fs::path& report_file,
+                                        const std::vector<input::Case>& cases) {
+  std::vector<std::string> ids;
+  std::ifstream file(report_file);
+  const json report =
+      file ? text::parse_json(std::string(std::istreambuf_iterator<char>(file), {})) : json();
+  if (!report.is_object() || !report.contains("cases") || !report["cases"].is_array()) return ids;
+  for (const json& entry : report["cases"])
+    if (entry.is_object() && entry.contains("id") && entry["id"].is_string() &&
+        std::none_of(cases.begin(), cases.end(),
+                     [&](const input::Case& one) { return one.id == entry["id"]; }))
+      ids.push_back(entry["id"]);
+  return ids;
+}
+
+/// @throws InputError also where two cases share an id
+std::vector<input::Case> read_cases(const std::vector<fs::path>& files) {
+  std::vector<input::Case> cases;
+  std::map<std::string, std::string> file_of_id;
+  for (const fs::path& file : files) {
+    cases.push_back(input::read_case(file));
+    const auto [entry, is_new] = file_of_id.emplace(cases.back().id, file.string());
+    if (!is_new)
+      throw InputError(file.string(), "id", cases.back().id,
+                       "an id of its own; " + entry->second + " has the same");
+  }
+  return cases;
+}
+
+/// All loads of all cases, checked.
+std::vector<LoadRun> plan_runs(const std::vector<input::Case>& cases, const CompareOptions& options,
+                               system::Progress& progress) {
+  std::vector<LoadRun> runs;
+  for (const input::Case& contact_case : cases) {
+    const prediction::GeometryResolver geometry(contact_case);
+    for (const std::string& remark : geometry.remarks()) progress.say("softfinger: " + remark);
+    for (double load_N : contact_case.loads_N) {
+      LoadRun run;
+      run.contact_case = &contact_case;
+      run.load_N = load_N;
+      run.geometry = geometry.resolve(load_N);
+      run.problem =
+          reference::fem_problem(contact_case, run.geometry, load_N,
+                                 std::min(3, contact_case.fem_level + (options.full ? 1 : 0)));
+      run.folder = options.output / "fem" / reference::load_folder(contact_case.id, load_N);
+      runs.push_back(std::move(run));
+    }
+  }
+  return runs;
+}
+
+void say_what_is_replaced(const std::vector<input::Case>& cases, const fs::path& output,
+                          system::Progress& progress) {
+  const auto ids = cases_left_out(output / "report.json", cases);
+  if (ids.empty()) return;
+  progress.say(fmt::format(
+      "softfinger: the report in {} will be replaced by one without {}{}; another --output keeps "
+      "it",
+      output.string(), ids.front(),
+      ids.size() > 1 ? fmt::format(" and {} more", ids.size() - 1) : ""));
+}
+
+SuiteComparison compare_all(const std::vector<input::Case>& cases, std::vector<LoadRun> runs) {
+  SuiteComparison suite;
+  suite.tolerance = kTolerance;
+  auto run = runs.begin();
+  for (const input::Case& contact_case : cases) {
+    std::vector<judgement::Comparison> loads;
+    for (; run != runs.end() && run->contact_case == &contact_case; ++run)
+      loads.push_back(judgement::compare(contact_case, run->geometry, run->load_N,
+                                         std::move(run->reference), run->failure));
+    suite.cases.push_back(judgement::compare_case(contact_case, std::move(loads), kTolerance));
+  }
+  return suite;
+}
+
+void write_report(const SuiteComparison& suite, const fs::path& output) {
+  json report = report_json(suite);
+  // A command line may hold bytes that are no UTF-8: a report must not fail on them.
+  const std::string text = report.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  report.update(page_json(suite));
+  system::write_files_together({{output / "results.csv", results_csv(suite)},
+                                {output / "report.json", text},
+                                {output / "report.html", report::render_report(report)}});
+}
+
+std::string answer_in_words(const SuiteComparison& suite, const fs::path& output) {
+  std::string answer;
+  for (const judgement::CaseComparison& compared : suite.cases)
+    answer += fmt::format("{}: {}\n", compared.contact_case->id, compared.verdict.sentence);
+  if (!is_trusted_everywhere(suite))
+    answer += fmt::format(
+        "At least one FEM result failed or is less accurate than its stated limits ({}).\n",
+        reference::trust_limits_in_words());
+  return answer + fmt::format("Report: {}\n", fs::absolute(output / "report.html").string());
+}
+
+}  // namespace
+
+int default_job_count() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  const int count = sched_getaffinity(0, sizeof cores, &cores) == 0 ? CPU_COUNT(&cores) : 1;
+  // Each process takes up to 2 GB for a long contact: more of them would need more memory than a
+  // usual machine has.
+  return std::clamp(count, 1, 8);
+}
+
+int compare(const CompareOptions& options) {
+  const auto start = Clock::now();
+  const std::vector<input::Case> cases = read_cases(options.case_files);
+  system::Progress progress;
+  std::vector<LoadRun> runs = plan_runs(cases, options, progress);
+  // These refuse before anything is written.
+  system::fem_program();
+  judgement::error_atlas();
+  judgement::finite_strain_atlas();
+  const system::OutputFolder output(options.output);
+  // After all that may be refused in a single line.
+  say_what_is_replaced(cases, options.output, progress);
+  for (const input::Case& contact_case : cases)
+    for (const std::string& remark : prediction::power_law_remarks(contact_case))
+      progress.say("softfinger: " + contact_case.id + ": " + remark);
+  if (const int signal = run_pending(runs, options, progress)) return 128 + signal;
+
+  SuiteComparison suite = compare_all(cases, std::move(runs));
+  suite.command = options.command;
+  suite.cores = default_job_count();
+  suite.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+  write_report(suite, options.output);
+  system::write_text_to_stdout(answer_in_words(suite, options.output));
+  return is_trusted_everywhere(suite) ? 0 : 1;
+}
+
+}  // namespace softfinger::suite

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace softfinger::system {
+
+/// "0.1.0"
+std::string program_version();
+
+/// The folder of the running program, from /proc/self/exe: data and the FEM program are found
+/// relative to it, the same way in the build tree and when installed.
+std::filesystem::path program_folder();
+
+/// `../share/softfinger` beside the program's folder.
+std::filesystem::path share_folder();
+
+/// The path of `softfinger-fem`: the environment variable SOFTFINGER_FEM_PROGRAM if it is set, else
+/// the folder of this program.
+/// @throws InputError when there is no such executable.
+std::filesystem::path fem_program();
+
+/// All built-in case files, ordered by name.
+std::vector<std::filesystem::path> builtin_case_files();
+
+/// A case file as typed on the command line: a path, or the name of a built-in case.
+std::filesystem::path find_case_file(const std::string& typed);
+
+/// The same for scenes.
+std::vector<std::filesystem::path> builtin_scene_files();
+std::filesystem::path find_scene_file(const std::string& typed);
+
+/// The same for sweeps.
+std::vector<std::filesystem::path> builtin_sweep_files();
+std::filesystem::path find_sweep_file(const std::string& typed);
+
+/// The path of a mesh file: relative to `folder` (empty: the working directory) if it exists there,
+/// else a built-in mesh of that name.
+std::filesystem::path find_mesh_file(const std::string& typed, const std::filesystem::path& folder);
+
+}  // namespace softfinger::system

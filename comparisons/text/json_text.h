@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace softfinger::text {
+
+/// Parses a text that may contain anything.
+/// @returns null for text that is not JSON, and for JSON nested deeper than any file of this
+/// project: some functions of the library are recursive and would run out of stack.
+nlohmann::json parse_json(const std::string& text);
+
+/// The number, or null for NaN and infinity, which JSON cannot express.
+nlohmann::json finite_or_null(double value);
+
+}  // namespace softfinger::text

@@ -1,0 +1,51 @@
+#include "comparisons/text/nearest_name.h"
+
+#include <algorithm>
+
+namespace softfinger::text {
+
+int edit_distance(std::string_view one, std::string_view other) {
+  // Optimal string alignment; three rows suffice because a swap looks two rows back.
+  const int columns = static_cast<int>(other.size()) + 1;
+  std::vector<int> before(columns), previous(columns), current(columns);
+  for (int j = 0; j < columns; ++j) previous[j] = j;
+  for (int i = 1; i <= static_cast<int>(one.size()); ++i) {
+    current[0] = i;
+    for (int j = 1; j < columns; ++j) {
+      const int replace = previous[j - 1] + (one[i - 1] == other[j - 1] ? 0 : 1);
+      current[j] = std::min({previous[j] + 1, current[j - 1] + 1, replace});
+      if (i > 1 && j > 1 && one[i - 1] == other[j - 2] && one[i - 2] == other[j - 1])
+        current[j] = std::min(current[j], before[j - 2] + 1);
+    }
+    before.swap(previous);
+    previous.swap(current);
+  }
+  return previous[columns - 1];
+}
+
+std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates) {
+  constexpr std::size_t kLongestName = 200;
+  typed = typed.substr(0, kLongestName);
+  return *std::min_element(candidates.begin(), candidates.end(),
+                           [&](const std::string& one, const std::string& other) {
+                             return edit_distance(typed, one) < edit_distance(typed, other);
+                           });
+}
+
+std::string shortened(std::string_view text, std::size_t most_bytes) {
+  if (text.size() <= most_bytes) return std::string(text);
+  std::size_t end = most_bytes - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+  return std::string(text.substr(0, end)) + "...";
+}
+
+std::string joined(const std::vector<std::string>& words, std::string_view separator) {
+  std::string text;
+  for (const auto& word : words) {
+    if (!text.empty()) text += separator;
+    text += word;
+  }
+  return text;
+}
+
+}  // namespace softfinger::text
