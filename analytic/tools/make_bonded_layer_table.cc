@@ -6,7 +6,7 @@
 // At each node of the table the contact is solved by the spectral method of elliptic_contact.h, and
 // a tensor cubic B-spline is laid through the logarithms of its ratios to the blend. Progress goes
 // to the standard error.
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -13,8 +13,8 @@ const PressureModel& bonded_layer_model();
 namespace {
 
 /// ln(finite strain / linear) = strain x + slope ab/(R' R''), x = (1 - 2 nu)/sqrt(1.1 - 2 nu) d/h,
-/// all of the linear answer: about sqrt(1 - 2 nu), but smooth enough at 1/2 for a and d to fall
-/// with nu still.
+/// with the linear answer's a, b and d. The factor of d/h is about sqrt(1 - 2 nu), but smooth at
+/// nu = 1/2, so that corrected a and d still fall as nu grows.
 struct Correction {
   double strain, slope;
 };
@@ -23,9 +23,9 @@ struct Correction {
 /// flat layers. A test repeats the fit and computes the errors on the other half.
 constexpr Correction kSemiAxes{-0.266, 0}, kIndentation{-0.426, 0.058}, kPeakPressure{0.925, 0.169},
     kTorqueArm{-0.378, 0.180};
-/// The largest d/h and ab/(R' R'') and the least nu in these runs. Beyond, the corrections stay
-/// what they are there, and that for strain fades with the slope, for a layer that is thick against
-/// such a contact is strained where no layer of a finger is.
+/// The largest d/h and ab/(R' R'') and the least nu in these runs. Beyond them the corrections keep
+/// their last values. Only that for strain fades as the slope grows beyond its limit: a layer thick
+/// enough for such a contact is strained far below the surface, unlike in the runs.
 constexpr double kMostDepth = 0.45, kMostSlope = 0.25, kLeastPoissonRatio = 0.3;
 
 class FiniteStrainLayer final : public PressureModel {
@@ -47,7 +47,8 @@ class FiniteStrainLayer final : public PressureModel {
         "1.4, 2.3, 1.7 and 4.5 %, area 4.4 %; on a finger with a curved layer d to 14 %",
         "below 1 microsecond",
         true,
-        true};
+        true,
+        {1e-12, 1e-12, 1e-4, "that of bonded_layer, whose table it corrects"}};
     return card;
   }
 
