@@ -13,6 +13,8 @@ struct FrictionOfLevel {
   double stiffness = 0, full_slip = 0;
   std::vector<FrictionState> twist, limit_surface;
   std::vector<std::vector<FrictionState>> paths;  ///< to each point of the limit surface
+  /// What the physics itself leaves out, relative: of the twist's torque, of the limit surface.
+  double neglected_of_twist = 0, neglected_of_slide = 0;
 };
 
 /// Angles of a twist and velocities of the limit surface: the same on every level. What a level

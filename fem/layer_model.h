@@ -22,6 +22,8 @@ struct LayerDiscretisation {
   /// Depths of the interfaces between bonded sublayers, from the surface on: no cell crosses one.
   std::vector<double> interfaces;
 
+  /// Share of the reach below that the refined patch may take: a last cell has to fit beside it.
+  static constexpr double usable_reach = 0.98;
   /// How far the block may go along x and y: the surface may end. Infinite for a flat layer.
   double reach_x = std::numeric_limits<double>::infinity();
   double reach_y = std::numeric_limits<double>::infinity();

@@ -59,8 +59,9 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   // A bent layer ends at its reach; near it even the coarsest cells are small enough to fit.
   const auto fit = [](double inner, double reach, double& cell, double& length) {
     length = std::min(length, reach);
-    if (std::ceil(inner / cell - 1e-9) * cell < 0.98 * length) return;
-    const double cells = std::ceil(inner / (0.98 * length - inner));
+    const double usable = LayerDiscretisation::usable_reach * length;
+    if (std::ceil(inner / cell - 1e-9) * cell < usable) return;
+    const double cells = std::ceil(inner / (usable - inner));
     cell = inner / cells;
   };
   fit(block.inner_x, discretisation.reach_x, block.cell_x, block.length_x);

@@ -3,9 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "fem/element_limits.h"
+#include "fem/formatted.h"
 #include "fem/pressure_ellipse.h"
 #include "meshes/generation/object_surface.h"
 #include "softfinger/input/errors.h"
@@ -26,12 +27,11 @@ double Pressing::gap(const SurfaceNode& node) const {
   const double x = node.position.x(), y = node.position.y();
   if (fingertip) {
     const auto height = fingertip.object->height(thickness_m * x, thickness_m * y);
-    if (!height) {
-      char place[80];
-      std::snprintf(place, sizeof place, "x %.4g mm, y %.4g mm from the contact point",
-                    1e3 * thickness_m * x, 1e3 * thickness_m * y);
-      throw InputError("object", "surface", place, "an object that covers the contact");
-    }
+    if (!height)
+      throw InputError("object", "surface",
+                       formatted("x %.4g mm, y %.4g mm from the contact point",
+                                 1e3 * thickness_m * x, 1e3 * thickness_m * y),
+                       "an object that covers the contact");
     return *height / thickness_m - node.position.z();
   }
   const double z = node.position.z();
@@ -52,6 +52,44 @@ double Pressed::torque_arm() const {
     moment +=
         contact.force[i] * model->nodes()[static_cast<std::size_t>(i)].position.head<2>().norm();
   return moment / contact.force.sum();
+}
+
+namespace {
+
+void set_sublayers(const Problem& problem, Pressing& pressing) {
+  const ElasticLayer& layer = problem.contact.layer;
+  pressing.poisson_ratio = compressible(layer.poisson_ratio);
+  double depth_m = 0;
+  for (const Sublayer& sublayer : problem.sublayers) {
+    pressing.sublayers.push_back({sublayer.layer.youngs_modulus_Pa / layer.youngs_modulus_Pa,
+                                  compressible(sublayer.layer.poisson_ratio)});
+    if (depth_m > 0) pressing.interfaces.push_back(depth_m / layer.thickness_m);
+    depth_m += sublayer.layer.thickness_m;
+  }
+}
+
+}  // namespace
+
+Pressing pressing_of(const Problem& problem) {
+  const RelativeRadii& radii = problem.contact.radii;
+  const ElasticLayer& layer = problem.contact.layer;
+  const double h = layer.thickness_m;
+  Pressing pressing;
+  pressing.major = radii.major_m / h;
+  pressing.minor = radii.minor_m / h;
+  pressing.sphere = problem.sphere_radius_m / h;
+  if (problem.approach_m > 0)
+    pressing.approach = problem.approach_m / h;
+  else
+    pressing.load = problem.contact.load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
+  set_sublayers(problem, pressing);
+  pressing.thickness_m = h;
+  pressing.mesh = problem.mesh;
+  if (problem.fingertip) {
+    pressing.fingertip = problem.fingertip;
+    pressing.bent = shape_fingertip(problem.fingertip, h);
+  }
+  return pressing;
 }
 
 LayerDiscretisation first_guess(const Pressing& pressing) {
@@ -160,10 +198,9 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
 }
 
 void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {
-  char place[80];
-  std::snprintf(place, sizeof place, "ends at x %.4g mm, y %.4g mm", 1e3 * thickness_m * node.x,
-                1e3 * thickness_m * node.y);
-  throw InputError("mesh of the layer", "physical surface \"contact\"", place,
+  throw InputError("mesh of the layer", "physical surface \"contact\"",
+                   formatted("ends at x %.4g mm, y %.4g mm", 1e3 * thickness_m * node.x,
+                             1e3 * thickness_m * node.y),
                    "one that covers the contact, which reaches that end; or a smaller load");
 }
 

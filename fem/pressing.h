@@ -6,6 +6,7 @@
 #include "fem/fingertip.h"
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
+#include "fem/reference_solver.h"
 
 /// Pressing without friction, on one mesh, in units of h and E.
 namespace softfinger::fem {
@@ -36,6 +37,10 @@ struct Pressing {
   /// @throws InputError where the object has no surface
   double gap(const SurfaceNode& node) const;
 };
+
+/// The problem in the units of its layer.
+/// @throws InputError where the layer is too thick for the pad's curvature
+Pressing pressing_of(const Problem& problem);
 
 /// A contact pressed on one mesh.
 struct Pressed {
