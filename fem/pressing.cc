@@ -1,6 +1,5 @@
 #include "fem/pressing.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -37,7 +36,7 @@ double Pressing::gap(const SurfaceNode& node) const {
   const double z = node.position.z();
   if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor) - z;
   const double r2 = x * x + y * y;
-  // Beside the sphere there is nothing to touch; any height above its equator says so.
+  // Beside the sphere there is nothing to touch: any gap larger than an approach will do.
   return r2 < sphere * sphere ? r2 / (sphere + std::sqrt(sphere * sphere - r2)) - z : 10 * sphere;
 }
 
@@ -146,9 +145,9 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   pressed.gap.resize(count);
-  // On a bent layer the contact pushes along the surface's normals, and what it pushes by is the
-  // object's approach seen along them. Scaled to the components along the load, that is the contact
-  // of a flat layer with another compliance.
+  // On a bent layer contact forces and displacements are along the surface's normals n. In terms of
+  // the forces' components along the load, n_z N, and of what nodes sink along it, w / n_z, the
+  // problem is that of a flat layer with the compliance C_ij / (n_z,i n_z,j).
   Eigen::VectorXd cosine(count);
   for (Index i = 0; i < count; ++i) {
     const SurfaceNode& node = nodes[static_cast<std::size_t>(i)];
@@ -190,10 +189,9 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
         std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
       pressed.reaches_rim = true;
   }
-  // <x²> is a²/5 for a half-space's pressure, a²/6 for a thin compressible layer's.
   const double total = pressed.contact.force.sum();
-  pressed.moment_a = std::sqrt(5.4 * xx / total);
-  pressed.moment_b = std::sqrt(5.4 * yy / total);
+  pressed.moment_a = std::sqrt(square_per_moment * xx / total);
+  pressed.moment_b = std::sqrt(square_per_moment * yy / total);
   return pressed;
 }
 
@@ -208,12 +206,12 @@ PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::Vector
   const double total = force.sum();
   const Eigen::Vector2d mean = position * force / total;
   const Eigen::Matrix2d second = position * force.asDiagonal() * position.transpose() / total;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> moments(second - mean * mean.transpose());
-  const Eigen::Vector2d along = moments.eigenvectors().col(1);
-  double turn_rad = std::atan2(along.y(), along.x());
-  if (turn_rad > M_PI / 2) turn_rad -= M_PI;
-  if (turn_rad <= -M_PI / 2) turn_rad += M_PI;
-  return {moments.eigenvalues()[1], moments.eigenvalues()[0], turn_rad};
+  const Eigen::Matrix2d about_centre = second - mean * mean.transpose();
+  // Mohr's circle.
+  const double middle = about_centre.trace() / 2;
+  const double half_difference = (about_centre(0, 0) - about_centre(1, 1)) / 2;
+  const double radius = std::hypot(half_difference, about_centre(0, 1));
+  return {middle + radius, middle - radius, std::atan2(about_centre(0, 1), half_difference) / 2};
 }
 
 namespace {
