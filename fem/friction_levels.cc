@@ -34,8 +34,9 @@ FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
   FrictionPlan plan;
   if (request.torsion) {
-    // In units of the angle at which the stuck contact would carry the whole torque, half of it is
-    // there at 0.7, and slip has reached the innermost nodes by about 8.
+    // The unit is the angle at which a contact that sticks everywhere would carry the whole torque.
+    // At 0.7 of it the contact carries half the torque; by about 8 slip has reached the innermost
+    // nodes.
     const double unit = scale.torque / scale.stiffness, first = 0.05, last = 10;
     for (int i = 0; i < request.increments; ++i) {
       const double share =
@@ -49,8 +50,8 @@ FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem) {
   plan.velocities = spread_velocities(request.limit_surface, arm);
   if (request.increments_to_slip > 0)
     for (const PlaneMotion& velocity : plan.velocities) {
-      // A half-space slips everywhere after about mu P / (4 G b); a layer is stiffer. Small steps
-      // first: slip begins at once at the edge.
+      // A half-space slips everywhere after about mu P / (4 G b); a layer is stiffer and slips
+      // earlier. The first steps are the smallest, because slip begins at once at the edge.
       const double smallest_shear_modulus = 1.0 / 3;  // in units of E
       const double reach = scale.force / (smallest_shear_modulus * scale.b) /
                            std::hypot(velocity.x, velocity.y, arm * velocity.turn_rad);
@@ -104,7 +105,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
              " % of the area at the last increment");
   }
   const auto learn = [&](const std::vector<FrictionState>& states) {
-    // The nodes know the edge to half their distance, a quarter of a cell.
+    // The edge is known to half the distance of the nodes, which is a quarter of a cell.
     const double blur = 0.25 / contact.model.discretisation().elements_per_semi_axis;
     for (const FrictionState& state : states) plan->edge = std::max(plan->edge, state.edge + blur);
   };
@@ -130,7 +131,8 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state) {
-  // A cell is enough for nearly every contact, and each node more costs.
+  // A margin of one cell around the contact is enough for nearly every one, and each node in it
+  // costs time.
   const LayerDiscretisation& mesh = contact.model.discretisation();
   const double all = (mesh.patch - contact.edge) * mesh.elements_per_semi_axis;
   if (plan)

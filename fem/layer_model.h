@@ -16,9 +16,9 @@ namespace softfinger::fem {
 /// How a layer is meshed for a contact of semi-axes a >= b. Lengths in units of the thickness h.
 struct LayerDiscretisation {
   double a = 1, b = 1;
-  int elements_per_semi_axis = 8;  ///< finest cells along b
+  int elements_per_semi_axis = 8;  ///< n: finest cells along b
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
-  double extent = 6;               ///< free side wall at a + extent, b + extent
+  double extent = 6;               ///< free side wall at a + extent, b + extent: see README.md
   /// Depths of the interfaces between bonded sublayers, from the surface on: no cell crosses one.
   std::vector<double> interfaces;
 
