@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <set>
+#include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "softfinger/input/errors.h"
@@ -80,15 +82,13 @@ class LevelLoop : public testing::Test {
   }
   std::optional<Result> solve() {
     const Progress progress = [this](const std::string& line) { lines.push_back(line); };
-    const StopRequested stop = [this] {
-      return static_cast<int>(contact.pressed.size()) >= stop_after;
-    };
+    const StopRequested stop = [this] { return ++questions >= stop_at_question; };
     return solve_on_levels(contact, {problem, pressing, progress, stop});
   }
   Problem problem;
   Pressing pressing;
   KnownContact contact;
-  int stop_after = 1000;
+  int questions = 0, stop_at_question = 1000;  ///< whether to stop
   std::vector<std::string> lines;
 };
 
@@ -166,7 +166,7 @@ TEST_F(LevelLoop, MeshFromOutsideIsHalvedForItsSecondLevel) {
 
 TEST_F(LevelLoop, StoppedAfterItsFirstLevelItAnswersWithTheTrialMeshForTheCoarserOne) {
   solve();
-  stop_after = static_cast<int>(contact.pressed.size()) - 1;
+  stop_at_question = std::exchange(questions, 0);  // the last one, between the two levels
   contact = {};
   const Result result = *solve();
   EXPECT_TRUE(result.interrupted);
@@ -177,9 +177,13 @@ TEST_F(LevelLoop, StoppedAfterItsFirstLevelItAnswersWithTheTrialMeshForTheCoarse
 }
 
 TEST_F(LevelLoop, StoppedBeforeAnyLevelItHasNoAnswer) {
-  for (stop_after = 1; stop_after < 3; ++stop_after) {
+  solve();
+  const int before_last = questions - 1;
+  ASSERT_GE(before_last, 2) << "between trial meshes, and before the first level";
+  for (stop_at_question = 1; stop_at_question <= before_last; ++stop_at_question) {
     contact = {};
-    EXPECT_THROW(solve(), Interrupted) << stop_after;
+    questions = 0;
+    EXPECT_THROW(solve(), Interrupted) << stop_at_question;
   }
 }
 
@@ -187,9 +191,18 @@ TEST_F(LevelLoop, StoppedAfterLevelZeroItHasNothingToCompareWith) {
   // The trial mesh is level 0 itself: two equal levels would state an error of 0/0.
   problem.level = 1;
   solve();
-  stop_after = static_cast<int>(contact.pressed.size()) - 1;
+  stop_at_question = std::exchange(questions, 0);
   contact = {};
   EXPECT_THROW(solve(), Interrupted);
+  EXPECT_EQ(contact.levels.back(), 0);
+}
+
+TEST_F(LevelLoop, ContactAtTheRimGetsAMeshThatIsLargerThanWhatIsSeenOfIt) {
+  pressing.load = 1e-6;  // a first guess that is far too small
+  solve();
+  ASSERT_GE(contact.pressed.size(), 5u);
+  // The fake contact is seen up to 1.2 of its mesh's size; sizes are rounded to 0.1 %.
+  EXPECT_NEAR(contact.pressed[1].b / contact.pressed[0].b, 1.3 * 1.2, 2e-3);
 }
 
 TEST_F(LevelLoop, ContactThatOutgrowsItsPatchIsAnError) {
