@@ -17,8 +17,8 @@ namespace softfinger::fem {
 
 struct CholeskyFactor::Implementation {
   Implementation() {
-    // CHOLMOD asks for four threads in loops far too short for them, whatever OMP_NUM_THREADS says:
-    // a third of a small factorisation's time went into waking them. The BLAS has threads of its
+    // CHOLMOD asks for four threads in loops far too short for them, whatever OMP_NUM_THREADS says.
+    // Waking them took a third of the time of a small factorisation. The BLAS has threads of its
     // own.
     omp_set_max_active_levels(0);
     cholmod_start(&common);
@@ -67,8 +67,8 @@ std::vector<int> with_last(const std::vector<int>& dissection, const std::vector
   return ordering;
 }
 
-/// The analysis knows the factor's size. Refusing is better than the system's killing whatever it
-/// likes.
+/// The analysis tells the factor's size. A job that does not fit is refused: the system would end
+/// whichever process it chooses when memory runs out.
 void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& matrix,
                     std::size_t last) {
   constexpr double bytes_per_MB = 1024 * 1024;

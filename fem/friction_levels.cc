@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fem/error_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
 namespace {
-
-/// Stuck tractions grow without bound at the edge, as one over a root: a node more or less there
-/// counts. Observed order of the stiffness on six layers: 1.3 to 1.6.
-constexpr double stiffness_order = 1.45;
-/// Integrals over the pressure, see `reference_solver.cc`.
-constexpr double integral_order = 1.6, common_error = 2e-4;
 
 bool turns_about_centre(const FrictionRequest& request) {
   return request.twist_axis_x_m == 0 && request.twist_axis_y_m == 0;
@@ -39,8 +34,9 @@ FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
   FrictionPlan plan;
   if (request.torsion) {
-    // In units of the angle at which the stuck contact would carry the whole torque, half of it is
-    // there at 0.7, and slip has reached the innermost nodes by about 8.
+    // The unit is the angle at which a contact that sticks everywhere would carry the whole torque.
+    // At 0.7 of it the contact carries half the torque; by about 8 slip has reached the innermost
+    // nodes.
     const double unit = scale.torque / scale.stiffness, first = 0.05, last = 10;
     for (int i = 0; i < request.increments; ++i) {
       const double share =
@@ -54,8 +50,8 @@ FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem) {
   plan.velocities = spread_velocities(request.limit_surface, arm);
   if (request.increments_to_slip > 0)
     for (const PlaneMotion& velocity : plan.velocities) {
-      // A half-space slips everywhere after about mu P / (4 G b); a layer is stiffer. Small steps
-      // first: slip begins at once at the edge.
+      // A half-space slips everywhere after about mu P / (4 G b); a layer is stiffer and slips
+      // earlier. The first steps are the smallest, because slip begins at once at the edge.
       const double smallest_shear_modulus = 1.0 / 3;  // in units of E
       const double reach = scale.force / (smallest_shear_modulus * scale.b) /
                            std::hypot(velocity.x, velocity.y, arm * velocity.turn_rad);
@@ -109,7 +105,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
              " % of the area at the last increment");
   }
   const auto learn = [&](const std::vector<FrictionState>& states) {
-    // The nodes know the edge to half their distance, a quarter of a cell.
+    // The edge is known to half the distance of the nodes, which is a quarter of a cell.
     const double blur = 0.25 / contact.model.discretisation().elements_per_semi_axis;
     for (const FrictionState& state : states) plan->edge = std::max(plan->edge, state.edge + blur);
   };
@@ -135,7 +131,8 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state) {
-  // A cell is enough for nearly every contact, and each node more costs.
+  // A margin of one cell around the contact is enough for nearly every one, and each node in it
+  // costs time.
   const LayerDiscretisation& mesh = contact.model.discretisation();
   const double all = (mesh.patch - contact.edge) * mesh.elements_per_semi_axis;
   if (plan)
@@ -153,45 +150,62 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, Kept
   }
 }
 
-void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
-                    const Problem& problem, Result& result) {
-  const double integral_weight = 1 / (std::pow(refinement, integral_order) - 1);
+namespace {
+
+/// Largest difference of two levels' torques through the twist, relative to full slip.
+double curve_difference(const FrictionOfLevel& coarse, const FrictionOfLevel& fine) {
+  double largest = 0;
+  for (std::size_t i = 0; i < fine.twist.size(); ++i)
+    largest =
+        std::max(largest, std::abs(coarse.twist[i].wrench.torque - fine.twist[i].wrench.torque) /
+                              std::abs(fine.full_slip));
+  return largest;
+}
+
+Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
+                      const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
   const double torque_unit = problem.contact.layer.youngs_modulus_Pa * h * h * h;
-  if (problem.friction.torsion) {
-    Torsion torsion;
-    torsion.increments = in_newtons(fine.twist, problem);
-    // Extrapolated; the correction itself is what is stated.
-    const double correction =
-        (fine.stiffness - coarse.stiffness) / (std::pow(refinement, stiffness_order) - 1);
-    torsion.stiffness_Nm_per_rad = torque_unit * (fine.stiffness + correction);
-    torsion.stiffness_error = std::abs(correction) / fine.stiffness + 1e-3;
-    torsion.full_slip_Nm = torque_unit * fine.full_slip;
-    torsion.full_slip_error =
-        std::abs(coarse.full_slip / fine.full_slip - 1) * integral_weight + common_error;
-    for (std::size_t i = 0; i < fine.twist.size(); ++i)
-      torsion.curve_error = std::max(torsion.curve_error, std::abs(coarse.twist[i].wrench.torque -
-                                                                   fine.twist[i].wrench.torque) /
-                                                              std::abs(fine.full_slip));
-    torsion.curve_error = torsion.curve_error * integral_weight + common_error;
-    result.torsion = torsion;
-  }
-  const double force_limit = problem.contact.load.friction_coefficient * result.finest.load_N;
-  const double torque_limit = result.finest.max_torque_Nm;
-  double difference = 0;
+  const auto stiffness = extrapolated_stiffness(coarse.stiffness, fine.stiffness, refinement);
+  const auto error = [&](double difference) {
+    return stated_error(difference, refinement, friction_integral) + fine.neglected_of_twist;
+  };
+  Torsion torsion;
+  torsion.increments = in_newtons(fine.twist, problem);
+  torsion.stiffness_Nm_per_rad = torque_unit * stiffness.value;
+  torsion.stiffness_error = stiffness.error;
+  torsion.full_slip_Nm = torque_unit * fine.full_slip;
+  torsion.full_slip_error = error(std::abs(coarse.full_slip / fine.full_slip - 1));
+  torsion.curve_error = error(curve_difference(coarse, fine));
+  return torsion;
+}
+
+/// Largest of the components, forces relative to mu P and the torque to that of the pressure.
+double difference(const Wrench& one, const Wrench& other, double force_N, double torque_Nm) {
+  return std::max({std::abs(one.force_x_N - other.force_x_N) / force_N,
+                   std::abs(one.force_y_N - other.force_y_N) / force_N,
+                   std::abs(one.torque_Nm - other.torque_Nm) / torque_Nm});
+}
+
+}  // namespace
+
+void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
+                    const Problem& problem, Result& result) {
+  if (problem.friction.torsion) result.torsion = state_torsion(coarse, fine, refinement, problem);
+  if (fine.limit_surface.empty()) return;
+  const double force_limit_N = problem.contact.load.friction_coefficient * result.finest.load_N;
+  double largest = 0;
   for (std::size_t i = 0; i < fine.limit_surface.size(); ++i) {
     LimitPoint point;
     point.wrench = in_newtons(fine.limit_surface[i].wrench, problem);
     if (!fine.paths.empty()) point.path = in_newtons(fine.paths[i], problem);
-    const Wrench other = in_newtons(coarse.limit_surface[i].wrench, problem);
-    difference =
-        std::max({difference, std::abs(point.wrench.force_x_N - other.force_x_N) / force_limit,
-                  std::abs(point.wrench.force_y_N - other.force_y_N) / force_limit,
-                  std::abs(point.wrench.torque_Nm - other.torque_Nm) / torque_limit});
+    largest = std::max(largest,
+                       difference(point.wrench, in_newtons(coarse.limit_surface[i].wrench, problem),
+                                  force_limit_N, result.finest.max_torque_Nm));
     result.limit_surface.push_back(std::move(point));
   }
-  if (!fine.limit_surface.empty())
-    result.limit_surface_error = difference * integral_weight + common_error;
+  result.limit_surface_error =
+      stated_error(largest, refinement, friction_integral) + fine.neglected_of_slide;
 }
 
 }  // namespace softfinger::fem

@@ -8,19 +8,23 @@
 
 namespace softfinger::fem {
 
-/// What one mesh says about friction, in the units of the model; compared between two.
+/// One mesh's answer about friction, in the units of the model.
 struct FrictionOfLevel {
   double stiffness = 0, full_slip = 0;
   std::vector<FrictionState> twist, limit_surface;
   std::vector<std::vector<FrictionState>> paths;  ///< to each point of the limit surface
+  /// What the physics itself leaves out, relative: of the twist's torque, of the limit surface.
+  double neglected_of_twist = 0, neglected_of_slide = 0;
 };
 
-/// Angles of a twist and velocities of the limit surface: the same on every level. What a level
-/// learns of how far the edge moves serves the next.
+/// Angles of a twist and velocities of the limit surface: the same on every level, so that levels
+/// can be compared.
 struct FrictionPlan {
   std::vector<PlaneMotion> twist, velocities;
   std::vector<std::vector<PlaneMotion>> paths;
-  double edge = 1;  ///< relative radius
+  /// Largest relative radius that friction has moved the contact's edge to, on the levels so far:
+  /// the next one needs compliances up to there.
+  double edge = 1;
 };
 
 /// What the motions of a plan are scaled by, in the units of the model.
@@ -39,8 +43,8 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, Kept
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state);
 
-/// Puts two levels' answers into the result: the finer one, the stiffness extrapolated, with stated
-/// errors.
+/// Puts the finer level's answer into the result, with the stiffness extrapolated, and the errors
+/// that follow from both levels.
 void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
                     const Problem& problem, Result& result);
 

@@ -1,10 +1,10 @@
 #include "fem/friction_study.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "fem/positive_definite.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -65,7 +65,8 @@ QuarterCompliances friction_compliances(const PressedContact& contact, Invarianc
 
 double stuck_torsional_stiffness(const PressedContact& contact,
                                  const QuarterCompliances& quarters) {
-  // One quarter problem serves. The contact also holds the surface down.
+  // A turn is odd in x and in y: one quarter problem has its stiffness. The object also holds the
+  // normal displacements of the nodes that touch.
   const Eigen::MatrixXd& odd = quarters.of_turn();
   std::vector<Index> stuck;
   std::vector<double> turn;
@@ -82,7 +83,7 @@ double stuck_torsional_stiffness(const PressedContact& contact,
   }
   const Eigen::Map<const Eigen::VectorXd> target(turn.data(), static_cast<Index>(turn.size()));
   const Eigen::MatrixXd compliance = odd(stuck, stuck);
-  return copies(contact) * target.dot(compliance.llt().solve(target));
+  return copies(contact) * target.dot(solve_positive_definite(compliance, target));
 }
 
 std::vector<FrictionState> move_through(const PressedContact& contact,

@@ -8,8 +8,8 @@
 #include "fem/layer_model.h"
 #include "softfinger/input/errors.h"
 
-/// What a contact's friction can hold, from a contact that was pressed on one mesh. All in the
-/// units of the model.
+/// Friction on a contact that was pressed on one mesh, in linear elasticity. All in the units of
+/// the model.
 namespace softfinger::fem {
 
 /// Where friction starts from.
@@ -28,7 +28,8 @@ struct PressedContact {
 /// Sums over the model's nodes times this are sums over the contact.
 inline int copies(const PressedContact& contact) { return contact.model.whole() ? 1 : 4; }
 
-/// The outermost part of the margin, in cells, is there to see that it is not needed.
+/// Outermost part of the margin, in cells. A node that touches there shows that the margin is too
+/// small.
 constexpr double spare_margin = 0.3;
 
 /// Friction moved the contact's edge beyond the margin.
@@ -47,7 +48,7 @@ struct FrictionState {
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;
 
-/// Those of a mesh that an earlier contact needed; null before the first.
+/// Compliances that an earlier contact on the mesh needed; null before the first.
 using KeptCompliances = std::shared_ptr<const QuarterCompliances>;
 
 /// Compliances of the contact's nodes and a margin around it.

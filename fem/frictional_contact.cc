@@ -70,7 +70,8 @@ void FrictionalContact::slide(const PlaneMotion& velocity) {
     for (Index i = 0; i < surface_.size(); ++i) {
       const Eigen::Vector2d along = direction.segment<2>(2 * i);
       const double speed = along.norm();
-      // At the centre of rotation nothing slides: no force is the mean of what its neighbours have.
+      // At the centre of rotation nothing slides. Forces around it point in all directions: it gets
+      // their mean, none.
       tangential_.segment<2>(2 * i) =
           speed > 0 ? Eigen::Vector2d(limit_[i] / speed * along) : Eigen::Vector2d::Zero();
     }

@@ -34,8 +34,7 @@ class FrictionalContact {
   /// @throws ConvergenceError when the two problems do not settle
   void move_to(const PlaneMotion& motion);
 
-  /// Sliding everywhere with the given velocity, for as long as it takes: no stick is left.
-  /// Replaces the present state.
+  /// Slides with the given velocity until every point slips. Replaces the present state.
   void slide(const PlaneMotion& velocity);
 
   FrictionWrench wrench() const;

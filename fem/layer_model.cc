@@ -4,22 +4,19 @@
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <deque>
 
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
 #include "fem/layer_space.h"
+#include "fem/surface_frame.h"
 #include "fem/write_vtu.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
-namespace {
 
 using dealii::types::global_dof_index;
-
-}  // namespace
 
 struct LayerModel::Implementation : LayerSpace {
   using LayerSpace::LayerSpace;
@@ -57,12 +54,8 @@ void LayerModel::Implementation::assemble() {
   }
 }
 
-/// Frames whose z is the outward normal.
 void LayerModel::Implementation::set_frames() {
-  // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it; y likewise.
-  for (const SurfaceNode& node : nodes)
-    frames.push_back(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), node.normal)
-                         .toRotationMatrix());
+  for (const SurfaceNode& node : nodes) frames.push_back(surface_frame(node.normal));
   require_unconstrained_surface();
 }
 

@@ -16,12 +16,14 @@ namespace softfinger::fem {
 /// How a layer is meshed for a contact of semi-axes a >= b. Lengths in units of the thickness h.
 struct LayerDiscretisation {
   double a = 1, b = 1;
-  int elements_per_semi_axis = 8;  ///< finest cells along b
+  int elements_per_semi_axis = 8;  ///< n: finest cells along b
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
-  double extent = 6;               ///< free side wall at a + extent, b + extent
+  double extent = 6;               ///< free side wall at a + extent, b + extent: see README.md
   /// Depths of the interfaces between bonded sublayers, from the surface on: no cell crosses one.
   std::vector<double> interfaces;
 
+  /// Share of the reach below that the refined patch may take: a last cell has to fit beside it.
+  static constexpr double usable_reach = 0.98;
   /// How far the block may go along x and y: the surface may end. Infinite for a flat layer.
   double reach_x = std::numeric_limits<double>::infinity();
   double reach_y = std::numeric_limits<double>::infinity();

@@ -25,6 +25,14 @@ constexpr int dim = LayerSpace::dim;
 
 bool at(double coordinate, double plane) { return std::abs(coordinate - plane) < 1e-9; }
 
+/// Our meshes number a face's corners around it, deal.II row by row.
+constexpr std::array<std::size_t, 4> corners_row_by_row{0, 1, 3, 2};
+constexpr std::array<std::size_t, 8> corners_layer_by_layer{0, 1, 3, 2, 4, 5, 7, 6};
+
+/// Integrals over the unit interval of its three quadratic shape functions (Simpson's weights).
+/// Their products are the biquadratic ones' over a face: all positive.
+constexpr std::array<double, 3> shape_integrals{1.0 / 6, 4.0 / 6, 1.0 / 6};
+
 /// The coarse lattice that, halved `refinements` times, gives cells of the size the contact asks
 /// for.
 struct Lattice {
@@ -36,16 +44,21 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   const double fine_x = discretisation.a / discretisation.elements_along_a();
   const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
   Lattice lattice;
-  // The coarsest cells are at most as long as the layer is thick, the finest about as deep as wide.
-  lattice.refinements = std::max(0, static_cast<int>(std::floor(std::log2(1.0 / fine_x) + 0.1)));
+  // The coarsest cells are at most as long as the layer is thick; up to 2^0.1 = 1.07 times as long
+  // where that saves a refinement.
+  constexpr double tolerated = 0.1;
+  lattice.refinements =
+      std::max(0, static_cast<int>(std::floor(std::log2(1.0 / fine_x) + tolerated)));
   const double coarsening = std::ldexp(1.0, lattice.refinements);
   auto& block = lattice.block;
   block.sublayers.clear();
   double top = 0;
   for (std::size_t i = 0; i <= discretisation.interfaces.size(); ++i) {
     const double bottom = i < discretisation.interfaces.size() ? discretisation.interfaces[i] : 1;
+    // The finest cells are about as deep as wide: rounded up from 0.6 on.
+    constexpr double rounding = 0.4;
     const double cells = (bottom - top) / (coarsening * fine_y);
-    block.sublayers.push_back({bottom - top, std::max(1, static_cast<int>(cells + 0.4))});
+    block.sublayers.push_back({bottom - top, std::max(1, static_cast<int>(cells + rounding))});
     top = bottom;
   }
   block.cell_x = coarsening * fine_x;
@@ -59,12 +72,14 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   // A bent layer ends at its reach; near it even the coarsest cells are small enough to fit.
   const auto fit = [](double inner, double reach, double& cell, double& length) {
     length = std::min(length, reach);
-    if (std::ceil(inner / cell - 1e-9) * cell < 0.98 * length) return;
-    const double cells = std::ceil(inner / (0.98 * length - inner));
+    const double usable = LayerDiscretisation::usable_reach * length;
+    if (std::ceil(inner / cell - 1e-9) * cell < usable) return;
+    const double cells = std::ceil(inner / (usable - inner));
     cell = inner / cells;
   };
   fit(block.inner_x, discretisation.reach_x, block.cell_x, block.length_x);
   fit(block.inner_y, discretisation.reach_y, block.cell_y, block.length_y);
+  // From cell to cell towards the side wall. Chosen: what it costs in d is in the stated 0.01 %.
   block.growth = 1.5;
   return lattice;
 }
@@ -77,10 +92,8 @@ void make_triangulation(const meshes::HexahedralMesh& mesh,
     vertices.emplace_back(vertex.x(), vertex.y(), vertex.z());
   std::vector<dealii::CellData<dim>> cells(mesh.cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    constexpr std::array<int, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
     for (std::size_t v = 0; v < 8; ++v)
-      cells[i].vertices[v] =
-          static_cast<unsigned int>(mesh.cells[i][static_cast<std::size_t>(lexicographic[v])]);
+      cells[i].vertices[v] = static_cast<unsigned int>(mesh.cells[i][corners_layer_by_layer[v]]);
     cells[i].material_id = static_cast<dealii::types::material_id>(mesh.region[i]);
   }
   dealii::SubCellData none;
@@ -92,7 +105,7 @@ void make_triangulation(const meshes::HexahedralMesh& mesh,
   triangulation.create_triangulation(vertices, cells, none);
 }
 
-/// The whole of which a mesh is the quarter x, y >= 0.
+/// The whole mesh, from its quarter x, y >= 0.
 meshes::HexahedralMesh with_mirror_images(const meshes::HexahedralMesh& quarter) {
   meshes::HexahedralMesh whole;
   for (const double sign_x : {1.0, -1.0})
@@ -150,10 +163,8 @@ void make_triangulation(const meshes::LayerMesh& mesh, double thickness,
     const auto& vertices_of = mesh.hexahedra.cells[i];
     cells.emplace_back();
     cells.back().material_id = static_cast<dealii::types::material_id>(mesh.hexahedra.region[i]);
-    for (std::size_t v = 0; v < 8; ++v) {
-      constexpr std::array<std::size_t, 8> lexicographic{0, 1, 3, 2, 4, 5, 7, 6};
-      cells.back().vertices[v] = static_cast<unsigned int>(vertices_of[lexicographic[v]]);
-    }
+    for (std::size_t v = 0; v < 8; ++v)
+      cells.back().vertices[v] = static_cast<unsigned int>(vertices_of[corners_layer_by_layer[v]]);
   }
   dealii::SubCellData faces;
   const auto mark = [&](const std::vector<std::array<int, 4>>& marked,
@@ -161,10 +172,9 @@ void make_triangulation(const meshes::LayerMesh& mesh, double thickness,
     for (const auto& face : marked) {
       faces.boundary_quads.emplace_back();
       faces.boundary_quads.back().boundary_id = id;
-      for (std::size_t v = 0; v < 4; ++v) {
-        constexpr std::array<std::size_t, 4> lexicographic{0, 1, 3, 2};
-        faces.boundary_quads.back().vertices[v] = static_cast<unsigned int>(face[lexicographic[v]]);
-      }
+      for (std::size_t v = 0; v < 4; ++v)
+        faces.boundary_quads.back().vertices[v] =
+            static_cast<unsigned int>(face[corners_row_by_row[v]]);
     }
   };
   mark(mesh.contact, contact_face);
@@ -222,16 +232,16 @@ double longest_side(const Face& face) {
 /// @returns cells along b
 int refine_towards_patch(const LayerDiscretisation& discretisation,
                          dealii::Triangulation<dim>& triangulation) {
-  constexpr int most_halvings = 12;
+  constexpr int most_halvings = 12;  // cells 4096 times too large mean a wrong unit of length
   for (int step = 0;; ++step) {
     const std::vector<Face> faces = patch_faces(discretisation, triangulation);
     double size = 0;
     for (const Face& face : faces) size = std::max(size, longest_side(face));
     // Sizes that are meant to be equal differ by round-off.
-    const double cells = size > 0 ? discretisation.b / size : 0;
-    if (size == 0 || step == most_halvings ||
-        cells * (1 + 1e-6) >= discretisation.elements_per_semi_axis)
-      return static_cast<int>(cells * (1 + 1e-6));
+    constexpr double round_off = 1e-6;
+    const double cells = size > 0 ? discretisation.b / size * (1 + round_off) : 0;
+    if (size == 0 || step == most_halvings || cells >= discretisation.elements_per_semi_axis)
+      return static_cast<int>(cells);
     std::vector<Box> patch;
     for (const Face& face : faces) patch.push_back(box_of(face));
     for (const auto& cell : triangulation.active_cell_iterators()) {
@@ -245,6 +255,192 @@ int refine_towards_patch(const LayerDiscretisation& discretisation,
     triangulation.execute_coarsening_and_refinement();
   }
 }
+
+/// Collects the surface where contact is possible: its nodes, with their share of it, and its
+/// faces.
+class SurfaceBuilder {
+ public:
+  /// @param support  place of each dof, in the block or on the mesh from outside
+  SurfaceBuilder(LayerSpace& space, const std::vector<dealii::Point<dim>>& support)
+      : space_(space), support_(support) {
+    space_.surface_node.assign(space_.dofs.n_dofs(), -1);
+  }
+
+  /// Of our own block: only the finest faces, which form a regular grid of rectangles.
+  void add_finest_faces() {
+    constexpr double equal = 1.01;  // the next coarser faces are twice as large
+    const LayerDiscretisation& mesh = space_.discretisation;
+    const double fine_x = mesh.a / mesh.elements_along_a();
+    const double fine_y = mesh.b / mesh.elements_per_semi_axis;
+    std::vector<global_dof_index> indices(space_.element.n_dofs_per_face());
+    for (const auto& cell : space_.dofs.active_cell_iterators())
+      for (const unsigned int f : cell->face_indices()) {
+        const auto face = cell->face(f);
+        if (!face->at_boundary() || !at(face->center()[2], 0)) continue;
+        const auto [low, high] = box_of(face);
+        const SurfaceFace rectangle{low[0], low[1], high[0] - low[0], high[1] - low[1], {}};
+        if (rectangle.size_x > equal * fine_x || rectangle.size_y > equal * fine_y) continue;
+        face->get_dof_indices(indices);
+        add_rectangle(rectangle, indices);
+      }
+  }
+
+  /// Of a mesh from outside: any quadrilaterals, their areas and normals by integration.
+  /// @param at_end  per dof: on a face beside the contact surface
+  void add_contact_faces(const std::vector<char>& at_end) {
+    dealii::FEFaceValues<dim> values(
+        *space_.mapping, space_.element, dealii::QGauss<dim - 1>(3),
+        dealii::update_values | dealii::update_normal_vectors | dealii::update_JxW_values);
+    std::vector<global_dof_index> indices(space_.element.n_dofs_per_cell());
+    for (const auto& cell : space_.dofs.active_cell_iterators())
+      for (const unsigned int f : cell->face_indices()) {
+        const auto face = cell->face(f);
+        if (!face->at_boundary() || face->boundary_id() != contact_face ||
+            !is_in_patch(face, space_.discretisation))
+          continue;
+        values.reinit(cell, f);
+        cell->get_dof_indices(indices);
+        add_quadrilateral(f, values, indices, at_end);
+      }
+    for (SurfaceNode& node : space_.nodes) {
+      node.normal.normalize();
+      // As in the block, the weight is an area seen along the load.
+      node.area_ratio = 1 / node.normal.z();
+      node.weight *= node.normal.z();
+    }
+  }
+
+ private:
+  using NodeDofs = std::array<global_dof_index, 3>;
+
+  /// A face with what belongs to each of its nine nodes.
+  struct NewFace {
+    SurfaceFace face;
+    std::array<NodeDofs, 9> dofs{};
+    std::array<Eigen::Vector3d, 9> places{};
+  };
+
+  bool is_touchable(global_dof_index dof) const {
+    const LayerDiscretisation& mesh = space_.discretisation;
+    const double x = support_[dof][0] / (mesh.patch * mesh.a);
+    const double y = support_[dof][1] / (mesh.patch * mesh.b);
+    return x * x + y * y <= 1 && !space_.constraints.is_constrained(dof);
+  }
+
+  /// @param dof        that tells the node from others
+  /// @param make_node  makes it where it is new
+  template <class MakeNode>
+  int number_of_node(global_dof_index dof, const MakeNode& make_node) {
+    int& number = space_.surface_node[dof];
+    if (number >= 0) return number;
+    number = static_cast<int>(space_.nodes.size());
+    space_.nodes.push_back(make_node());
+    space_.node_dofs.emplace_back();
+    return number;
+  }
+
+  SurfaceNode& node(int number) { return space_.nodes[static_cast<std::size_t>(number)]; }
+
+  SurfaceNode block_node(global_dof_index dof) const {
+    const double x = support_[dof][0], y = support_[dof][1];
+    SurfaceNode result{x, y};
+    result.position = {x, y, 0};
+    if (!space_.shape) return result;
+    result.position = space_.shape->position(x, y, 0);
+    result.normal = space_.shape->normal(x, y);
+    result.area_ratio = space_.shape->area_ratio(x, y);
+    return result;
+  }
+
+  /// Its weight and normal are still to be summed over its faces.
+  SurfaceNode meshed_node(global_dof_index dof, bool at_end) const {
+    SurfaceNode result{support_[dof][0], support_[dof][1]};
+    result.position = place_of(dof);
+    result.normal.setZero();
+    result.at_end = at_end;
+    return result;
+  }
+
+  Eigen::Vector3d place_of(global_dof_index dof) const {
+    return {support_[dof][0], support_[dof][1], support_[dof][2]};
+  }
+
+  void add_rectangle(const SurfaceFace& rectangle, const std::vector<global_dof_index>& indices) {
+    NewFace made{rectangle};
+    made.face.node.fill(-1);
+    for (const global_dof_index dof : indices) {
+      const auto column = static_cast<std::size_t>(
+          std::lround(2 * (support_[dof][0] - rectangle.x) / rectangle.size_x));
+      const auto row = static_cast<std::size_t>(
+          std::lround(2 * (support_[dof][1] - rectangle.y) / rectangle.size_y));
+      const std::size_t k = column + 3 * row;
+      const int c = space_.component[dof];
+      made.dofs[k][static_cast<std::size_t>(c)] = dof;
+      made.places[k] = {rectangle.x + 0.5 * static_cast<double>(column) * rectangle.size_x,
+                        rectangle.y + 0.5 * static_cast<double>(row) * rectangle.size_y, 0};
+      // Each node once: by its normal component.
+      if (c != 2 || !is_touchable(dof)) continue;
+      made.face.node[k] = number_of_node(dof, [&] { return block_node(dof); });
+      node(made.face.node[k]).weight +=
+          shape_integrals[column] * shape_integrals[row] * rectangle.size_x * rectangle.size_y;
+    }
+    add(made);
+  }
+
+  /// @param number  of the face in its cell
+  void add_quadrilateral(unsigned int number, const dealii::FEFaceValues<dim>& values,
+                         const std::vector<global_dof_index>& indices,
+                         const std::vector<char>& at_end) {
+    // The cell's own coordinates along the face; the one across it is constant.
+    const unsigned int across = number / 2;
+    const unsigned int first = across == 0 ? 1 : 0, second = across == 2 ? 1 : 2;
+    NewFace made{{0, 0, 1, 1, {}}};
+    made.face.node.fill(-1);
+    for (unsigned int i = 0; i < indices.size(); ++i) {
+      if (!space_.element.has_support_on_face(i, number)) continue;
+      const global_dof_index dof = indices[i];
+      const auto& unit = space_.element.unit_support_point(i);
+      const auto k = static_cast<std::size_t>(std::lround(2 * unit[first]) +
+                                              3 * std::lround(2 * unit[second]));
+      const int c = space_.component[dof];
+      made.dofs[k][static_cast<std::size_t>(c)] = dof;
+      made.places[k] = place_of(dof);
+      // Each node once: by its component along the load.
+      if (c != 2 || !is_touchable(dof)) continue;
+      made.face.node[k] = number_of_node(dof, [&] { return meshed_node(dof, at_end[dof] != 0); });
+      add_share_of_face(values, i, node(made.face.node[k]));
+    }
+    add(made);
+  }
+
+  /// Adds to a node's weight and normal the integrals of its shape function over a face.
+  static void add_share_of_face(const dealii::FEFaceValues<dim>& values,
+                                unsigned int shape_function, SurfaceNode& node) {
+    for (const unsigned int q : values.quadrature_point_indices()) {
+      const double area = values.shape_value(shape_function, q) * values.JxW(q);
+      const auto& normal = values.normal_vector(q);
+      node.weight += area;
+      node.normal += area * Eigen::Vector3d(normal[0], normal[1], normal[2]);
+    }
+  }
+
+  /// Faces that cannot be touched at all are left out.
+  void add(const NewFace& made) {
+    bool touchable = false;
+    for (std::size_t k = 0; k < 9; ++k) {
+      if (made.face.node[k] < 0) continue;
+      space_.node_dofs[static_cast<std::size_t>(made.face.node[k])] = made.dofs[k];
+      touchable = true;
+    }
+    if (!touchable) return;
+    space_.faces.push_back(made.face);
+    space_.face_dofs.push_back(made.dofs);
+    space_.face_places.push_back(made.places);
+  }
+
+  LayerSpace& space_;
+  const std::vector<dealii::Point<dim>>& support_;
+};
 
 }  // namespace
 
@@ -298,7 +494,6 @@ std::vector<dealii::Point<LayerSpace::dim>> LayerSpace::support_points() const {
 }
 
 void LayerSpace::number_surface() {
-  surface_node.assign(dofs.n_dofs(), -1);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (const auto dof : node_dofs[i]) surface_node[dof] = static_cast<int>(i);
 }
@@ -307,8 +502,9 @@ void LayerSpace::require_unconstrained_surface() const {
   for (const auto& line : constraints.get_lines())
     for (const auto& entry : line.entries)
       if (surface_node[entry.first] >= 0)
-        throw ConvergenceError("mesh of the bent layer", static_cast<int>(entry.first), 0,
-                               "a hanging node leans on the contact's nodes; change the level");
+        throw ConvergenceError(
+            "mesh of the bent layer", static_cast<int>(entry.first), 0,
+            "a hanging node is interpolated from the contact's nodes; change the level");
 }
 
 /// The layer's shape as a quadratic displacement of the block, continuous across hanging nodes.
@@ -361,72 +557,6 @@ void LayerSpace::constrain(const std::vector<dealii::Point<dim>>& support) {
   constraints.close();
 }
 
-void LayerSpace::collect_surface(const std::vector<dealii::Point<dim>>& support) {
-  const double fine_x = discretisation.a / discretisation.elements_along_a();
-  const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
-  const double patch_x = discretisation.patch * discretisation.a;
-  const double patch_y = discretisation.patch * discretisation.b;
-  std::map<global_dof_index, int> node_of_dof;  // by the dof of the normal displacement
-  std::vector<global_dof_index> indices(element.n_dofs_per_face());
-  for (const auto& cell : dofs.active_cell_iterators())
-    for (const unsigned int f : cell->face_indices()) {
-      const auto face = cell->face(f);
-      if (!face->at_boundary() || !at(face->center()[2], 0)) continue;
-      const auto box = face->bounding_box();
-      const auto &low = box.get_boundary_points().first, &high = box.get_boundary_points().second;
-      SurfaceFace surface{low[0], low[1], high[0] - low[0], high[1] - low[1], {}};
-      // Finest faces only: they form a regular grid.
-      if (surface.size_x > 1.01 * fine_x || surface.size_y > 1.01 * fine_y) continue;
-      surface.node.fill(-1);
-      face->get_dof_indices(indices);
-      bool touchable = false;
-      for (unsigned int i = 0; i < indices.size(); ++i) {
-        if (element.face_system_to_component_index(i, f).first != 2) continue;
-        const auto& point = support[indices[i]];
-        const double x = point[0] / patch_x, y = point[1] / patch_y;
-        if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
-        const auto [entry, is_new] =
-            node_of_dof.emplace(indices[i], static_cast<int>(nodes.size()));
-        if (is_new) {
-          SurfaceNode node{point[0], point[1]};
-          node.position = {point[0], point[1], 0};
-          if (shape) {
-            node.position = shape->position(point[0], point[1], 0);
-            node.normal = shape->normal(point[0], point[1]);
-            node.area_ratio = shape->area_ratio(point[0], point[1]);
-          }
-          nodes.push_back(node);
-          node_dofs.emplace_back();
-        }
-        const auto column = std::lround(2 * (point[0] - surface.x) / surface.size_x);
-        const auto row = std::lround(2 * (point[1] - surface.y) / surface.size_y);
-        surface.node[static_cast<std::size_t>(column + 3 * row)] = entry->second;
-        // Integrals of the biquadratic shape functions: Simpson's weights, all positive.
-        const double simpson[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
-        nodes[static_cast<std::size_t>(entry->second)].weight +=
-            simpson[column] * simpson[row] * surface.size_x * surface.size_y;
-        touchable = true;
-      }
-      std::array<std::array<Dof, 3>, 9> dofs_of_nodes{};
-      for (const auto dof : indices) {
-        const auto column = std::lround(2 * (support[dof][0] - surface.x) / surface.size_x);
-        const auto row = std::lround(2 * (support[dof][1] - surface.y) / surface.size_y);
-        const int node = surface.node[static_cast<std::size_t>(column + 3 * row)];
-        dofs_of_nodes[static_cast<std::size_t>(column + 3 * row)]
-                     [static_cast<std::size_t>(component[dof])] = dof;
-        if (node >= 0)
-          node_dofs[static_cast<std::size_t>(node)][static_cast<std::size_t>(component[dof])] = dof;
-      }
-      if (!touchable) continue;
-      faces.push_back(surface);
-      face_dofs.push_back(dofs_of_nodes);
-      face_places.emplace_back();
-      for (std::size_t k = 0; k < 9; ++k)
-        face_places.back()[k] = {surface.x + 0.5 * static_cast<double>(k % 3) * surface.size_x,
-                                 surface.y + 0.5 * static_cast<double>(k / 3) * surface.size_y, 0};
-    }
-}
-
 std::vector<char> LayerSpace::dofs_on(
     const std::function<bool(dealii::types::boundary_id)>& is_meant) const {
   std::vector<char> result(dofs.n_dofs(), 0);
@@ -440,73 +570,13 @@ std::vector<char> LayerSpace::dofs_on(
   return result;
 }
 
-/// The faces are any quadrilaterals: areas and normals by integration over them.
+void LayerSpace::collect_surface(const std::vector<dealii::Point<dim>>& support) {
+  SurfaceBuilder(*this, support).add_finest_faces();
+}
+
 void LayerSpace::collect_meshed_surface(const std::vector<dealii::Point<dim>>& support) {
   const std::vector<char> at_end = dofs_on([](auto id) { return id != contact_face; });
-  const double patch_x = discretisation.patch * discretisation.a;
-  const double patch_y = discretisation.patch * discretisation.b;
-  dealii::FEFaceValues<dim> values(
-      *mapping, element, dealii::QGauss<dim - 1>(3),
-      dealii::update_values | dealii::update_normal_vectors | dealii::update_JxW_values);
-  std::map<global_dof_index, int> node_of_dof;  // by the node's first dof
-  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
-  for (const auto& cell : dofs.active_cell_iterators())
-    for (const unsigned int f : cell->face_indices()) {
-      const auto face = cell->face(f);
-      if (!face->at_boundary() || face->boundary_id() != contact_face ||
-          !is_in_patch(face, discretisation))
-        continue;
-      values.reinit(cell, f);
-      cell->get_dof_indices(indices);
-      SurfaceFace surface{0, 0, 1, 1, {}};
-      surface.node.fill(-1);
-      std::array<std::array<Dof, 3>, 9> dofs_of_nodes{};
-      std::array<Eigen::Vector3d, 9> places;
-      for (unsigned int i = 0; i < indices.size(); ++i) {
-        const unsigned int c = element.system_to_component_index(i).first;
-        if (!element.has_support_on_face(i, f)) continue;
-        const auto& point = support[indices[i]];
-        // The cell's own coordinates along the face, of which f / 2 is constant.
-        const auto& unit = element.unit_support_point(i);
-        const auto place = static_cast<std::size_t>(std::lround(2 * unit[f / 2 == 0 ? 1 : 0]) +
-                                                    3 * std::lround(2 * unit[f / 2 == 2 ? 1 : 2]));
-        dofs_of_nodes[place][c] = indices[i];
-        places[place] = {point[0], point[1], point[2]};
-        const double x = point[0] / patch_x, y = point[1] / patch_y;
-        if (x * x + y * y > 1 || constraints.is_constrained(indices[i])) continue;
-        const auto [entry, is_new] =
-            node_of_dof.emplace(node_of[indices[i]], static_cast<int>(nodes.size()));
-        if (is_new) {
-          SurfaceNode node;
-          node.x = point[0];
-          node.y = point[1];
-          node.position = {point[0], point[1], point[2]};
-          node.normal.setZero();
-          node.at_end = at_end[indices[i]] != 0;
-          nodes.push_back(node);
-          node_dofs.emplace_back();
-        }
-        const auto index = static_cast<std::size_t>(entry->second);
-        surface.node[place] = entry->second;
-        node_dofs[index][c] = indices[i];
-        if (c != 2) continue;
-        for (const unsigned int q : values.quadrature_point_indices()) {
-          const double area = values.shape_value(i, q) * values.JxW(q);
-          const auto& normal = values.normal_vector(q);
-          nodes[index].weight += area;
-          nodes[index].normal += area * Eigen::Vector3d(normal[0], normal[1], normal[2]);
-        }
-      }
-      faces.push_back(surface);
-      face_dofs.push_back(dofs_of_nodes);
-      face_places.push_back(places);
-    }
-  for (SurfaceNode& node : nodes) {
-    node.normal.normalize();
-    // Weight and ratio are those of the block elsewhere: seen along the load.
-    node.area_ratio = 1 / node.normal.z();
-    node.weight *= node.normal.z();
-  }
+  SurfaceBuilder(*this, support).add_contact_faces(at_end);
 }
 
 void LayerSpace::turn_to_frames(const std::vector<Eigen::Matrix3d>& frames,
@@ -569,7 +639,7 @@ void LayerSpace::dissect(const SparseSymmetricMatrix& matrix, const Unknowns& fr
   std::vector<int> rank(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
-  // Of a node, its first unknown's.
+  // The rank of a node is that of its first unknown.
   std::vector<int> node_rank(dofs.n_dofs(), free.count);
   for (global_dof_index i = 0; i < dofs.n_dofs(); ++i)
     if (free.of_dof[i] >= 0)

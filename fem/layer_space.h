@@ -21,15 +21,16 @@
 
 namespace softfinger::fem {
 
-/// The unknowns of one problem: what neither the bond, nor hanging nodes, nor a symmetry fixes.
+/// The degrees of freedom that are solved for: those that neither the bond, nor a hanging node, nor
+/// a symmetry fixes.
 struct Unknowns {
   std::vector<int> of_dof;  ///< -1 where fixed
   int count = 0;
 };
 
 /// A layer's mesh with quadratic displacements on it, its bond, its symmetries and its contact
-/// surface: what linear and finite strain share. Lengths in h. Internal to `fem`: the types of the
-/// finite-element library go no further than the files that include this.
+/// surface: what linear and finite strain share. Lengths in h. Internal to `fem`: only the files
+/// that include this header see types of the finite-element library.
 struct LayerSpace {
   static constexpr int dim = 3;
   using Dof = dealii::types::global_dof_index;
@@ -41,8 +42,8 @@ struct LayerSpace {
   LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
 
   LayerDiscretisation discretisation;
-  // What smoothing would add beyond this (up to as many cells again) moves no result by its stated
-  // error.
+  // deal.II can smooth the refinement further. That would add up to as many cells again, and change
+  // no result by as much as its stated error.
   dealii::Triangulation<dim> triangulation{
       dealii::Triangulation<dim>::limit_level_difference_at_vertices};
   dealii::FESystem<dim> element;
@@ -66,8 +67,8 @@ struct LayerSpace {
   std::vector<int> surface_node;  ///< per dof; -1 elsewhere
   std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
 
-  /// @throws ConvergenceError where a hanging node leans on a surface node, whose unknowns then
-  /// cannot be turned into a frame.
+  /// @throws ConvergenceError where a hanging node is interpolated from a surface node: the
+  /// unknowns of that one then cannot be turned into its frame
   void require_unconstrained_surface() const;
 
   /// Turns the rows and columns of surface nodes in an element's matrix, so that their unknowns are
@@ -77,12 +78,13 @@ struct LayerSpace {
 
   Unknowns free_unknowns(Parity parity) const;
 
-  /// Fixed unknowns are left out before the ordering sees them.
+  /// The rows and columns of the free unknowns alone.
   SparseSymmetricMatrix lower_triangle(const dealii::SparseMatrix<double>& stiffness,
                                        const Unknowns& free) const;
 
-  /// Finds `dissection`. The problems of all parities have nearly one graph: they differ in
-  /// components on the planes. Node by node, the order found for one of them serves them all.
+  /// Finds `dissection`, an order of elimination with little fill. The problems of the four
+  /// parities differ only in components on the mirror planes: an order of the nodes that is good
+  /// for one of them is good for all.
   void dissect(const SparseSymmetricMatrix& matrix, const Unknowns& free);
   std::vector<int> dissection_of(const Unknowns& free) const;
 

@@ -71,6 +71,7 @@ void stop_when_convenient() {
   sigaction(SIGINT, &action, nullptr);
 }
 
+/// Exit status, as README.md lists them.
 constexpr int bad_input = 2, not_converged = 3, interrupted = 128 + SIGINT;
 
 struct Failure {
@@ -111,23 +112,28 @@ void answer(const json& input, const std::string& prefix, fem::ModelCache& model
   if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
 }
 
+/// As far as it has one.
+std::string name_of(const json& input) {
+  const bool is_named = input.is_object() && input.contains("name") && input.at("name").is_string();
+  return is_named ? input.at("name").get<std::string>() : "problem";
+}
+
 /// One line per problem, as it is done. A problem that fails does not end the run.
+/// @returns the worst exit status of all
 int answer_all(const json& inputs) {
-  // A single problem has no use for what it would leave behind.
-  fem::ModelCache models(inputs.size() > 1 ? 2 : 0);
+  // Loads come the largest first, so that the latest meshes are the ones that may serve; a pair of
+  // them holds about 150 MB. A single problem has no use for what it would leave behind.
+  constexpr std::size_t kept_pairs = 2;
+  fem::ModelCache models(inputs.size() > 1 ? kept_pairs : 0);
   int exit_status = 0;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const json& input = inputs[i];
-    const bool is_named =
-        input.is_object() && input.contains("name") && input.at("name").is_string();
-    const std::string name = is_named ? input.at("name").get<std::string>() : "problem";
     const std::string prefix =
         "fem: " + std::to_string(i + 1) + "/" + std::to_string(inputs.size()) + ": ";
-    const auto failure = failure_of([&] { answer(input, prefix, models); });
+    const auto failure = failure_of([&] { answer(inputs[i], prefix, models); });
     if (!failure) continue;
     exit_status = std::max(exit_status, failure->exit_status);
     if (failure->exit_status == interrupted) break;
-    std::cout << json({{"name", name},
+    std::cout << json({{"name", name_of(inputs[i])},
                        {"failure", failure->message},
                        {"exit_status", failure->exit_status}})
                      .dump()
@@ -136,30 +142,35 @@ int answer_all(const json& inputs) {
   return exit_status;
 }
 
+/// Dense matrices of tens of megabytes come and go: kept by the process, their pages are not zeroed
+/// by the system each time.
+void keep_freed_memory() {
+  constexpr int larger_than_any = 1 << 30;
+  mallopt(M_MMAP_THRESHOLD, larger_than_any);
+  mallopt(M_TRIM_THRESHOLD, larger_than_any);
+}
+
+/// Answers one problem or an array of them. @returns the exit status
+int answer_file(const std::string& path) {
+  const json input = fem::parse_problems(read(path), path == "-" ? "standard input" : path);
+  stop_when_convenient();
+  fem::reserve_blas_memory();
+  if (input.is_array()) return answer_all(input);
+  fem::ModelCache nothing_to_share(0);
+  answer(input, "fem: ", nothing_to_share);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  // Dense matrices of tens of megabytes come and go: kept by the process, their pages are not
-  // zeroed by the system each time.
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  keep_freed_memory();
   if (argument_count != 2) {
     std::cerr << "usage: softfinger-fem PROBLEM.json (or - for standard input)\n";
     return bad_input;
   }
   int exit_status = 0;
-  const auto failure = failure_of([&] {
-    const std::string path = arguments[1];
-    const json input = fem::parse_problems(read(path), path == "-" ? "standard input" : path);
-    stop_when_convenient();
-    fem::reserve_blas_memory();
-    if (input.is_array()) {
-      exit_status = answer_all(input);
-    } else {
-      fem::ModelCache nothing_to_share(0);
-      answer(input, "fem: ", nothing_to_share);
-    }
-  });
+  const auto failure = failure_of([&] { exit_status = answer_file(arguments[1]); });
   if (!failure) return exit_status;
   std::cerr << "softfinger-fem: " << softfinger::visible_text(failure->message) << std::endl;
   // Where memory is short a thread of OpenBLAS may ask for it in an endless loop: an ordinary exit

@@ -16,7 +16,7 @@ namespace softfinger::fem {
 struct LayerIdentity {
   std::vector<ElasticConstants> sublayers;
   std::vector<double> interfaces;
-  std::string fingertip;  ///< tells bent layers, in units of h, apart; empty: flat
+  std::string fingertip;  ///< a different text for each shape of bent layer over h; empty: flat
   bool whole = false;
   int level = 2;  ///< as in `Problem`
 
@@ -31,7 +31,7 @@ struct MeshPair {
   std::array<std::shared_ptr<const LayerModel>, 2> models;
   /// Semi-axes, in h, that each of them found for the contact that they were made for.
   std::array<std::array<double, 2>, 2> made_for{};
-  /// With tangential forces: they serve another modulus and friction coefficient as well.
+  /// For friction: they hold for any modulus and friction coefficient.
   std::array<KeptCompliances, 2> compliances;
 };
 

@@ -1,11 +1,11 @@
 #include "fem/pressing.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "fem/element_limits.h"
+#include "fem/formatted.h"
 #include "fem/pressure_ellipse.h"
 #include "meshes/generation/object_surface.h"
 #include "softfinger/input/errors.h"
@@ -26,18 +26,17 @@ double Pressing::gap(const SurfaceNode& node) const {
   const double x = node.position.x(), y = node.position.y();
   if (fingertip) {
     const auto height = fingertip.object->height(thickness_m * x, thickness_m * y);
-    if (!height) {
-      char place[80];
-      std::snprintf(place, sizeof place, "x %.4g mm, y %.4g mm from the contact point",
-                    1e3 * thickness_m * x, 1e3 * thickness_m * y);
-      throw InputError("object", "surface", place, "an object that covers the contact");
-    }
+    if (!height)
+      throw InputError("object", "surface",
+                       formatted("x %.4g mm, y %.4g mm from the contact point",
+                                 1e3 * thickness_m * x, 1e3 * thickness_m * y),
+                       "an object that covers the contact");
     return *height / thickness_m - node.position.z();
   }
   const double z = node.position.z();
   if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor) - z;
   const double r2 = x * x + y * y;
-  // Beside the sphere there is nothing to touch; any height above its equator says so.
+  // Beside the sphere there is nothing to touch: any gap larger than an approach will do.
   return r2 < sphere * sphere ? r2 / (sphere + std::sqrt(sphere * sphere - r2)) - z : 10 * sphere;
 }
 
@@ -52,6 +51,44 @@ double Pressed::torque_arm() const {
     moment +=
         contact.force[i] * model->nodes()[static_cast<std::size_t>(i)].position.head<2>().norm();
   return moment / contact.force.sum();
+}
+
+namespace {
+
+void set_sublayers(const Problem& problem, Pressing& pressing) {
+  const ElasticLayer& layer = problem.contact.layer;
+  pressing.poisson_ratio = compressible(layer.poisson_ratio);
+  double depth_m = 0;
+  for (const Sublayer& sublayer : problem.sublayers) {
+    pressing.sublayers.push_back({sublayer.layer.youngs_modulus_Pa / layer.youngs_modulus_Pa,
+                                  compressible(sublayer.layer.poisson_ratio)});
+    if (depth_m > 0) pressing.interfaces.push_back(depth_m / layer.thickness_m);
+    depth_m += sublayer.layer.thickness_m;
+  }
+}
+
+}  // namespace
+
+Pressing pressing_of(const Problem& problem) {
+  const RelativeRadii& radii = problem.contact.radii;
+  const ElasticLayer& layer = problem.contact.layer;
+  const double h = layer.thickness_m;
+  Pressing pressing;
+  pressing.major = radii.major_m / h;
+  pressing.minor = radii.minor_m / h;
+  pressing.sphere = problem.sphere_radius_m / h;
+  if (problem.approach_m > 0)
+    pressing.approach = problem.approach_m / h;
+  else
+    pressing.load = problem.contact.load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
+  set_sublayers(problem, pressing);
+  pressing.thickness_m = h;
+  pressing.mesh = problem.mesh;
+  if (problem.fingertip) {
+    pressing.fingertip = problem.fingertip;
+    pressing.bent = shape_fingertip(problem.fingertip, h);
+  }
+  return pressing;
 }
 
 LayerDiscretisation first_guess(const Pressing& pressing) {
@@ -108,9 +145,9 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   pressed.gap.resize(count);
-  // On a bent layer the contact pushes along the surface's normals, and what it pushes by is the
-  // object's approach seen along them. Scaled to the components along the load, that is the contact
-  // of a flat layer with another compliance.
+  // On a bent layer contact forces and displacements are along the surface's normals n. In terms of
+  // the forces' components along the load, n_z N, and of what nodes sink along it, w / n_z, the
+  // problem is that of a flat layer with the compliance C_ij / (n_z,i n_z,j).
   Eigen::VectorXd cosine(count);
   for (Index i = 0; i < count; ++i) {
     const SurfaceNode& node = nodes[static_cast<std::size_t>(i)];
@@ -152,18 +189,16 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
         std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
       pressed.reaches_rim = true;
   }
-  // <x²> is a²/5 for a half-space's pressure, a²/6 for a thin compressible layer's.
   const double total = pressed.contact.force.sum();
-  pressed.moment_a = std::sqrt(5.4 * xx / total);
-  pressed.moment_b = std::sqrt(5.4 * yy / total);
+  pressed.moment_a = std::sqrt(square_per_moment * xx / total);
+  pressed.moment_b = std::sqrt(square_per_moment * yy / total);
   return pressed;
 }
 
 void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {
-  char place[80];
-  std::snprintf(place, sizeof place, "ends at x %.4g mm, y %.4g mm", 1e3 * thickness_m * node.x,
-                1e3 * thickness_m * node.y);
-  throw InputError("mesh of the layer", "physical surface \"contact\"", place,
+  throw InputError("mesh of the layer", "physical surface \"contact\"",
+                   formatted("ends at x %.4g mm, y %.4g mm", 1e3 * thickness_m * node.x,
+                             1e3 * thickness_m * node.y),
                    "one that covers the contact, which reaches that end; or a smaller load");
 }
 
@@ -171,12 +206,12 @@ PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::Vector
   const double total = force.sum();
   const Eigen::Vector2d mean = position * force / total;
   const Eigen::Matrix2d second = position * force.asDiagonal() * position.transpose() / total;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> moments(second - mean * mean.transpose());
-  const Eigen::Vector2d along = moments.eigenvectors().col(1);
-  double turn_rad = std::atan2(along.y(), along.x());
-  if (turn_rad > M_PI / 2) turn_rad -= M_PI;
-  if (turn_rad <= -M_PI / 2) turn_rad += M_PI;
-  return {moments.eigenvalues()[1], moments.eigenvalues()[0], turn_rad};
+  const Eigen::Matrix2d about_centre = second - mean * mean.transpose();
+  // Mohr's circle.
+  const double middle = about_centre.trace() / 2;
+  const double half_difference = (about_centre(0, 0) - about_centre(1, 1)) / 2;
+  const double radius = std::hypot(half_difference, about_centre(0, 1));
+  return {middle + radius, middle - radius, std::atan2(about_centre(0, 1), half_difference) / 2};
 }
 
 namespace {

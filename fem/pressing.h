@@ -6,6 +6,7 @@
 #include "fem/fingertip.h"
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
+#include "fem/reference_solver.h"
 
 /// Pressing without friction, on one mesh, in units of h and E.
 namespace softfinger::fem {
@@ -36,6 +37,14 @@ struct Pressing {
   /// @throws InputError where the object has no surface
   double gap(const SurfaceNode& node) const;
 };
+
+/// The problem in the units of its layer.
+/// @throws InputError where the layer is too thick for the pad's curvature
+Pressing pressing_of(const Problem& problem);
+
+/// Squared semi-axis over a pressure's second moment: 5 for a half-space, 6 for a thin compressible
+/// layer. One number between serves where 5 % do not matter.
+constexpr double square_per_moment = 5.4;
 
 /// A contact pressed on one mesh.
 struct Pressed {
@@ -87,15 +96,15 @@ struct ContactShape {
 /// Second moments of a pressure about its centre.
 struct PressureMoments {
   double major = 0, minor = 0;  ///< variances along the principal axes, major >= minor
-  double turn_rad = 0;          ///< of the first one from x, in (-pi/2, pi/2]
+  double turn_rad = 0;          ///< of the first one from x, from -pi/2 to pi/2
 };
 
 /// @param position  of each node, seen along the load
 /// @param force     on each, its component along the load
 PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::VectorXd& force);
 
-/// From the fit of `pressure_ellipse` where the contact is symmetric; from the pressure's second
-/// moments elsewhere, where the contact is an ellipse only more or less.
+/// From the fit of `pressure_ellipse` where the contact is symmetric. Elsewhere the contact is only
+/// roughly an ellipse, and its shape comes from the second moments of the pressure.
 ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing);
 
 }  // namespace softfinger::fem

@@ -63,7 +63,8 @@ class FaceGrid {
   std::vector<int> index_;
 };
 
-/// The size of the polynomial is fixed, since the sums over a hundred thousand points are in it.
+/// The number of terms is fixed at compile time, because sums over a hundred thousand points run
+/// over them.
 template <int degree>
 class Fit {
  public:

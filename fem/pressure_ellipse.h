@@ -35,10 +35,10 @@ class SurfaceDeformation {
 /// the polynomial leaves the shape inside free, since on a layer it is no power of 1 - r².
 /// @param force  per node of the quarter model
 /// @param a, b   first guess
-/// @param deformation  p then is the pressure on the deformed surface and 1 - r² its distance from
-/// the edge there, r along each ray from the centre: the stretch falls as a square root at the
-/// edge, too, and the product of the two has no such form. The ellipse is that of the faces all the
-/// same.
+/// @param deformation  where the surface is deformed: p is then the pressure on the deformed
+/// surface, and r is measured there, along each ray from the centre. (On the undeformed surface the
+/// force per area is pressure times stretch. Both fall as a square root at the edge, and their
+/// product does not.) The ellipse that is returned is still that of the undeformed faces.
 /// @throws ConvergenceError when the fit leaves the patch.
 PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
                                      const std::vector<SurfaceFace>& faces,

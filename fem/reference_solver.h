@@ -12,20 +12,20 @@
 #include "fem/finite/material.h"
 #include "softfinger/input/contact_problem.h"
 
-/// The finite-element reference: a rigid quadric pressed without friction on an elastic layer
-/// bonded to a rigid base, small strain. Nothing in this header depends on the finite-element
-/// library, and nothing behind it on the analytic models: the judge does not borrow from the
-/// judged.
+/// The finite-element reference: a rigid object pressed on an elastic layer that is bonded to a
+/// rigid core, then twisted and shifted with friction. Nothing in this header depends on the
+/// finite-element library. Nothing behind it depends on the analytic models: a reference must be
+/// independent of what is compared with it.
 namespace softfinger::fem {
 
-/// What friction is asked for, beyond int mu p r dA.
+/// What is asked about friction, beyond the torque int mu p r dA of the frictionless pressure.
 struct FrictionRequest {
   bool torsion = false;        ///< twist from stick to full slip
   int increments = 20;         ///< of the twist
   int limit_surface = 0;       ///< points of full slip; 0: none
   int increments_to_slip = 0;  ///< partial-slip states on the way to each point; 0: none
-  /// The axis that the twist turns about, from the contact's centre along its axes; it has to lie
-  /// in the contact.
+  /// Place of the axis that the twist turns about, from the contact's centre along the contact's
+  /// axes. It has to lie in the contact.
   double twist_axis_x_m = 0, twist_axis_y_m = 0;
 
   bool any() const { return torsion || limit_surface > 0; }
@@ -37,8 +37,9 @@ struct Sublayer {
   finite::MaterialChoice material;  ///< at finite strain
 };
 
-/// What to solve. The gap is that of `contact.radii`; with a finite `sphere_radius_m` the
-/// indenter's paraboloid is replaced by the exact sphere of that radius (both radii must equal it).
+/// What to solve. On a flat layer the gap is that of `contact.radii`. With a finite
+/// `sphere_radius_m` the object is the exact sphere of that radius instead of the paraboloid (both
+/// radii must equal it).
 struct Problem {
   std::string name = "case";
   ContactProblem contact;
@@ -50,8 +51,9 @@ struct Problem {
   /// The layer's mesh from outside, in place of the flat layer; null: our own.
   std::shared_ptr<const meshes::LayerMesh> mesh;
   std::string mesh_name;  ///< meshes of one name are one
-  /// From the surface inwards, together as thick as the contact's layer, whose E and nu then only
-  /// stand for their order of magnitude; of a mesh from outside: its regions. None: homogeneous.
+  /// From the surface inwards, together as thick as the contact's layer. The E of that one is then
+  /// only the unit of stress, and its nu serves for a first guess of the contact's size. On a mesh
+  /// from outside: its regions. Empty: homogeneous.
   std::vector<Sublayer> sublayers;
   FrictionRequest friction;
   /// Finite strain of this material, its small-strain constants those of the contact's layer; none:
@@ -66,21 +68,21 @@ struct LevelResult {
   int level = 0;
   int elements_per_semi_axis = 0;
   long unknowns = 0;
-  int active_nodes = 0;  ///< contact nodes of the quarter model
-  int iterations = 0;    ///< of the active set
-  double turn_rad = 0;   ///< of the long axis from that of the relative radii: without symmetry
+  int active_nodes = 0;  ///< nodes that touch, of the quarter where a quarter is solved
+  int iterations = 0;    ///< of the active set; at finite strain of Newton's method
+  double turn_rad = 0;   ///< from the relative radii's long axis to the contact's; 0 by symmetry
   double load_N = 0;     ///< as given, or what the given approach takes
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
   double area_m2 = 0;  ///< pi a b; at finite strain that of the deformed surface
-  /// At finite strain int mu p n_z r dA, without the surface's slope, and the energy stored.
+  /// At finite strain: int mu p n_z r dA, the torque seen along the load, and the energy stored.
   double max_torque_projected_Nm = 0, strain_energy_J = 0;
   double load_residual = 0;  ///< |sum of nodal forces - P| / P
   double complementarity_residual =
       0;  ///< worst penetration or tension, relative to d and to the peak pressure
   double fit_residual =
       0;  ///< rms of the pressure fit that gives a, b, relative to the mean pressure
-  /// Of the contact that the mesh was made for, relative to this one: 1, but where it reuses the
-  /// meshes of an earlier contact.
+  /// Size of the contact that the mesh was made for, relative to this contact: 1 on a mesh of its
+  /// own, larger where the meshes of an earlier contact serve.
   double oversize = 1;
   double wall_s = 0, cpu_s = 0;
 };
@@ -96,7 +98,8 @@ struct Wrench {
   double force_x_N = 0, force_y_N = 0, torque_Nm = 0;
 };
 
-/// A contact on its way from stick to slip: the indenter's motion from the frictionless pressing.
+/// A state on the way from stick to slip. The object's motion counts from the end of the
+/// frictionless pressing.
 struct FrictionIncrement {
   double shift_x_m = 0, shift_y_m = 0, angle_rad = 0;
   Wrench wrench;
@@ -108,7 +111,7 @@ struct Torsion {
   double stiffness_Nm_per_rad =
       0;                    ///< at the start, all points stuck; extrapolated over the levels
   double full_slip_Nm = 0;  ///< torque when every point slips
-  /// Stated errors: relative; of the curve, relative to the torque at full slip.
+  /// Stated errors, relative; that of the curve relative to the torque at full slip.
   double stiffness_error = 0, full_slip_error = 0, curve_error = 0;
 };
 

@@ -44,7 +44,8 @@ Eigen::Vector3d signs(Image image, Parity parity) {
   return result;
 }
 
-/// For the blocks of the compliance and the factors that friction makes of them.
+/// Of the compliance's blocks (7 matrices of points x points) and of the factors that friction
+/// makes of them.
 void require_memory(std::size_t points) {
   constexpr double bytes_per_MB = 1024 * 1024, matrices = 16;  // of points x points
   const auto count = static_cast<double>(points);
@@ -130,7 +131,7 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
     result.height[p] = node.position.z();
     result.in_block.col(p) = mirror.cwiseProduct(Eigen::Vector2d(node.x, node.y));
     cosine[p] = node.normal.z();
-    // The quarter's weight counts a mirror plane's nodes by the part that lies in the quarter.
+    // A node on a mirror plane has half of its weight in the quarter, the centre a quarter.
     const double parts = whole ? 1 : (node.x < 1e-9 ? 2 : 1) * (node.y < 1e-9 ? 2 : 1);
     result.area[p] =
         node.weight * node.area_ratio * cosine[p] * parts * share[static_cast<std::size_t>(p)];
@@ -140,7 +141,7 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   if (tangential) result.tangential = Eigen::MatrixXd::Zero(2 * count, 2 * count);
   result.normal = Eigen::MatrixXd::Zero(count, count);
   result.normal_tangential = Eigen::MatrixXd::Zero(count, 2 * count);
-  // A force on a point and its copies has in each parity a quarter force of copies / 4 of it.
+  // In each parity, a force on a point and its copies is copies / 4 of it on the quarter.
   const double scale = whole ? 1 : result.copies / 4.0;
   for (std::size_t problem = 0; problem < problems_for(model, invariance); ++problem) {
     const Parity parity = parities[problem];

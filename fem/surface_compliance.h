@@ -8,13 +8,13 @@
 
 namespace softfinger::fem {
 
-/// What a state of contact, friction included, is invariant under. Fewer points stand for the rest.
+/// What a state of contact, friction included, is invariant under: fewer points stand for the rest.
 enum class Invariance {
   none,      ///< all of the contact is solved for: any tangential force and torque
   half_turn  ///< rotation by pi about the normal: load and twist; half of the contact
 };
 
-/// Compliances of the quarter problems among some nodes, by parity. They serve every invariance.
+/// Compliances of the quarter problems among some nodes, by parity.
 struct QuarterCompliances {
   const LayerModel& model;
   std::vector<int> nodes;  ///< of the model, ascending
@@ -26,7 +26,8 @@ struct QuarterCompliances {
   const Eigen::MatrixXd& of_turn() const { return by_parity[model.whole() ? 0 : 1]; }
 };
 
-/// Those of some of the nodes, with the parities that `fewest` needs; none where `kept` lacks some.
+/// The part of kept compliances that belongs to some of the nodes, with the parities that `fewest`
+/// needs; none where `kept` lacks nodes or parities.
 std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
                                           const std::vector<int>& nodes, Invariance fewest);
 
@@ -46,13 +47,14 @@ enum class Blocks { all, without_tangential };
 /// tangents, turned into that plane by the smallest rotation. So mu P bounds the force of friction,
 /// and the torque at full slip is that of the pressure.
 ///
-/// Where a rotation maps a point to itself (the centre), `force` below is its force divided by the
-/// number of such rotations: that keeps the compliance symmetric and every sum simple.
+/// A half turn maps the centre to itself. Force and area of this point are then half of what the
+/// contact has there: the compliance stays symmetric, and sums over points times `copies` need no
+/// special case.
 struct SurfaceCompliance {
   Eigen::Matrix2Xd position;          ///< of each point, in h, seen along the load
   Eigen::VectorXd height;             ///< of each point along the load, in h
   Eigen::Matrix2Xd in_block;          ///< its place on the lattice of the flat block
-  Eigen::VectorXd area;               ///< its share of the surface, in h²; scaled like `force`
+  Eigen::VectorXd area;               ///< its share of the surface, in h²
   Eigen::MatrixXd normal;             ///< n x n, into the layer
   Eigen::MatrixXd tangential;         ///< 2n x 2n, blocks in the order x, y; empty if left out
   Eigen::MatrixXd normal_tangential;  ///< n x 2n: displacement into the layer by tangential force

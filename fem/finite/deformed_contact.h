@@ -18,11 +18,11 @@ struct DeformedContact {
 
 /// Of a quarter, fits the edge of the pressure in the undeformed block, where the surface's shape
 /// functions are those of a regular grid, and follows it into the deformed state by the
-/// displacements. Of a whole layer, where the contact is an ellipse only more or less: the ellipse
-/// that has the area seen along the load, which touching nodes know to some tenths of a cell around
-/// it, and the axes of the pressure's second moments. The moments alone, with the pressure's power
-/// of 1 - r² from its peak as in linear elasticity, are 4 to 7 % high at d/h = 0.2 to 0.4: no power
-/// is the pressure of a deeply pressed layer.
+/// displacements. Of a whole layer, where the contact is only roughly an ellipse: the ellipse that
+/// has the contact's area seen along the load, which the touching nodes tell to some tenths of a
+/// cell, and the directions and ratio of axes of the pressure's second moments. The moments alone
+/// would give axes 4 to 7 % too long at d/h = 0.2 to 0.4: linear elasticity takes the pressure for
+/// a power of 1 - r², which that of a deeply pressed layer is not.
 /// @throws ConvergenceError when the fit leaves the patch
 DeformedContact measure(const FinitePressing& pressing);
 

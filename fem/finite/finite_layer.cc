@@ -8,12 +8,12 @@
 #include <deal.II/numerics/data_out.h>
 #include <deal.II/numerics/data_postprocessor.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "fem/layer_space.h"
+#include "fem/positive_definite.h"
 #include "fem/write_file.h"
 #include "softfinger/input/errors.h"
 
@@ -23,7 +23,7 @@ namespace {
 using Dof = LayerSpace::Dof;
 constexpr int dim = LayerSpace::dim;
 
-/// It comes first in its column.
+/// The diagonal entry, which is the first of its column.
 double& diagonal(SparseSymmetricMatrix& matrix, int unknown) {
   return matrix
       .value[static_cast<std::size_t>(matrix.column_begin[static_cast<std::size_t>(unknown)])];
@@ -31,7 +31,8 @@ double& diagonal(SparseSymmetricMatrix& matrix, int unknown) {
 
 /// Adds a spring that all but fixes the unknown. @returns its stiffness
 double hold(SparseSymmetricMatrix& matrix, int unknown) {
-  // This much stiffer than a node's own stiffness it leaves all but two digits of the latter.
+  // Stiff enough to hold the node. When it is taken off again, two digits of the node's own
+  // stiffness are lost.
   constexpr double spring_ratio = 100;
   double& entry = diagonal(matrix, unknown);
   const double spring = spring_ratio * std::abs(entry);
@@ -330,8 +331,7 @@ SurfaceResponse FiniteLayer::surface_response() const {
   Eigen::VectorXd unloaded(self.springs.size());
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
     unloaded[static_cast<Eigen::Index>(i)] = -solution[self.normal_unknowns[i]];
-  const Eigen::MatrixXd held = self.factor->compliance_of_last().llt().solve(
-      Eigen::MatrixXd::Identity(self.springs.size(), self.springs.size()));
+  const Eigen::MatrixXd held = inverse_of_positive_definite(self.factor->compliance_of_last());
   SurfaceResponse response;
   response.force = held * unloaded;
   response.stiffness = 0.5 * (held + held.transpose());
@@ -362,8 +362,7 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
     }
   const Eigen::MatrixXd compliance =
       CholeskyFactor(matrix, self.dissection_of(unknowns), last).compliance_of_last();
-  Eigen::MatrixXd held =
-      compliance.llt().solve(Eigen::MatrixXd::Identity(compliance.rows(), compliance.cols()));
+  Eigen::MatrixXd held = inverse_of_positive_definite(compliance);
   held = 0.5 * (held + held.transpose()).eval();
   held.diagonal() -= Eigen::Map<const Eigen::VectorXd>(springs.data(), held.rows());
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());

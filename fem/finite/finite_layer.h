@@ -66,8 +66,8 @@ class FiniteLayer {
   /// @returns the largest nodal force out of balance
   double linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
 
-  /// After `linearise`: the tangent, made positive definite by this share of its own diagonal; 0
-  /// where it was so by itself with the surface nodes held.
+  /// After `linearise`: the share of its own diagonal that was added to the tangent to make it
+  /// positive definite; 0 where it was so by itself, with the surface nodes held.
   double shift() const;
 
   /// After `linearise`: of displacements of the surface nodes into the layer along their normals.

@@ -1,13 +1,14 @@
 #include "fem/finite/finite_pressing.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include "fem/formatted.h"
+#include "fem/pressing.h"
+#include "fem/surface_frame.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -16,7 +17,7 @@ using Eigen::Index;
 
 namespace {
 
-/// A step may be this much longer than the largest one if it is the last.
+/// The last step to a load may be this much longer than the largest one: no tiny step is left.
 constexpr double kStretch = 1.25;
 
 }  // namespace
@@ -53,7 +54,7 @@ std::vector<FinitePressing::Touch> FinitePressing::touches() const {
     const auto over = object_->over(at.x(), at.y());
     Touch& touch = result[i];
     if (!over) {
-      // Beside the object there is nothing to touch; any large gap says so.
+      // Beside the object there is nothing to touch: any gap larger than an approach will do.
       touch.gap = 1e3;
       continue;
     }
@@ -69,10 +70,7 @@ std::vector<NodeFrame> FinitePressing::frames(const std::vector<Touch>& touching
                                               const Eigen::VectorXd& force) const {
   std::vector<NodeFrame> result(touching.size());
   for (std::size_t i = 0; i < touching.size(); ++i) {
-    // The smallest rotation leaves x alone on the plane x = 0, where symmetry fixes it.
-    result[i].axes =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), touching[i].normal)
-            .toRotationMatrix();
+    result[i].axes = surface_frame(touching[i].normal);
     result[i].curvature_force = force[static_cast<Index>(i)] * touching[i].curvature;
   }
   return result;
@@ -132,12 +130,13 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
     history_.shifts += layer_->shift() > 0;
     failed_iteration_ = iteration;
     failed_residual_ = balance;
-    // The first iteration meets the change of the load, the second one its whole nonlinearity.
+    // The first iteration answers the change of the load, and the second one everything nonlinear
+    // in it: only then does Newton's method have to converge.
     if (iteration > 3 && !(balance < 10 * previous_balance)) return false;
     previous_balance = balance;
 
-    // Scaled to the components along the load, contact on inclined normals is that of a flat
-    // surface with another stiffness.
+    // In components along the load, contact on inclined normals is that of a flat surface with
+    // another stiffness (as in `press_on`).
     SurfaceResponse response = layer_->surface_response();
     const Eigen::VectorXd cosine = secant.cwiseInverse();
     response.stiffness = cosine.asDiagonal() * response.stiffness * cosine.asDiagonal();
@@ -148,7 +147,7 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
     };
     TangentContact next = solve(target);
     const double left = next.approach - equilibrium_.approach;
-    // Where the load falls with the approach there is no equilibrium with more of it nearby.
+    // Where the load falls as the approach grows, no equilibrium with a larger load is near.
     if (iteration == 1 && limited && left * (drive.load - equilibrium_.load) <= 0) return false;
     if (iteration == 1 && limited && std::abs(left) > kStretch * step_) {
       target = {0, equilibrium_.approach + std::copysign(step_, left)};
@@ -168,8 +167,8 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
     approach += fraction * (next.approach - approach);
     if (iteration > 3 && change > previous_change && change > 0.1 * step_) return false;
     previous_change = change;
-    // With a true tangent the next step would be the square of this one; with another, what is left
-    // out of balance has to say that it is over.
+    // With the true tangent the next step would be about the square of this one. With a shifted
+    // tangent it would not: there the forces have to be in balance.
     constexpr double balanced = 1e-8;
     if (fraction < 1 || !(change <= options_.tolerance * approach) ||
         (layer_->shift() > 0 && balance > balanced))
@@ -214,9 +213,8 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
       equilibrium.reaches_rim = true;
   }
   equilibrium.complementarity_residual = penetration / equilibrium.approach;
-  // As in `Pressed`: <x²> is a²/5 for a half-space's pressure, a²/6 for a thin layer's.
-  equilibrium.moment_a = std::sqrt(5.4 * xx / equilibrium.force.sum());
-  equilibrium.moment_b = std::sqrt(5.4 * yy / equilibrium.force.sum());
+  equilibrium.moment_a = std::sqrt(square_per_moment * xx / equilibrium.force.sum());
+  equilibrium.moment_b = std::sqrt(square_per_moment * yy / equilibrium.force.sum());
 }
 
 void FinitePressing::press(const Drive& drive) {
@@ -248,8 +246,8 @@ void FinitePressing::press(const Drive& drive) {
     } catch (const ConvergenceError&) {
       // Of the factorisation or of the active set: a shorter step is the remedy for both.
     }
-    // On a mesh made for a larger contact, nodes around the object can be pressed on where none is
-    // left under it.
+    // On a mesh that was made for a larger contact, the nodes around the object can be pressed
+    // further when the layer under it is used up.
     constexpr double pressed_through = 1;
     if (converged && reached.approach >= pressed_through) {
       layer_->restore(*before);
@@ -268,9 +266,8 @@ void FinitePressing::press(const Drive& drive) {
     ++history_.cuts;
     step_ /= 2;
     if (step_ >= shortest_step) continue;
-    char stage[200];
-    std::snprintf(stage, sizeof stage,
-                  "finite strain beyond d/h = %.3g, P/(E h²) = %.4g, the last that is converged,",
+    const std::string stage =
+        formatted("finite strain beyond d/h = %.3g, P/(E h²) = %.4g, the last that is converged,",
                   equilibrium_.approach, equilibrium_.load);
     throw ConvergenceError(stage, failed_iteration_, failed_residual_,
                            "the layer is nearly pressed through or its surface folds; press less");

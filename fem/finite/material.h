@@ -85,8 +85,7 @@ struct MaterialChoice {
 std::unique_ptr<const Material> make_material(const MaterialChoice& choice, double youngs_modulus,
                                               double poisson_ratio);
 
-/// What `softfinger explain` says of the materials is in `fem/finite/README.md`; these are the
-/// names used in files.
+/// The names that problems and case files use.
 const char* name_of(MaterialName name);
 const char* name_of(VolumetricLaw law);
 

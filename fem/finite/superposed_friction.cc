@@ -1,13 +1,12 @@
 #include "fem/finite/superposed_friction.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "fem/coulomb_friction.h"
 #include "fem/finite/deformed_contact.h"
+#include "fem/positive_definite.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -46,12 +45,10 @@ Eigen::MatrixXd tangential_compliance(const Eigen::MatrixXd& stiffness) {
     free.push_back(row);
     from.push_back(of_all);
   }
-  const Eigen::LLT<Eigen::MatrixXd> factor(stiffness(from, from));
-  if (factor.info() != Eigen::Success)
+  const Eigen::MatrixXd of_free = inverse_of_positive_definite(stiffness(from, from));
+  if (!free.empty() && of_free.size() == 0)
     throw ConvergenceError("friction on the deformed layer", 0, 0,
                            "the pressed state is not stable against shear: less load");
-  const auto size = static_cast<Index>(free.size());
-  const Eigen::MatrixXd of_free = factor.solve(Eigen::MatrixXd::Identity(size, size));
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(2 * count, 2 * count);
   result(free, free) = of_free;
   return result;
@@ -64,7 +61,8 @@ Eigen::MatrixXd normal_force_by_displacement(const TouchingNodes& nodes,
   for (Index i = 0; i < nodes.size(); ++i) {
     const auto node = static_cast<std::size_t>(i);
     const Eigen::Matrix3d& axes = nodes.axes[node];
-    // The reaction leaves out what the tangent counts as the contact force's own.
+    // The stiffness also counts that the curved object turns the contact force. That changes the
+    // force's direction and not its magnitude: it is taken off.
     result.block<1, 3>(i, 3 * i) -= nodes.force[i] * axes.col(2).head<2>().transpose() *
                                     nodes.object[node].curvature * axes.topRows<2>();
   }
@@ -87,8 +85,8 @@ double lift_of(const TouchingNodes& nodes, const Eigen::VectorXd& force) {
   return result;
 }
 
-/// Normal forces and the friction that they limit, which moves them in turn.
-/// @param next   the normal forces that friction within the limits of others makes; none is pulled
+/// Normal forces that agree with friction: they limit it, and it moves them.
+/// @param next   from normal forces those that friction within their limits leads to, none < 0
 /// @param start  one column per image
 /// @throws ConvergenceError when they do not settle
 template <class Next>
@@ -96,8 +94,9 @@ Eigen::MatrixXd settled(const char* stage, const Eigen::MatrixXd& start, double 
                         const Next& next) {
   constexpr int limit = 1000;
   constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
-  // Shear lifts the surface before a point and lowers it behind: on the whole the pressure's change
-  // oscillates with the shear's, which a large share of each step would amplify.
+  // A point's shear lifts the surface in front of it and lowers it behind. So each change of the
+  // pressure changes the shear, which changes the pressure back, and whole steps may grow without
+  // end. Where a change does not shrink, the share of it that is taken is halved.
   constexpr double smallest_share = 1.0 / 64;
   Eigen::MatrixXd normal_force = start;
   double change = 0, previous = 0, share = 1;
@@ -114,9 +113,9 @@ Eigen::MatrixXd settled(const char* stage, const Eigen::MatrixXd& start, double 
                          "friction very large?");
 }
 
-/// Images of a quarter of the contact, bit 0: mirrored at x = 0, bit 1: at y = 0. Seen in its
-/// mirror, a field that is odd where bit 0 (1) of the parity is set has this sign on an image. A
-/// whole contact is its only image, and has only the parity 0.
+/// The images of a quarter of the contact are numbered by two bits: 0 for mirrored at x = 0, 1 for
+/// mirrored at y = 0. The bits of a parity say where a field is odd. This is the field's sign on an
+/// image, in mirrored axes. A whole contact has one image and one parity, both 0.
 double sign(int image, int parity) {
   return ((image & parity & 1) != 0) != ((image & parity & 2) != 0) ? -1 : 1;
 }
@@ -137,7 +136,8 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
           Eigen::Vector3d(velocity.x, velocity.y, 0) + velocity.turn_rad * turned(position);
       along -= normal.dot(along) * normal;
       const double speed = along.norm();
-      // At the centre of rotation nothing slides: no force is the mean of what its neighbours have.
+      // At the centre of rotation nothing slides. Forces around it point in all directions: it gets
+      // their mean, none.
       if (!(speed > 0)) continue;
       const Eigen::Vector3d force = friction_coefficient * nodes.normal_force[i] / speed * along;
       result.force_x += force.x();
@@ -158,7 +158,7 @@ TangentialResponse::TangentialResponse(const TouchingNodes& nodes, const Eigen::
 
 ApproachResponse::ApproachResponse(const TouchingNodes& nodes, const Eigen::MatrixXd& stiffness,
                                    const TangentialResponse& tangential) {
-  // It pushes the normals, and the nodes give way along the tangents.
+  // The approach moves the nodes along their normals, and they give way along the tangents.
   const Rows of = rows(nodes.size());
   const Eigen::VectorXd slope = cosine(nodes);
   displacement = tangential.displacement * (stiffness(of.tangential, of.normal) * slope);
@@ -189,7 +189,7 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
   const Index count = nodes_.size();
   const double load = images_ * nodes_.force.sum();
   const Eigen::VectorXd slope = cosine(nodes_);
-  // In the frames' mirrors, like all that follows: directions of slip.
+  // Directions of slip, along the mirrored frames of each image, as all that follows.
   Eigen::MatrixXd direction(2 * count, images_);
   for (int image = 0; image < images_; ++image)
     for (Index i = 0; i < count; ++i) {
@@ -281,8 +281,9 @@ SuperposedTwist::SuperposedTwist(const FinitePressing& pressing, double friction
   const Rows of = rows(count);
   holding += stiffness(of.tangential, of.normal) * normal_turn;
   frictionless_ = -compliance_ * holding;
-  // What a mirror plane fixes is never pushed; any compliance keeps the node's two components apart
-  // and lets the other one move.
+  // A component that a mirror plane fixes has the compliance 0, which would tell the friction
+  // solver that the whole node cannot move. No force ever acts along it: any positive compliance
+  // serves.
   const double mean = compliance_.diagonal().mean();
   for (Index row = 0; row < 2 * count; ++row)
     if (compliance_(row, row) == 0) compliance_(row, row) = mean;
@@ -290,7 +291,7 @@ SuperposedTwist::SuperposedTwist(const FinitePressing& pressing, double friction
 }
 
 double SuperposedTwist::stiffness() const {
-  const Eigen::VectorXd stuck = compliance_.llt().solve(turn_ - frictionless_);
+  const Eigen::VectorXd stuck = solve_positive_definite(compliance_, turn_ - frictionless_);
   return copies_ * turn_.dot(stuck);
 }
 

@@ -16,12 +16,12 @@
 /// state, with the stresses' own stiffness and with contact forces that follow the object's
 /// normals.
 ///
-/// What that leaves out are effects of second order in friction's own strain, even in the angle of
-/// a twist: sheared at constant thickness, the layer pushes the object away by E/L, E the energy
-/// that friction stores, L the shorter of thickness and contact (exact for the torsion of a
-/// neo-Hookean cylinder of length L: R. S. Rivlin, Phil. Trans. R. Soc. A 242, 1949). At a constant
-/// load as much of it moves elsewhere: E/(P L) is the relative size of what is left out. It is
-/// small where mu² p << G.
+/// Left out are effects of second order in the strain that friction makes. They are even in the
+/// angle of a twist: a layer that is sheared at constant thickness pushes the object away with the
+/// force E/L, E the energy that friction stores, L the shorter of thickness and contact (exact for
+/// the torsion of a neo-Hookean cylinder of length L: R. S. Rivlin, Phil. Trans. R. Soc. A 242,
+/// 1949). As the load is constant, the pressure elsewhere falls by as much. So E/(P L) is the
+/// relative size of what is left out. It is small where mu² p << G.
 namespace softfinger::fem::finite {
 
 /// What forces along the tangents of touching nodes do, for motions of one parity.
@@ -79,13 +79,15 @@ class SuperposedSlide {
 
 /// A twist about the normal through the contact's centre, from stick to full slip at constant load.
 ///
-/// Of the object's turn theta the surface would follow w_0 theta without friction: nothing under an
-/// object of revolution, with any other one the change of its heights. Tangential forces q and slip
-/// s then obey, with the normals held on the object, C q + s = (e_z x x - w_0) theta along the
-/// tangents, and Coulomb's law by `solve_friction`. Reaction of the object: where the contact is
-/// symmetric an odd change of the pressure, which moves no torque to first order; the limits leave
-/// it out. Elsewhere the limits are those of the pressure as friction moves it, as for
-/// `SuperposedSlide`; what the turned object's heights change of it by themselves is left out.
+/// When the object turns by theta, the surface moves by w_0 theta even without friction: by nothing
+/// under an object of revolution, under any other one because its heights turn. With the nodes held
+/// on the object along their normals, tangential forces q and slip s obey
+///   C q + s = (e_z x x - w_0) theta
+/// along the tangents, with Coulomb's law (`solve_friction`).
+///
+/// Friction also changes the pressure. In a symmetric contact this change is odd and moves no
+/// torque to first order: the limits of friction leave it out. Elsewhere they follow it, as in
+/// `SuperposedSlide`. How the turn of the object's heights alone changes the pressure is left out.
 class SuperposedTwist {
  public:
   /// Factorises the layer's tangent, of a quarter for motions odd in x and y.

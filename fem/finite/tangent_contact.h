@@ -5,8 +5,9 @@
 namespace softfinger::fem::finite {
 
 /// How the surface answers to displacements w of its nodes into the layer, about a deformed state:
-/// contact forces f = stiffness w - force. Symmetric; under pressure it is positive definite only
-/// on nodes that are free: pressed ones, let go under constant forces, would buckle.
+/// contact forces f = stiffness w - force. Symmetric. Under pressure it is positive definite only
+/// on nodes that are free: pressed nodes would be unstable if they were released under constant
+/// forces.
 struct SurfaceResponse {
   Eigen::MatrixXd stiffness;
   Eigen::VectorXd force;

@@ -1,7 +1,8 @@
-// softfinger-fem-relative-radii: the seed method's central step, its eq. (8), put to the test. The
-// same relative radii are realised as a flat layer under a curved object and as a curved finger
-// under a flat object, pressed with the same load; and a real finger's surface is replaced by its
-// quadric. Prints the table of fem/README.md.
+// softfinger-fem-relative-radii: how far the relative radii alone decide a contact, the central
+// step of the method of Ciocarlie et al. (2007), eq. (8). The same relative radii are realised as a
+// flat layer under a curved object and as a curved finger under a flat object, pressed with the
+// same load. A real finger's surface is replaced by its quadric as well. Prints the table of
+// fem/README.md.
 
 #include <fmt/core.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 /// Verification of the finite elements against closed forms, solutions of integral equations and
-/// invariants. A tolerance is never what makes a check pass: it is an expression with a reason.
+/// invariants. No tolerance was tuned until a check passed: each is an expression with a reason.
 namespace softfinger::fem::verification {
 
 enum class Relation { equal, at_least, at_most };

@@ -145,22 +145,6 @@ Checks compare_reused(const std::string& group, const std::string& name, const P
   return compare(group, name + larger, problem, expected, result);
 }
 
-Pressing pressing_of(const Problem& problem) {
-  const double h = problem.contact.layer.thickness_m;
-  Pressing pressing;
-  pressing.major = problem.contact.radii.major_m / h;
-  pressing.minor = problem.contact.radii.minor_m / h;
-  pressing.sphere = problem.sphere_radius_m / h;
-  pressing.load =
-      problem.contact.load.normal_force_N / (problem.contact.layer.youngs_modulus_Pa * h * h);
-  // As the solver does: the condensed pressure takes a finite bulk modulus.
-  pressing.poisson_ratio = std::min(problem.contact.layer.poisson_ratio, 0.5 - 1e-8);
-  pressing.thickness_m = h;
-  pressing.fingertip = problem.fingertip;
-  if (problem.fingertip) pressing.bent = shape_fingertip(problem.fingertip, h);
-  return pressing;
-}
-
 Pressed press_at_level(const Problem& problem, double a_m, double b_m, int level) {
   const double h = problem.contact.layer.thickness_m;
   LayerDiscretisation mesh;

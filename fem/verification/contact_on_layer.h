@@ -56,7 +56,6 @@ Result friction_of(const Problem& problem, double a_m, double b_m,
 
 /// A contact pressed on one mesh, `level` as in `Problem`.
 Pressed press_at_level(const Problem& problem, double a_m, double b_m, int level);
-Pressing pressing_of(const Problem& problem);
 PressedContact friction_start(const Pressed& pressed, const Problem& problem, double a_m,
                               double b_m);
 

@@ -75,6 +75,7 @@ TEST(SurfaceSeries, HasAFilePerIncrementAndOneThatNamesThem) {
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
   const std::string collection = content_of(result.pvd_file);
+  EXPECT_NE(collection.find("<VTKFile type=\"Collection\""), std::string::npos);
   std::size_t at = 0;
   int files = 0;
   for (const std::string key = "file=\""; (at = collection.find(key, at)) != std::string::npos;) {

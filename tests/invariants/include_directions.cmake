@@ -36,8 +36,8 @@ may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
 may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h")
-# Only the program knows JSON.
-foreach(file main.cc read_problem.h read_problem.cc result_json.h result_json.cc)
+# Only the program knows JSON, and the file that begins with a line of it.
+foreach(file main.cc read_problem.h read_problem.cc result_json.h result_json.cc write_compliance.cc)
   may_include(fem/${file} ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")
 endforeach()
 may_include(fem/studies ${std} ${eigen} ${input} "^meshes/" "^fem/" "^fmt/")

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/error_model.h"
+#include "fem/friction_levels.h"
+#include "fem/pressing.h"
+#include "fem/reference_solver.h"
+
+namespace softfinger::fem {
+
+/// What is asked of a solver, and whom it tells how it gets on. All outlive it.
+struct ContactTask {
+  const Problem& problem;
+  const Pressing& pressing;  ///< the same in units of the layer
+  const Progress& progress;
+  const StopRequested& stop;
+};
+
+/// How large a contact is on its mesh, in units of h.
+struct RoughSize {
+  double a = 0, b = 0;  ///< from second moments: rough but robust
+  double approach = 0;
+  bool reaches_rim = false;  ///< of the region where contact is possible: it may be larger
+  long unknowns = 0;
+  std::string effort;  ///< what it took, for a line of progress: ", iterations 7"
+};
+
+/// One mesh's answer.
+struct Measurement {
+  LevelResult result;
+  double block_a = 0, block_b = 0;  ///< semi-axes along the surface, in h, for the next mesh
+  double residual = 0;              ///< worst of the equilibrium's and the contact's, relative
+};
+
+/// The pressure at a surface node, in units of E; lengths in h.
+struct PressurePoint {
+  double block_x = 0, block_y = 0;  ///< of the node in the undeformed block
+  double x = 0, y = 0;              ///< where the pressure is reported
+  double pressure = 0;
+};
+
+/// Files that were written; empty where none was asked for.
+struct OutputFiles {
+  std::string vtu, pvd;
+};
+
+/// A contact that can be pressed on one mesh after the other: what the level loop needs to know of
+/// linear elasticity and of finite strain. The methods from `size` on speak of the mesh that was
+/// pressed last.
+class ContactPhysics {
+ public:
+  virtual ~ContactPhysics() = default;
+
+  virtual const ErrorTable& error_table() const = 0;
+
+  /// The two levels have their meshes already, made for an earlier contact of the run.
+  virtual bool shares_meshes() const { return false; }
+
+  /// Whether the last trial mesh is level 0 as well, or level 0 has one made for what it found.
+  virtual bool trial_is_level_0() const = 0;
+
+  /// Presses all of the load on a mesh. The one before is let go first, with its memory.
+  /// @param level  0 on trial meshes too
+  /// @param mesh   not looked at where meshes are shared
+  /// @throws InputError, ConvergenceError, NotEnoughMemory
+  virtual void press(const LayerDiscretisation& mesh, int level) = 0;
+
+  virtual RoughSize size() const = 0;
+
+  /// @throws ConvergenceError, InputError
+  virtual Measurement measure() = 0;
+
+  /// @pre measured
+  /// @param plan  made here when it has none, by the first level, and followed by the next
+  virtual FrictionOfLevel friction(std::optional<FrictionPlan>& plan) = 0;
+
+  virtual std::vector<PressurePoint> pressures() const = 0;
+
+  /// Writes the files that the problem asks for. @throws InputError
+  virtual OutputFiles write_files() = 0;
+};
+
+}  // namespace softfinger::fem

@@ -1,0 +1,274 @@
+#include "fem/finite/finite_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "fem/finite/deformed_contact.h"
+#include "fem/finite/superposed_friction.h"
+#include "fem/formatted.h"
+#include "fem/level_loop.h"
+#include "fem/stopwatch.h"
+#include "meshes/generation/object_surface.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem::finite {
+namespace {
+
+/// From here on a contact wraps around the object instead of being pressed on it.
+constexpr double steep_rad = M_PI / 4;
+
+using Materials = std::vector<std::shared_ptr<const Material>>;
+
+/// Of the sublayers, in units of the layer's E.
+Materials materials_of(const ContactTask& task) {
+  const Problem& problem = task.problem;
+  Materials result;
+  for (const auto& [youngs_ratio, poisson_ratio] : task.pressing.materials())
+    result.push_back(make_material(problem.sublayers.empty()
+                                       ? *problem.finite_strain
+                                       : problem.sublayers[result.size()].material,
+                                   youngs_ratio, poisson_ratio));
+  return result;
+}
+
+std::shared_ptr<const RigidObject> object_of(const Pressing& pressing) {
+  if (pressing.fingertip) {
+    const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m](
+                            double x, double y) -> std::optional<double> {
+      const auto found = object->height(h * x, h * y);
+      if (!found) return std::nullopt;
+      return *found / h;
+    };
+    // A thousandth of the thickness is far below any radius that a layer bears; an edge rounded
+    // over a tenth of it is one that Newton's steps do not jump across.
+    constexpr double step = 1e-3, rounded_edges = 0.05;
+    if (pressing.fingertip.object->faceted()) return smoothed(height, rounded_edges);
+    return sampled(height, step);
+  }
+  if (std::isfinite(pressing.sphere)) return sphere(pressing.sphere);
+  return quadric(pressing.major, pressing.minor);
+}
+
+/// ", load steps 3 (1 cut), iterations 20 (2 shifted)"
+std::string text_of(const PressingHistory& history) {
+  return formatted(", load steps %d%s, iterations %d%s", history.steps,
+                   history.cuts > 0 ? formatted(" (%d cut)", history.cuts).c_str() : "",
+                   history.iterations,
+                   history.shifts > 0 ? formatted(" (%d shifted)", history.shifts).c_str() : "");
+}
+
+class FiniteContact : public ContactPhysics {
+ public:
+  explicit FiniteContact(const ContactTask& task)
+      : task_(task),
+        problem_(task.problem),
+        h_(task.pressing.thickness_m),
+        E_(task.problem.contact.layer.youngs_modulus_Pa),
+        friction_coefficient_(task.problem.contact.load.friction_coefficient),
+        materials_(materials_of(task)),
+        object_(object_of(task.pressing)) {}
+
+  const ErrorTable& error_table() const override { return finite_strain; }
+
+  /// Level 0 has a mesh made for the size that the trial found: its edge lies on cell edges.
+  bool trial_is_level_0() const override { return false; }
+
+  void press(const LayerDiscretisation& mesh, int) override {
+    pressing_.reset();
+    auto pressing = std::make_unique<FinitePressing>(make_layer(mesh), object_);
+    try {
+      pressing->press({task_.pressing.load, task_.pressing.approach});
+    } catch (const ConvergenceError& error) {
+      throw not_reached(pressing->equilibrium(), mesh, error);
+    }
+    for (const int node : pressing->touching_nodes().node)
+      if (const SurfaceNode& at = pressing->layer().nodes()[static_cast<std::size_t>(node)];
+          at.at_end)
+        refuse_end_of_surface(at, h_);
+    pressing_ = std::move(pressing);
+  }
+
+  RoughSize size() const override {
+    const Equilibrium& found = equilibrium();
+    return {found.moment_a,
+            found.moment_b,
+            found.approach,
+            found.reaches_rim,
+            pressing_->layer().unknowns(),
+            text_of(pressing_->history())};
+  }
+
+  Measurement measure() override {
+    check_covered();
+    contact_ = finite::measure(*pressing_);
+    const Equilibrium& found = equilibrium();
+    Measurement measurement;
+    measurement.block_a = contact_.block_a;
+    measurement.block_b = contact_.block_b;
+    measurement.residual = found.out_of_balance;
+    LevelResult& result = measurement.result;
+    result.elements_per_semi_axis = pressing_->layer().discretisation().elements_per_semi_axis;
+    result.unknowns = pressing_->layer().unknowns();
+    result.active_nodes = found.active;
+    result.iterations = pressing_->history().iterations;
+    result.a_m = contact_.a * h_;
+    result.b_m = contact_.b * h_;
+    result.turn_rad = contact_.turn_rad;
+    result.area_m2 = contact_.area * h_ * h_;
+    result.indentation_m = found.approach * h_;
+    result.peak_pressure_Pa = contact_.peak * E_;
+    result.load_N =
+        problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
+    const double friction_force = friction_coefficient_ * result.load_N;
+    result.max_torque_Nm = friction_force * contact_.torque_arm * h_;
+    result.max_torque_projected_Nm = friction_force * contact_.projected_arm * h_;
+    result.strain_energy_J = found.energy * E_ * h_ * h_ * h_;
+    const double load = task_.pressing.load;
+    result.load_residual = load > 0 ? std::abs(found.load / load - 1) : 0;
+    result.complementarity_residual = found.complementarity_residual;
+    result.fit_residual = contact_.fit_residual;
+    return measurement;
+  }
+
+  FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+    FrictionOfLevel result;
+    SuperposedTwist twist(*pressing_, friction_coefficient_);
+    result.stiffness = twist.stiffness();
+    result.full_slip = slide(*pressing_, friction_coefficient_, {0, 0, 1}).torque;
+    if (!plan)
+      plan = plan_friction({result.stiffness, result.full_slip,
+                            friction_coefficient_ * equilibrium().load, contact_.b},
+                           problem_);
+    follow(plan->twist, twist, result);
+    if (pressing_->layer().whole() || !plan->velocities.empty()) slip(plan->velocities, result);
+    return result;
+  }
+
+  std::vector<PressurePoint> pressures() const override {
+    const Eigen::VectorXd pressure = nodal_pressure(*pressing_);
+    const auto& nodes = pressing_->layer().nodes();
+    std::vector<PressurePoint> result;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const Eigen::Vector3d at = pressing_->layer().position(i);
+      result.push_back(
+          {nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[static_cast<Eigen::Index>(i)]});
+    }
+    return result;
+  }
+
+  OutputFiles write_files() override {
+    OutputFiles files;
+    if (problem_.output_directory.empty()) return files;
+    files.vtu = problem_.output_directory + "/solution.vtu";
+    pressing_->layer().write_vtu(files.vtu, nodal_pressure(*pressing_), h_, E_);
+    return files;
+  }
+
+ private:
+  const Equilibrium& equilibrium() const { return pressing_->equilibrium(); }
+
+  std::shared_ptr<FiniteLayer> make_layer(const LayerDiscretisation& mesh) const {
+    const Pressing& pressing = task_.pressing;
+    if (pressing.mesh) return std::make_shared<FiniteLayer>(mesh, *pressing.mesh, h_, materials_);
+    return std::make_shared<FiniteLayer>(mesh, pressing.bent.shape, pressing.whole(), materials_);
+  }
+
+  /// Says how far the load got. A first mesh for a load that is far too large is far too wide and
+  /// coarse: the message names it.
+  ConvergenceError not_reached(const Equilibrium& last, const LayerDiscretisation& mesh,
+                               const ConvergenceError& error) const {
+    const std::string where = formatted(
+        "finite strain beyond %.4g N (indentation %.4g mm, %.3g of the thickness), the "
+        "last load that is converged on a mesh for a/h = %.3g,",
+        last.load * E_ * h_ * h_, 1e3 * h_ * last.approach, last.approach, mesh.a);
+    const std::string hint =
+        last.steepest_rad > steep_rad
+            ? formatted(
+                  "the contact reaches where the object is %.0f degrees steep and the "
+                  "finger's surface slides off: less load or a larger object",
+                  last.steepest_rad * 180 / M_PI)
+            : "the layer is nearly pressed through, or its surface folds: less load";
+    return {where, error.iteration(), error.residual(), hint};
+  }
+
+  /// An object that ends within the contact has an edge there, which is no contact of two smooth
+  /// surfaces any more.
+  void check_covered() const {
+    const Equilibrium& found = equilibrium();
+    const auto& nodes = pressing_->layer().nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (std::hypot(nodes[i].x / found.moment_a, nodes[i].y / found.moment_b) > 1) continue;
+      const Eigen::Vector3d at = pressing_->layer().position(i);
+      if (object_->over(at.x(), at.y())) continue;
+      throw InputError(problem_.name, "object",
+                       formatted("no surface at x %.4g mm, y %.4g mm from the contact point",
+                                 1e3 * h_ * at.x(), 1e3 * h_ * at.y()),
+                       "an object that covers the contact, or less load: the finger slides off");
+    }
+  }
+
+  /// What superposed motions neglect goes with friction's energy over this (superposed_friction.h).
+  double reference_work() const { return equilibrium().load * std::min(1.0, contact_.b); }
+
+  void follow(const std::vector<PlaneMotion>& motions, SuperposedTwist& twist,
+              FrictionOfLevel& result) const {
+    const Stopwatch watch;
+    for (const PlaneMotion& motion : motions) {
+      twist.turn_to(motion.turn_rad);
+      result.twist.push_back({motion, {0, 0, twist.torque()}, twist.slip_fraction(), 0});
+    }
+    // The odd change of the pressure changes the torque by its square, and what nodes that let go
+    // or begin to slip by it change, which a quarter does not see: on the whole layer of symmetric
+    // contacts up to 0.09 of it.
+    constexpr double unseen_by_quarter = 0.1;
+    const double moved = twist.pressure_change();
+    result.neglected_of_twist = twist.stored_energy() / reference_work() + moved * moved +
+                                (pressing_->layer().whole() ? 0 : unseen_by_quarter * moved);
+    if (!problem_.friction.torsion) return;
+    task_.progress(formatted(
+        "friction: twist of %zu increments to %.3g rad, slip on %.0f %% of the area, surface moved "
+        "by %.2g h, pressure by %.1g, neglected %.1g, %.1f s",
+        motions.size(), motions.back().turn_rad, 100 * twist.slip_fraction(),
+        twist.largest_displacement(), moved, result.neglected_of_twist, watch.seconds()));
+  }
+
+  /// Full slip: the limit surface, and on a whole layer that of the twist too, whose turn moves the
+  /// torque's own pressure where nothing is odd.
+  void slip(const std::vector<PlaneMotion>& velocities, FrictionOfLevel& result) const {
+    const SuperposedSlide slides(*pressing_, friction_coefficient_);
+    const double force = friction_coefficient_ * equilibrium().load, torque = result.full_slip;
+    if (pressing_->layer().whole()) result.full_slip = slides.slide({0, 0, 1}).wrench.torque;
+    double second_order = 0, moved = 0;
+    for (const PlaneMotion& velocity : velocities) {
+      const auto [found, energy] = slides.slide(velocity);
+      const FrictionWrench frictionless = slide(*pressing_, friction_coefficient_, velocity);
+      second_order = std::max(second_order, energy / reference_work());
+      moved = std::max({moved, std::abs(found.force_x - frictionless.force_x) / force,
+                        std::abs(found.force_y - frictionless.force_y) / force,
+                        std::abs(found.torque - frictionless.torque) / torque});
+      result.limit_surface.push_back({velocity, found, 1, 0});
+    }
+    // The edge, which moves with the pressure, does not follow: of second order in what the
+    // pressure's change does. Against the linear solver for small loads: 0.9 times that.
+    result.neglected_of_slide = second_order + moved * moved;
+  }
+
+  const ContactTask& task_;
+  const Problem& problem_;
+  const double h_, E_, friction_coefficient_;
+  const Materials materials_;
+  const std::shared_ptr<const RigidObject> object_;
+  std::unique_ptr<FinitePressing> pressing_;
+  DeformedContact contact_;  ///< as measured last
+};
+
+}  // namespace
+
+Result solve_finite(const ContactTask& task) {
+  FiniteContact contact(task);
+  return solve_on_levels(contact, task).value();
+}
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "fem/contact_physics.h"
+
+namespace softfinger::fem::finite {
+
+/// The answer of `fem::solve` at finite strain.
+/// @param task  its problem is checked and has `finite_strain`
+/// @throws InputError, ConvergenceError with the load that was reached, Interrupted
+Result solve_finite(const ContactTask& task);
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,278 @@
+#include "fem/level_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "fem/check_problem.h"
+#include "fem/formatted.h"
+#include "fem/memory.h"
+#include "fem/stopwatch.h"
+#include "meshes/generation/object_surface.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// Semi-axes over h that first guesses are kept to: what a contact may have (check in
+/// linear_contact.cc), b with room to overshoot.
+constexpr double smallest_guess = 1e-4, largest_guess_b = 60, largest_guess_a = 300;
+/// Trial meshes. Most contacts take two or three.
+constexpr int most_trials = 15;
+/// Mesh and contact agree when they differ by less than this share: the patch leaves room for 25 %.
+constexpr double trial_agreement = 0.08;
+/// At the rim of the patch the moments only bound the contact from below.
+constexpr double growth_at_rim = 1.3;
+
+/// To one part in a thousand, so that contacts of one size ask for the very same mesh: far below a
+/// cell, which is what the edge has to meet.
+double rounded(double semi_axis) {
+  constexpr double step = 1e-3;
+  return std::exp(step * std::round(std::log(semi_axis) / step));
+}
+
+/// How far a contact and the mesh it is on differ in size.
+double misfit(const LayerDiscretisation& mesh, double a, double b) {
+  return std::max(std::abs(std::log(a / mesh.a)), std::abs(std::log(b / mesh.b)));
+}
+
+/// A bent layer's map ends somewhere: the patch and a cell beside it have to fit.
+void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
+  const double mm = 1e3 * problem.contact.layer.thickness_m;
+  const double needed_x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
+  const double needed_y = mesh.patch * mesh.b + mesh.b / mesh.elements_per_semi_axis;
+  constexpr double usable = LayerDiscretisation::usable_reach;
+  if (needed_x < usable * mesh.reach_x && needed_y < usable * mesh.reach_y) return;
+  throw too_much(problem,
+                 formatted("less, or a larger pad: the contact needs the finger's surface up to "
+                           "%.3g x %.3g mm from the contact point, and a layer fits on it up to "
+                           "%.3g x %.3g mm",
+                           mm * needed_x, mm * needed_y, mm * mesh.reach_x, mm * mesh.reach_y));
+}
+
+/// Expected from the level before: cells fourfold, and the factorisation's cost grows a little
+/// faster than their number.
+std::string time_to_go(const std::vector<LevelResult>& done, int elements) {
+  if (done.empty()) return "";
+  constexpr double order = 2.5;
+  const double more = static_cast<double>(elements) / done.back().elements_per_semi_axis;
+  return formatted(", about %.2g s to go", done.back().wall_s * std::pow(more, order));
+}
+
+/// Pressure along x or y, from the nodes on that axis of the block.
+Profile profile_of(const std::vector<PressurePoint>& nodes, const ElasticLayer& layer,
+                   bool along_x) {
+  constexpr double on_axis = 1e-9;
+  std::vector<std::pair<double, double>> points;
+  for (const PressurePoint& node : nodes)
+    if (std::abs(along_x ? node.block_y : node.block_x) <= on_axis)
+      points.emplace_back(layer.thickness_m * (along_x ? node.x : node.y),
+                          layer.youngs_modulus_Pa * node.pressure);
+  std::sort(points.begin(), points.end());
+  Profile profile;
+  for (const auto& [position_m, pressure_Pa] : points) {
+    profile.position_m.push_back(position_m);
+    profile.pressure_Pa.push_back(pressure_Pa);
+  }
+  return profile;
+}
+
+class LevelLoop {
+ public:
+  LevelLoop(ContactPhysics& physics, const ContactTask& task)
+      : physics_(physics), task_(task), problem_(task.problem) {}
+
+  std::optional<Result> run() {
+    find_size();
+    check_twist_axis(problem_, trial_.result);
+    for (const int level : {problem_.level - 1, problem_.level}) {
+      if (task_.stop()) {
+        keep_finished_level(level - 1);
+        break;
+      }
+      if (!solve_level(level)) return std::nullopt;
+    }
+    if (!meshes_serve()) return std::nullopt;
+    estimate();
+    describe();
+    return std::move(result_);
+  }
+
+ private:
+  void find_size() {
+    if (physics_.shares_meshes()) {
+      physics_.press({}, problem_.level - 1);
+    } else {
+      mesh_ = first_guess(task_.pressing);
+      mesh_.b = rounded(std::clamp(mesh_.b, smallest_guess, largest_guess_b));
+      mesh_.a = rounded(std::clamp(mesh_.a, mesh_.b, largest_guess_a));
+      for (int trial = 1; !fits_trial(trial); ++trial)
+        if (task_.stop()) throw Interrupted();
+    }
+    trial_ = physics_.measure();
+    trial_.result.level = 0;
+    fit_mesh_to(trial_.block_a, trial_.block_b);
+    if (physics_.shares_meshes())
+      task_.progress(
+          formatted("meshes of an earlier contact, %.3g times as large", trial_.result.oversize));
+  }
+
+  /// Presses a trial mesh. @returns whether it suits the contact; if not, the next one is planned
+  bool fits_trial(int trial) {
+    choose_elements(mesh_, 0);
+    check_reach(mesh_, problem_);
+    physics_.press(mesh_, 0);
+    const RoughSize found = physics_.size();
+    const double difference = misfit(mesh_, found.a, found.b);
+    task_.progress(formatted("mesh %d: a/h %.4g, b/h %.4g, d/h %.4g, unknowns %ld%s%s", trial,
+                             found.a, found.b, found.approach, found.unknowns, found.effort.c_str(),
+                             found.reaches_rim ? ", contact at the rim" : ""));
+    if (!found.reaches_rim && difference < trial_agreement) return true;
+    if (trial == most_trials)
+      throw ConvergenceError("size of the refined patch", most_trials, difference,
+                             "the contact's size depends on the mesh; is the contact elliptic?");
+    const double growth = found.reaches_rim ? growth_at_rim : 1;
+    fit_mesh_to(growth * found.a, growth * found.b);
+    return false;
+  }
+
+  void fit_mesh_to(double a, double b) {
+    mesh_.a = rounded(a);
+    mesh_.b = rounded(b);
+  }
+
+  /// @returns false where shared meshes are too small for the contact
+  bool solve_level(int level) {
+    const Stopwatch watch;
+    const bool is_pressed = level == 0 && physics_.trial_is_level_0();
+    if (!is_pressed) {
+      if (!physics_.shares_meshes()) refine(level);
+      physics_.press(mesh_, level);
+    }
+    if (const RoughSize size = physics_.size(); size.reaches_rim) {
+      if (physics_.shares_meshes()) return false;
+      throw ConvergenceError("size of the refined patch", level, size.a / mesh_.a,
+                             "the contact outgrew the patch on refinement");
+    }
+    measure(level, watch);
+    return true;
+  }
+
+  void refine(int level) {
+    choose_elements(mesh_, level);
+    // A mesh from outside may be finer than the levels ask for: halved once more, it shows what its
+    // cells cost.
+    if (problem_.mesh && !result_.levels.empty())
+      mesh_.elements_per_semi_axis = 2 * result_.levels.back().elements_per_semi_axis;
+    task_.progress(formatted("level %d: %d elements per semi-axis%s", level,
+                             mesh_.elements_per_semi_axis,
+                             time_to_go(result_.levels, mesh_.elements_per_semi_axis).c_str()));
+    check_reach(mesh_, problem_);
+  }
+
+  void measure(int level, const Stopwatch& watch) {
+    Measurement found = physics_.measure();
+    if (problem_.friction.any()) friction_.push_back(physics_.friction(plan_));
+    LevelResult& result = found.result;
+    result.level = level;
+    result.wall_s = watch.seconds();
+    result.cpu_s = watch.cpu_seconds();
+    tell(found);
+    result_.levels.push_back(result);
+    misfit_ = std::max(misfit_, misfit(mesh_, found.block_a, found.block_b));
+    wall_distance_ = std::min({mesh_.extent, mesh_.reach_x - mesh_.a, mesh_.reach_y - mesh_.b});
+    fit_mesh_to(found.block_a, found.block_b);
+  }
+
+  void tell(const Measurement& found) const {
+    const LevelResult& result = found.result;
+    task_.progress(formatted(
+        "level %d: unknowns %ld, contact nodes %d%s, a %.5g mm, b %.5g mm, d %.5g mm, torque %.5g "
+        "mN m, residual %.1g, %.1f s, peak memory %.0f MB",
+        result.level, result.unknowns, result.active_nodes, physics_.size().effort.c_str(),
+        1e3 * result.a_m, 1e3 * result.b_m, 1e3 * result.indentation_m, 1e3 * result.max_torque_Nm,
+        found.residual, result.wall_s, peak_memory_MB()));
+  }
+
+  /// A single level says nothing of its error: the last trial mesh takes the coarse level's place.
+  /// @throws Interrupted where no level is finished, or the trial mesh is that level's own
+  void keep_finished_level(int level) {
+    if (result_.levels.empty() || physics_.shares_meshes() ||
+        trial_.result.elements_per_semi_axis >= result_.levels.front().elements_per_semi_axis)
+      throw Interrupted();
+    result_.interrupted = true;
+    result_.levels.insert(result_.levels.begin(), trial_.result);
+    task_.progress(formatted("stopped: the answer is that of level %d", level));
+  }
+
+  const LevelResult& coarse() const { return result_.levels.front(); }
+  const LevelResult& fine() const { return result_.levels.back(); }
+
+  ErrorSetting error_setting() const {
+    const Pressing& pressing = task_.pressing;
+    ErrorSetting setting;
+    setting.thickness_m = pressing.thickness_m;
+    setting.symmetric = !pressing.whole();
+    setting.approach_given = problem_.approach_m > 0;
+    setting.wall_distance = wall_distance_;
+    setting.flat_wall_distance = mesh_.extent;
+    setting.rounded_edges =
+        problem_.finite_strain && pressing.fingertip && pressing.fingertip.object->faceted();
+    return setting;
+  }
+
+  /// Whether meshes of a larger contact, where the levels are on such, tell enough of this one.
+  bool meshes_serve() const {
+    if (crossed_cells(fine()) == 0) return true;
+    LayerDiscretisation own;
+    own.a = fine().a_m / task_.pressing.thickness_m;
+    own.b = fine().b_m / task_.pressing.thickness_m;
+    choose_elements(own, fine().level);
+    const RelativeError error =
+        error_of_levels(physics_.error_table(), coarse(), fine(), error_setting());
+    const bool useful = is_useful(error, own.elements_per_semi_axis);
+    if (!useful) task_.progress(formatted("a to %.2g %% only: meshes of its own", 100 * error.a));
+    return useful;
+  }
+
+  void estimate() {
+    result_.finest = fine();
+    result_.error = error_of_contact(physics_.error_table(), coarse(), fine(), error_setting());
+    if (friction_.size() < 2) return;
+    state_friction(friction_.front(), friction_.back(), refinement_of(coarse(), fine()), problem_,
+                   result_);
+    if (result_.torsion)
+      result_.torsion->stiffness_error +=
+          stuck_edge_error(physics_.error_table(), fine().elements_per_semi_axis,
+                           !task_.pressing.whole(), problem_.mesh == nullptr, misfit_);
+  }
+
+  void describe() {
+    const LevelResult& finest = result_.finest;
+    result_.pressure_exponent = finest.area_m2 * finest.peak_pressure_Pa / finest.load_N - 1;
+    const std::vector<PressurePoint> pressures = physics_.pressures();
+    result_.along_x = profile_of(pressures, problem_.contact.layer, true);
+    result_.along_y = profile_of(pressures, problem_.contact.layer, false);
+    const OutputFiles files = physics_.write_files();
+    result_.vtu_file = files.vtu;
+    result_.pvd_file = files.pvd;
+  }
+
+  ContactPhysics& physics_;
+  const ContactTask& task_;
+  const Problem& problem_;
+  LayerDiscretisation mesh_;  ///< of the next level
+  Measurement trial_;
+  Result result_;
+  std::optional<FrictionPlan> plan_;
+  std::vector<FrictionOfLevel> friction_;  ///< per level
+  double misfit_ = 0;                      ///< largest of the levels
+  double wall_distance_ = 0;               ///< of the free side wall from the contact, in h
+};
+
+}  // namespace
+
+std::optional<Result> solve_on_levels(ContactPhysics& physics, const ContactTask& task) {
+  return LevelLoop(physics, task).run();
+}
+
+}  // namespace softfinger::fem

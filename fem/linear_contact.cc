@@ -1,0 +1,258 @@
+#include "fem/linear_contact.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "fem/check_problem.h"
+#include "fem/cholesky.h"
+#include "fem/formatted.h"
+#include "fem/level_loop.h"
+#include "fem/surface_series.h"
+#include "fem/write_compliance.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// Semi-axes over h that are accepted; README.md compares contacts from a/h = 0.05 to 20.
+constexpr double smallest_b = 1e-4, largest_b = 50, largest_a = 300;
+/// Of the sphere's radius: beyond it the gap is so steep that small strain means nothing.
+constexpr double widest_on_sphere = 0.95;
+/// Cells of a larger contact's mesh, against those that a contact would have on its own: with
+/// these, a and b are still found to 0.9 % on level 2, d and torque to 0.1 %.
+constexpr double largest_cells = 1.6;
+
+/// Sizes, in h, of the contacts that a pair of meshes was made for.
+using Size = std::array<double, 2>;
+
+/// Of the contact that a mesh was made for, relative to another one.
+double oversize(const Size& made_for, const ContactShape& contact) {
+  return std::max(made_for[0] / contact.block_a, made_for[1] / contact.block_b);
+}
+
+bool is_same_size(const Size& made_for, const ContactShape& contact) {
+  return std::abs(std::log(made_for[0] / contact.block_a)) <= edge_on_cells &&
+         std::abs(std::log(made_for[1] / contact.block_b)) <= edge_on_cells;
+}
+
+void check_sensible(const Pressed& pressed, const ContactTask& task) {
+  if (pressed.contact.approach >= 1)
+    throw too_much(task.problem,
+                   formatted("less: the approach reaches the layer's thickness (%.3g times it), "
+                             "far outside linear elasticity",
+                             pressed.contact.approach));
+  if (pressed.moment_b > largest_b || pressed.moment_a > largest_a || pressed.moment_b < smallest_b)
+    throw InputError(task.problem.name, "contact",
+                     formatted("b/h %.3g, a/h %.3g", pressed.moment_b, pressed.moment_a),
+                     formatted("semi-axes b/h from %g to %g, a/h to %g for finite elements",
+                               smallest_b, largest_b, largest_a));
+  const double sphere = task.pressing.sphere;
+  if (std::isfinite(sphere) && pressed.moment_a > widest_on_sphere * sphere)
+    throw too_much(task.problem, "less: the contact is as wide as the sphere");
+}
+
+class LinearContact : public ContactPhysics {
+ public:
+  /// @param keeps_meshes  for later contacts of the run: they stay in memory
+  /// @param shared        made for an earlier contact; empty: none
+  LinearContact(const ContactTask& task, bool keeps_meshes, MeshPair shared = {})
+      : task_(task),
+        keeps_meshes_(keeps_meshes),
+        shares_meshes_(shared.models.front() != nullptr),
+        meshes_(std::move(shared)),
+        series_(task.problem) {}
+
+  /// Those of the two levels that were solved, if they are kept.
+  const MeshPair& meshes() const { return meshes_; }
+
+  const ErrorTable& error_table() const override { return linear_elasticity; }
+  bool shares_meshes() const override { return shares_meshes_; }
+  bool trial_is_level_0() const override { return true; }
+
+  void press(const LayerDiscretisation& mesh, int level) override {
+    level_ = level;
+    pressed_.model.reset();
+    std::shared_ptr<const LayerModel> model;
+    if (shares_meshes_)
+      model = meshes_.models[place()];
+    else
+      model = make_layer(mesh, task_.pressing);
+    if (keeps_meshes_ && is_kept_level()) meshes_.models[place()] = model;
+    pressed_ = press_on(std::move(model), task_.pressing);
+    check_sensible(pressed_, task_);
+  }
+
+  RoughSize size() const override {
+    return {pressed_.moment_a,          pressed_.moment_b,
+            pressed_.contact.approach,  pressed_.reaches_rim,
+            pressed_.model->unknowns(), formatted(", iterations %d", pressed_.contact.iterations)};
+  }
+
+  Measurement measure() override {
+    const Problem& problem = task_.problem;
+    const double h = task_.pressing.thickness_m, E = problem.contact.layer.youngs_modulus_Pa;
+    shape_ = measure_shape(pressed_, task_.pressing);
+    Measurement measurement;
+    measurement.block_a = shape_.block_a;
+    measurement.block_b = shape_.block_b;
+    LevelResult& result = measurement.result;
+    result.elements_per_semi_axis = pressed_.model->discretisation().elements_per_semi_axis;
+    result.unknowns = pressed_.model->unknowns();
+    result.active_nodes = pressed_.contact.active;
+    result.iterations = pressed_.contact.iterations;
+    result.a_m = shape_.a * h;
+    result.b_m = shape_.b * h;
+    result.area_m2 = M_PI * result.a_m * result.b_m;
+    result.turn_rad = shape_.turn_rad;
+    result.indentation_m = pressed_.contact.approach * h;
+    result.peak_pressure_Pa = shape_.peak * E;
+    result.load_N =
+        problem.approach_m > 0 ? pressed_.load() * E * h * h : problem.contact.load.normal_force_N;
+    result.max_torque_Nm =
+        problem.contact.load.friction_coefficient * result.load_N * pressed_.torque_arm() * h;
+    result.load_residual = pressed_.contact.load_residual;
+    result.complementarity_residual = pressed_.contact.complementarity_residual;
+    result.fit_residual = shape_.fit_residual;
+    if (shares_meshes_)
+      result.oversize = oversize(meshes_.made_for[place()], shape_);
+    else if (is_kept_level())
+      meshes_.made_for[place()] = {shape_.block_a, shape_.block_b};
+    measurement.residual = std::max(result.load_residual, result.complementarity_residual);
+    return measurement;
+  }
+
+  FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+    KeptCompliances* kept = keeps_meshes_ ? &meshes_.compliances[place()] : nullptr;
+    return friction_on(start_of_friction(), task_.problem, kept, plan, task_.progress,
+                       series_.of(level_));
+  }
+
+  std::vector<PressurePoint> pressures() const override {
+    const auto& nodes = pressed_.model->nodes();
+    std::vector<PressurePoint> result;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      result.push_back({nodes[i].x, nodes[i].y, nodes[i].x, nodes[i].y,
+                        pressed_.pressure(static_cast<Eigen::Index>(i))});
+    return result;
+  }
+
+  OutputFiles write_files() override {
+    const Problem& problem = task_.problem;
+    const ElasticLayer& layer = problem.contact.layer;
+    OutputFiles files;
+    if (!problem.output_directory.empty()) {
+      files.vtu = problem.output_directory + "/solution.vtu";
+      pressed_.model->write_vtu(files.vtu, pressed_.normal_force, layer.thickness_m,
+                                layer.youngs_modulus_Pa);
+      files.pvd = series_.finish();
+    }
+    if (!problem.compliance_file.empty()) {
+      const QuarterCompliances quarters =
+          friction_compliances(start_of_friction(), Invariance::none);
+      write_compliance(problem.compliance_file, surface_compliance(quarters, Invariance::none),
+                       layer.thickness_m, layer.youngs_modulus_Pa, layer.poisson_ratio);
+    }
+    return files;
+  }
+
+ private:
+  /// Of the present level in a pair of meshes.
+  std::size_t place() const { return static_cast<std::size_t>(level_ - task_.problem.level + 1); }
+  /// Trial meshes are not, but where the last one is level 0 as well.
+  bool is_kept_level() const { return level_ >= task_.problem.level - 1; }
+
+  PressedContact start_of_friction() const {
+    PressedContact start{*pressed_.model,
+                         pressed_.gap,
+                         pressed_.contact.force,
+                         shape_.block_a,
+                         shape_.block_b,
+                         pressed_.load(),
+                         task_.problem.contact.load.friction_coefficient};
+    if (!pressed_.model->whole()) return start;
+    // Without symmetry nodes beyond the ellipse of the moments may touch.
+    const auto& nodes = pressed_.model->nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (start.force[static_cast<Eigen::Index>(i)] > 0)
+        start.edge = std::max(start.edge, std::hypot(nodes[i].x / start.a, nodes[i].y / start.b));
+    return start;
+  }
+
+  const ContactTask& task_;
+  const bool keeps_meshes_, shares_meshes_;
+  int level_ = 0;
+  MeshPair meshes_;
+  SurfaceSeries series_;
+  Pressed pressed_;
+  ContactShape shape_;  ///< as measured last
+};
+
+/// What has to agree for one contact to be answered on another one's meshes.
+LayerIdentity identity_of(const ContactTask& task) {
+  const Problem& problem = task.problem;
+  const Pressing& pressing = task.pressing;
+  LayerIdentity identity{pressing.materials(), pressing.interfaces, "", pressing.whole(),
+                         problem.level};
+  const std::string scale = formatted(", h %.17g", pressing.thickness_m);
+  if (problem.mesh) identity.fingertip = problem.mesh_name + scale;
+  if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + scale;
+  return identity;
+}
+
+/// Whether meshes of an earlier contact of the run suit this one.
+bool is_suitable(const MeshPair& meshes, const ContactTask& task) {
+  const Pressed pressed = press_on(meshes.models.front(), task.pressing);
+  if (pressed.reaches_rim) return false;
+  ContactShape shape;
+  try {
+    shape = measure_shape(pressed, task.pressing);
+  } catch (const ConvergenceError&) {
+    return false;  // far too few cells
+  }
+  LayerDiscretisation own;
+  own.a = shape.block_a;
+  own.b = shape.block_b;
+  choose_elements(own, task.problem.level - 1);
+  const double cells = oversize(meshes.made_for.front(), shape) * own.elements_per_semi_axis;
+  if (cells > largest_cells * pressed.model->discretisation().elements_per_semi_axis) return false;
+  // Friction is singular at the contact's edge: stuck tractions want it on cell edges.
+  return !task.problem.friction.any() || is_same_size(meshes.made_for.front(), shape);
+}
+
+std::optional<Result> solve_on_shared_meshes(const ContactTask& task, ModelCache& models) {
+  const LayerIdentity identity = identity_of(task);
+  for (const MeshPair& meshes : models.of(identity)) {
+    if (!is_suitable(meshes, task)) continue;
+    LinearContact contact(task, /*keeps_meshes=*/true, meshes);
+    std::optional<Result> result = solve_on_levels(contact, task);
+    if (result) models.keep(identity, contact.meshes());
+    return result;
+  }
+  return std::nullopt;
+}
+
+Result solve_on_own_meshes(const ContactTask& task, ModelCache& models) {
+  const bool keeps_meshes = models.capacity() > 0;
+  LinearContact contact(task, keeps_meshes);
+  Result result = solve_on_levels(contact, task).value();
+  if (keeps_meshes && !result.interrupted) models.keep(identity_of(task), contact.meshes());
+  return result;
+}
+
+}  // namespace
+
+Result solve_linear(const ContactTask& task, ModelCache& models) {
+  try {
+    if (std::optional<Result> result = solve_on_shared_meshes(task, models)) return *result;
+    return solve_on_own_meshes(task, models);
+  } catch (const NotEnoughMemory&) {
+    if (models.empty()) throw;
+    task.progress("the meshes of earlier contacts make room");
+    models.clear();
+    ModelCache none(0);
+    return solve_on_own_meshes(task, none);
+  }
+}
+
+}  // namespace softfinger::fem

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace softfinger::fem {
+
+/// The frame of a surface point: two tangents and, last, the outward normal, as columns. It is the
+/// smallest rotation that takes z to the normal. So it leaves x alone on the plane x = 0 of a
+/// symmetric contact, where the mirror fixes it, and y on y = 0.
+/// @param normal  not along -z
+Eigen::Matrix3d surface_frame(const Eigen::Vector3d& normal);
+
+}  // namespace softfinger::fem

@@ -1,0 +1,229 @@
+#include "fem/level_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// A contact of known size whose every quantity converges with the square of the cells: no mesh is
+/// made.
+class KnownContact : public ContactPhysics {
+ public:
+  static constexpr double a = 0.5, b = 0.3, error_of_one_cell = 0.08;
+
+  const ErrorTable& error_table() const override { return linear_elasticity; }
+  bool shares_meshes() const override { return shares; }
+  bool trial_is_level_0() const override { return trial_serves; }
+
+  void press(const LayerDiscretisation& mesh, int level) override {
+    pressed.push_back(mesh);
+    levels.push_back(level);
+    if (mesh_outside > 0) pressed.back().elements_per_semi_axis = mesh_outside;
+    if (shares) pressed.back().elements_per_semi_axis = level == 1 ? 4 : 8;
+  }
+  RoughSize size() const override {
+    const LayerDiscretisation& mesh = pressed.back();
+    const bool is_trial = levels.back() == 0;
+    // At the rim a contact is found no larger than the patch.
+    const bool at_rim = b > 1.2 * mesh.b || (!is_trial && outgrows);
+    return {std::min(a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
+  }
+  Measurement measure() override {
+    const int elements = pressed.back().elements_per_semi_axis;
+    const double off = 1 + error_of_one_cell / (elements * elements);
+    Measurement measurement;
+    measurement.block_a = a;
+    measurement.block_b = b;
+    LevelResult& result = measurement.result;
+    result.elements_per_semi_axis = elements;
+    result.a_m = a * off;
+    result.b_m = b * off;
+    result.area_m2 = M_PI * result.a_m * result.b_m;
+    result.indentation_m = 0.1 * off;
+    result.peak_pressure_Pa = off;
+    result.max_torque_Nm = off;
+    result.load_N = 1;
+    result.oversize = oversize;
+    return measurement;
+  }
+  FrictionOfLevel friction(std::optional<FrictionPlan>&) override { return {}; }
+  std::vector<PressurePoint> pressures() const override {
+    return {{0.2, 0, 0.21, 0, 1},
+            {0, 0, 0, 0, 3},
+            {0.1, 0, 0.11, 0, 2},
+            {0, 0.1, 0, 0.12, 1.5},
+            {0.1, 0.1, 0.1, 0.1, 9}};
+  }
+  OutputFiles write_files() override { return {"v", "p"}; }
+
+  bool shares = false, trial_serves = true, outgrows = false;
+  int mesh_outside = 0;
+  double oversize = 1;
+  std::vector<LayerDiscretisation> pressed;
+  std::vector<int> levels;
+};
+
+class LevelLoop : public testing::Test {
+ protected:
+  LevelLoop() {
+    problem.contact = {{1, 1, 0}, {1, 1, 0.3}, {0.1, 0.5}};
+    problem.level = 2;
+    pressing.major = pressing.minor = 1;
+    pressing.sphere = std::numeric_limits<double>::infinity();
+    pressing.load = 0.1;
+  }
+  std::optional<Result> solve() {
+    const Progress progress = [this](const std::string& line) { lines.push_back(line); };
+    const StopRequested stop = [this] { return ++questions >= stop_at_question; };
+    return solve_on_levels(contact, {problem, pressing, progress, stop});
+  }
+  Problem problem;
+  Pressing pressing;
+  KnownContact contact;
+  int questions = 0, stop_at_question = 1000;  ///< whether to stop
+  std::vector<std::string> lines;
+};
+
+TEST_F(LevelLoop, PressesTrialMeshesUntilTheyFitAndThenTwoLevels) {
+  const Result result = *solve();
+  ASSERT_GE(contact.pressed.size(), 4u) << "the first guess is a circle";
+  const std::size_t trials = contact.pressed.size() - 2;
+  for (std::size_t i = 0; i < trials; ++i) EXPECT_EQ(contact.levels[i], 0);
+  EXPECT_EQ(contact.levels[trials], 1);
+  EXPECT_EQ(contact.levels[trials + 1], 2);
+  EXPECT_EQ(contact.pressed[trials].elements_per_semi_axis, 4);
+  EXPECT_EQ(contact.pressed[trials + 1].elements_per_semi_axis, 8);
+  for (std::size_t i = trials; i < contact.pressed.size(); ++i) {
+    // Sizes are rounded to one part in a thousand, so that contacts of one size share a mesh.
+    EXPECT_NEAR(contact.pressed[i].a, 0.5, 0.5e-3 * 0.5);
+    EXPECT_NEAR(contact.pressed[i].b, 0.3, 0.5e-3 * 0.3);
+  }
+  ASSERT_EQ(result.levels.size(), 2u);
+  EXPECT_EQ(result.levels[0].level, 1);
+  EXPECT_EQ(result.finest.level, 2);
+  EXPECT_FALSE(result.interrupted);
+  EXPECT_GE(lines.size(), contact.pressed.size() + 2);
+}
+
+TEST_F(LevelLoop, StatesTheErrorOfItsTwoLevels) {
+  const Result result = *solve();
+  const RelativeError expected =
+      error_of_contact(linear_elasticity, result.levels[0], result.levels[1], [] {
+        ErrorSetting setting;
+        setting.thickness_m = 1;
+        return setting;
+      }());
+  EXPECT_EQ(result.error.a, expected.a);
+  EXPECT_EQ(result.error.indentation, expected.indentation);
+  EXPECT_EQ(result.error.load, 0) << "given";
+  // The true error of the finer level.
+  EXPECT_GT(result.error.indentation, 0.08 / 64);
+}
+
+TEST_F(LevelLoop, ReportsProfilesAlongTheAxesAndFiles) {
+  problem.contact.layer.thickness_m = pressing.thickness_m = 2;
+  problem.contact.layer.youngs_modulus_Pa = 10;
+  const Result result = *solve();
+  EXPECT_EQ(result.along_x.position_m, (std::vector<double>{0, 0.22, 0.42}));
+  EXPECT_EQ(result.along_x.pressure_Pa, (std::vector<double>{30, 20, 10}));
+  EXPECT_EQ(result.along_y.position_m, (std::vector<double>{0, 0.24}));
+  EXPECT_EQ(result.along_y.pressure_Pa, (std::vector<double>{30, 15}));
+  EXPECT_EQ(result.vtu_file, "v");
+  EXPECT_EQ(result.pvd_file, "p");
+  EXPECT_NEAR(result.pressure_exponent,
+              result.finest.area_m2 * result.finest.peak_pressure_Pa / result.finest.load_N - 1, 0);
+}
+
+TEST_F(LevelLoop, TrialMeshIsLevelZeroWhereThePhysicsSaysSo) {
+  problem.level = 1;
+  EXPECT_EQ(solve()->levels.front().elements_per_semi_axis, 3);
+  const std::size_t with_trial = contact.pressed.size();
+  contact = {};
+  contact.trial_serves = false;
+  EXPECT_EQ(solve()->levels.front().elements_per_semi_axis, 3);
+  EXPECT_EQ(contact.pressed.size(), with_trial + 1);
+  EXPECT_NEAR(contact.pressed[with_trial - 1].b, 0.3, 0.5e-3 * 0.3)
+      << "level 0 fits what the trial found";
+}
+
+TEST_F(LevelLoop, MeshFromOutsideIsHalvedForItsSecondLevel) {
+  problem.mesh_name = "mesh";
+  problem.mesh = std::shared_ptr<const meshes::LayerMesh>(
+      reinterpret_cast<const meshes::LayerMesh*>(&problem), [](auto*) {});  // never looked at
+  contact.mesh_outside = 10;  // finer than the four of level 1
+  const Result result = *solve();
+  EXPECT_EQ(result.levels.front().elements_per_semi_axis, 10);
+  EXPECT_EQ(lines[lines.size() - 2].substr(0, 20), "level 2: 20 elements");
+}
+
+TEST_F(LevelLoop, StoppedAfterItsFirstLevelItAnswersWithTheTrialMeshForTheCoarserOne) {
+  solve();
+  stop_at_question = std::exchange(questions, 0);  // the last one, between the two levels
+  contact = {};
+  const Result result = *solve();
+  EXPECT_TRUE(result.interrupted);
+  ASSERT_EQ(result.levels.size(), 2u);
+  EXPECT_EQ(result.levels.front().elements_per_semi_axis, 3);
+  EXPECT_EQ(result.finest.elements_per_semi_axis, 4);
+  EXPECT_TRUE(std::isfinite(result.error.a));
+}
+
+TEST_F(LevelLoop, StoppedBeforeAnyLevelItHasNoAnswer) {
+  solve();
+  const int before_last = questions - 1;
+  ASSERT_GE(before_last, 2) << "between trial meshes, and before the first level";
+  for (stop_at_question = 1; stop_at_question <= before_last; ++stop_at_question) {
+    contact = {};
+    questions = 0;
+    EXPECT_THROW(solve(), Interrupted) << stop_at_question;
+  }
+}
+
+TEST_F(LevelLoop, StoppedAfterLevelZeroItHasNothingToCompareWith) {
+  // The trial mesh is level 0 itself: two equal levels would state an error of 0/0.
+  problem.level = 1;
+  solve();
+  stop_at_question = std::exchange(questions, 0);
+  contact = {};
+  EXPECT_THROW(solve(), Interrupted);
+  EXPECT_EQ(contact.levels.back(), 0);
+}
+
+TEST_F(LevelLoop, ContactAtTheRimGetsAMeshThatIsLargerThanWhatIsSeenOfIt) {
+  pressing.load = 1e-6;  // a first guess that is far too small
+  solve();
+  ASSERT_GE(contact.pressed.size(), 5u);
+  // The fake contact is seen up to 1.2 of its mesh's size; sizes are rounded to 0.1 %.
+  EXPECT_NEAR(contact.pressed[1].b / contact.pressed[0].b, 1.3 * 1.2, 2e-3);
+}
+
+TEST_F(LevelLoop, ContactThatOutgrowsItsPatchIsAnError) {
+  contact.outgrows = true;
+  EXPECT_THROW(solve(), ConvergenceError);
+}
+
+TEST_F(LevelLoop, SharedMeshesThatDoNotServeAreNoAnswer) {
+  contact.shares = true;
+  contact.oversize = 1.01;
+  const std::optional<Result> served = solve();
+  ASSERT_TRUE(served);
+  EXPECT_EQ(contact.levels, (std::vector<int>{1, 1, 2})) << "no trial mesh";
+  contact = {};
+  contact.shares = true;
+  contact.oversize = 3;  // cells nine times as bad
+  EXPECT_FALSE(solve());
+  contact = {};
+  contact.shares = contact.outgrows = true;
+  EXPECT_FALSE(solve()) << "too small for the contact";
+}
+
+}  // namespace
+}  // namespace softfinger::fem
