@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# Breaks the code on purpose, one line at a time, and expects a fast test to fail: a change that no
+# test notices is a test that is missing.
+#
+# usage: tests/mutations/run.sh [PART]     only files whose path contains PART
+#
+# Run by hand: each mutation is compiled and tested, which takes half a minute to two. It works on a
+# clone of the last commit in build/mutations. mutations.txt holds four lines for each, and an empty
+# one between them: the file, a text that is there once, what replaces it, and the test program that
+# is to notice.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+part=${1:-}
+work=$root/build/mutations
+
+mkdir -p "$work"
+[ -d "$work/tree" ] || git clone -q --local "$root" "$work/tree"
+cd "$work/tree"
+git fetch -q origin
+git checkout -q -f "$(git -C "$root" rev-parse HEAD)"
+cmake --preset release -DSOFTFINGER_BUILD_TESTS=ON >/dev/null
+
+count=0 noticed=0
+left=()
+while IFS= read -r file && IFS= read -r old && IFS= read -r new && IFS= read -r program; do
+  IFS= read -r || true
+  [[ $file == *"$part"* ]] || continue
+  count=$((count + 1))
+  if [ "$(grep -cF -- "$old" "$file")" != 1 ]; then
+    outcome="is not there exactly once"
+  else
+    OLD=$old NEW=$new perl -0pi -e 's/\Q$ENV{OLD}\E/$ENV{NEW}/' "$file"
+    if ! cmake --build --preset release --target "$program" >"$work/build.log" 2>&1; then
+      outcome="does not compile"
+    elif "build/release/bin/$program" --gtest_brief=1 >"$work/test.log" 2>&1; then
+      outcome="survives"
+    else
+      outcome="noticed"
+      noticed=$((noticed + 1))
+    fi
+    git checkout -q -- "$file"
+  fi
+  printf '%-10s %s: %s -> %s\n' "$outcome" "$file" "$old" "$new"
+  [ "$outcome" = noticed ] || left+=("$file: $old -> $new ($outcome)")
+done <"$here/mutations.txt"
+
+echo "$noticed of $count mutations were noticed"
+[ ${#left[@]} -eq 0 ] || { printf '  %s\n' "${left[@]}"; exit 1; }
