@@ -1,6 +1,7 @@
 #include "fem/pressure_ellipse.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -63,6 +64,11 @@ class FaceGrid {
   std::vector<int> index_;
 };
 
+/// Not of a fixed size, as the polynomials are: the decomposition is compiled once for all degrees.
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& target) {
+  return matrix.householderQr().solve(target);
+}
+
 /// The number of terms is fixed at compile time, because sums over a hundred thousand points run
 /// over them.
 template <int degree>
@@ -81,10 +87,9 @@ class Fit {
 
   /// Residual with the best polynomial for these semi-axes.
   Eigen::VectorXd residual(double a, double b, double diamond) {
-    const Eigen::Matrix<double, Eigen::Dynamic, terms> model =
+    const Eigen::MatrixXd model =
         root_weight_.cwiseInverse().asDiagonal() * moments(a, b, diamond).transpose();
-    const auto factor = model.householderQr();
-    coefficients_ = factor.solve(target_);
+    coefficients_ = least_squares(model, target_);
     return target_ - model * coefficients_;
   }
 
