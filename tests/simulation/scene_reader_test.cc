@@ -15,7 +15,6 @@
 namespace softfinger::tests {
 namespace {
 
-using parse_scene;
 using input::Scene;
 
 /// Line numbers below count from here.
