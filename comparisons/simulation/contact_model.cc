@@ -1,6 +1,6 @@
 #include "comparisons/simulation/contact_model.h"
 
-#include <string>
+#include <variant>
 
 namespace softfinger::simulation {
 
@@ -9,13 +9,15 @@ const PressureModel* model_of_contact(const input::Scene& scene, int a, int b,
   const input::ContactRule& rule = scene.rule(a, b);
   const auto& layer_a = scene.bodies[std::size_t(a)].layer;
   const auto& layer_b = scene.bodies[std::size_t(b)].layer;
-  if (rule.model == "rigid" || rule.model == "given" || (!layer_a && !layer_b)) return nullptr;
+  if (std::holds_alternative<input::RigidPoint>(rule.model) ||
+      std::holds_alternative<input::GivenEccentricity>(rule.model) || (!layer_a && !layer_b))
+    return nullptr;
   problem = {};
   problem.radii = radii;
   problem.layer = layer_a ? *layer_a : *layer_b;
   if (layer_a && layer_b) problem.object_layer = *layer_b;
   problem.load = {scene.nominal_load_N, rule.friction_coefficient};
-  if (rule.model != "auto" && rule.model != "table") return find_pressure_model(rule.model);
+  if (const auto* named = std::get_if<const PressureModel*>(&rule.model)) return *named;
   // The bonded layer holds for every load and thickness at the price of a microsecond; the closed
   // forms are cheaper, and right in places. Where it has no answer, one of them may.
   const PressureModel* best = find_pressure_model("bonded_layer");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/input/friction_law.h"
 #include "comparisons/input/shape.h"
 #include "softfinger/input/contact_problem.h"
 
@@ -29,10 +30,12 @@ struct RecordedContact {
   double friction_coefficient = 0;
   double eccentricity_m = 0;       ///< e_n that was used; 0: carries no torque
   double pressure_exponent = 0.5;  ///< n of the exact limit surface
-  /// Of the friction ellipsoid, sqrt(f² + (tau/e_n)²)/(mu P): 1 at the limit.
+  const input::FrictionLaw* friction = &input::kEllipsoidLaw;  ///< that held
+  /// The factor by which the wrench could grow before the law lets it slide is 1/utilisation. For
+  /// facets by the ellipsoid around them: a contact that slides has a little less than 1.
   double utilisation = 0;
-  bool slides = false;
-  std::string model;  ///< "rigid", or the pressure model
+  bool slides = false;  ///< as the solver decided
+  std::string model;    ///< "rigid", or the pressure model
 };
 
 struct Frame {

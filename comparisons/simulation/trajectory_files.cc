@@ -105,7 +105,8 @@ json described(const RecordedContact& contact) {
           {"pressure_exponent", contact.pressure_exponent},
           {"utilisation", contact.utilisation},
           {"slides", contact.slides},
-          {"model", contact.model}};
+          {"model", contact.model},
+          {"friction_law", std::string(contact.friction->name)}};
 }
 
 /// Points, cells and what they carry, as a VTU file: arrays in base64, exact and short.
@@ -288,7 +289,7 @@ std::string contacts_csv(const Recording& recording) {
       "semi_axis_a_m,semi_axis_b_m,long_axis_x,long_axis_y,long_axis_z,"
       "normal_force_N,tangential_force_x_N,tangential_force_y_N,tangential_force_z_N,"
       "torque_about_normal_Nm,friction_coefficient,eccentricity_m,pressure_exponent,utilisation,"
-      "slides,model\n";
+      "slides,model,friction_law\n";
   for (const Frame& frame : recording.frames)
     for (const RecordedContact& contact : frame.contacts) {
       CsvRow row(csv);
@@ -308,6 +309,7 @@ std::string contacts_csv(const Recording& recording) {
         row.append(number);
       row.append(std::string(contact.slides ? "true" : "false"));
       row.append(contact.model);
+      row.append(std::string(contact.friction->name));
     }
   return csv;
 }
