@@ -1,32 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 #include "comparisons/simulation/surface_point.h"
 #include "comparisons/simulation/touching_point.h"
 
-/// Internal to the collision detection: two shapes that may touch, and what both kinds of contact
-/// need of them.
+/// Internal to the collision detection: two shapes that may touch.
 namespace softfinger::simulation {
-
-/// A shape of a body, in the scene's list.
-struct Part {
-  int body = -1;
-  const input::Shape* shape = nullptr;
-  double radius_m = 0;                                     ///< of a ball around it
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< in the world, now
-
-  const input::ShapeKind& kind() const { return shape->kind; }
-  bool is_mesh() const { return std::holds_alternative<input::Mesh>(kind()); }
-  bool is_half_space() const { return std::holds_alternative<input::HalfSpace>(kind()); }
-  /// A point or a direction of the world in the shape's frame.
-  Eigen::Vector3d local_point(const Eigen::Vector3d& point_m) const;
-  Eigen::Vector3d local_direction(const Eigen::Vector3d& direction) const;
-};
 
 /// The nearest points of two shapes, in the world.
 struct Nearest {
@@ -54,12 +36,5 @@ constexpr long kBoxEdges = 12;
 constexpr long kCrossing = kBearing + 2 * kMostBearing;  ///< + 12 edge of box a + edge of box b
 }  // namespace slot
 constexpr long kSlots = slot::kCrossing + slot::kBoxEdges * slot::kBoxEdges;
-
-/// Axes of a contact without an ellipse: two tangents that depend on the normal alone.
-Eigen::Matrix3d any_axes(const Eigen::Vector3d& normal);
-
-/// The surface of a part near a point, all in the world. @param fit  of a mesh, in its frame
-SurfacePoint surface(const Part& part, const std::optional<QuadricFit>& fit,
-                     const Eigen::Vector3d& point_m);
 
 }  // namespace softfinger::simulation
