@@ -30,7 +30,7 @@ constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
 
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
 
-/// The pieces of a scene that only the reading needs.
+/// Reads a scene file, table by table.
 class SceneReader {
  public:
   SceneReader(const toml::table& root, const fs::path& file, Scene& scene)
@@ -277,7 +277,7 @@ struct Solid {
   double volume_m3 = 0;
 };
 
-/// Of a shape in the body's frame.
+/// Volume, and mass properties for the mass 1, of a shape in its body's frame.
 Solid solid(const Shape& shape, const std::string& where) {
   Solid result;
   if (const auto* sphere = std::get_if<Sphere>(&shape.kind)) {
@@ -305,7 +305,7 @@ Solid solid(const Shape& shape, const std::string& where) {
   return result;
 }
 
-/// Of all shapes together, mass 1; overlaps count twice.
+/// The same of all shapes of a body together; where they overlap, their volume counts twice.
 Solid united(const std::vector<Shape>& shapes, const std::string& where) {
   Solid sum;
   std::vector<Solid> parts;
@@ -643,7 +643,8 @@ ContactModel SceneReader::read_model(const toml::table& table) const {
   return find_pressure_model(name);
 }
 
-/// The solver has one rule for all contacts of a step: facets, or what holds each of the others.
+/// The law of a [[contact]]; null: the scene's. The solver has one rule for all contacts of a step,
+/// so that facets do not go together with another law.
 const FrictionLaw* SceneReader::read_own_law(const toml::table& table) const {
   const bool facets = scene_.friction.law == &kFacetsLaw;
   const toml::node* typed = table.get("friction");
@@ -727,7 +728,7 @@ void SceneReader::read() {
   read_motors();
   read_forces();
   read_rules();
-  // Rings, second parents: found by the bodies themselves, of which nothing else is needed here.
+  // Joints in a ring and second parents are found when the bodies are built.
   try {
     Multibody(scene_.descriptions, scene_.joints);
   } catch (const InputError& error) {
@@ -743,7 +744,7 @@ void SceneReader::read() {
 
 namespace {
 
-/// The interval of a time, and how far into it, 0 to 1.
+/// The interval between two of the times that holds `time_s`, and how far into it, 0 to 1.
 std::pair<Eigen::Index, double> find_interval(const std::vector<double>& times, double time_s) {
   const auto next = std::upper_bound(times.begin(), times.end(), time_s);
   const Eigen::Index i = next - times.begin();
@@ -758,7 +759,7 @@ std::pair<Eigen::Index, double> find_interval(const std::vector<double>& times, 
 Eigen::VectorXd TimeTable::value(double time) const {
   const auto [i, part] = find_interval(time_s, time);
   if (part == 0) return values.row(i).transpose();
-  // Ease: 10 x³ - 15 x⁴ + 6 x⁵, at rest and without jerk at both ends.
+  // Eased by 10 x³ - 15 x⁴ + 6 x⁵: velocity and acceleration vanish at both ends.
   const double x = smooth ? part * part * part * (10 + part * (6 * part - 15)) : part;
   return ((1 - x) * values.row(i) + x * values.row(i + 1)).transpose();
 }

@@ -15,7 +15,7 @@
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// A scene file: bodies, joints, motors and what is asked of them, as written by a user.
+/// A scene as its file describes it: bodies, joints, motors, contacts, and what happens to them.
 namespace softfinger::input {
 
 /// How the contacts of a scene resist sliding, where no [[contact]] says otherwise.
@@ -85,7 +85,7 @@ struct Scene {
   std::filesystem::path file;
   std::string text;
   double time_step_s = 1e-3, duration_s = 1;
-  double nominal_load_N = 5;  ///< for which meshes are fitted before their load is known
+  double nominal_load_N = 5;  ///< contact models are chosen and meshes are fitted for this load
   FrictionSettings friction;
   std::vector<SceneBody> bodies;
   std::vector<BodyDescription> descriptions;  ///< of the same bodies

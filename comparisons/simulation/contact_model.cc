@@ -18,8 +18,8 @@ const PressureModel* model_of_contact(const input::Scene& scene, int a, int b,
   if (layer_a && layer_b) problem.object_layer = *layer_b;
   problem.load = {scene.nominal_load_N, rule.friction_coefficient};
   if (const auto* named = std::get_if<const PressureModel*>(&rule.model)) return *named;
-  // The bonded layer holds for every load and thickness at the price of a microsecond; the closed
-  // forms are cheaper, and right in places. Where it has no answer, one of them may.
+  // The bonded layer holds for every load and thickness and takes a microsecond. Closed forms are
+  // cheaper, but hold in part of that range only: they serve where the bonded layer has no answer.
   const PressureModel* best = find_pressure_model("bonded_layer");
   if (best->predict(problem).has_answer) return best;
   for (const PressureModel* model : all_pressure_models())

@@ -9,7 +9,7 @@
 #include "comparisons/input/shape.h"
 #include "softfinger/input/contact_problem.h"
 
-/// What a simulation leaves: poses and contacts over time, for files and for the page.
+/// What is kept of a simulation: poses and contacts over time, for files and for the page.
 namespace softfinger::simulation {
 
 struct RecordedBody {
@@ -31,8 +31,8 @@ struct RecordedContact {
   double eccentricity_m = 0;       ///< e_n that was used; 0: carries no torque
   double pressure_exponent = 0.5;  ///< n of the exact limit surface
   const input::FrictionLaw* friction = &input::kEllipsoidLaw;  ///< that held
-  /// The factor by which the wrench could grow before the law lets it slide is 1/utilisation. For
-  /// facets by the ellipsoid around them: a contact that slides has a little less than 1.
+  /// How much of its friction limit the contact uses, 1 at the limit: by its law. For facets by the
+  /// ellipsoid on which their corners lie, so that a contact may slide at a little less than 1.
   double utilisation = 0;
   bool slides = false;  ///< as the solver decided
   std::string model;    ///< "rigid", or the pressure model

@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// e_n at a load by a pressure model, asked anew each time: it takes a microsecond.
+/// e_n at a load by a pressure model. Nothing is kept, for the model takes only a microsecond.
 class ModelEccentricity final : public EccentricityLaw {
  public:
   ModelEccentricity(const PressureModel& model, const ContactProblem& problem)
@@ -125,15 +125,14 @@ class SceneContacts final : public ContactFinder {
   std::vector<std::unique_ptr<const FrictionShape>> shapes_;
 };
 
-/// The slip below which a contact sticks, in m/s: nobody sees a nanometre per second, and the
-/// solver's velocities are only as good as its residual.
+/// A contact sticks when its slip is below this, in m/s: a nanometre per second, or the error of
+/// the solver's velocities, where that is larger.
 double least_slip_m_per_s(const TimeStepper& stepper, const StepResult& step) {
   return std::max(1e-9,
                   step.lcp.residual * stepper.problem().free_velocity.lpNorm<Eigen::Infinity>());
 }
 
-/// How much of the friction limit a contact uses, 1 at the limit. By its law; for facets by the
-/// ellipsoid, whose points the facets' corners are.
+/// See RecordedContact. @param shape  that the law built for the contact; null: the ellipsoid
 double utilisation(const RecordedContact& contact, const FrictionShape* shape) {
   const double limit_N = contact.friction_coefficient * contact.normal_force_N;
   // A contact without e_n has no torque; round-off of it would have an infinite utilisation.
@@ -179,7 +178,8 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
     result.model = std::string(origin.pressure->model().card().name);
   }
   result.utilisation = utilisation(result, contact.shape);
-  // The solver's own decision: lambda, its slip, is complementary to what is left of the limit.
+  // The solver's own decision: its slip lambda is complementary to what is left of the friction
+  // limit, so that it is not zero only where the contact is at the limit of its law.
   result.slides = stepper.solution().slip[index] > least_slip_m_per_s;
   return result;
 }
@@ -211,7 +211,8 @@ Frame frame_after(const StepResult& step, const TimeStepper& stepper, const Scen
   return result;
 }
 
-/// Forces near the largest numbers leave a solved step that no file should hold.
+/// Forces near the largest floating-point numbers can overflow in a step that counts as solved. No
+/// file should hold the result.
 bool is_finite(const Frame& frame) {
   bool finite = true;
   for (std::size_t b = 0; b < frame.poses.size(); ++b)

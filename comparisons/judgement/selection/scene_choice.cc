@@ -23,7 +23,7 @@ const char* const kContactDetailNames[4] = {"point", "ellipsoid", "limit_surface
 
 namespace {
 
-/// What one pair of bodies did, kept as the worst of all its contacts at all times.
+/// How much one pair of bodies was loaded: the worst of all its contacts at all times.
 struct PairUse {
   PairChoice choice;
   ContactProblem problem;             ///< at the largest load
@@ -77,8 +77,8 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
 
 void decide(PairUse& use, double tolerance) {
   PairChoice& choice = use.choice;
-  // A contact that sticks does so whatever e_n is, until its limit comes down to its wrench. Half
-  // of that margin, since less of e_n also moves load to other contacts.
+  // A contact that sticks goes on sticking with a smaller e_n, until its limit meets its wrench.
+  // Half of that margin is used, since a smaller e_n also moves load to other contacts.
   const double margin = choice.utilisation > 0 ? 1 - choice.utilisation : 1;
   choice.allowed_error = std::max(tolerance, margin / 2);
 
@@ -232,7 +232,7 @@ MotionChange change_between(const Recording& accurate, const Recording& chosen) 
 }
 
 bool holds(const MotionChange& change, double tolerance) {
-  // Round-off where nothing moves.
+  // Where nothing moves, round-off is not a change.
   constexpr double kStill_m = 1e-9, kStill_rad = 1e-9;
   return change.position_m <= tolerance * change.travel_m + kStill_m &&
          change.rotation_rad <= tolerance * std::max(change.turn_rad, 0.) + kStill_rad;

@@ -8,8 +8,9 @@
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/simulation/simulate.h"
 
-/// Model only what the scene requires: how little each of its contacts needs, judged by how hard it
-/// works in the most accurate simulation, and what the motion loses by it.
+/// The simplest contact models that are enough for a scene. What a pair of bodies needs follows
+/// from how near its contacts come to their friction limit in the most accurate simulation. A
+/// simulation with the simpler models then says how much the motion changes by them.
 namespace softfinger::judgement {
 
 /// What the contacts of two bodies need, from less to more.
@@ -25,10 +26,10 @@ extern const char* const kContactDetailNames[4];
 struct PairChoice {
   int a = -1, b = -1;
   double least_load_N = 0, largest_load_N = 0;
-  double utilisation = 0;     ///< largest, of the exact limit: 1 slides
+  double utilisation = 0;     ///< largest, by the exact limit surface; 1: slides
   double torsion = 0;         ///< largest |torque|/(mu P e_n)
   double surface_change = 0;  ///< largest difference of ellipsoid and exact surface near the limit
-  double allowed_error = 0;   ///< of e_n, from the tolerance and how far it stays from its limit
+  double allowed_error = 0;   ///< of e_n: larger for a pair that stays far from its limit
   ContactDetail detail = ContactDetail::limit_surface;
   std::string model;  ///< of the pressure; empty for a point
   Choice pressure;    ///< at the largest load
@@ -62,8 +63,9 @@ struct FemEccentricity {
 using FemTable = std::function<FemEccentricity(const ContactProblem& problem, double least_load_N,
                                                double largest_load_N)>;
 
-/// What lines between samples in ln e_n over ln P miss, relative: a quarter of what they miss where
-/// every second sample is left out, since that falls with the square of the spacing.
+/// Relative error of straight lines between the samples, in ln e_n over ln P. It falls with the
+/// square of the spacing: so it is a quarter of the error of lines that leave out every second
+/// sample, which can be measured.
 double interpolation_error(const std::vector<double>& eccentricity_m);
 
 /// Simulates the scene as accurately as it can, decides, simulates again, and where the motion
