@@ -187,6 +187,21 @@ TEST_P(StickOrSlip, ABallAtRestSticks) {
 INSTANTIATE_TEST_SUITE_P(Laws, StickOrSlip, testing::ValuesIn(input::all_friction_laws()),
                          [](const auto& law) { return std::string(law.param->name); });
 
+TEST(StickOrSlip, BetweenTheCornersOfFacetsAPinchSlidesBelowTheEllipsoid) {
+  const double limit_N = 2 * kFriction * kGrip_N;
+  const Simulation slips =
+      run(pinch("facets", kGiven, 0.6 * limit_N, 0.8 * limit_N * 1.7e-3, 0.005));
+  ASSERT_EQ(slips.failure, "");
+  double least_use = 1;
+  for (std::size_t f = 1; f < slips.recording.frames.size(); ++f)
+    for (const RecordedContact& contact : slips.recording.frames[f].contacts) {
+      EXPECT_TRUE(contact.slides) << "frame " << f << ", utilisation " << contact.utilisation;
+      least_use = std::min(least_use, contact.utilisation);
+    }
+  EXPECT_LT(least_use, 0.999) << "on a facet, not on one of its corners";
+  EXPECT_GT(spin(slips), 1e-3);
+}
+
 /// The ball and a second one beside it, whose contact with the table has a law of its own.
 std::string with_own_law(std::string_view law, std::string_view own) {
   return ball_on_table(law, 20, 500) +
