@@ -70,7 +70,7 @@ int run(int argc, char** argv) {
   commands::add_lcp(app, action);
   commands::add_simulate(app, action, command_line);
   try {
-    // The parser would only say that a subcommand is missing.
+    // The parser's own message would only be that a subcommand is missing.
     if (!arguments.empty() && arguments[0].rfind('-', 0) != 0) {
       std::vector<std::string> known;
       for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
@@ -80,7 +80,7 @@ int run(int argc, char** argv) {
                         text::nearest_name(arguments[0], known) + "\"? (see softfinger --help)",
                     kBadInput);
     }
-    // The parser takes them from the back.
+    // The parser expects the arguments in reverse order.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::Success& request) {
     std::ostringstream text;  // --help, --version
@@ -93,14 +93,15 @@ int run(int argc, char** argv) {
   return action();
 }
 
-/// One line, without asking for the memory that there is none of.
+/// Prints one line without allocating memory.
 int fail_without_memory() {
   std::fputs("softfinger: error: out of memory\n", stderr);
   return kNotConverged;
 }
 
-/// Destructors of libraries ask for memory too; what they throw then, nobody can catch. Files under
-/// their final names are whole at any time, so that the program may end there.
+/// Called where an exception cannot be caught, for instance when memory runs out in a destructor of
+/// a library. The program may end at any point, because files under their final names are always
+/// whole.
 [[noreturn]] void end_in_words() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
@@ -109,7 +110,8 @@ int fail_without_memory() {
   } catch (...) {
     std::abort();
   }
-  // On its way out of a library's function that may not throw: what it is nobody can ask.
+  // The exception has just left a library's function that must not throw. It cannot be inspected
+  // here.
   if (std::uncaught_exceptions() == 0) std::abort();
   std::fputs("softfinger: error: a library could not go on (out of memory?)\n", stderr);
   std::_Exit(kNotConverged);
@@ -126,7 +128,8 @@ void softfinger::commands::remark(const std::string& line) {
 
 int main(int argc, char** argv) {
   using namespace softfinger;
-  // A file-size limit then is an error of the write, which is reported, and no sudden death.
+  // With the signal ignored, exceeding a file-size limit is an error of the write, which is
+  // reported. By default the signal would end the program.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(end_in_words);
   try {

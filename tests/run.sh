@@ -3,10 +3,11 @@
 # address and undefined-behaviour sanitizers and assertions (without finite elements).
 #
 # usage: tests/run.sh [--fast | --analytic-only]
-#        --fast: the fast tests in Release alone, what one runs before a commit
+#        --fast            only the fast tests, in Release: run it before each commit
+#        --analytic-only   only what needs neither deal.II nor gmsh
 #
 # Not run here, because of their time:
-#   tests/fuzz/run.sh MINUTES          the readers of files under random bytes (clang)
+#   tests/fuzz/run.sh MINUTES          fuzzes the readers of files (clang)
 #   tests/fem/under_valgrind.sh        one small finite-element job under valgrind
 #   cmake --preset thread_sanitized && cmake --build --preset thread_sanitized && ctest --preset thread_sanitized
 #                                      what uses threads, under the thread sanitizer

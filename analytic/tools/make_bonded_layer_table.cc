@@ -6,7 +6,7 @@
 // At each node of the table the contact is solved by the spectral method of elliptic_contact.h, and
 // a tensor cubic B-spline is laid through the logarithms of its ratios to the blend. Progress goes
 // to the standard error.
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -132,10 +132,10 @@ int write_table(const char* path, const std::vector<double>& coefficients, doubl
   for (std::size_t i = 0; i < coefficients.size(); ++i)
     unit[i % kLayerQuantities] =
         std::max(unit[i % kLayerQuantities], std::abs(coefficients[i]) / 32767);
-  file << "const double BondedLayerTable::unit[] = {";
+  file << "// clang-format off\nconst double BondedLayerTable::unit[] = {";
   file.precision(17);
   for (int q = 0; q < kLayerQuantities; ++q) file << (q ? ",\n    " : "\n    ") << unit[q];
-  file << "};\n\n// clang-format off\nconst std::int16_t BondedLayerTable::coefficients[] = {";
+  file << "};\n\nconst std::int16_t BondedLayerTable::coefficients[] = {";
   std::string line;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
     const std::string word =

@@ -22,32 +22,33 @@ struct Options {
   reference::FemLimits fem_limits;
 };
 
-/// How the bounds stand against runs that the atlas has not seen: coverage and tightness.
-std::string judge_bounds(const judgement::AtlasFile& unseen) {
+/// Tests the bounds on runs that the atlas does not contain: how many errors lie inside, and how
+/// much larger than the error a bound is.
+std::string test_bounds(const judgement::AtlasFile& unseen) {
   std::string text = fmt::format("{:<22}{:<16}{:>10}{:>12}{:>22}\n", "model", "quantity", "inside",
                                  "of", "bound/true, median");
   std::size_t inside_all = 0, all = 0;
   std::vector<double> ratios_all;
   for (const auto& [model, errors] : unseen.errors)
     for (std::size_t q = 0; q < judgement::kQuantities; ++q) {
-      std::size_t inside = 0, judged = 0;
+      std::size_t inside = 0, tested = 0;
       std::vector<double> ratios;
       for (std::size_t r = 0; r < unseen.runs.size(); ++r) {
         const auto estimate =
             judgement::error_atlas().estimate(model, judgement::problem_of(unseen.runs[r]));
         if (!estimate.bound || !std::isfinite(errors[r][q])) continue;
         const double error = std::abs(errors[r][q]);
-        ++judged;
+        ++tested;
         inside += error <= (*estimate.bound)[q];
         ratios.push_back((*estimate.bound)[q] / error);
       }
-      if (judged == 0) continue;
-      inside_all += inside, all += judged;
+      if (tested == 0) continue;
+      inside_all += inside, all += tested;
       ratios_all.insert(ratios_all.end(), ratios.begin(), ratios.end());
       std::nth_element(ratios.begin(), ratios.begin() + long(ratios.size() / 2), ratios.end());
       text += fmt::format("{:<22}{:<16}{:>9.1f} %{:>11}{:>22.2f}\n", model,
-                          judgement::kQuantityNames[q], 100. * double(inside) / double(judged),
-                          judged, ratios[ratios.size() / 2]);
+                          judgement::kQuantityNames[q], 100. * double(inside) / double(tested),
+                          tested, ratios[ratios.size() / 2]);
     }
   if (all == 0) return text;
   std::nth_element(ratios_all.begin(), ratios_all.begin() + long(ratios_all.size() / 2),
@@ -79,7 +80,7 @@ int run(const Options& options) {
   if (signal != 0) return 128 + signal;
   if (!atlas) return 1;
   if (!options.output.empty()) system::write_file_atomically(options.output, to_csv(*atlas));
-  if (options.random > 0) system::write_text_to_stdout(judge_bounds(*atlas));
+  if (options.random > 0) system::write_text_to_stdout(test_bounds(*atlas));
   return 0;
 }
 
@@ -94,10 +95,10 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
       "size, curvature and friction, and each model's errors against them. On many machines:\n"
       "mpirun softfinger-sweep --atlas");
   command->add_option("--folder", options->folder,
-                      "finished runs are kept here: the same command goes on after an "
+                      "folder that keeps finished runs: the same command continues after an "
                       "interruption; default: ./softfinger-atlas");
   CLI::Option* output = command->add_option("--output", options->output,
-                                            "the CSV file to write when all runs are there");
+                                            "the CSV file to write when all runs are finished");
   command
       ->add_option("--jobs", options->jobs,
                    "finite-element processes side by side, 1 to 64; default: the cores, at most 8")
@@ -106,19 +107,21 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
       command
           ->add_option(
               "--random", options->random,
-              "instead N contacts drawn at random, against which the bounds of the installed "
-              "atlas are judged: how many errors lie inside, how tight the bounds are; 1 to "
+              "instead N random contacts, on which the bounds of the installed atlas are tested: "
+              "prints how many errors lie inside their bound and the ratio of bound to error; 1 to "
               "100000")
           ->check(CLI::Range(1, 100000));
   add_fem_limits(*command, options->fem_limits);
   command->add_option("--seed", options->seed, "of the random contacts; default: 1");
   CLI::Option* finite_strain = command->add_flag(
       "--finite-strain", options->finite_strain,
-      "instead the atlas at finite strain: rubber layers pressed far, each with its linear twin");
+      "instead the atlas at finite strain: rubber layers under large indentation, each solved "
+      "with linear elasticity too");
   finite_strain->excludes(random);
   command
-      ->add_flag("--models-only", options->models_only,
-                 "only asks the models again, for the finite-element answers in --output")
+      ->add_flag(
+          "--models-only", options->models_only,
+          "computes only the models' errors again, from the finite-element results in --output")
       ->needs(output)
       ->excludes(random, finite_strain);
   command->footer(

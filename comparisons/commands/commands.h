@@ -9,7 +9,7 @@
 /// One file per command: its flags, its help with samples that a test runs, and what it does.
 namespace softfinger::commands {
 
-/// Set by the command that was typed; returns the exit status.
+/// What the typed command does; returns the exit status.
 using Action = std::function<int()>;
 
 void add_predict(CLI::App& app, Action& action);
@@ -29,12 +29,12 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
 /// --fem-time-s and --fem-memory-MB, of each finite-element problem.
 void add_fem_limits(CLI::App& command, reference::FemLimits& limits);
 
-/// Under mpirun each rank would do all the work, in the same folder.
+/// Refuses to run under mpirun, where each rank would do all the work in the same folder.
 /// @param in_place  what to type instead
 /// @throws InputError
 void require_single_process(const std::string& in_place);
 
-/// Messages to the user that are no result: standard error, one line.
+/// Prints a message that is not a result: one line on standard error.
 void remark(const std::string& line);
 
 }  // namespace softfinger::commands

@@ -25,7 +25,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
   command->add_option("--output", options->output,
                       "folder for the report, created when missing; default: ./softfinger-report");
   command->add_flag("--full", options->full,
-                    "one finite-element level finer: slower, more certain");
+                    "one finite-element level finer: slower and more accurate");
   command
       ->add_option(
           "--jobs", options->jobs,

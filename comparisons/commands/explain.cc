@@ -4,7 +4,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/input/material_cards.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/system/files.h"
 
 namespace softfinger::commands {

@@ -9,8 +9,9 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
@@ -31,11 +32,9 @@ struct Options {
 };
 
 const Simulator& simulator_by_name(const std::string& name) {
+  if (const Simulator* simulator = exporting::find_simulator(name)) return *simulator;
   std::vector<std::string> known;
-  for (const Simulator& simulator : exporting::all_simulators()) {
-    if (simulator.name == name) return simulator;
-    known.emplace_back(simulator.name);
-  }
+  for (const Simulator& simulator : exporting::all_simulators()) known.emplace_back(simulator.name);
   throw InputError("command line",
                    "--to " + name + ", did you mean \"" + text::nearest_name(name, known) + "\"?",
                    "", text::joined(known));
@@ -48,7 +47,7 @@ const PressureModel& model_by_name(const std::string& name) {
   return *models.front();
 }
 
-/// The numbers of "1,5"; whether they are loads is for choose_loads to say.
+/// The numbers of "1,5". Whether they are valid loads is checked in choose_loads.
 std::vector<double> numbers(const std::string& flag, const std::string& text) {
   std::vector<double> values;
   for (std::size_t start = 0; start <= text.size();) {
@@ -77,7 +76,7 @@ exporting::LoadChoice load_choice(const Options& options) {
   return choice;
 }
 
-/// What was asked for and what came of it.
+/// What was asked for, and the result.
 struct Export {
   const Simulator& simulator;
   const ContactCurve& curve;
@@ -154,7 +153,7 @@ std::string to_text(const Export& made) {
     text += fmt::format("  {:>9.4g} {:>12.4g} {:>9.4g} {:>16.4g} {:>+13.1f} {:>6}\n", point.load_N,
                         curve.friction_coefficient * point.load_N * point.eccentricity_m * 1e3,
                         point.eccentricity_m * 1e3, made.eccentricity_m(point.load_N) * 1e3,
-                        // Rounding must not leave a sign on nothing.
+                        // A value that rounds to zero is printed without a sign.
                         std::abs(made.errors[i]) < 5e-4 ? 0.0 : made.errors[i] * 100,
                         point.valid() ? "yes" : "no");
   }
@@ -194,7 +193,8 @@ int run(const Options& options) {
 void add_export(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "export", "What to type into a simulator, with the error that it makes over the load range");
+      "export",
+      "What to type into a simulator, and the error of its constants over a range of loads");
   command
       ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
       ->required();

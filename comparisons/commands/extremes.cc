@@ -30,7 +30,7 @@ int run(const Options& options) {
   std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   report["provenance"] = {
       {"version", system::program_version()}, {"date", date}, {"command", options.command_line}};
-  // A command line may hold bytes that are no UTF-8.
+  // A command line may contain bytes that are not UTF-8.
   const std::string text =
       report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   if (options.write_page) {
@@ -43,7 +43,7 @@ int run(const Options& options) {
     system::write_to_stdout(text);
   else
     system::write_text_to_stdout(extremes::table(report));
-  return extremes::kept_all_promises(report) ? 0 : 1;
+  return extremes::all_invariants_hold(report) ? 0 : 1;
 }
 
 }  // namespace
@@ -53,8 +53,8 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "extremes",
-      "All models on problems far beyond any fingertip: what they answer and refuse, and whether "
-      "they keep their promises");
+      "All models on random problems far beyond any fingertip: answers, refusals, violated "
+      "invariants");
   const CLI::Option* output =
       command->add_option("--output", options->output,
                           "folder for a page of the results, extremes.html, and "
@@ -72,10 +72,10 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
                       "of the random problems, 0 to 4294967295: the same seed, the same problems");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
-      "Promises: every number finite, those of an answer positive; a refusal says why in words;\n"
-      "more load, larger contact and torque; the same answer in all units; a finite friction "
-      "limit;\n"
-      "no jumps between series, asymptotes and tables. Exit status 1 when a model breaks one.\n"
+      "Invariants: every number is finite, and positive in an answer; a refusal gives a reason;\n"
+      "more load gives a larger contact and torque; units do not change the answer;\n"
+      "the friction limit is finite; no jumps between series, asymptotes and tables. Exit status 1 "
+      "when a model violates one.\n"
       "Samples:\n"
       "  softfinger extremes --points 2000 --slow-points 4\n"
       "  softfinger extremes --points 1000 --slow-points 2 --output extremes_report --json");

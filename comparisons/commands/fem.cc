@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 
 #include "comparisons/commands/commands.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -38,48 +40,49 @@ nlohmann::json friction_request(const Options& options) {
   return request;
 }
 
-std::string friction_table(const nlohmann::json& result) {
-  std::string text;
-  const auto value = [&](const nlohmann::json& object, const char* key) {
-    return object.at(key).get<double>();
-  };
-  const auto& error = result.at("error");
-  if (result.contains("torsion")) {
-    text += fmt::format(
-        "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {:.2g} %\n"
-        "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %, {:+.2g} % against int mu p r "
-        "dA\n"
-        "  twist: angle (deg), torque (mN·m, ± {:.2g} % of full slip), slipping share of the "
-        "area\n",
-        value(result, "torsional_stiffness_Nm_per_rad"), 100 * value(error, "torsional_stiffness"),
-        1e3 * value(result, "torque_full_slip_Nm"), 100 * value(error, "torque_full_slip"),
-        100 * (value(result, "torque_full_slip_Nm") / value(result, "max_torque_Nm") - 1),
-        100 * value(error, "torsion"));
-    for (const auto& state : result.at("torsion"))
-      text += fmt::format("    {:>10.4g} {:>10.5g} {:>6.0f} %\n",
-                          value(state, "angle_rad") * 180 / M_PI, 1e3 * value(state, "torque_Nm"),
-                          100 * value(state, "slip_fraction"));
-  }
-  if (result.contains("limit_surface")) {
-    text += fmt::format(
-        "  limit surface, ± {:.2g} % of mu P and of the largest torque: fx, fy (N), torque "
-        "(mN·m)\n",
-        100 * value(error, "limit_surface"));
-    for (const auto& point : result.at("limit_surface"))
-      text += fmt::format("    {:>10.5g} {:>10.5g} {:>10.5g}\n", value(point, "fx_N"),
-                          value(point, "fy_N"), 1e3 * value(point, "torque_Nm"));
-  }
+/// In per cent; NaN when the error is not known.
+double in_percent(const std::optional<double>& error) {
+  return 100 * error.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+std::string twist_table(const reference::ReferenceResult& result) {
+  const reference::TwistedContact& twist = *result.twist;
+  std::string text = fmt::format(
+      "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {:.2g} %\n"
+      "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %, {:+.2g} % against int mu p r "
+      "dA\n"
+      "  twist: angle (deg), torque (mN·m, ± {:.2g} % of full slip), slipping share of the "
+      "area\n",
+      twist.stiffness_Nm_per_rad, in_percent(result.error.torsional_stiffness),
+      1e3 * twist.full_slip_torque_Nm, in_percent(result.error.full_slip_torque),
+      100 * (twist.full_slip_torque_Nm / result.max_torque_Nm - 1),
+      in_percent(result.error.torsion_curve));
+  for (const reference::TwistState& state : twist.states)
+    text += fmt::format("    {:>10.4g} {:>10.5g} {:>6.0f} %\n", state.angle_rad * 180 / M_PI,
+                        1e3 * state.torque_Nm, 100 * state.slip_fraction);
   return text;
 }
 
-std::string table_row(const nlohmann::json& result) {
-  const auto number = [&](const char* key) { return result.at(key).get<double>(); };
-  const auto error = [&](const char* key) {
-    const auto& value = result["error"].value(key, nlohmann::json());
-    return value.is_number() ? fmt::format("± {:.2g} %", 100 * value.get<double>()) : "";
+std::string limit_surface_table(const reference::ReferenceResult& result) {
+  std::string text = fmt::format(
+      "  limit surface, ± {:.2g} % of mu P and of the largest torque: fx, fy (N), torque (mN·m)\n",
+      in_percent(result.error.limit_surface));
+  for (const reference::FrictionWrench& point : result.limit_surface)
+    text += fmt::format("    {:>10.5g} {:>10.5g} {:>10.5g}\n", point.force_x_N, point.force_y_N,
+                        1e3 * point.torque_Nm);
+  return text;
+}
+
+std::string friction_table(const reference::ReferenceResult& result) {
+  return (result.twist ? twist_table(result) : "") +
+         (result.limit_surface.empty() ? "" : limit_surface_table(result));
+}
+
+std::string table_row(const reference::ReferenceResult& result) {
+  const auto within = [](const std::optional<double>& error) {
+    return error ? fmt::format("± {:.2g} %", 100 * *error) : "";
   };
-  const auto& unknowns = result.value("unknowns", nlohmann::json());
-  const auto& wall_s = result.value("wall_s", nlohmann::json());
+  const reference::ReferenceErrors& error = result.error;
   return fmt::format(
              "  a           {:>10.5g} mm    {}\n"
              "  b           {:>10.5g} mm    {}\n"
@@ -87,16 +90,30 @@ std::string table_row(const nlohmann::json& result) {
              "  peak        {:>10.5g} kPa   {}\n"
              "  area        {:>10.5g} mm²   {}\n"
              "  torque      {:>10.5g} mN·m  {}\n",
-             number("a_m") * 1e3, error("a"), number("b_m") * 1e3, error("b"),
-             number("indentation_m") * 1e3, error("indentation"), number("peak_pressure_Pa") * 1e-3,
-             error("peak_pressure"), number("area_m2") * 1e6, error("area"),
-             number("max_torque_Nm") * 1e3, error("max_torque")) +
-         (result.contains("max_torque_projected_Nm")
+             result.a_m * 1e3, within(error.a), result.b_m * 1e3, within(error.b),
+             result.indentation_m * 1e3, within(error.indentation), result.peak_pressure_Pa * 1e-3,
+             within(error.peak_pressure), result.area_m2 * 1e6, within(error.area),
+             result.max_torque_Nm * 1e3, within(error.max_torque)) +
+         (result.projected_torque_Nm
               ? fmt::format("  projected   {:>10.5g} mN·m  int mu p n_z r dA, without the slope\n",
-                            number("max_torque_projected_Nm") * 1e3)
+                            *result.projected_torque_Nm * 1e3)
               : "") +
-         fmt::format("  {} unknowns, {:.3g} s\n", unknowns.is_number() ? unknowns.dump() : "?",
-                     wall_s.is_number() ? wall_s.get<double>() : 0);
+         fmt::format("  {} unknowns, {:.3g} s\n",
+                     result.unknowns ? fmt::format("{:.0f}", *result.unknowns) : "?",
+                     std::isfinite(result.wall_s) ? result.wall_s : 0);
+}
+
+/// With the keys that `predict` has, so that one reader serves both.
+nlohmann::json to_json(const reference::ReferenceResult& result) {
+  nlohmann::json object = result.document;
+  object["load_N"] = result.load_N;
+  object["model"] = "fem";
+  object["torque_rule"] = "exact";
+  object["valid"] = true;
+  object["validity"] = nlohmann::json::array();
+  object["error_estimate"] = object["error"];
+  object["cost_ns"] = text::finite_or_null(1e9 * result.wall_s);
+  return object;
 }
 
 int run(const Options& options) {
@@ -106,7 +123,8 @@ int run(const Options& options) {
   const std::string program = system::fem_program().string();
   const int level = options.level > 0 ? options.level : contact_case.fem_level;
 
-  // With an approach given, the first load only sizes the patch that a mesh's radii are fitted on.
+  // With a given approach the load is a result. The first load then only chooses the size of the
+  // patch on which the radii of a mesh are fitted.
   std::vector<double> loads_N = contact_case.loads_N;
   const bool by_approach = options.approach_mm != 0;
   if (!std::isfinite(options.approach_mm))
@@ -115,9 +133,9 @@ int run(const Options& options) {
   if (by_approach) loads_N.resize(1);
   std::vector<prediction::LocalGeometry> geometries;
   for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
-  // One process for all: the largest contact first, whose mesh may serve the others. At finite
-  // strain the smallest first: every load has meshes of its own, and the largest may be more than
-  // the layer can carry.
+  // One process solves all loads. The largest contact comes first, because smaller ones can use its
+  // mesh. At finite strain the smallest comes first: each load has its own meshes there, and the
+  // largest load may be one for which there is no solution.
   const bool finite = contact_case.fem_finite.has_value();
   std::vector<std::size_t> order(loads_N.size());
   std::iota(order.begin(), order.end(), 0);
@@ -128,7 +146,8 @@ int run(const Options& options) {
   if (!options.output.empty()) output.emplace(options.output);
   reference::FemBatch batch;
   batch.limits = options.limits;
-  // Threads help large factorisations only; on small ones their waiting costs more than it saves.
+  // Threads speed up large factorisations only. In small ones they wait for each other longer than
+  // they save.
   batch.single_thread = level <= 2;
   for (const std::size_t i : order) {
     const double load_N = loads_N[i];
@@ -162,49 +181,39 @@ int run(const Options& options) {
     int exit_status;
     std::string message;
   };
-  std::vector<nlohmann::json> result_of_load(loads_N.size());
+  std::vector<std::optional<reference::ReferenceResult>> result_of_load(loads_N.size());
   reference::FemCallbacks callbacks;
   callbacks.on_line = [&](reference::FemIndex index, const std::string& line) {
     progress.say(title(order[index.problem]) + line);
   };
   callbacks.on_answer = [&](reference::FemIndex index, reference::FemAnswer answer) {
     const std::size_t load = order[index.problem];
-    // A failure ends the rest; at finite strain what is done before it is kept.
-    if (answer.result.is_null()) throw Failed{answer.exit_status, title(load) + answer.failure};
-    if (!by_approach) answer.result["load_N"] = loads_N[load];
-    answer.result["model"] = "fem";
-    // The keys that `predict` has, so that one reader serves both.
-    answer.result["torque_rule"] = "exact";
-    answer.result["valid"] = true;
-    answer.result["validity"] = nlohmann::json::array();
-    answer.result["error_estimate"] = answer.result["error"];
-    answer.result["cost_ns"] = nullptr;
-    if (const auto& wall_s = answer.result["wall_s"]; wall_s.is_number())
-      answer.result["cost_ns"] = 1e9 * wall_s.get<double>();
+    // A failure ends the remaining loads. At finite strain the results before it are kept.
+    if (!answer.result) throw Failed{answer.exit_status, title(load) + answer.failure};
+    // As asked for: the program's own load has gone through units and back.
+    if (!by_approach) answer.result->load_N = loads_N[load];
     result_of_load[load] = std::move(answer.result);
   };
   int interrupted = 0, failed_status = 0;
   try {
-    // The finite-element program ends with what it has: a coarser level is a result.
+    // An interrupted finite-element program returns its last finished level as the result.
     interrupted = reference::run_fem(program, {batch}, 1, callbacks, system::OnInterrupt::finish);
   } catch (const Failed& failed) {
     progress.say("softfinger: error: " + failed.message);
     failed_status = failed.exit_status;
     const bool nothing = std::all_of(result_of_load.begin(), result_of_load.end(),
-                                     [](const auto& result) { return result.is_null(); });
+                                     [](const auto& result) { return !result; });
     if (!finite || nothing) return failed_status;
   }
   nlohmann::json results = nlohmann::json::array();
   std::string text = prediction::describe(contact_case) + "\n";
   for (std::size_t load = 0; load < loads_N.size(); ++load) {
-    nlohmann::json& result = result_of_load[load];
-    if (result.is_null()) continue;  // interrupted before
-    text += fmt::format("\n{:g} N: {}\n", result["load_N"].get<double>(),
-                        prediction::describe(geometries[load])) +
+    if (!result_of_load[load]) continue;  // interrupted before this load
+    const reference::ReferenceResult& result = *result_of_load[load];
+    text += fmt::format("\n{:g} N: {}\n", result.load_N, prediction::describe(geometries[load])) +
             table_row(result) + friction_table(result);
-    if (result.value("coarse", false))
-      text += "  (stopped early: a coarser level than was asked for)\n";
-    results.push_back(std::move(result));
+    if (result.coarse) text += "  (interrupted: the result of a coarser level than requested)\n";
+    results.push_back(to_json(result));
   }
   if (interrupted != 0) {
     progress.say("softfinger: interrupted");

@@ -6,17 +6,20 @@ namespace softfinger::commands {
 
 void add_fem_limits(CLI::App& command, reference::FemLimits& limits) {
   command
-      .add_option("--fem-time-s", limits.time_s,
-                  fmt::format("longest time of one finite-element problem, 1 to 1e7 s; one beyond "
-                              "it is ended, the others go on; default: {:g}",
-                              limits.time_s))
+      .add_option(
+          "--fem-time-s", limits.time_s,
+          fmt::format("longest time of one finite-element problem, 1 to 1e7 s; a longer one "
+                      "is ended and the others continue; default: {:g}",
+                      limits.time_s))
       ->check(CLI::Range(1., 1e7));
   command
       .add_option(
           "--fem-memory-MB", limits.memory_MB,
-          fmt::format("largest memory of one finite-element problem, 50 to 1e7 MB, likewise; "
-                      "default: {:g}",
-                      limits.memory_MB))
+          fmt::format(
+              "largest memory of one finite-element problem, 50 to 1e7 MB; a larger one is ended "
+              "likewise; "
+              "default: {:g}",
+              limits.memory_MB))
       ->check(CLI::Range(50., 1e7));
 }
 

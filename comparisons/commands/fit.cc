@@ -6,8 +6,9 @@
 #include <memory>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
@@ -39,8 +40,8 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
   return vector;
 }
 
-/// Without a load there is no contact to match: a region of some forty vertices determines a
-/// quadric well and is as local as the mesh allows.
+/// The default radius of the region. Without a load the size of the contact is unknown. Some forty
+/// vertices determine a quadric well, and the region stays as small as the mesh allows.
 QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                      const Eigen::Vector3d* normal) {
   constexpr std::size_t kVertices = 40;
@@ -51,7 +52,7 @@ QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& poin
   std::nth_element(distances_m.begin(), distances_m.begin() + static_cast<std::ptrdiff_t>(nth),
                    distances_m.end());
   double radius_m = distances_m[nth];
-  // Vertices of a thin body's other side were counted too: then the region needs to grow.
+  // The count may include vertices on the other side of a thin body; then the region has to grow.
   for (int attempt = 0;; ++attempt, radius_m *= 1.3) {
     constexpr int kLastAttempt = 5;
     try {
@@ -97,7 +98,7 @@ int run(const Options& options) {
                  ? fit_quadric(file.surface, point_m, normal_pointer, options.radius_mm * 1e-3)
                  : fit_local(file.surface, point_m, normal_pointer);
     } catch (const InputError& error) {
-      // The fit knows no files.
+      // The fit does not know the file's name: it is added here.
       throw InputError(path.string(), error.field(), error.value(), error.allowed());
     } catch (const ConvergenceError& error) {
       throw InputError(path.string(), "surface near the point", "",
@@ -108,8 +109,9 @@ int run(const Options& options) {
     remark(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
                        fit.region_radius_m * 1e3, fit.points));
   if (fit.surface_kind == SurfaceKind::sharp_edge)
-    remark(fmt::format("a sharp edge of {:.3g}° lies in the region: the radii say little there",
-                       fit.sharpest_kink_rad * 180 / kPi));
+    remark(fmt::format(
+        "a sharp edge of {:.3g}° lies in the region, where radii of curvature mean little",
+        fit.sharpest_kink_rad * 180 / kPi));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
   const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
   if (options.json) {

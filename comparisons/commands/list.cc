@@ -49,7 +49,8 @@ void add_list(CLI::App& app, Action& action) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("list", "What there is: models, cases, scenes or sweeps");
+  CLI::App* command =
+      app.add_subcommand("list", "Names of the built-in models, cases, scenes or sweeps");
   command->add_option("KIND", options->kind, "models, cases, scenes or sweeps")
       ->required()
       ->check(CLI::IsMember({"models", "cases", "scenes", "sweeps"}));

@@ -1,5 +1,3 @@
-#include "comparisons/prediction/predict.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,11 @@
 #include <vector>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -23,10 +25,10 @@ struct Options {
   bool json = false;
 };
 
-// Measuring the cost of a call must not be felt in the program's answer.
+// Short, so that measuring the cost of a call does not slow the program down noticeably.
 constexpr double kCostBudget_ns = 1.5e6;
 
-/// The models asked for; with a sampled gap also the one that takes it.
+/// The requested models; with a sampled gap also layer_fft, which is the one that uses it.
 std::vector<const PressureModel*> chosen_models(const Options& options) {
   auto models = prediction::models_by_name(options.models);
   const PressureModel* sampler = find_pressure_model("layer_fft");
@@ -40,7 +42,7 @@ std::vector<const PressureModel*> chosen_models(const Options& options) {
   return models;
 }
 
-/// Points of all loads and models stay below a gigabyte of text.
+/// Limits the points of all loads and models together, so that the text stays below a gigabyte.
 void check_limit_surface(const Options& options, std::size_t answers) {
   constexpr std::size_t kMostPoints = 1000000;
   if (answers * std::size_t(options.limit_surface) > kMostPoints)
@@ -49,17 +51,16 @@ void check_limit_surface(const Options& options, std::size_t answers) {
                                  kMostPoints / answers, answers));
 }
 
-/// What the error atlas says of an answer.
+/// The error bounds of an answer, from the error atlas.
 void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
               prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer || answer.sampled) return;
   const auto found = judgement::estimate_error(std::string(answer.model->card().name), contact_case,
                                                answer.problem);
   if (found.bound)
-    answer.error_estimate =
-        judgement::to_json(judgement::with_torque_rule(found, answer.prediction, rule));
+    answer.error_bound = judgement::with_torque_rule(found, answer.prediction, rule);
   else
-    answer.no_estimate = found.outside;
+    answer.no_bound = found.outside;
 }
 
 int run(const Options& options) {
@@ -106,10 +107,10 @@ int run(const Options& options) {
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
         {"case", contact_case.id},
-        {"layer", prediction::layer_json(contact_case.layer)},
+        {"layer", input::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
         {"object_layer",
-         two_layers ? prediction::layer_json(contact_case.object_layer) : nlohmann::json()},
+         two_layers ? input::layer_json(contact_case.object_layer) : nlohmann::json()},
         {"power_law_fit", prediction::to_json(contact_case.power_law_fit)},
         {"friction_coefficient", contact_case.friction_coefficient},
         {"geometry", geometries},
@@ -126,7 +127,7 @@ int run(const Options& options) {
               "exact for p ~ (1 - x²/a² - y²/b²)^n, n = {:.4g}, which has the model's torque\n",
               result["pressure_exponent"].get<double>());
         else
-          text += "the seed's friction ellipsoid\n";
+          text += "the friction ellipsoid of Ciocarlie et al. (2007)\n";
         text += fmt::format("  {:>12}{:>12}{:>14}\n", "fx N", "fy N", "torque mN·m");
         for (const auto& point : result["limit_surface"])
           text += fmt::format("  {:>12.5g}{:>12.5g}{:>13.5g}\n", point["fx_N"].get<double>(),
@@ -161,18 +162,19 @@ void add_predict(CLI::App& app, Action& action) {
           "--limit-surface", options->limit_surface,
           "also N points all over the limit surface (forces in N along the contact's "
           "axes, torque in "
-          "N m): exact, or with --torque-rule paper the seed's ellipsoid; 2 to 100000, and at "
+          "N m): exact, or with --torque-rule paper the ellipsoid of Ciocarlie et al. (2007); 2 to "
+          "100000, and at "
           "most a million for all loads and models together")
       ->check(CLI::Range(2, 100000));
   command
       ->add_option("--gap", options->gap,
-                   "\"quadric\" (default): all models see the quadrics fitted to meshes; "
-                   "\"sampled\": the model layer_fft sees the gap between the meshes themselves, "
+                   "\"quadric\" (default): all models get the quadrics fitted to meshes; "
+                   "\"sampled\": the model layer_fft gets the gap between the meshes themselves, "
                    "sampled along the contact's normal (0.3 s per load), all others the quadric")
       ->check(CLI::IsMember({"quadric", "sampled"}));
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
-      "Case files may also say, beside geometry, layer, contact and fem:\n"
+      "Case files may also contain, besides geometry, layer, contact and fem:\n"
       "  [layer] winkler_modulus = \"oedometric\" (default) or \"youngs\"\n"
       "  [object_layer] thickness_mm, youngs_modulus_kPa, poisson_ratio: a compliant object;\n"
       "    without [layer]: a rigid finger on it\n"

@@ -8,8 +8,8 @@
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/judgement/selection/scene_choice.h"
 #include "comparisons/judgement/selection/selection_report.h"
+#include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/report/select_page.h"
 #include "comparisons/system/files.h"
@@ -64,14 +64,13 @@ judgement::FemEccentricity fem_table(const ContactProblem& problem, double least
   std::string failure;
   reference::FemCallbacks callbacks;
   callbacks.on_answer = [&](reference::FemIndex which, const reference::FemAnswer& answer) {
-    if (answer.result.is_null()) {
+    if (!answer.result) {
       failure = answer.failure;
       return;
     }
-    found.eccentricity_m[which.problem] = answer.result.at("eccentricity_m").get<double>();
-    const nlohmann::json& stated = answer.result.at("error").at("max_torque");
-    if (stated.is_number())
-      found.error = std::max(found.error, stated.get<double>());
+    found.eccentricity_m[which.problem] = answer.result->eccentricity_m;
+    if (const auto& stated = answer.result->error.max_torque)
+      found.error = std::max(found.error, *stated);
     else
       failure = "the error of the torque is not known";
   };
@@ -96,7 +95,7 @@ int run_scene(const std::filesystem::path& file, const Options& options) {
   if (!options.models.empty() || !options.quantities.empty() || options.write_page ||
       options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us, --output", "",
-                     "a case: a scene's contacts are judged by its motion");
+                     "a case: in a scene the models are chosen by how they change its motion");
   const judgement::SceneChoice choice = judgement::choose_for_scene(
       input::read_scene(file), options.selection.tolerance, fem_table, remark);
   if (options.json)
@@ -109,7 +108,7 @@ int run_scene(const std::filesystem::path& file, const Options& options) {
   return 0;
 }
 
-/// A range of the parser lets NaN through.
+/// The parser's check of ranges accepts NaN.
 void refuse_nan(double value, const char* option, const char* allowed) {
   if (std::isnan(value)) throw InputError("command line", option, "nan", allowed);
 }
@@ -188,13 +187,13 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "validity: select.html, and select.json; of a case, not of a scene");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
-      "Of a scene's contacts: which are points, which ellipsoids or exact limit surfaces, with "
-      "which\n"
-      "model, by how hard they work in its motion, and what that changes in the motion.\n"
+      "For a scene: which contacts can be points, ellipsoids or exact limit surfaces, and with\n"
+      "which model. It measures how much of its friction limit each contact uses, and how much\n"
+      "the simpler models change the motion.\n"
       "Stated errors are bounds from the error atlas, some 400 finite-element runs: |error| "
       "interpolated\n"
-      "between them, plus half its change between neighbours, plus a quarter of what they "
-      "state.\n"
+      "between them, plus half its spread among neighbours, plus a quarter of the error that the\n"
+      "finite elements state.\n"
       "Samples:\n"
       "  softfinger select seed_thumb --tolerance 0.05\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.05 --output my_choice\n"

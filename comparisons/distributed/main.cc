@@ -40,7 +40,7 @@ void say(const std::string& line) {
   std::fputs(("softfinger-sweep: " + visible_text(line) + "\n").c_str(), stderr);
 }
 
-/// Runs on any rank, on any thread; a rank that cannot go on ends the run.
+/// Calls `work`, on any rank and thread. If it throws, the run ends on all ranks.
 template <class Work>
 auto or_end_all(const Work& work) -> decltype(work()) {
   try {
@@ -56,7 +56,7 @@ auto or_end_all(const Work& work) -> decltype(work()) {
   }
 }
 
-/// One job, by a process of this rank; its result is in its file when this returns.
+/// Runs one job as a process of this rank. The result is in the job's file when this returns.
 std::string do_fem_job(const reference::FemJob& job, const reference::FemJobOptions& settings) {
   json report;
   const int signal = reference::run_fem_jobs(
@@ -72,7 +72,7 @@ fs::path chunk_file(const fs::path& output, long chunk) {
   return output / fmt::format("rows_{:06}.csv", chunk);
 }
 
-/// The rows of a task, written whole by the rank that made them.
+/// Computes the rows of a task and writes them to a file, whole or not at all.
 void make_chunk(const sweep::SweepPlan& plan, long chunk) {
   sweep::SweepRows rows = plan.rows();
   std::string text;
@@ -84,7 +84,7 @@ void make_chunk(const sweep::SweepPlan& plan, long chunk) {
 
 class RankWorkers : public sweep::SweepWorkers {
  public:
-  /// @param jobs  those that the tasks' numbers mean
+  /// @param jobs  the jobs; the number of a task is the index of its job
   RankWorkers(RankPool& pool, const std::vector<reference::FemJob>& jobs)
       : pool_(pool), jobs_(jobs) {}
 
@@ -106,9 +106,9 @@ class RankWorkers : public sweep::SweepWorkers {
     const std::size_t chunks = (plan.sweep.points() + kPointsPerTask - 1) / kPointsPerTask;
     for (std::size_t chunk = file.points() / kPointsPerTask; chunk < chunks; ++chunk)
       tasks.push_back(long(chunk));
-    // Only what this run made: a file may be left from another sweep.
+    // Only files that this run has made: others may be left from another sweep.
     std::set<long> made;
-    // A sweep that was cut off may have stopped in the middle of a task.
+    // The rows before an interruption may end in the middle of a task: these rows are skipped.
     std::size_t known_rows = file.points() % kPointsPerTask * plan.sweep.base().loads_N.size();
     pool_.run(tasks, [&](long task, const std::string&) {
       made.insert(task);
@@ -173,8 +173,8 @@ int atlas_on_ranks(const Options& options, int rank) {
   RankPool pool(work);
   RankWorkers workers(pool, jobs);
   system::Progress progress;
-  const auto pending = reference::pending_fem_jobs(jobs, settings, progress,
-                                                   [](const reference::FemJob&, const json&) {});
+  const auto pending =
+      reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
   reference::FemJobProgress shown(progress, jobs.size(), pending.size());
   workers.run_fem(pending, settings,
                   [&](const reference::FemJob& job, const std::string&,
@@ -189,9 +189,10 @@ int atlas_on_ranks(const Options& options, int rank) {
 std::optional<int> parse(int argument_count, char** arguments, Options& options, int rank) {
   CLI::App app(
       "softfinger sweep, or the error atlas, on the ranks of an MPI run. Each rank solves one\n"
-      "finite-element problem at a time; rank 0 hands them out and works too. The output folder "
+      "finite-element problem at a time; rank 0 hands them out and also computes. The output "
+      "folder "
       "has\n"
-      "to be one that all ranks see. The same command goes on after an interruption.",
+      "to be one that all ranks see. The same command continues after an interruption.",
       "softfinger-sweep");
   app.set_version_flag("--version", "softfinger-sweep " + system::program_version());
   CLI::Option* sweep = app.add_option("SWEEP", options.sweep,

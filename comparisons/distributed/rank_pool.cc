@@ -14,8 +14,8 @@ namespace {
 constexpr int kReport = 1, kTask = 2;
 constexpr long kEnd = -1;
 
-/// Between two looks for a message. A waiting rank must not take a core from those that work, as a
-/// blocking receive of MPI would.
+/// Pause between two polls for messages. A blocking receive of MPI would keep a core busy, which
+/// the computing ranks need.
 constexpr useconds_t kPause_us = 500;
 
 void wait_for_message(int source, int tag, MPI_Status& status) {
@@ -25,7 +25,7 @@ void wait_for_message(int source, int tag, MPI_Status& status) {
   }
 }
 
-/// The thread on which rank 0 does tasks of its own.
+/// The thread on which rank 0 does its own tasks.
 class OwnWorker {
  public:
   explicit OwnWorker(const RankTask& work) : thread_([this, &work] { loop(work); }) {}
@@ -46,7 +46,7 @@ class OwnWorker {
     has_task_ = true;
     changed_.notify_all();
   }
-  /// Whether a task has ended; then it is idle again.
+  /// Whether a task has ended. If so, its report is moved out and the thread is idle again.
   bool take(long& task, std::string& report) {
     const std::lock_guard lock(mutex_);
     if (!has_report_) return false;
@@ -75,11 +75,11 @@ class OwnWorker {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  bool idle_ = true;  // known to the main thread alone
+  bool idle_ = true;  // used by the main thread only
   bool has_task_ = false, has_report_ = false, ended_ = false;
   long task_ = 0;
   std::string report_;
-  std::thread thread_;  // last: it uses all the others
+  std::thread thread_;  // the last member, because it uses all the others
 };
 
 }  // namespace

@@ -8,13 +8,14 @@
 /// Tasks handed out one by one to the ranks of an MPI run, so that no rank waits for another.
 namespace softfinger::distributed {
 
-/// Does a task, numbered as the caller likes, and tells what came of it. On any rank.
+/// Does the task with this number and returns a report. Called on any rank; the caller gives
+/// numbers their meaning.
 using RankTask = std::function<std::string(long task)>;
 
-/// For all ranks but 0: does tasks until rank 0 ends the run.
+/// For all ranks except 0: does tasks until rank 0 ends the run.
 void serve_tasks(const RankTask& work);
 
-/// For rank 0: hands out the tasks in their order; rank 0 works too, on a thread of its own.
+/// For rank 0: hands out the tasks in their order, and does tasks itself on a second thread.
 class RankPool {
  public:
   /// @param work  must not throw
@@ -24,18 +25,19 @@ class RankPool {
   RankPool(const RankPool&) = delete;
   RankPool& operator=(const RankPool&) = delete;
 
-  /// @param on_done  on the calling thread, as each task ends, with what `work` told of it
-  /// Ends when all tasks are done. What `on_done` throws goes on after this rank's own task.
+  /// Returns when all tasks are done. An exception of `on_done` is passed on when this rank's own
+  /// task has ended.
+  /// @param on_done  called on the calling thread when a task ends, with the report of `work`
   void run(const std::vector<long>& tasks,
            const std::function<void(long task, const std::string& report)>& on_done);
 
  private:
-  /// Of another rank: it has not called yet, it waits for a task, or it is at one.
+  /// The state of another rank: it has sent nothing yet, it waits for a task, or it does one.
   struct Other {
     enum { silent, waiting, busy } state = silent;
     long task = 0;
   };
-  /// Takes the messages that are there. @returns whether there was one
+  /// Handles the messages that have arrived. @returns whether there was one
   bool take_reports(const std::function<void(long task, const std::string& report)>& on_done,
                     std::size_t& done);
 
@@ -43,13 +45,13 @@ class RankPool {
   std::vector<Other> others_;  ///< by rank; the first is unused
 };
 
-/// A text of rank 0 on all ranks.
+/// Sends a text of rank 0 to all ranks; returns it on each.
 std::string text_of_rank_0(const std::string& text);
 
-/// An error on any rank ends the run on all of them.
+/// Ends the run on all ranks, after an error on this one.
 [[noreturn]] void end_all_ranks(int exit_status);
 
-/// MPI for as long as it lives.
+/// Initialises MPI, and finalises it when destroyed.
 class MpiSession {
  public:
   MpiSession(int& argument_count, char**& arguments);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::exporting {
@@ -85,11 +85,12 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   constexpr int kSteps = 6;
   const double step = std::log(loads.highest_N / loads.lowest_N) / kSteps;
   for (int i = 0; i <= kSteps; ++i) {
-    // The ends are what the user typed, to the last digit.
+    // The ends are exactly the numbers that the user typed, without rounding errors.
     const double load_N = i == 0        ? loads.lowest_N
                           : i == kSteps ? loads.highest_N
                                         : loads.lowest_N * std::exp(i * step);
-    // A point beside the nominal load gives way to it; an end only to its equal.
+    // An inner point near the nominal load is left out, as the nominal load stands for it. An end
+    // is left out only if it is the nominal load.
     const double apart = std::abs(std::log(load_N / loads.nominal_N));
     if (apart > (i == 0 || i == kSteps ? 1e-9 : step / 3)) curve.points.push_back(at(load_N));
   }
@@ -97,7 +98,8 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   std::sort(curve.points.begin(), curve.points.end(),
             [](const LoadPoint& one, const LoadPoint& other) { return one.load_N < other.load_N; });
 
-  // Central, in ln P: wide enough to smooth the models' tables, narrow enough to be local.
+  // A central difference in ln P. The step is large against the unevenness of the models' tables
+  // and small enough for a local exponent.
   constexpr double kStep = 1.1;
   curve.load_exponent = std::log(at(loads.nominal_N * kStep).eccentricity_m /
                                  at(loads.nominal_N / kStep).eccentricity_m) /

@@ -8,52 +8,57 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// What to type into a simulator, and what its law of torsional friction makes of it.
+/// Numbers of a contact for a simulator, and the error that the simulator's law of torsional
+/// friction makes with them.
 namespace softfinger::exporting {
 
-/// What the user said of the loads; what is empty follows from the case.
+/// The loads that the user has given; those that are missing follow from the case.
 struct LoadChoice {
   std::optional<double> nominal_N;             ///< > 0
   std::optional<std::vector<double>> range_N;  ///< lowest and highest, 0 < lowest < highest
 };
 
-/// The load that a simulator's constants are made for, and the loads that it will meet.
+/// The load that the constants are made for, and the range over which their error is stated.
 struct LoadRange {
   double nominal_N = 0, lowest_N = 0, highest_N = 0;
 };
 
-/// Without a choice: the range is the case's loads, or P/3 to 3P if it has one; the nominal load is
-/// their middle one, the geometric mean of the two middle ones if they are even in number. A
-/// nominal load beyond the case's loads widens the range; a range without the case's middle load
-/// has its own geometric middle.
-/// @throws InputError for a load that is no number > 0, a range that is none, a nominal load
-/// outside of a range that was given.
+/// Chooses what the user has left open:
+/// - The range is that of the case's loads, or P/3 to 3P if it has only one. A given nominal load
+/// outside
+///   of it widens it.
+/// - The nominal load is the median of the case's loads; if their number is even, the geometric
+/// mean of
+///   the two middle ones. If a given range does not contain it, it is the geometric mean of the
+///   range.
+/// @throws InputError for a load that is not a number > 0, for a range that is not LOW,HIGH with
+/// 0 < LOW < HIGH, and for a given nominal load outside of a given range.
 LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice& choice);
 
-/// What one model says of a contact at one load.
+/// The answer of one model for a contact at one load.
 struct LoadPoint {
   double load_N = 0;
   double eccentricity_m = 0;  ///< e_n = max torque / (mu P), (6) of Ciocarlie et al. 2007
   double indentation_m = 0;
-  std::string objection;  ///< why the model does not hold there, in its words; empty: it holds
+  std::string objection;  ///< which assumptions of the model fail there; empty: all hold
 
   bool valid() const { return objection.empty(); }
 };
 
-/// How a contact's torsional limit follows its load, by one model.
+/// The torsional friction limit of a contact against the load, by one model.
 struct ContactCurve {
   std::string case_id, model;
   double friction_coefficient = 0;
-  RelativeRadii radii;  ///< at the nominal load; those fitted to meshes vary with it
+  RelativeRadii radii;  ///< at the nominal load; radii that are fitted to meshes depend on the load
   LoadPoint nominal;
   std::vector<LoadPoint>
-      points;  ///< evenly spaced in ln P from lowest to highest, with the nominal
+      points;  ///< evenly spaced in ln P from lowest to highest load, and the nominal load
   /// d ln e_n / d ln P at the nominal load: 1/3 for Hertz, 1/4 for Winkler.
   double load_exponent = 0;
 };
 
-/// Asks the model at each load, some ten times.
-/// @throws InputError when the model has no answer for one of them, in its own words.
+/// Asks the model at each of these loads, about ten.
+/// @throws InputError with the model's reason when it has no answer for one of them.
 ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
                                const PressureModel& model, const LoadRange& loads);

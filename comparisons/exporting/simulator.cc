@@ -7,9 +7,14 @@
 
 namespace softfinger::exporting {
 
-const std::vector<Simulator>& all_simulators() {
-  static const std::vector<Simulator> simulators = {mujoco(), bullet(), gazebo(), drake(), physx()};
-  return simulators;
+const Simulator* find_simulator(std::string_view name) {
+  for (const Simulator& simulator : all_simulators())
+    if (simulator.name == name) return &simulator;
+  return nullptr;
+}
+
+BestConstant best_constant(double least, double largest) {
+  return {2 / (1 / least + 1 / largest), (largest - least) / (largest + least)};
 }
 
 double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact& contact,
@@ -34,13 +39,13 @@ SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, 
       least_m = std::min(least_m, wanted_m);
       largest_m = std::max(largest_m, wanted_m);
     }
-    contact.eccentricity_m = 2 / (1 / least_m + 1 / largest_m);
+    contact.eccentricity_m = best_constant(least_m, largest_m).value;
   }
   contact.origin = fmt::format("{}, {}, {:.4g} N", curve.case_id, curve.model, contact.load_N);
   if (fit == Fit::range)
     contact.origin += fmt::format(", best for {:g} to {:g} N", curve.points.front().load_N,
                                   curve.points.back().load_N);
-  // A case's name may have two hyphens, an XML comment may not.
+  // A case's name may contain two hyphens in a row, which end an XML comment.
   for (std::size_t at; (at = contact.origin.find("--")) != std::string::npos;)
     contact.origin.replace(at, 2, "-");
   return contact;

@@ -9,11 +9,11 @@
 
 namespace softfinger::exporting {
 
-/// A contact as a simulator is told it: one eccentricity, made for the nominal load.
+/// The contact that is exported: one constant e_n, chosen for the nominal load.
 struct SoftContact {
   double friction_coefficient = 0;
   double load_N = 0;          ///< nominal
-  double eccentricity_m = 0;  ///< e_n that the simulator shall have at that load
+  double eccentricity_m = 0;  ///< e_n that the simulator should have at that load
   double indentation_m = 0;   ///< of the model, at that load
   RelativeRadii radii;        ///< of the gap, at that load
   std::string origin;         ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
@@ -22,46 +22,56 @@ struct SoftContact {
   double torque_per_load_m() const { return friction_coefficient * eccentricity_m; }
 };
 
-/// What to paste, and its numbers with their names (SI, the suffix is the unit).
+/// The text to paste, and the numbers in it with their names (SI, the suffix is the unit).
 struct Lines {
   std::string text;
   std::vector<std::pair<std::string, double>> values;
 };
 
-/// A simulator's law of torsional friction. One simulator is one file beside this one, which says
-/// what the law is and where that is written.
+/// A simulator's law of torsional friction. Each simulator has a file in simulators/, which states
+/// the law and where it is documented.
 struct Simulator {
   std::string_view name;   ///< as typed on the command line
-  std::string_view title;  ///< as its authors write it
-  std::string_view law;    ///< its limit of force and torque, in one line
-  /// Its own e_n is proportional to P^this: 0 where the torque is a constant times the load.
+  std::string_view title;  ///< its name as its authors write it
+  std::string_view law;    ///< its limit of tangential force and torque, in one line
+  /// In the simulator, e_n is proportional to P to this power; 0 where the torque is a constant
+  /// times the load.
   double load_exponent = 0;
-  double least_torque_per_load_m = 0;  ///< smaller values are raised to it
+  double least_torque_per_load_m = 0;  ///< the simulator raises smaller values to it
   Lines (*lines)(const SoftContact&) = nullptr;
-  std::vector<std::string_view> traps;  ///< a line each
+  std::vector<std::string_view> traps;  ///< peculiarities that change the result, a line each
 };
 
-Simulator mujoco();
-Simulator bullet();
-Simulator gazebo();
-Simulator drake();
-Simulator physx();
-
-/// In the order above.
+/// One per file simulators/NAME.cc, which defines NAME_simulator(), in the order of their names.
 const std::vector<Simulator>& all_simulators();
 
-/// e_n that the simulator has at a load once the contact's lines are in it.
+/// Null when there is none of this name.
+const Simulator* find_simulator(std::string_view name);
+
+/// One number in place of one that varies between two positive ends.
+struct BestConstant {
+  double value = 0;
+  double worst_error = 0;  ///< largest |value/x - 1|, the same at both ends
+};
+
+/// The constant whose worst relative error is smallest: value = 2/(1/least + 1/largest), and the
+/// error is (largest - least)/(largest + least).
+BestConstant best_constant(double least, double largest);
+
+/// e_n in the simulator at a load, with the exported lines.
 double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact& contact,
                                    double load_N);
 
 /// `nominal` is exact at the nominal load; `range` has the smallest worst error over the range.
 enum class Fit { nominal, range };
 
-/// The contact that the simulator is told. With c = e_n(P) (P0/P)^n over the range, n the
-/// simulator's exponent, the worst of |e/c - 1| is smallest for e = 2 / (1/min c + 1/max c).
+/// The contact to export. `Fit::range`: in the simulator, e at the nominal load P0 becomes e
+/// (P/P0)^n at P, where n is its exponent. The relative error at P is thus e/c - 1 with c = e_n(P)
+/// (P0/P)^n. Its largest magnitude over the range is smallest for the `best_constant` of c.
 SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, Fit fit);
 
-/// Torque that the simulator allows against the model's, less one, at each of the curve's points.
+/// Relative error of the largest torque in the simulator, against the model, at each of the curve's
+/// points.
 std::vector<double> relative_errors(const Simulator& simulator, const SoftContact& contact,
                                     const ContactCurve& curve);
 

@@ -11,12 +11,13 @@
 
 #include "softfinger/pressure/pressure_model.h"
 
-/// Contacts far beyond any fingertip, drawn at random, and what is read off their predictions.
+/// Random contacts far beyond any fingertip, and comparisons of their predictions.
 namespace softfinger::extremes {
 
 class ExtremeProblems {
  public:
-  /// @param thinnest  least thickness of a layer over the radius of a half-space's contact
+  /// @param thinnest  smallest thickness of a layer, divided by the radius that the contact would
+  /// have on a half-space
   explicit ExtremeProblems(unsigned seed, double thinnest = 1e-9)
       : random_(seed), thinnest_(thinnest) {}
 
@@ -30,10 +31,10 @@ class ExtremeProblems {
 
   bool one_in(int n) { return random_() % static_cast<unsigned>(n) == 0; }
 
-  /// Any problem of the stated ranges: radii of 1 micrometre to 1 km, R'/R'' exactly 1 or up to
-  /// 1e8, loads of 1e-12 to 1e9 N, friction coefficients of 1e-12 to 1e3, Poisson's ratio 0 and 1/2
-  /// and what is next to them, the layer 1e-9 to 1e6 times as thick as a half-space's contact is
-  /// wide; in one of five a compliant object.
+  /// A random problem: radii of 1 micrometre to 1 km, R'/R'' exactly 1 or up to 1e8, loads of 1e-12
+  /// to 1e9 N, friction coefficients of 1e-12 to 1e3, Poisson's ratios of 0 to 1/2 with 0, 1/2 and
+  /// their neighbours in one of three, layers of 1e-9 to 1e6 times the contact's radius on a
+  /// half-space. One problem of five has a compliant object.
   ContactProblem draw() {
     ContactProblem problem;
     problem.radii.minor_m = log_uniform(1e-6, 1e3);
@@ -46,7 +47,7 @@ class ExtremeProblems {
     return problem;
   }
 
-  /// One number of the problem replaced by what only a broken caller passes.
+  /// A problem in which one or two numbers are replaced by values that only a wrong program passes.
   ContactProblem draw_broken() {
     static const double values[] = {5e-324,
                                     1e-310,
@@ -108,7 +109,8 @@ inline ContactProblem in_units(const ContactProblem& problem, double length, dou
   return scaled;
 }
 
-/// The largest relative difference of two predictions' numbers, the second in other units.
+/// The largest relative difference between the numbers of two predictions; `other` is in other
+/// units.
 inline double difference(const Prediction& one, const Prediction& other, double length = 1,
                          double force = 1) {
   double worst = 0;
@@ -122,7 +124,7 @@ inline double difference(const Prediction& one, const Prediction& other, double 
   return worst;
 }
 
-/// The problem in numbers that can be pasted into a program.
+/// The problem as text that can be pasted into a program.
 inline std::string in_words(const ContactProblem& problem) {
   char text[400];
   std::snprintf(

@@ -37,12 +37,14 @@ inline double extrapolated(const std::array<double, 5>& values, double first, do
 
 /// The largest jump of any number along a path, t from 0 to 1.
 ///
-/// A jump hides between two points. So the path is sampled, and at the middle of each interval the
-/// polynomial through five points before it is compared with the one through five points after it.
-/// Where they differ most the interval is bisected, by which of the two the number follows, and
-/// what is left over a vanishing interval is the jump: nothing for a curve or a kink.
+/// A jump lies between two samples. At the middle of each interval the polynomial through the five
+/// samples before it is compared with the polynomial through the five samples after it. The
+/// intervals where they differ most are bisected: the half is kept in which the number changes from
+/// following the one polynomial to following the other. The difference over the last, vanishing
+/// interval is the jump. A smooth curve and a kink have none.
 inline double largest_jump(const std::function<Numbers(double)>& numbers, int samples) {
-  constexpr std::size_t kSuspects = 10;  // beside a jump the polynomials differ, too
+  constexpr std::size_t kSuspects =
+      10;  // in the intervals beside a jump the polynomials differ, too
   const double step = 1.0 / samples;
   std::vector<Numbers> values;
   for (int i = 0; i <= samples; ++i) values.push_back(numbers(i * step));
@@ -85,7 +87,7 @@ inline double largest_jump(const PressureModel& model,
   return largest_jump([&](double t) { return logarithms(model.predict(path(t))); }, samples);
 }
 
-/// A way through the problems, t from 0 to 1, along which a model should be smooth.
+/// A one-parameter family of problems, t from 0 to 1, over which a model should be continuous.
 struct Path {
   const char* what;
   ContactProblem base;
@@ -93,13 +95,14 @@ struct Path {
   std::function<ContactProblem(double)> problem;
 };
 
-/// Six of them about a problem drawn at random, over up to 12 decades; lines 0, 3, 6, ... are
+/// Six paths around a random problem, over up to 12 decades. The contacts of lines 0, 3, 6, ... are
 /// round.
 inline std::vector<Path> draw_paths(ExtremeProblems& problems, int line) {
   ContactProblem base = problems.draw();
   base.object_layer = {};
   const double minor_m = base.radii.minor_m;
-  // The layer about as thick as the contact: the tables' edges lie within the path.
+  // The layer is about as thick as the contact, so that the edges of the models' tables lie on the
+  // path.
   const double contact_m =
       std::cbrt(base.load.normal_force_N / base.layer.youngs_modulus_Pa * minor_m);
   base.radii.major_m = minor_m * (line % 3 ? problems.log_uniform(1, 1e3) : 1);

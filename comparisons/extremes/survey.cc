@@ -11,7 +11,8 @@
 
 #include "comparisons/extremes/extreme_problem.h"
 #include "comparisons/extremes/jumps.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/friction/limit_surface.h"
@@ -22,7 +23,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What of a problem is surveyed: its range, and how answers fall over its decades.
+/// A number of the problem over which answers and refusals are counted, decade by decade.
 struct Axis {
   const char* key;
   const char* name;
@@ -49,12 +50,13 @@ const std::array<Axis, 7> kAxes{
      {"poisson_ratio", "Poisson's ratio",
       [](const ContactProblem& p) { return p.layer.poisson_ratio; }, false}}};
 
-/// Valid: answered inside what the model claims; answered: outside it; refused: in words.
+/// valid: the model's assumptions hold; answered: it gave an answer although they do not hold;
+/// refused: no answer, with a reason.
 struct Counts {
   int valid = 0, answered = 0, refused = 0;
 };
 
-/// A decade of a logarithmic axis; a twentieth of Poisson's.
+/// The number of the bin: a bin is a decade of a logarithmic axis, and 0.05 of Poisson's ratio.
 int bin_of(const Axis& axis, double value) {
   return int(std::floor(axis.logarithmic ? std::log10(value) : 20 * value));
 }
@@ -96,7 +98,7 @@ class ModelSurvey {
       broken("not_finite_or_positive", problem);
     count(problem, one);
 
-    // A tenth of a millisecond: not for each of them.
+    // Costs a tenth of a millisecond, so only every eighth problem is checked.
     if (one.has_answer && tried_ % 8 == 0 && !has_sound_friction(problem, one))
       broken("friction_limit", problem);
 
@@ -108,7 +110,7 @@ class ModelSurvey {
     if (!one.has_answer || !scaled.has_answer) return;
     const double deviation = difference(one, scaled, length, force);
     units_ = std::max(units_, deviation);
-    // Closed forms lose a few roundings; models that iterate are as exact as they state.
+    // Closed forms differ by a few roundings. Models that iterate differ by their tolerance.
     if (!(deviation <= (model_.card().hot_path ? 1e-12 : 1e-5)))
       broken("depends_on_units", problem);
     ContactProblem more = problem;
@@ -127,7 +129,8 @@ class ModelSurvey {
     nonsense_refused_ += !prediction.has_answer;
   }
 
-  /// Of models that discretise, numbers are as continuous as their accuracy.
+  /// Only for closed forms: the numbers of models that discretise jump by their discretisation
+  /// error.
   void look_for_jumps(ExtremeProblems& problems, int lines) {
     if (!model_.card().hot_path) return;
     jump_ = 0;
@@ -135,7 +138,8 @@ class ModelSurvey {
       for (const Path& path : draw_paths(problems, line)) {
         const double jump = largest_jump(model_, path.problem, path.samples);
         jump_ = std::max(jump_, jump);
-        // Over the last interval a smooth logarithm changes by 3e-12 and its rounding.
+        // Across the last interval of the bisection a smooth logarithm changes by at most 3e-12,
+        // plus rounding.
         if (!(jump < 1e-9)) broken("jumps", path.base);
       }
   }
@@ -159,9 +163,9 @@ class ModelSurvey {
                         {"refused", counts.refused}});
     }
     json broken_promises = json::array();
-    for (const auto& [promise, cases] : broken_)
+    for (const auto& [invariant, cases] : broken_)
       broken_promises.push_back(
-          {{"promise", promise}, {"count", cases.first}, {"first", cases.second}});
+          {{"promise", invariant}, {"count", cases.first}, {"first", cases.second}});
     return {{"model", model_.card().name},
             {"hot_path", model_.card().hot_path},
             {"tried", tried_},
@@ -180,12 +184,13 @@ class ModelSurvey {
   }
 
  private:
-  /// The slowest call, unless it was the machine that was busy: that one is repeated.
+  /// Predicts and records the slowest call. A new slowest call is repeated, and its shortest time
+  /// counts: one slow call may only show that the machine was busy.
   Prediction timed(const ContactProblem& problem) {
     using Clock = std::chrono::steady_clock;
     Prediction prediction;
     double least_ns = INFINITY;
-    // Models that discretise remember their last solution.
+    // Models that discretise keep their last solution, so that a repetition would measure nothing.
     const int repetitions = model_.card().hot_path ? 3 : 1;
     for (int repetition = 0; repetition < repetitions; ++repetition) {
       const auto start = Clock::now();
@@ -219,8 +224,8 @@ class ModelSurvey {
       }
   }
 
-  void broken(const char* promise, const ContactProblem& problem) {
-    auto& [times, first] = broken_[promise];
+  void broken(const char* invariant, const ContactProblem& problem) {
+    auto& [times, first] = broken_[invariant];
     if (times++ == 0) first = in_words(problem);
   }
 
@@ -242,9 +247,9 @@ json survey(const SurveyOptions& options) {
     axes.push_back({{"key", axis.key}, {"name", axis.name}, {"logarithmic", axis.logarithmic}});
   for (const PressureModel* model : all_pressure_models()) {
     const bool fast = model->card().hot_path;
-    // Those that discretise are asked for layers that they can resolve.
+    // Models that discretise get only layers that their grid can resolve.
     ExtremeProblems problems(options.seed, fast ? 1e-9 : 0.2);
-    // A stream of its own: what is drawn must not depend on what a model answered.
+    // Separate random numbers: the problems must not depend on the model's answers.
     ExtremeProblems second_look(options.seed + 1), lines(options.seed + 2);
     ModelSurvey found(*model);
     const int points = fast ? options.points : options.slow_points;
@@ -264,7 +269,7 @@ json survey(const SurveyOptions& options) {
           {"models", models}};
 }
 
-bool kept_all_promises(const json& survey) {
+bool all_invariants_hold(const json& survey) {
   for (const json& model : survey.at("models"))
     if (!model.at("broken_promises").empty()) return false;
   return true;
@@ -273,7 +278,7 @@ bool kept_all_promises(const json& survey) {
 std::string table(const json& survey) {
   std::string text = fmt::format("{:<22}{:>8}{:>10}{:>12}{:>10}{:>12}{:>12}{:>14}  {}\n", "model",
                                  "tried", "valid", "outside it", "refused", "units to", "jumps",
-                                 "slowest call", "promises");
+                                 "slowest call", "invariants");
   std::string failures;
   for (const json& model : survey.at("models")) {
     const double tried = std::max(1, model.at("tried").get<int>());
@@ -289,7 +294,7 @@ std::string table(const json& survey) {
                         jump.is_null() ? "not tried" : fmt::format("{:.1e}", jump.get<double>()),
                         slowest_us < 1e3 ? fmt::format("{:.3g} us", slowest_us)
                                          : fmt::format("{:.3g} ms", slowest_us * 1e-3),
-                        model.at("broken_promises").empty() ? "kept" : "BROKEN");
+                        model.at("broken_promises").empty() ? "hold" : "VIOLATED");
     for (const json& broken : model.at("broken_promises"))
       failures +=
           fmt::format("{}: {}, {} times, first at {}\n", model.at("model").get<std::string>(),

@@ -6,20 +6,21 @@
 namespace softfinger::extremes {
 
 struct SurveyOptions {
-  int points = 20000;     ///< problems for every model of the hot path
-  int slow_points = 120;  ///< for every other one
-  int lines = 4;          ///< along which jumps are looked for, six paths each
+  int points = 20000;     ///< problems for each model that takes microseconds (card().hot_path)
+  int slow_points = 120;  ///< problems for each slower model
+  int lines = 4;          ///< random problems around which jumps are searched, along six paths each
   unsigned seed = 20070322;
 };
 
-/// Asks every model problems far beyond any fingertip, as tests/extremes does, and counts what it
-/// answered and whether it kept its promises: finite, positive, refusals in words, larger under
-/// more load, the same in all units, no jumps. The keys are in report/README.md. The problems are
-/// the same for the same options; a second for 20000 points.
+/// Asks every model random problems far beyond any fingertip, as tests/extremes does. Counts
+/// answers and refusals and checks invariants: numbers are finite and positive, a refusal gives a
+/// reason, more load gives a larger contact, units do not change the answer, there are no jumps.
+/// The keys of the result are in report/README.md (an invariant is called "promise" there). The
+/// same options give the same problems. 20000 points take about a second.
 nlohmann::json survey(const SurveyOptions& options);
 
-/// Whether all models kept all promises.
-bool kept_all_promises(const nlohmann::json& survey);
+/// Whether no model violated an invariant.
+bool all_invariants_hold(const nlohmann::json& survey);
 
 /// The survey as a table to read.
 std::string table(const nlohmann::json& survey);

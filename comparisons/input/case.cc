@@ -208,7 +208,7 @@ void read_layers(const TomlReader& reader, const toml::table& root, Case& result
   if (!on_object) return;
   const toml::table& table = reader.required_table(root, "object_layer");
   std::vector<std::string> keys = {"thickness_mm", "youngs_modulus_kPa", "poisson_ratio"};
-  // One choice for the whole foundation: beside a [layer] it stands there.
+  // One choice for both layers; if there is a [layer], it has to be written there.
   if (result.layer_on_object) keys.push_back("winkler_modulus");
   reader.check_keys(table, "[object_layer]", keys);
   (result.layer_on_object ? result.layer : result.object_layer) =
@@ -311,7 +311,7 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
       result.fem_finite = FiniteStrain();
 }
 
-/// What only finite strain has in the table of a layer.
+/// Reads the keys of a layer's table that belong to finite strain.
 /// @param name  of the table, as typed
 FiniteStrain read_material(const TomlReader& reader, const toml::table& table, const char* name,
                            bool finite) {
@@ -359,9 +359,8 @@ void read_materials(const TomlReader& reader, const toml::table& root, Case& res
   if (result.fem_finite) result.fem_finite = material;
 }
 
-/// At finite strain the layer is wrapped around a finger of which more than the curvature counts:
-/// one without a shape of its own is a body that closes, a sphere for equal radii, not a
-/// paraboloid.
+/// At finite strain the shape of the finger counts, not only its curvature at the contact. A finger
+/// without a given shape is then an ellipsoid (a sphere for equal radii) and not a paraboloid.
 void settle_finger_shape(const toml::table& geometry, Case& result) {
   if (!result.fem_finite || !result.fem_curved) return;
   auto* finger = std::get_if<QuadricBody>(&std::get<BodyPair>(result.geometry).finger);

@@ -13,8 +13,9 @@
 /// A case file: what to compare, as written by a user. The only place that knows TOML.
 namespace softfinger::input {
 
-/// How a finger goes on beyond its radii at the contact point: only finite elements on its curved
-/// layer see it. Without a word of it in the file: a paraboloid, at finite strain an ellipsoid.
+/// The shape of a finger away from the contact point, where its radii alone do not describe it.
+/// Only finite elements on its curved layer use it. Default: a paraboloid; at finite strain an
+/// ellipsoid.
 enum class FingerShape { paraboloid, ellipsoid, tapered };
 
 /// A paraboloid by its principal radii; infinite = flat, negative = concave.
@@ -46,8 +47,8 @@ struct BodyPair {
   double angle_rad = 0;
 };
 
-/// A hyperelastic layer; its small-strain constants are those of [layer]. What the parameters may
-/// be is the finite-element program's to say (`softfinger explain neo_hookean`).
+/// A hyperelastic layer; its small-strain constants are those of [layer]. The finite-element
+/// program checks the parameters (`softfinger explain neo_hookean` describes them).
 struct FiniteStrain {
   std::string material = "neo_hookean";
   std::string volumetric = "quadratic";
@@ -57,7 +58,7 @@ struct FiniteStrain {
 
 /// One of several bonded layers.
 struct Sublayer {
-  std::string name;  ///< may be empty, but with a mesh, whose volume it names
+  std::string name;  ///< with a mesh, the name of its volume there; else it may be empty
   ElasticLayer layer;
   FiniteStrain material;  ///< at finite strain
 };
@@ -71,13 +72,13 @@ struct Case {
   std::variant<RelativeRadii, BodyPair> geometry;
   std::string geometry_where;  ///< "file:line" of [geometry], for messages
   ElasticLayer layer;          ///< the finger's, or the only one
-  /// From the surface inwards where [[layer]] repeats; empty: `layer` is homogeneous. `layer` then
-  /// is what stands for them in the models: as thick, 1/E and nu averaged over the thickness, which
-  /// is exact for columns that stretch freely.
+  /// From the surface inwards, if [[layer]] is repeated; empty for a homogeneous layer. With
+  /// sublayers, `layer` is the homogeneous layer that the models get: of the same thickness, with
+  /// 1/E and nu averaged over the thickness, which is exact for columns that stretch freely.
   std::vector<Sublayer> sublayers;
   ElasticLayer object_layer;  ///< thickness 0: one of the bodies is rigid
-  /// The file has an [object_layer] and no [layer]: a rigid finger. For a quadric gap it does not
-  /// matter which of the two carries the layer; `layer` then is the object's.
+  /// The file has an [object_layer] and no [layer]: the finger is rigid and `layer` is the
+  /// object's. For a quadric gap it makes no difference which of the bodies carries the layer.
   bool layer_on_object = false;
   ModelOptions options;
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters

@@ -20,8 +20,8 @@
 namespace softfinger::input {
 namespace {
 
-/// What a file may hold. W is dense and takes 128 MB for this many contacts, its solution several
-/// times as much; all else takes memory in proportion to the file.
+/// Limits of a file. W is dense and takes 128 MB for this many contacts, its solution several times
+/// as much. Everything else takes memory in proportion to the size of the file.
 constexpr std::size_t kLargestFile = 64 << 20;  // bytes
 constexpr int kMostContacts = 1000, kMostVertices = 1024, kMostBodies = 100000;
 
@@ -60,7 +60,7 @@ class Reader {
                      text::shortened(value), allowed);
   }
 
-  /// A second value would contradict what was sized by the first.
+  /// Each key may be given once: arrays have already been sized by the first value.
   template <typename Value>
   Value once(const std::string& key, Value value) {
     if (!keys_.insert(key).second) refuse(key, "", "one line with this key");
@@ -85,7 +85,7 @@ class Reader {
     return rest_.size() + text_.size() - std::min(at_, text_.size());
   }
 
-  /// The next one of the line; empty: there is none.
+  /// The next word of the line; empty if there is none.
   std::string_view word() {
     constexpr std::string_view kBlanks = " \t\r\v\f";
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
@@ -109,7 +109,8 @@ class Reader {
              fmt::format("a whole number from {} to {}", smallest, largest));
     return int(value);
   }
-  /// How many values follow. No more than the file has room for: they are not believed in before.
+  /// The number of values that follow. It is refused if the rest of the file is too short for so
+  /// many, so that a wrong number does not allocate memory.
   std::size_t count(const std::string& key, std::size_t bytes_each) {
     const std::size_t most = bytes_left() / bytes_each;
     const double value = number(key);
@@ -173,7 +174,7 @@ class Reader {
     return problem;
   }
 
-  /// The solver checks as well, but it knows no file.
+  /// The solver checks the same, but its message could not name the file.
   void check(const ContactLcp& problem) const {
     for (int i = 0; i < contacts_; ++i) {
       const double mu = problem.friction_coefficient[i], arm_m = problem.eccentricity_m[i];
@@ -209,7 +210,7 @@ ContactLcp read_recorded_contacts(const std::filesystem::path& file) {
 void write_recorded_contacts(const ContactLcp& problem, const Eigen::Matrix3Xd& vertices,
                              const std::string& note, const std::filesystem::path& path) {
   const int rows = 4 * problem.contacts(), bodies = (rows + 5) / 6;
-  // W = P^T L D L^T P; D of a semi-definite matrix may be a round-off below zero.
+  // W = P^T L D L^T P. For a semi-definite W, rounding can make entries of D slightly negative.
   const Eigen::LDLT<Eigen::MatrixXd> factor(problem.delassus);
   Eigen::MatrixXd jacobian = factor.matrixL();
   jacobian *= factor.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal();

@@ -27,9 +27,10 @@ ContactLcp read_recorded_contacts(const std::filesystem::path& file);
 /// The same for a text that is already in memory; `file` is used in messages.
 ContactLcp parse_recorded_contacts(const std::string& text, const std::filesystem::path& file);
 
-/// Writes a problem with these friction vertices (those of exact friction rules too: the file knows
-/// facets only). J is a factor of W with minv = 1, as joints leave no diagonal mass matrix: the
-/// same W to round-off, not the bodies' own columns.
+/// Writes a problem with these friction vertices. The file format knows facets only, so that
+/// problems with an exact friction law are written with facets too. Joints make the mass matrix
+/// non-diagonal, which the format cannot express. Therefore J is a factor of W with minv = 1: W is
+/// the same up to rounding, but the columns of J do not belong to bodies.
 void write_recorded_contacts(const ContactLcp& problem, const Eigen::Matrix3Xd& vertices,
                              const std::string& note, const std::filesystem::path& path);
 

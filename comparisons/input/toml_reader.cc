@@ -62,7 +62,7 @@ std::size_t end_of_string(std::string_view text, std::size_t at, int& line) {
       if (at + 1 < text.size() && text[at + 1] != '\n') ++at;
     } else if (of_many_lines && is_triple(at)) {
       at += 2;
-      // One or two quotes more are the string's own.
+      // One or two quotes directly before the closing ones belong to the string.
       for (int i = 0; i < 2 && at + 1 < text.size() && text[at + 1] == quote; ++i) ++at;
       return at;
     } else if (text[at] == quote && !of_many_lines) {
@@ -72,9 +72,9 @@ std::size_t end_of_string(std::string_view text, std::size_t at, int& line) {
   return text.size() - 1;
 }
 
-/// The parser calls itself for each bracket in a bracket and, when it is done, for each part of a
-/// dotted key: some ten thousand of them would overflow the stack. What is wrong otherwise is the
-/// parser's to say.
+/// Refuses deep nesting before parsing. The parser is recursive in nested brackets, and the
+/// destruction of its tables in the parts of a dotted key: some ten thousand levels overflow the
+/// stack. Other mistakes are found by the parser.
 void require_shallow(std::string_view text, const std::string& file) {
   int line = 1, brackets = 0, dots = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -121,7 +121,7 @@ void require_shallow(std::string_view text, const std::string& file) {
 }  // namespace
 
 toml::table parse_toml(const std::string& text, const std::string& file) {
-  constexpr std::size_t kLongestReason = 300;  // it repeats what was typed
+  constexpr std::size_t kLongestReason = 300;  // limited, because it repeats what was typed
   require_shallow(text, file);
   try {
     return toml::parse(text, file);

@@ -4,9 +4,9 @@
 
 #define TOML_HEADER_ONLY 1
 #define TOML_ENABLE_UNRELEASED_FEATURES 0
-// Some files break what the parser asserts of its own state ("[+", "a = [}") or reach what it calls
-// unreachable (a letter beyond ASCII where a blank may stand). Without assertions and with an
-// answer there, the checks that follow refuse such files in words.
+// Some wrong files violate assertions of the parser ("[+", "a = [}") or reach code that it marks as
+// unreachable (a letter beyond ASCII in place of a blank). Here the assertions are switched off and
+// the unreachable code returns, so that later checks refuse such files with a message.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_ASSERT
 #undef TOML_ASSERT_ASSUME
@@ -28,7 +28,7 @@
 /// Internal to the readers of case and scene files: the only headers that know TOML.
 namespace softfinger::input {
 
-/// What a file may hold; each message that refuses more states the limit.
+/// Limits of a file. The message that refuses a file states the limit.
 constexpr std::size_t kLargestTomlFile = 16 << 20;  ///< bytes
 constexpr int kDeepestNesting = 16;                 ///< brackets in brackets, parts of a dotted key
 constexpr std::size_t kLongestText = 4096;          ///< bytes: a question, a path
@@ -41,10 +41,10 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 /// deeply.
 toml::table parse_toml(const std::string& text, const std::string& file);
 
-/// A value as the user wrote it, on one line, the beginning of a long one.
+/// A value as the user wrote it, on one line; of a long value only the beginning.
 std::string as_typed(const toml::node& node);
 
-/// Reads values out of the tables and says precisely where one is wrong.
+/// Reads values of the tables. Its messages name the line, the key and what is allowed.
 class TomlReader {
  public:
   explicit TomlReader(std::string file) : file_(std::move(file)) {}
@@ -71,11 +71,11 @@ class TomlReader {
   /// which are exact.
   double number(const toml::node& node, const std::string& field, const std::string& allowed,
                 bool infinity_allowed = false) const;
-  /// A number > 0, in SI. Checked after scaling, where a denormal may have become 0 or a huge value
-  /// infinite.
+  /// A number > 0, in SI. It is checked after conversion, because that can turn a tiny number into
+  /// 0 and a huge one into infinity.
   double positive(const toml::node& node, const std::string& field, double si_per_unit) const;
   std::string text(const toml::node& node, const std::string& field) const;
-  /// What a thing is called: not empty, short, without control characters.
+  /// A name: not empty, at most kLongestName bytes, without control characters.
   std::string name(const toml::node& node, const std::string& field) const;
   std::string choice(const toml::node& node, const std::string& field,
                      const std::vector<std::string>& choices) const;

@@ -75,10 +75,8 @@ std::vector<Record> collect(const std::vector<const LoadErrors*>& finished, doub
     for (const LoadErrors* load : finished) {
       const ModelError& error = load->models[i];
       record.errors.push_back(error);
-      record.judgements.push_back(
-          error.has_answer ? judge(std::max(std::abs(error.area), std::abs(error.max_torque)),
-                                   error.valid, tolerance)
-                           : Judgement::silent);
+      record.judgements.push_back(error.has_answer ? judge(error.larger(), error.valid, tolerance)
+                                                   : Judgement::silent);
     }
     records.push_back(std::move(record));
   }

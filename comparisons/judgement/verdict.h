@@ -3,26 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/judgement/model_errors.h"
+
 namespace softfinger::judgement {
-
-/// A model against FEM at one load: signed relative errors.
-struct ModelError {
-  std::string model;
-  bool has_answer = false;
-  bool valid = false;  ///< by the model's own statement
-  double area = 0, max_torque = 0;
-  bool hot_path = true;    ///< microseconds; a slower model is named only when no such one will do
-  bool applicable = true;  ///< false: it was given nothing to answer with, and is not mentioned
-};
-
-/// All models at one load.
-struct LoadErrors {
-  double load_N = 0;
-  bool fem_finished = false;
-  bool fem_trusted = false;
-  std::string fem_failure;
-  std::vector<ModelError> models;  ///< the same models in the same order for every load
-};
 
 struct Verdict {
   std::string sentence;

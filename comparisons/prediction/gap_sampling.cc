@@ -24,7 +24,7 @@ constexpr int kRings = 128;  // of samples around the middle one
 constexpr int kSide = 2 * kRings + 1;
 constexpr int kFewestRings = 16;
 
-/// Square lattice around the contact point, stretched to the contact.
+/// Square lattice around the contact point, stretched to the contact's proportions.
 struct Lattice {
   double spacing_x_m, spacing_y_m;
   double x_m(int column) const { return (column - kRings) * spacing_x_m; }
@@ -55,7 +55,7 @@ class PlacedBody {
 
   struct Height {
     double z_m;         ///< NaN where there is no surface
-    double rounding_m;  ///< SurfaceHit::rounding: how much farther out a smooth surface lies
+    double rounding_m;  ///< SurfaceHit::rounding: how much farther out the smooth surface lies
   };
   Height height(double x_m, double y_m) const {
     if (surface_) {
@@ -98,7 +98,8 @@ struct Samples {
   ArrayXd gap_m = ArrayXd::Zero(kSide * kSide);       ///< between the facets
   ArrayXd rounding_m = ArrayXd::Zero(kSide * kSide);  ///< by how much less it is between the smooth
                                                       ///< surfaces through the meshes' vertices
-  /// Squares of samples around the middle one that are free of what is at `end`.
+  /// The number of square rings of samples around the middle one inside the first place where a
+  /// body ends or is too steep. `ending` is that body, (end_x_m, end_y_m) the place.
   int rings = kRings;
   const PlacedBody* ending = nullptr;
   double end_x_m = 0, end_y_m = 0;
@@ -115,7 +116,7 @@ Samples sample(const std::array<PlacedBody, 2>& bodies, const Lattice& lattice) 
         heights[k] = height.z_m;
         samples.rounding_m[k] += height.rounding_m;
       }
-    // The finger lies below: the gap is what is between the object's height and the finger's.
+    // The finger lies below: the gap is the object's height minus the finger's.
     samples.gap_m += (&body == &bodies[0] ? -1 : 1) * heights;
     for (int i = 0, k = 0; i < kSide; ++i)
       for (int j = 0; j < kSide; ++j, ++k) {
@@ -136,7 +137,7 @@ Samples sample(const std::array<PlacedBody, 2>& bodies, const Lattice& lattice) 
   return samples;
 }
 
-/// The samples that are free of ends, as a gap.
+/// The samples that have a surface on both bodies, as a gap.
 SampledGap smooth_gap(const ArrayXd& samples_m, int rings, const Lattice& lattice) {
   const int first = kRings - rings, side = 2 * rings + 1;
   ArrayXd gap_m(side * side);

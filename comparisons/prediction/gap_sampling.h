@@ -1,23 +1,24 @@
 #pragma once
 
 #include "comparisons/input/case.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 
 namespace softfinger::prediction {
 
-/// `layer_fft` on the gap as the case's meshes have it, along the contact's normal, instead of the
-/// quadric that was fitted to them (`softfinger predict --gap sampled`).
+/// The answer of `layer_fft` for the gap between the case's meshes themselves, measured along the
+/// contact's normal, instead of the quadric that was fitted to them (`softfinger predict --gap
+/// sampled`).
 ///
-/// Point, normal and long axis are those of the fit; the bodies then approach along that normal
-/// without turning. Both bodies are sampled on 257 x 257 lines over 2.5 times the fitted ellipse
-/// (6 times, if the contact needs it). Beside a mesh, a body given by radii is its paraboloid and a
-/// sphere is itself.
+/// Contact point, normal and long axis are those of the fit. The bodies approach along the normal
+/// without turning. Both are sampled on 257 x 257 lines over 2.5 times the fitted ellipse (6 times
+/// if the contact needs it). If one of the bodies is given by radii, it is taken as a paraboloid; a
+/// sphere is taken exactly.
 ///
-/// The facets are taken as they are, as finite elements on the mesh take them: of a body with the
-/// radius R and edges of length h they miss up to h²/(8 R). By how much that may matter is
-/// measured: the answer for the facets rounded by the mesh's own normals (SurfaceHit::rounding) is
-/// computed too, and the difference is the error estimate.
+/// The facets are taken as they are, as finite elements on the mesh would take them. On a body with
+/// the radius R, facets with edges of length h lie up to h²/(8 R) below the smooth surface. To
+/// estimate the error that this causes, the answer is also computed for the smooth surface that
+/// follows from the mesh's normals (SurfaceHit::rounding). The difference is the error estimate.
 ///
 /// @throws InputError naming the case's line when no body is a mesh; when the contact reaches a
 ///   place where a mesh ends, has a hole or a step (steeper than 60 degrees), naming that place

@@ -16,15 +16,23 @@ std::string surface_key(const input::MeshBody& mesh) {
   return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit);
 }
 
+/// The model that predicts how large a contact is. Named, so that a new model does not move the
+/// fitted regions of old cases; asked many times per load, so that only closed forms are there.
 const PressureModel& patch_model(const ContactProblem& problem) {
-  // Asked many times per load, so that models outside the hot path are out of the question.
-  for (const PressureModel* model : all_pressure_models())
-    if (model->card().hot_path && model->predict(problem).valid()) return *model;
-  // Outside every validity the size of a contact is still known best by the model of widest reach.
-  for (const char* name : {"bonded_layer", "hertz"})
-    if (const PressureModel* model = find_pressure_model(name))
-      if (model->predict(problem).has_answer) return *model;
-  return *all_pressure_models().front();
+  // The widest reach first.
+  static const std::vector<const PressureModel*> by_reach = [] {
+    std::vector<const PressureModel*> models;
+    for (const char* name : {"bonded_layer", "finite_strain_layer", "hertz", "power_law",
+                             "thin_incompressible", "winkler"})
+      if (const PressureModel* model = find_pressure_model(name)) models.push_back(model);
+    return models;
+  }();
+  for (const PressureModel* model : by_reach)
+    if (model->predict(problem).valid()) return *model;
+  // Outside every validity the first that answers still knows the size best.
+  for (const PressureModel* model : by_reach)
+    if (model->predict(problem).has_answer) return *model;
+  return *by_reach.front();
 }
 
 bool is_flat(const input::CaseBody& body) {
@@ -171,7 +179,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
                                        return model.predict(problem).area_m2();
                                      });
   } catch (const InputError& error) {
-    // The fit knows no files: say which case, and on which line, its surface came from.
+    // The fit does not know the file: the line of the case is added here.
     if (error.field() == "point_mm") throw;
     throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
   } catch (const ConvergenceError& error) {

@@ -14,13 +14,13 @@
 
 namespace softfinger::prediction {
 
-/// The geometry that models and FEM are given for one load of a case.
+/// The geometry that models and finite elements get for one load of a case.
 struct LocalGeometry {
   RelativeRadii radii;
   std::optional<ContactPatch> patch;  ///< set when a body is a mesh
   std::string patch_model;  ///< the pressure model that predicted the patch's contact area
-  /// Set for an exact sphere on a flat finger: the FEM then takes the sphere itself. Beside a
-  /// curved finger the sphere enters by its curvature only, as in the models.
+  /// Set for an exact sphere on a flat finger: the finite elements then use the sphere itself. On a
+  /// curved finger only the sphere's curvature enters, as in the models.
   double sphere_radius_m = std::numeric_limits<double>::infinity();
 };
 
@@ -30,12 +30,13 @@ class GeometryResolver {
   /// @throws InputError when a mesh cannot be read. `contact_case` must outlive this object.
   explicit GeometryResolver(const input::Case& contact_case)
       : GeometryResolver(contact_case, nullptr) {}
-  /// @param known  its surfaces serve again where they come from the same files; may be null
+  /// @param known  another resolver, whose surfaces are reused if they come from the same files;
+  /// may be null
   GeometryResolver(const input::Case& contact_case, const GeometryResolver* known);
 
-  /// For meshes the fitted region depends on the load: region and predicted contact are iterated to
-  /// agreement. The area is predicted by the first model of the registry's hot path that calls
-  /// itself valid for the current radii, or by Hertz when none does.
+  /// For meshes the fitted region depends on the load: region and predicted contact are iterated
+  /// until they agree. The area is predicted by the first closed form whose assumptions hold for
+  /// the current radii, bonded_layer before all others.
   /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in
   /// words.
   LocalGeometry resolve(double load_N) const;
@@ -43,7 +44,7 @@ class GeometryResolver {
   /// The triangles of one of the case's mesh bodies, metres.
   const TriangleSurface& surface(const input::MeshBody& mesh) const;
 
-  /// What had to be tolerated in the meshes, and what is doubtful about them, one line each.
+  /// Defects of the meshes that were repaired and doubts about them, one line each.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
@@ -58,14 +59,13 @@ class GeometryResolver {
 /// empty.
 std::string tolerated(const meshes::SurfaceFile& file);
 
-/// "the surface is 0.02 mm across, read in mm; in m it would be 20 mm: unit = "m"?" for one smaller
-/// than half a millimetre or larger than a metre, else empty. Nothing else tells that the unit was
-/// mistaken: all lengths come out wrong alike.
+/// "the surface is 0.02 mm across, read in mm; in m it would be 20 mm: unit = "m"?" for a surface
+/// smaller than half a millimetre or larger than a metre, else empty. A wrong unit cannot be
+/// noticed otherwise, because it scales all lengths alike.
 std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit);
 
-/// A contact point that floats beside the surface, or lies deep inside the body, is a mistake in
-/// the point or the unit: a region wide enough to reach the surface from there would say nothing.
-/// @throws InputError when the surface is farther than 5 % of its own extent.
+/// Refuses a contact point that is not on the surface, which is a mistake in the point or the unit.
+/// @throws InputError when the surface is farther away than 5 % of its own extent.
 void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                               const std::string& where, const std::string& field);
 

@@ -3,35 +3,33 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "comparisons/system/files.h"
 
 namespace softfinger::reference {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 FinishedResult finished_result(const FemJob& job, const FemJobOptions& options) {
   FinishedResult finished = read_finished_result(job.file, options.identity, job.problem);
-  if (finished.result.is_null() || job.output_directory.empty()) return finished;
-  const json vtu = finished.result.value("vtu", json());
+  if (!finished.result || !finished.result->vtu_file || job.output_directory.empty())
+    return finished;
   std::error_code error;
-  if (vtu.is_string() &&
-      !fs::exists(job.output_directory / fs::path(vtu.get<std::string>()).filename(), error))
-    return {nullptr, "its VTU file is missing"};
+  if (!fs::exists(job.output_directory / fs::path(*finished.result->vtu_file).filename(), error))
+    return {std::nullopt, "its VTU file is missing"};
   return finished;
 }
 
 std::vector<const FemJob*> pending_fem_jobs(
     const std::vector<FemJob>& jobs, const FemJobOptions& options, system::Progress& progress,
-    const std::function<void(const FemJob&, json result)>& on_reused) {
+    const std::function<void(const FemJob&, ReferenceResult result)>& on_reused) {
   std::vector<const FemJob*> pending;
   std::size_t reused = 0;
   for (const FemJob& job : jobs) {
     FinishedResult finished = finished_result(job, options);
-    if (!finished.result.is_null()) {
+    if (finished.result) {
       progress.say(fmt::format("[{}/{}] {}: reused", ++reused, jobs.size(), job.title));
-      on_reused(job, std::move(finished.result));
+      on_reused(job, *std::move(finished.result));
       continue;
     }
     if (!finished.flaw.empty())
@@ -74,8 +72,8 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
   };
   callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
     const FemJob& job = *jobs_of[index.batch][index.problem];
-    if (!answer.result.is_null())
-      write_finished_result(job.file, options.identity, job.problem, answer.result);
+    if (answer.result)
+      write_finished_result(job.file, options.identity, job.problem, *answer.result);
     on_finished(job, answer);
   };
   return run_fem(options.program, batches, options.parallel, callbacks);
@@ -104,14 +102,15 @@ void FemJobProgress::finished(const FemJob& job, const std::string& outcome) {
 }
 
 std::string describe(const FemAnswer& answer) {
-  if (answer.result.is_null()) return "FEM failed: " + answer.failure;
-  const auto number = [](const json& object, const char* key) {
-    return object.contains(key) && object[key].is_number() ? object[key].get<double>() : NAN;
+  if (!answer.result) return "FEM failed: " + answer.failure;
+  const ReferenceResult& result = *answer.result;
+  const auto in_percent = [](const std::optional<double>& error) {
+    return 100 * error.value_or(std::numeric_limits<double>::quiet_NaN());
   };
-  const json& error = answer.result["error"];
   return fmt::format("{:.0f} unknowns, a ±{:.2g} %, torque ±{:.2g} %, {:.1f} s",
-                     number(answer.result, "unknowns"), 100 * number(error, "a"),
-                     100 * number(error, "max_torque"), number(answer.result, "wall_s"));
+                     result.unknowns.value_or(std::numeric_limits<double>::quiet_NaN()),
+                     in_percent(result.error.a), in_percent(result.error.max_torque),
+                     result.wall_s);
 }
 
 }  // namespace softfinger::reference

@@ -35,14 +35,14 @@ struct FemJobOptions {
   FemLimits limits;
 };
 
-/// The finished result of a job, or null. One with VTU files counts only while they exist.
+/// The finished result of a job, if there is one. One with VTU files counts only while they exist.
 FinishedResult finished_result(const FemJob& job, const FemJobOptions& options);
 
 /// What is still to be run, the longest first. Says what is finished, and what is there but of no
 /// use.
 std::vector<const FemJob*> pending_fem_jobs(
     const std::vector<FemJob>& jobs, const FemJobOptions& options, system::Progress& progress,
-    const std::function<void(const FemJob&, nlohmann::json result)>& on_reused);
+    const std::function<void(const FemJob&, ReferenceResult result)>& on_reused);
 
 /// Solves one job after the other or side by side and keeps each result as it comes.
 /// @param on_line      what a process says about its progress

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -10,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/input/layer_json.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
@@ -86,7 +85,7 @@ nlohmann::json fem_problem(const input::Case& contact_case,
                             {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                             {"axis_rad", geometry.radii.axis_rad},
                             {"sphere_radius_m", text::finite_or_null(geometry.sphere_radius_m)},
-                            {"layer", prediction::layer_json(contact_case.layer)},
+                            {"layer", input::layer_json(contact_case.layer)},
                             {"load_N", load_N},
                             {"friction_coefficient", contact_case.friction_coefficient},
                             {"level", level}};
@@ -95,7 +94,7 @@ nlohmann::json fem_problem(const input::Case& contact_case,
     add_material(*finite, problem["layer"]);
   }
   for (const input::Sublayer& sublayer : contact_case.sublayers) {
-    nlohmann::json entry = prediction::layer_json(sublayer.layer);
+    nlohmann::json entry = input::layer_json(sublayer.layer);
     entry["name"] = sublayer.name;
     if (contact_case.fem_finite) add_material(sublayer.material, entry);
     problem["layer"]["sublayers"].push_back(entry);
@@ -120,58 +119,6 @@ nlohmann::json fem_problem(const input::Case& contact_case,
   return problem;
 }
 
-std::string flaw_of_fem_result(const nlohmann::json& result) {
-  if (!result.is_object()) return "no JSON object";
-  const auto flaw_of_numbers = [](const nlohmann::json& object, const std::string& of,
-                                  std::initializer_list<const char*> keys) -> std::string {
-    for (const char* key : keys) {
-      const auto found = object.find(key);
-      if (found == object.end() || !found->is_number()) return of + key + " is missing";
-      if (!(found->get<double>() > 0)) return fmt::format("{}{} = {}", of, key, found->dump());
-    }
-    return "";
-  };
-  if (std::string flaw = flaw_of_numbers(result, "",
-                                         {"load_N", "a_m", "b_m", "indentation_m",
-                                          "peak_pressure_Pa", "area_m2", "max_torque_Nm"});
-      !flaw.empty())
-    return flaw;
-  const auto levels = result.find("levels");
-  if (levels == result.end() || !levels->is_array() || levels->empty()) return "levels is missing";
-  for (const auto& level : *levels) {
-    if (!level.is_object()) return "a level is no JSON object";
-    if (std::string flaw =
-            flaw_of_numbers(level, "a level's ", {"a_m", "b_m", "indentation_m", "max_torque_Nm"});
-        !flaw.empty())
-      return flaw;
-  }
-  const auto error = result.find("error");
-  if (error == result.end() || !error->is_object()) return "error is missing";
-  for (const char* key : {"a", "b", "indentation", "max_torque"}) {
-    const auto stated = error->find(key);
-    // A single level cannot state its error: that is null.
-    if (stated == error->end() || !(stated->is_number() || stated->is_null()))
-      return std::string("the error of ") + key + " is missing";
-    if (stated->is_number() && !(stated->get<double>() >= 0))
-      return fmt::format("the error of {} = {}", key, stated->dump());
-  }
-  for (const char* key : {"profile_x", "profile_y"}) {
-    const auto profile = result.find(key);
-    if (profile == result.end() || !profile->is_object()) return std::string(key) + " is missing";
-    std::array<std::size_t, 2> sizes{};
-    for (const std::size_t i : {0, 1}) {
-      const auto values = profile->find(i == 0 ? "position_m" : "pressure_Pa");
-      if (values == profile->end() || !values->is_array())
-        return std::string(key) + " is incomplete";
-      for (const auto& value : *values)
-        if (!value.is_number() && !value.is_null()) return std::string(key) + " is incomplete";
-      sizes[i] = values->size();
-    }
-    if (sizes[0] != sizes[1]) return std::string(key) + " is incomplete";
-  }
-  return "";
-}
-
 namespace {
 
 /// The line that a process writes for each of its problems.
@@ -179,9 +126,9 @@ FemAnswer answer_of(const std::string& line) {
   const nlohmann::json written = text::parse_json(line);
   const bool failed = written.is_object() && written.contains("failure");
   if (!failed) {
-    const std::string flaw = flaw_of_fem_result(written);
-    if (flaw.empty()) return {written, "", 0};
-    return {nullptr, "softfinger-fem gave no result to believe: " + flaw, 3};
+    ReadReferenceResult read = read_reference_result(written);
+    if (read.result) return {std::move(read.result), "", 0};
+    return {std::nullopt, "softfinger-fem gave no result to believe: " + read.flaw, 3};
   }
   FemAnswer answer;
   answer.failure = written.value("failure", "");
@@ -281,15 +228,6 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       return signal;
     if (stopping) return SIGINT;
   }
-}
-
-bool fem_is_trusted(const nlohmann::json& result) {
-  const auto within = [&](const char* key, double limit) {
-    const auto& error = result.at("error");
-    return error.contains(key) && error[key].is_number() && error[key].get<double>() <= limit;
-  };
-  return within("a", 0.02) && within("b", 0.02) && within("indentation", 0.01) &&
-         within("max_torque", 0.01);
 }
 
 std::string load_folder(const std::string& case_id, double load_N) {

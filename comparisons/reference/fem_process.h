@@ -2,11 +2,13 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/reference_result.h"
 #include "comparisons/system/process_pool.h"
 
 /// The finite-element program as seen from here: a process that takes problems and gives a result
@@ -33,7 +35,7 @@ struct FemBatch {
 
 /// A result, or in one line why there is none.
 struct FemAnswer {
-  nlohmann::json result;  ///< null when it failed
+  std::optional<ReferenceResult> result;
   std::string failure;
   int exit_status = 0;  ///< 0, 2 bad input, 3 no convergence or a crash
 };
@@ -57,14 +59,6 @@ struct FemCallbacks {
 int run_fem(const std::string& program, const std::vector<FemBatch>& batches, int parallel,
             const FemCallbacks& callbacks,
             system::OnInterrupt on_interrupt = system::OnInterrupt::stop);
-
-/// What keeps a result from being believed: a number that is missing, or one that no contact has.
-/// @returns a few words, or nothing when all is well
-std::string flaw_of_fem_result(const nlohmann::json& result);
-
-/// Whether the stated errors are small enough to judge models by: 2 % in a and b, 1 % in
-/// indentation and torque.
-bool fem_is_trusted(const nlohmann::json& result);
 
 /// "seed_thumb_5N": the name of the folder of a result.
 std::string load_folder(const std::string& case_id, double load_N);

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "comparisons/reference/fem_process.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
@@ -24,32 +23,35 @@ std::string program_identity(const fs::path& program) {
 FinishedResult parse_finished_result(const std::string& text, const std::string& program,
                                      const json& problem) {
   const json saved = text::parse_json(text);
-  if (!saved.is_object()) return {nullptr, "no JSON object"};
+  if (!saved.is_object()) return {std::nullopt, "no JSON object"};
   for (const char* key : {"program", "problem", "result"})
-    if (!saved.contains(key)) return {nullptr, std::string("no \"") + key + "\""};
-  if (saved["program"] != json(program)) return {nullptr, "by another version of softfinger-fem"};
-  if (saved["problem"] != problem) return {nullptr, "of another problem"};
-  if (std::string flaw = flaw_of_fem_result(saved["result"]); !flaw.empty()) return {nullptr, flaw};
-  return {saved["result"], ""};
+    if (!saved.contains(key)) return {std::nullopt, std::string("no \"") + key + "\""};
+  if (saved["program"] != json(program))
+    return {std::nullopt, "by another version of softfinger-fem"};
+  if (saved["problem"] != problem) return {std::nullopt, "of another problem"};
+  ReadReferenceResult read = read_reference_result(saved["result"]);
+  return {std::move(read.result), read.flaw};
 }
 
 FinishedResult read_finished_result(const fs::path& file, const std::string& program,
                                     const json& problem) {
   std::error_code error;
-  if (!fs::exists(file, error)) return {nullptr, ""};
+  if (!fs::exists(file, error)) return {std::nullopt, ""};
   try {
     return parse_finished_result(system::read_text_file(file), program, problem);
   } catch (const InputError& unreadable) {
-    return {nullptr, unreadable.field()};
+    return {std::nullopt, unreadable.field()};
   }
 }
 
 void write_finished_result(const fs::path& file, const std::string& program, const json& problem,
-                           const json& result) {
+                           const ReferenceResult& result) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);  // a failure is the write's, with its reason
   system::write_file_atomically(
-      file, json({{"program", program}, {"problem", problem}, {"result", result}}).dump(1) + "\n");
+      file,
+      json({{"program", program}, {"problem", problem}, {"result", result.document}}).dump(1) +
+          "\n");
 }
 
 }  // namespace softfinger::reference

@@ -2,7 +2,10 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+
+#include "comparisons/reference/reference_result.h"
 
 /// Results of the finite elements that are kept between runs: one file each,
 /// {"program", "problem", "result"}. A result is used again only when the same program gave it for
@@ -15,8 +18,8 @@ std::string program_identity(const std::filesystem::path& program);
 
 /// What a file of a finished result says.
 struct FinishedResult {
-  nlohmann::json result;  ///< null when there is none to use
-  std::string flaw;       ///< why a file that is there is of no use; empty when nothing is wrong
+  std::optional<ReferenceResult> result;
+  std::string flaw;  ///< why a file that is there is of no use; empty when nothing is wrong
 };
 
 /// @param text     of the file
@@ -31,6 +34,6 @@ FinishedResult read_finished_result(const std::filesystem::path& file, const std
 /// Writes the file whole or not at all; its folder is made when it is missing.
 /// @throws InputError
 void write_finished_result(const std::filesystem::path& file, const std::string& program,
-                           const nlohmann::json& problem, const nlohmann::json& result);
+                           const nlohmann::json& problem, const ReferenceResult& result);
 
 }  // namespace softfinger::reference

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "comparisons/report/case_section.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -172,10 +172,11 @@ std::string setting_buttons(const std::string& setting, const std::string& label
 
 std::string speed_accuracy_section(const Json& report) {
   if (!has_atlas(report)) return "";
-  return "<h2 id=\"speed\">What a nanosecond buys</h2>\n"
-         "<p>Every model against finite elements over the whole error atlas: contacts from a tenth "
-         "of the layer’s thickness to many times it, from sponge to rubber, from round to "
-         "ten times longer than wide.</p>\n" +
+  return "<h2 id=\"speed\">Cost and accuracy of the models</h2>\n"
+         "<p>Every model compared with finite elements over the whole error atlas: contacts from a "
+         "tenth "
+         "of the layer’s thickness to several times it, Poisson’s ratios from sponge to rubber, "
+         "relative radii from equal to ten times each other.</p>\n" +
          quantity_buttons() +
          setting_buttons("within", "Over",
                          {{"all", "all contacts"}, {"claimed", "where the model says it holds"}},
@@ -187,15 +188,17 @@ std::string speed_accuracy_section(const Json& report) {
                     std::string(child(report, "choices").is_array()
                                     ? "Diamonds: stated errors of the case, ring: the choice. "
                                     : "") +
-                    "Staircase: what nothing beats at 95 %. FEM: what it states of itself; "
-                    "coarse mesh: against the finer one.") +
+                    "Staircase: the smallest error (95 %) for that time. FEM: the error that it "
+                    "states "
+                    "itself; coarse mesh: its difference to the finer one.") +
          figure(
              "data-chart=\"friction\"",
-             "<b>The friction limit.</b> What one may take in place of the exact limit surface: "
-             "largest radial error over the atlas’s contact shapes (bar: from the median); facet "
-             "vertices: what they cut off the ellipsoid. The exact surface is exact to rounding; "
-             "it "
-             "stands at 0.01 %.") +
+             "<b>The friction limit.</b> Replacements of the exact limit surface, with their "
+             "largest "
+             "radial error over the atlas’s contact shapes (bar: from the median). For facets: "
+             "what "
+             "they cut off the ellipsoid. The exact surface has only rounding errors and is drawn "
+             "at 0.01 %.") +
          "</div>\n" +
          details("Median, 95 % and worst error of every model as numbers", quantile_table(report)) +
          details("Cost and error of the friction limits as numbers", law_table(report));
@@ -223,8 +226,9 @@ std::string validity_map_section(const Json& report) {
         "width=\"18\" height=\"12\" fill=\"var(--map-{})\"/></svg>{}</span></li>",
         i, kBands[i]);
   key +=
-      "<li>dashed: there the model says itself that it holds</li><li>○ contacts of this page</li>"
-      "<li>× the seed method’s fingertips</li></ul>\n";
+      "<li>dashed: where the model says that its assumptions hold</li><li>○ contacts of this "
+      "page</li>"
+      "<li>× fingertips of Ciocarlie et al. (2007)</li></ul>\n";
   std::string marks;
   for (const Json& mark : child(atlas, "marks"))
     marks += fmt::format(
@@ -234,9 +238,10 @@ std::string validity_map_section(const Json& report) {
         significant(number(mark, "radii_ratio"), 1, 3));
   return "<h2 id=\"maps\">Where each model holds</h2>\n"
          "<p>Relative error over the contact’s size s and Poisson’s ratio ν, interpolated between "
-         "the finite-element runs. A narrow strip of small error between two bad regions is a "
-         "change of sign: an accident, no validity. Marks that are faint belong to another "
-         "R′/R″.</p>\n" +
+         "the finite-element runs. A narrow strip of small error between two regions of large "
+         "error "
+         "is where the error changes its sign; the model is not valid there. Faint marks belong to "
+         "another R′/R″.</p>\n" +
          quantity_buttons() + setting_buttons("ratio", "R′/R″", ratios, usual_ratio(atlas)) + key +
          "<div class=\"charts maps\">\n" + maps + "</div>\n" +
          details("Part of the atlas’s contacts on which the torque is within a limit",
@@ -276,16 +281,16 @@ std::string error_causes_section(const Json& report) {
               percent(number(stated, "worst").value_or(NAN)) + " at worst</li>\n";
   }
   return "<h2 id=\"causes\">Where the error comes from</h2>\n"
-         "<p>A torque’s error as a product: (1 + ellipse)(1 + pressure) = torque of the model over "
-         "torque of the finite elements, by the exact rule; the paper’s √(ab) rule multiplies it "
-         "by "
-         "a third factor. <i>Ellipse</i>: the model’s a and b in place of the true ones; "
-         "<i>pressure</i>: its pressure over the true ellipse. They may cancel. Medians, 95 % and "
-         "worst, flat layers.</p>\n" +
+         "<p>The error of the torque is split into factors: torque of the model over torque of the "
+         "finite elements = (1 + ellipse)(1 + pressure) by the exact rule. The √(ab) rule of "
+         "Ciocarlie et al. adds a third factor. <i>Ellipse</i>: the error from the model’s a and "
+         "b; "
+         "<i>pressure</i>: the error from its pressure distribution over the true ellipse. Errors "
+         "may cancel each other. Median, 95 % and worst, flat layers.</p>\n" +
          table(heading("model") + heading("ellipse") + heading("pressure") +
                    heading("√(ab) rule instead of the exact one") + heading("torque, exact rule"),
                rows) +
-         "<p>Added to it, whichever model:</p>\n<ul>" + common + "</ul>\n";
+         "<p>Further errors, which are the same for every model:</p>\n<ul>" + common + "</ul>\n";
 }
 
 std::string finite_strain_section(const Json& report) {
@@ -323,7 +328,7 @@ std::string finite_strain_section(const Json& report) {
     for (const NamedQuantity& quantity : kJudged) head += heading(quantity.name);
     return table(head, rows);
   };
-  // The softest and deepest: what a silicone fingertip does that grips hard.
+  // The last group has the largest nu and indentation: a silicone fingertip in a hard grip.
   std::string answer;
   for (const Json& group : groups) {
     if (text(group, "kind") != "finite_sphere") continue;
@@ -336,23 +341,26 @@ std::string finite_strain_section(const Json& report) {
           fmt::format("{}{} {}", answer.empty() ? "" : ", ",
                       name == "fem_linear" ? "linear FEM" : escape(label(name)), percent(*worst));
     }
-    answer = fmt::format("At ν {}, pressed to d/h {} and more, the torque is off by at most: {}.",
-                         plain(number(group, "poisson_ratio")),
-                         plain(element(child(group, "indentation_over_thickness"), 0)), answer);
+    answer =
+        fmt::format("At ν {} and d/h of {} and more, the largest errors of the torque are: {}.",
+                    plain(number(group, "poisson_ratio")),
+                    plain(element(child(group, "indentation_over_thickness"), 0)), answer);
   }
   return "<h2 id=\"finite-strain\">What large deformation changes</h2>\n"
-         "<p>Every model and the linear finite elements at the same load, against finite elements "
-         "at finite strain (a neo-Hookean layer, the contact followed on its deformed surface): "
-         "how deep a rubber layer may be pressed before a linear theory is the wrong one. "
-         "Medians and worst of |relative error|; area and torque are those of the inclined, "
-         "deformed surface. " +
+         "<p>Every model and the linear finite elements, compared at the same load with finite "
+         "elements at finite strain (a neo-Hookean layer, the contact found on its deformed "
+         "surface). The tables show up to which indentation a linear theory describes a rubber "
+         "layer: medians and largest values of |relative error|. Area and torque are those of the "
+         "deformed, inclined surface. " +
          answer + "</p>\n" + details("A sphere on a flat layer", tables_of("finite_sphere")) +
          details(
-             "A round finger with a curved layer on a plane: its curvature is in the numbers "
-             "too",
+             "A round finger with a curved layer on a plane: the errors include that of replacing "
+             "it by "
+             "a flat layer",
              tables_of("finite_curved")) +
          details(
-             "The suite’s silicone pads and the seed’s fingers, 0.01 to 10 N: paraboloids on flat "
+             "The suite’s silicone pads and the fingers of Ciocarlie et al., 0.01 to 10 N: "
+             "paraboloids on flat "
              "layers",
              tables_of("finite_pad"));
 }

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/compared_cases.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -191,7 +192,7 @@ std::string patch_table(const Json& load) {
   if (region && predicted && *predicted > 0)
     note += fmt::format(
         "The quadric is fitted over {} mm², {} times the contact area of {} mm² that "
-        "{} predicts (wanted: 2). ",
+        "{} predicts (it should be 2 times). ",
         significant(*region * 1e6), significant(*region / *predicted, 3),
         significant(*predicted * 1e6), escape(label(text(patch, "patch_model"))));
   note += escape(text(patch, "remark")) + "</p>\n";

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "comparisons/judgement/scoring.h"
 #include "comparisons/report/atlas_sections.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/compared_cases.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -62,7 +64,7 @@ Json drawn_fem(const Json& fem) {
   return out;
 }
 
-Json drawn_model(const Json& report, const Json& load, const Json& model) {
+Json drawn_model(const judgement::LoadErrors& load, const Json& model, double limit) {
   Json out =
       copied(model, {"a_m", "b_m", "axis_rad", "max_torque_Nm", "max_torque_paper_Nm", "cost_ns"});
   out["model"] = text(model, "model");
@@ -70,9 +72,10 @@ Json drawn_model(const Json& report, const Json& load, const Json& model) {
   out["valid"] = flag(model, "valid");
   out["relative_error"] =
       copied(child(model, "relative_error"), {"max_torque", "max_torque_paper"});
-  const auto worst = score(load, model);
+  const judgement::ModelError error = compared_model(model);
+  const auto worst = judgement::score(load, error);
   out["score"] = worst ? Json(rounded(worst->error, 8)) : Json();
-  out["usable"] = judge(report, load, model) == Judgement::usable;
+  out["usable"] = judgement::judge(load, error, limit) == judgement::Judgement::usable;
   out["profile_x"] = profile(child(model, "profile_x"));
   out["profile_y"] = profile(child(model, "profile_y"));
   return out;
@@ -86,8 +89,9 @@ Json chart_data(const Json& report) {
     Json loads = Json::array();
     for (const Json& load : child(report_case, "loads")) {
       Json models = Json::array();
+      const judgement::LoadErrors errors = compared_load(load);
       for (const Json& model : child(load, "models"))
-        models.push_back(drawn_model(report, load, model));
+        models.push_back(drawn_model(errors, model, tolerance(report)));
       Json drawn = {{"load_N", number_or_null(load, "load_N")},
                     {"axis_rad", number_or_null(child(load, "geometry"), "axis_rad")},
                     {"s", number_or_null(child(load, "geometry"), "s")},

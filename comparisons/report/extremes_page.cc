@@ -11,13 +11,13 @@
 #include "comparisons/report/chart_data.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
 
 constexpr std::array<std::pair<const char*, const char*>, 5> kPromises{
-    {{"not_finite_or_positive", "finite, positive, refusals in words"},
+    {{"not_finite_or_positive", "finite, positive, refusals with a reason"},
      {"shrinks_under_load", "larger under more load"},
      {"depends_on_units", "the same in all units"},
      {"friction_limit", "a finite friction limit"},
@@ -45,13 +45,14 @@ std::string lead(const Json& survey) {
   }
   return fmt::format(
       "<p class=\"lead\"><span class=\"badge {}\">{}</span> {:.0f} problems far beyond any "
-      "fingertip: {} of {} models kept every promise. {}</p>\n",
-      keeping == models ? "good" : "bad", keeping == models ? "✓ all kept" : "✕ broken", asked,
+      "fingertip: {} of {} models violated no invariant. {}</p>\n",
+      keeping == models ? "good" : "bad", keeping == models ? "✓ all hold" : "✕ violated", asked,
       keeping, models,
       keeping == models
           ? "No NaN, no infinity, no negative number, no answer that depends on the units, none "
-            "that shrinks under load, no jump; what a model cannot answer it refuses in words."
-          : "What was broken, and by which problem, is in the table below.");
+            "that shrinks under load, no jump. What a model cannot answer, it refuses with a "
+            "reason."
+          : "The table below shows which invariant was violated, and by which problem.");
 }
 
 std::string results_table(const Json& survey) {
@@ -89,11 +90,11 @@ std::string promises_table(const Json& survey) {
       const bool tried =
           std::string_view(promise.first) != "jumps" || !child(model, "largest_jump").is_null();
       rows += times > 0 ? fmt::format(
-                              "<td class=\"words\"><span class=\"badge bad\">✕ broken {} "
+                              "<td class=\"words\"><span class=\"badge bad\">✕ violated {} "
                               "times</span></td>",
                               times)
-              : tried ? "<td class=\"words\"><span class=\"badge good\">✓ kept</span></td>"
-                      : "<td class=\"words\"><span class=\"badge failed\">not asked</span></td>";
+              : tried ? "<td class=\"words\"><span class=\"badge good\">✓ holds</span></td>"
+                      : "<td class=\"words\"><span class=\"badge failed\">not tested</span></td>";
     }
     rows += "</tr>\n";
     for (const Json& broken : child(model, "broken_promises"))
@@ -198,20 +199,21 @@ std::string body(const Json& survey) {
       rows += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
   rows += "<dt>seed</dt><dd>" + plain(number(survey, "seed")) + "</dd>";
   return "<header><h1>How far can the models be pushed?</h1>\n<p class=\"subtitle\">Random "
-         "problems over all that is allowed, and beyond</p>\n" +
+         "problems over the whole allowed range of input, and beyond it</p>\n" +
          lead(survey) +
-         "<nav><a href=\"#answers\">Answers</a> <a href=\"#promises\">Promises</a> <a "
+         "<nav><a href=\"#answers\">Answers</a> <a href=\"#promises\">Invariants</a> <a "
          "href=\"#ranges\">What was tried</a> <a href=\"#refusals\">Refusals</a> <a "
          "href=\"#provenance\">Provenance</a></nav></header>\n"
          "<h2 id=\"answers\">What each model answered</h2>\n" +
          results_table(survey) + pictures(survey) + decades_tables(survey) +
-         "<h2 id=\"promises\">What they promise</h2>\n" + promises_table(survey) +
+         "<h2 id=\"promises\">Invariants</h2>\n" + promises_table(survey) +
          "<h2 id=\"ranges\">What was tried, and how far</h2>\n"
-         "<p>Drawn at random, evenly over the decades; contact size: of a half-space’s contact, "
-         "(P R/E)<sup>1/3</sup>; R′ = R″ in one of six, Poisson’s ratio 0, "
-         "1/2 or next to one of them in one of three, a compliant object in one of five. One "
-         "problem of sixteen is nonsense: a NaN, an infinity, a negative or vanishing number "
-         "somewhere.</p>\n" +
+         "<p>Random problems, evenly spread over the decades. The contact size is the radius on a "
+         "half-space, (P R/E)<sup>1/3</sup>. R′ = R″ in one problem of six; Poisson’s ratio is a "
+         "special value (0, 1/2, next to one of them, 0.3) in one of three; the object is "
+         "compliant "
+         "in one of five. One problem of sixteen is nonsense: it contains a NaN, an infinity, a "
+         "negative number or one that is nearly zero.</p>\n" +
          ranges_table(survey) + "<h2 id=\"refusals\">Why they refused</h2>\n" + refusals(survey) +
          provenance_section(rows, text(source, "command"),
                             "<p>The same numbers are in <code>extremes.json</code> beside this "

@@ -73,7 +73,7 @@ constexpr const char* kPlayer = R"(<section class="player" aria-label="Motion in
 <div class="selected of_contacts" aria-live="off">
 <h2 id="selected"></h2>
 <p class="facts" id="state"></p>
-<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force; thin: the way there.</figcaption><div class="plot"></div></figure>
+<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force; thin: the path up to now.</figcaption><div class="plot"></div></figure>
 <figure data-chart="normal"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="tangential"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="torque"><figcaption></figcaption><div class="plot"></div></figure>

@@ -7,13 +7,15 @@
 #include <stdexcept>
 #include <vector>
 
+#include "comparisons/judgement/scoring.h"
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
 #include "comparisons/report/chart_data.h"
+#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -34,9 +36,9 @@ std::string input_range(std::optional<double> low, std::optional<double> high) {
   return *low == *high ? plain(low) : plain(low) + " to " + plain(high);
 }
 
-std::string trust_sentence(const ReferenceSummary& reference, double tolerance) {
+std::string trust_sentence(const judgement::ReferenceSummary& reference, double tolerance) {
   if (reference.solved == 0)
-    return "The finite elements solved none: there is nothing to judge by.";
+    return "The finite elements found no solution, so that nothing can be compared.";
   const double stated = std::max(reference.worst_torque_error, reference.worst_axis_error);
   const std::string numbers = fmt::format(
       "stated error of the torque {} in the median and {} at worst, of the semi-axes {} at worst",
@@ -52,11 +54,16 @@ std::string trust_sentence(const ReferenceSummary& reference, double tolerance) 
                      reference.trusted, reference.solved, numbers);
 }
 
+std::vector<judgement::Usability> usability(const Json& report) {
+  return judgement::usability(compared_cases(report), model_names(report), tolerance(report));
+}
+
 std::string summary(const Json& report) {
-  const ReferenceSummary reference = reference_summary(report);
+  const judgement::ReferenceSummary reference =
+      judgement::reference_summary(compared_cases(report), tolerance(report));
   const double limit = tolerance(report);
   std::string models;
-  for (const Usability& use : usability(report)) {
+  for (const judgement::Usability& use : usability(report)) {
     if (use.compared == 0) continue;
     models += fmt::format("{}<b>{}</b> at {}", models.empty() ? "" : ", ", escape(label(use.model)),
                           use.usable);
@@ -65,7 +72,7 @@ std::string summary(const Json& report) {
                                 plural(reference.loads, "load"), trust_sentence(reference, limit));
   if (reference.solved > 0) {
     out += fmt::format(
-        " Of {}, these models are usable (area and torque within ±{} inside their own validity): "
+        " Of {}, these models are usable (area and torque within ±{}, and their assumptions hold): "
         "{}.",
         plural(reference.solved, "load") + " with a reference", plain(limit, 100) + " %",
         models.empty() ? "none" : models);
@@ -79,7 +86,7 @@ std::string summary(const Json& report) {
 std::string overview_table(const Json& report) {
   std::string rows;
   for (const Json& report_case : child(report, "cases")) {
-    const auto best = best_model(report, report_case);
+    const auto best = judgement::best_model(compared_case(report_case), tolerance(report));
     std::string model = "–", error = "–";
     if (best) {
       model = model_key(report, best->model) +
@@ -108,7 +115,7 @@ std::string overview_table(const Json& report) {
 
 std::string usability_table(const Json& report) {
   std::string rows;
-  for (const Usability& use : usability(report)) {
+  for (const judgement::Usability& use : usability(report)) {
     if (use.compared == 0) continue;
     rows += fmt::format(
         "<tr><th scope=\"row\">{}</th><td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
@@ -129,13 +136,14 @@ std::string usability_table(const Json& report) {
 
 std::string overview_charts() {
   return R"(<div class="charts">
-<figure data-chart="cost"><figcaption><b>Speed against accuracy.</b> Small marks: one prediction each (hollow outside its validity); large marks: medians; the line joins those that nothing beats in both. FEM with its own stated error.</figcaption><div class="plot"></div></figure>
-<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model; hollow: none is usable, coloured by the nearest.</figcaption><div class="plot"></div></figure>
+<figure data-chart="cost"><figcaption><b>Speed against accuracy.</b> Small marks: one prediction each (hollow where the model’s assumptions fail); large marks: medians. The line joins those for which no other is both faster and more accurate. FEM is shown with the error that it states itself.</figcaption><div class="plot"></div></figure>
+<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model. Hollow: none is usable; the colour is that of the most accurate one.</figcaption><div class="plot"></div></figure>
 </div>
 )";
 }
 
-/// A simulator's constant is right at one load only: this says what to take and what it costs.
+/// A simulator's constant is right at one load only. The table gives a constant for all loads of a
+/// case and its error.
 std::string simulator_table(const Json& report) {
   std::string rows;
   for (const Json& report_case : child(report, "cases")) {
@@ -164,9 +172,10 @@ std::string simulator_table(const Json& report) {
          "this page: <code>friction[0]</code> is μ, <code>friction[1]</code> the largest torque "
          "divided by the load, e<sub>n</sub>·μ, in metres. Write <code>friction=\"μ friction[1] "
          "0.0001\"</code> on the geom and <code>&lt;option cone=\"elliptic\"/&gt;</code>; of two "
-         "geoms in contact the larger value counts. The value grows with the load, a simulator "
-         "keeps it constant: the last columns give the best constant over the loads compared and "
-         "what it costs.</p>\n"
+         "geoms in contact the larger value counts. The right value grows with the load, but a "
+         "simulator keeps it constant: the last columns give one constant for all loads of the "
+         "case "
+         "and the error that it makes.</p>\n"
          "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">case</th>"
          "<th scope=\"col\">friction[0]</th><th scope=\"col\">friction[1] by FEM <span "
          "class=\"unit\">m"
@@ -180,9 +189,9 @@ std::string how_to_read(const Json& report) {
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
 <li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
-<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model promises too much. A model is called usable where area and maximal torque are both within ±{} and it claims itself to hold there.</li>
-<li>± behind an FEM value is the error that it states itself, from its last two meshes. A difference smaller than that means nothing.</li>
-<li>“Outside its validity” is the model’s own statement, made without looking at the FEM. A small error there is an accident, or an assumption that the FEM shares (small strain, small slopes): no licence either way.</li>
+<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where area and maximal torque are both within ±{} and the model itself says that its assumptions hold.</li>
+<li>± behind an FEM value is the error that it states itself, from its last two meshes. A smaller difference says nothing about a model.</li>
+<li>“Outside its validity” means that the model’s own assumptions fail; the model decides that without the FEM. A small error there can be a coincidence, or the FEM may make the same assumption (small strain, small slopes). Such agreement does not make the model usable.</li>
 <li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
 </ul>
 )",

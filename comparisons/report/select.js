@@ -20,7 +20,7 @@
       ...base(width, 300),
       marginLeft: 60,
       x: {type: "log", domain, label: "load, N →", tickFormat: "~g", ticks: 6},
-      y: {type: "log", domain: range, label: "↑ stated error, largest of the judged quantities",
+      y: {type: "log", domain: range, label: "↑ stated error, largest of the chosen quantities",
         ticks: decades(range), tickFormat: (v) => `${Number((100 * v).toPrecision(1))} %`},
       marks: [
         Plot.ruleY([report.tolerance], {strokeOpacity: 0.5, strokeDasharray: "3 3"}),

@@ -11,9 +11,10 @@
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
 #include "comparisons/report/chart_data.h"
+#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -74,12 +75,13 @@ std::string lead(const Json& selection) {
       slowest_us = std::fmax(slowest_us, number(candidate, "cost_us").value_or(0));
     }
     sentence = fmt::format(
-        "<b>{}</b> is the cheapest model that is enough{}: it states an error of at most {} and "
-        "answers in {}.",
+        "<b>{}</b> is the cheapest model that is accurate enough{}: its stated error is at most "
+        "{}, an "
+        "answer takes {}.",
         escape(label(*chosen.begin())), choices.size() > 1 ? " at every load" : "", percent(worst),
         duration(1e-6 * slowest_us));
   } else {
-    sentence = "The cheapest model that is enough changes with the load: ";
+    sentence = "The cheapest model that is accurate enough depends on the load: ";
     bool first = true;
     for (const Json& choice : choices) {
       const std::string model = text(choice, "model");

@@ -297,7 +297,7 @@
       heldText(),
       facetBy && facetBy.levels.length > picked.length ? `${picked.length} of ${facetBy.levels.length} values of ${facetBy.label} are drawn.` : "",
       everything.some((s) => s.source === fem) ? "Points with bars: finite elements and the error they state." : "",
-      doubted ? "Dashed or faint: where a model calls itself not valid." : "",
+      doubted ? "Dashed or faint: where a model’s assumptions fail." : "",
       withoutText(),
       outside ? `${outside} of ${marks} points lie beyond the frame.` : "",
     ]);
@@ -455,7 +455,7 @@
     const valid = known.filter((p) => p.valid).length;
     caption([
       `${source.style.label}.`, heldText(),
-      source === fem ? "" : `It calls itself valid in ${valid} of ${known.length} points${
+      source === fem ? "" : `Its assumptions hold in ${valid} of ${known.length} points${
         valid === 0 || valid === known.length ? "" : cells ? ": the dashed line parts them from the others" : "; the others are faint"}.`,
       known.length < points.length ? `${points.length - known.length} without an answer are ${cells ? "empty" : "small and grey"}.` : "",
       withoutText(),

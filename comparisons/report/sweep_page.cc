@@ -14,7 +14,7 @@
 #include "comparisons/report/chart_data.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
-#include "comparisons/report/scoring.h"
+#include "comparisons/report/style.h"
 #include "comparisons/text/base64.h"
 
 namespace softfinger::report {
@@ -350,7 +350,7 @@ std::string finding_of_models(const Table& table) {
     if (const Range range = range_of(model->values[i]); range.count > 0)
       parts.push_back(std::string(kQuantities[i].words) + " " +
                       range_text(range.least, range.largest, kQuantities[i].unit));
-  return fmt::format("By {}: {}; it calls itself valid in {} of {}.", escape(label(model->name)),
+  return fmt::format("By {}: {}. Its assumptions hold in {} of {}.", escape(label(model->name)),
                      listed(parts), grouped(double(valid)),
                      count_text(double(answered), "row", "rows"));
 }
@@ -403,8 +403,8 @@ std::string lead(const Json& sweep, const Table& table) {
   out += " " + (against_fem.empty() ? finding_of_models(table) : against_fem) + "</p>\n";
   if (double(table.rows) < all)
     out += fmt::format(
-        "<p class=\"facts\">{} of {} are drawn, evenly taken out; all are in "
-        "<code>results.csv</code>. The sentence above and the tables are over those drawn.</p>\n",
+        "<p class=\"facts\">{} of {}, evenly spaced, are drawn; all are in "
+        "<code>results.csv</code>. The sentence above and the tables use only those drawn.</p>\n",
         grouped(double(table.rows)), count_text(all, "row", "rows"));
   return out;
 }
@@ -485,7 +485,7 @@ std::string deviations_section(const Table& table) {
   if (table.fem.empty()) return "";
   return "<h2 id=\"deviations\">How far the models are from the finite elements</h2>\n"
          "<p class=\"facts\">|model − FEM| / FEM over the rows: the median, below it the "
-         "worst.</p>\n<h4>Where a model calls itself valid</h4>\n" +
+         "worst.</p>\n<h4>Where a model’s assumptions hold</h4>\n" +
          deviations_table(table, true) + "<h4>Wherever it has an answer</h4>\n" +
          deviations_table(table, false);
 }

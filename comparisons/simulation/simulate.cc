@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "comparisons/input/recorded_contacts.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
 #include "softfinger/dynamics/time_stepper.h"

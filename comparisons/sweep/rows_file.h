@@ -6,13 +6,14 @@
 
 namespace softfinger::sweep {
 
-/// results.csv while it grows. Rows are appended in the order of the points, under another name
-/// until the last one is there: an interrupted sweep goes on after the last whole point.
+/// The file results.csv while it is written. Rows are appended in the order of the points. The file
+/// has another name until it is complete, and an interrupted sweep continues after the last point
+/// whose rows are all there.
 class RowsFile {
  public:
   /// @param header  with its end of line
-  /// @param rows_per_point  a point is whole when it has so many
-  /// @param go_on  whether what is there belongs to the same sweep
+  /// @param rows_per_point  the number of rows of a complete point
+  /// @param go_on  whether an existing file belongs to the same sweep and is continued
   /// @throws InputError
   RowsFile(const std::filesystem::path& folder, const std::string& header,
            std::size_t rows_per_point, bool go_on);
@@ -20,19 +21,20 @@ class RowsFile {
   RowsFile(const RowsFile&) = delete;
   RowsFile& operator=(const RowsFile&) = delete;
 
-  /// Points whose rows are in the file.
+  /// The number of points whose rows are in the file.
   std::size_t points() const { return points_; }
 
   /// @param text  the rows of the next `points` points
   /// @throws InputError when the disk is full
   void append(const std::string& text, std::size_t points);
 
-  /// Gives the file its name.
+  /// Renames the finished file to results.csv.
   /// @throws InputError
   void finish();
 
  private:
-  /// Cuts off what is not whole; nothing is left of a file with another header.
+  /// Finds how many complete points the file has and cuts off the rest. A file with another header
+  /// is started anew.
   void resume(const std::string& header, std::size_t rows_per_point);
 
   std::filesystem::path unfinished_, finished_;

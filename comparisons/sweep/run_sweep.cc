@@ -27,14 +27,14 @@ using nlohmann::json;
 
 namespace {
 
-/// A thread's share of the work: large enough that handing it out costs nothing, small enough that
-/// what waits for its turn needs no memory.
+/// Points that a thread computes at a time: enough that handing them out costs nothing, few enough
+/// that the rows that wait to be written need little memory.
 constexpr std::size_t kPointsPerChunk = 500;
 
-// A signal handler can reach nothing but a global.
+// A global, because a signal handler cannot reach anything else.
 volatile std::sig_atomic_t g_signal = 0;
 
-/// Turns SIGINT and SIGTERM into `g_signal` for as long as it lives.
+/// While it exists, SIGINT and SIGTERM only set `g_signal`.
 class SignalFlag {
  public:
   SignalFlag() {
@@ -46,12 +46,14 @@ class SignalFlag {
   }
 };
 
-/// Chunks that are done wait here for their turn, a few at most.
+/// Threads finish chunks in any order. They wait here, a limited number of them, until they can be
+/// written in order.
 class ChunkQueue {
  public:
   ChunkQueue(std::size_t chunks, std::size_t longest) : chunks_(chunks), longest_(longest) {}
 
-  /// The next chunk to make, for a worker. False when there is none, or no use in it.
+  /// For a worker: the next chunk to compute. False when there is none or the sweep has been
+  /// stopped.
   bool take(std::size_t& chunk) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock,
@@ -76,10 +78,11 @@ class ChunkQueue {
     stopped_ = true;
     changed_.notify_all();
   }
-  /// The next chunk in order, for the writer; waits a moment for it. False when it is not there.
+  /// For the writer: the next chunk in order. False when it is not finished within a tenth of a
+  /// second.
   bool wait_for_next(std::string& text) {
     std::unique_lock lock(mutex_);
-    // Not for ever: the writer also looks for signals.
+    // With a time limit, because the writer has to look for signals in between.
     changed_.wait_for(lock, std::chrono::milliseconds(100),
                       [&] { return error_ || done_.count(written_) > 0; });
     if (error_) std::rethrow_exception(error_);
@@ -101,7 +104,7 @@ class ChunkQueue {
   bool stopped_ = false;
 };
 
-/// What has to be the same for rows that are there to belong to this sweep.
+/// Existing rows belong to this sweep if all of this is the same.
 json identity_of(const SweepPlan& plan, const std::string& header) {
   return {{"program", reference::program_identity("/proc/self/exe")},
           {"sweep_toml", plan.text},
@@ -109,7 +112,7 @@ json identity_of(const SweepPlan& plan, const std::string& header) {
           {"columns", header}};
 }
 
-/// Rows for the page, evenly taken out of all; {"columns", "rows"}.
+/// At most 20000 rows for the page, evenly spaced among all; {"columns", "rows"}.
 json sample_of(const fs::path& results, std::size_t all_rows) {
   constexpr std::size_t kMostRows = 20000;
   const std::size_t every = (all_rows + kMostRows - 1) / kMostRows;
@@ -119,7 +122,7 @@ json sample_of(const fs::path& results, std::size_t all_rows) {
   const auto cells = [](const std::string& text) {
     json values = json::array();
     for (std::size_t start = 0; start <= text.size();) {
-      // The last cell alone may be quoted.
+      // Only the last cell can be quoted.
       const std::size_t end = start < text.size() && text[start] == '"'
                                   ? text.size()
                                   : std::min(text.find(',', start), text.size());
@@ -172,7 +175,8 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
   system::write_file_atomically(plan.output / "sweep.html", report::render_sweep(page));
 }
 
-/// Finite elements as they come, and the rows of each point once all its results are there.
+/// Runs the finite elements, and writes the rows of a point as soon as all its results are
+/// finished.
 int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& file,
                      system::Progress& progress, std::vector<std::string>& failures) {
   const SweepFemJobs& fem = plan.fem;
@@ -183,7 +187,9 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
   };
   const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
       fem.jobs, fem.settings, progress,
-      [&](const reference::FemJob& job, const json&) { finished[index_of(job)] = 1; });
+      [&](const reference::FemJob& job, const reference::ReferenceResult&) {
+        finished[index_of(job)] = 1;
+      });
   SweepRows rows = plan.rows();
   const std::size_t loads = plan.sweep.base().loads_N.size();
   const auto append_what_is_whole = [&] {
@@ -264,7 +270,7 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
   std::vector<std::thread> threads;
   threads.reserve(std::size_t(parallel_));
   std::exception_ptr error;
-  // Whatever fails, the threads have to end before this does.
+  // Whatever fails, the threads have to end before this function returns.
   try {
     for (int i = 0; i < parallel_; ++i) threads.emplace_back(make_chunks);
     for (std::string text; file.points() < plan.sweep.points() && !g_signal;) {
@@ -291,10 +297,10 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
   std::error_code missing;
   const json before =
       fs::exists(record, missing) ? text::parse_json(system::read_text_file(record)) : json();
-  // Rows without a finite-element result are tried again.
+  // With finite elements the rows are written again, because missing results are tried again.
   const bool same = before == identity && !plan.sweep.fem();
   if (same && fs::exists(plan.output / "results.csv", missing)) {
-    // A full disk may have kept the page away.
+    // The page can be missing after a full disk.
     if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
     progress.say(
         fmt::format("softfinger: {} is finished: reused", (plan.output / "results.csv").string()));
@@ -304,8 +310,9 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
   system::write_file_atomically(record, identity.dump(1) + "\n");
   RowsFile file(plan.output, header, plan.sweep.base().loads_N.size(), same);
   if (file.points() > 0)
-    progress.say(fmt::format("softfinger: {} of {} points are there: the sweep goes on",
-                             file.points(), plan.sweep.points()));
+    progress.say(
+        fmt::format("softfinger: continues after {} of {} points, which are already computed",
+                    file.points(), plan.sweep.points()));
 
   std::vector<std::string> failures;
   int signal = 0;

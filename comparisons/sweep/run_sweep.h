@@ -11,7 +11,8 @@
 
 namespace softfinger::sweep {
 
-/// A sweep with all that follows from its file: every process that works on it makes the same one.
+/// A sweep and all that follows from its file. Each process that works on a sweep makes the same
+/// plan.
 struct SweepPlan {
   /// @throws InputError
   SweepPlan(const std::string& text, const std::filesystem::path& file,
@@ -28,27 +29,29 @@ struct SweepPlan {
   SweepFemJobs fem;  ///< empty without finite elements
 };
 
-/// Those who do the work: threads and processes of this machine, or the ranks of an MPI run.
+/// Does the work of a sweep: by threads and processes of this machine, or by the ranks of an MPI
+/// run.
 class SweepWorkers {
  public:
   virtual ~SweepWorkers() = default;
 
-  /// Runs finite-element jobs, whose results are kept in their files.
-  /// @param on_finished  on the calling thread: the job, why it failed (or nothing), its accuracy
+  /// Runs finite-element jobs and writes each result to the job's file.
+  /// @param on_finished  called on the calling thread with the job, the reason of a failure (else
+  /// empty) and a line about its accuracy
   /// @returns 0, or the signal that interrupted
   virtual int run_fem(const std::vector<const reference::FemJob*>& jobs,
                       const reference::FemJobOptions& settings,
                       const std::function<void(const reference::FemJob&, const std::string& failure,
                                                const std::string& summary)>& on_finished) = 0;
 
-  /// Makes the rows of all points that `file` has not yet, from models alone.
+  /// Computes the rows that `file` does not have yet, for a sweep without finite elements.
   /// @param on_progress  after each append
   /// @returns 0, or the signal that interrupted
   virtual int make_rows(const SweepPlan& plan, RowsFile& file,
                         const std::function<void()>& on_progress) = 0;
 };
 
-/// On this machine: finite elements as processes, rows by threads.
+/// On this machine: finite elements in processes, rows in threads.
 class LocalWorkers : public SweepWorkers {
  public:
   explicit LocalWorkers(int parallel) : parallel_(parallel) {}
@@ -63,7 +66,7 @@ class LocalWorkers : public SweepWorkers {
   int parallel_;
 };
 
-/// Does what is not done yet and writes results.csv, sweep.json and sweep.html into the folder.
+/// Computes what is missing in the folder and writes results.csv, sweep.json and sweep.html there.
 /// @param command  as typed, for the page
 /// @returns the exit status: 0, 1 when finite elements failed somewhere, 128 + signal
 /// @throws InputError

@@ -18,8 +18,8 @@ namespace softfinger::sweep {
 namespace fs = std::filesystem;
 namespace {
 
-/// "geometry.finger.radii_mm[0]" in parts: names of tables, places in arrays. "radii_mm.0" is the
-/// same place.
+/// Splits "geometry.finger.radii_mm[0]" into names of tables and indices of arrays. "radii_mm.0"
+/// means the same index.
 std::vector<std::string> steps_of(const std::string& key) {
   std::vector<std::string> steps;
   for (std::size_t start = 0; start < key.size();) {
@@ -34,7 +34,7 @@ std::vector<std::string> steps_of(const std::string& key) {
   return steps;
 }
 
-/// A place in an array; beyond every array for what is none.
+/// An index of an array; for a text that is not one, an index larger than any array.
 std::size_t place_of(const std::string& step) {
   std::size_t place = 0;
   const char* const last = step.data() + step.size();
@@ -109,8 +109,8 @@ void read_range(const input::TomlReader& reader, const toml::table& table, Swept
       reader.refuse(*node, "seed", "a whole number >= 0");
     seed = std::uint64_t(*value);
   }
-  // Not std::uniform_real_distribution: its numbers differ between libraries. Two keys of the same
-  // seed must not have the same numbers.
+  // std::uniform_real_distribution would give different numbers with different standard libraries.
+  // The key's name enters the seed, so that two keys with the same seed get different numbers.
   std::uint64_t name = 14695981039346656037u;  // FNV-1a
   for (const char byte : key) name = (name ^ static_cast<unsigned char>(byte)) * 1099511628211u;
   std::mt19937_64 generator(seed ^ name);
@@ -149,7 +149,7 @@ std::string read_sweep_text(const fs::path& file) {
   return system::read_text_file(file, input::kLargestTomlFile);
 }
 
-/// What is parsed: the case's own table, with plain numbers where keys are swept.
+/// The parsed file: the table of the case, with one number in place of each swept key's values.
 struct Sweep::File {
   std::string text;
   fs::path path;
@@ -169,7 +169,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   toml::table& root = file_->root = input::parse_toml(text, path.string());
   const input::TomlReader reader(path.string());
   reader.required_table(root, "sweep");
-  // Moved, not copied: a copy knows no lines.
+  // Moved, because a copy would lose the line numbers.
   const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
   base_ = input::case_of(root, text, path);
@@ -200,13 +200,13 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
       if (!names || names->empty()) reader.refuse(*node, "models", "a list of model names");
       for (const toml::node& name : *names) models_.push_back(reader.text(name, "models"));
     } else if (key != "zip") {
-      // A list of loads is one number of the sweep.
+      // A list of loads is replaced by a single number that can be swept.
       if (key == "contact.load_N")
         root["contact"].as_table()->insert_or_assign("load_N", base_.loads_N.front());
       if (!find_number(root, key))
         throw InputError(
             fmt::format("{}:{}", path.string(), places[i].line),
-            fmt::format("[sweep] \"{}\" is no number of this case, did you mean \"{}\"?", key,
+            fmt::format("[sweep] \"{}\" is not a number of this case, did you mean \"{}\"?", key,
                         text::nearest_name(key, known)),
             "", text::joined(known));
       keys_.push_back(read_key(reader, key, *node));
@@ -250,7 +250,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
                        fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : ""));
   }
 
-  // Whole numbers stay whole: levels and the like want them.
+  // Whole numbers stay integers, because some keys, the level for one, must be integers.
   for (const SweptKey& swept : keys_) {
     toml::node& node = *find_number(root, swept.key);
     if (node.is_integer() && is_whole(swept.values)) continue;
@@ -264,7 +264,8 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
       parent->as_table()->insert_or_assign(steps.back(), value);
   }
 
-  // Values out of range are found before any work, not in the last hour of it.
+  // Checks the extreme values of each key now, so that a value out of range is not found hours
+  // later.
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     const std::vector<double>& values = keys_[k].values;
     const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
@@ -291,7 +292,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   try {
     base_ = first.at(0);
   } catch (const InputError&) {
-    // Its values do not go together: that row will say so.
+    // These values do not fit together: the row of this point will say so.
   }
   if (rows() > most)
     throw InputError(path.string(), "[sweep]", fmt::format("{} rows", rows()),

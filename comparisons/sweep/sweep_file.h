@@ -17,10 +17,11 @@
 ///   models = ["bonded_layer", "hertz"]                     # default: all that take microseconds
 ///   fem = true                                             # also finite elements
 ///
-/// Keys that are not zipped make the product of their values, the last one fastest.
+/// Keys that are not zipped are combined with each other; the last one changes fastest.
 namespace softfinger::sweep {
 
-/// Limits of a sweep: rows are streamed, finite-element jobs and values are kept in memory.
+/// Limits of a sweep. Rows are written as they come; finite-element jobs and values are kept in
+/// memory.
 constexpr std::size_t kMostSweepRows = 100'000'000, kMostSweepFemJobs = 100'000,
                       kMostSweptValues = 1'000'000;
 
@@ -37,8 +38,8 @@ struct SweptKey {
 
 class Sweep {
  public:
-  /// Reads and checks a sweep file: the case itself, each key, its first, last, smallest and
-  /// largest value.
+  /// Reads a sweep file and checks the case with its own numbers and with the first, last, smallest
+  /// and largest value of each key.
   /// @throws InputError(file:line)
   Sweep(const std::string& text, const std::filesystem::path& file);
   ~Sweep();
@@ -54,10 +55,10 @@ class Sweep {
 
   std::size_t points() const { return points_; }
   std::size_t rows() const { return points_ * base_.loads_N.size(); }
-  /// Of each key, in the order of `keys`.
+  /// The value of each key at a point, in the order of `keys`.
   void values_at(std::size_t point, std::vector<double>& values) const;
 
-  /// Makes the cases of points one after the other, without parsing the file again. For one thread.
+  /// Makes the cases of points without parsing the file again. Not safe to share between threads.
   class Cases {
    public:
     explicit Cases(const Sweep& sweep);

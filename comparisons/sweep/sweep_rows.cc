@@ -6,9 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <unordered_map>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/csv.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
@@ -29,20 +30,26 @@ void append_number(double value, std::string& text) {
   if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), "{:.10g}", value);
 }
 
-/// As typed, to the last digit.
+/// A number in as many digits as give exactly the same number back.
 void append_exact(double value, std::string& text) {
   fmt::format_to(std::back_inserter(text), ",{}", value);
 }
 
-/// A cell of its own line: rows are counted by their ends.
+/// A cell without line breaks, because rows are counted by their line breaks.
 std::string text_cell(std::string words) {
   std::replace(words.begin(), words.end(), '\n', ' ');
   return text::csv_cell(visible_text(words));
 }
 
-double number(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : NAN;
+/// The columns of `kQuantities`, then those of `kErrors`.
+void append_reference(const reference::ReferenceResult& result, std::string& text) {
+  for (const double value : {result.a_m, result.b_m, result.indentation_m, result.peak_pressure_Pa,
+                             result.area_m2, result.max_torque_Nm})
+    append_number(value, text);
+  const reference::ReferenceErrors& error = result.error;
+  for (const auto& stated :
+       {error.a, error.b, error.indentation, error.peak_pressure, error.area, error.max_torque})
+    append_number(stated.value_or(NAN), text);
 }
 
 std::string hash_of(const json& problem) {
@@ -52,7 +59,8 @@ std::string hash_of(const json& problem) {
   return fmt::format("{:016x}", hash);
 }
 
-/// Finite strain, an unsymmetric contact and a fine level cost the most.
+/// A rough estimate of a job's cost. Finite strain, contacts without symmetry and fine levels cost
+/// most.
 double weight_of(const json& problem) {
   const double ratio = problem["radii_m"][0].get<double>() / problem["radii_m"][1].get<double>();
   const double level = std::pow(4., problem["level"].get<int>());
@@ -153,16 +161,15 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       std::string failure;
       if (fem) {
         const long job = fem->job_of_row[point * loads + load];
-        const json result =
-            job < 0 ? json()
-                    : reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
-        if (result.is_null()) {
+        std::optional<reference::ReferenceResult> result;
+        if (job >= 0)
+          result = reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
+        if (!result) {
           text.append(12, ',');
           failure = job < 0 ? "" : failures[std::size_t(job)];
           if (failure.empty()) failure = "no finite-element result";
         } else {
-          for (const char* quantity : kQuantities) append_number(number(result, quantity), text);
-          for (const char* error : kErrors) append_number(number(result["error"], error), text);
+          append_reference(*result, text);
         }
       }
       text += failure.empty() ? ",\n" : "," + text_cell(failure) + "\n";
@@ -184,7 +191,7 @@ std::vector<json> SweepRows::fem_problems(std::size_t point) {
                                               contact_case.fem_level);
     }
   } catch (const InputError&) {
-    // The point's rows say it.
+    // The rows of this point say why.
   }
   return problems;
 }
@@ -211,8 +218,8 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
       job.problem = problems[load];
       job.file = folder / (name + ".json");
       job.weight = weight_of(problems[load]);
-      // A process per job: on meshes of another contact its numbers would differ in the last
-      // digits.
+      // Each job has a process of its own. In a shared process it would use the mesh of another
+      // contact, and its numbers would differ in the last digits.
       job.group = all.jobs.size();
       all.jobs.push_back(std::move(job));
     }

@@ -12,32 +12,33 @@
 /// The rows of results.csv: one per point of the sweep and load, SI units in the columns' names.
 namespace softfinger::sweep {
 
-/// The models that a sweep asks: those it names, else all that take microseconds; `power_law` only
-/// where the case has a law, those of finite strain only where the case is.
+/// The models of a sweep: those that it names, else all that take microseconds. Without names,
+/// `power_law` is left out if the case gives no law, and models of finite strain if the case is
+/// linear.
 /// @throws InputError for an unknown name
 std::vector<const PressureModel*> sweep_models(const Sweep& sweep);
 
 /// The finite-element jobs of a sweep. Rows of the same problem share one.
 struct SweepFemJobs {
   std::vector<reference::FemJob> jobs;
-  std::vector<long> job_of_row;  ///< -1: the bodies of that row make no contact
+  std::vector<long> job_of_row;  ///< -1: the bodies of that row do not touch
   reference::FemJobOptions settings;
 };
 
-/// Makes rows one after the other. For one thread; its meshes are shared with other threads.
+/// Makes rows. Each thread has its own; the meshes are shared between them.
 class SweepRows {
  public:
-  /// @param geometry  of `sweep.base()`: its meshes are read already
+  /// @param geometry  of `sweep.base()`, with the meshes that have been read
   SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
             const prediction::GeometryResolver& geometry);
 
-  /// "point,layer.thickness_mm,...,load_N,radius_major_m,...", with its end of line.
+  /// "point,layer.thickness_mm,...,load_N,radius_major_m,...", with a line break at the end.
   std::string header() const;
 
   /// Appends the rows of a point, one per load. A row without contact says why in `failure`.
   void append(std::size_t point, std::string& text) { append(point, nullptr, {}, text); }
   /// The same with the finite elements' results.
-  /// @param failures  of each job, where it has no result
+  /// @param failures  for each job why it has no result, else empty
   void append(std::size_t point, const SweepFemJobs& fem, const std::vector<std::string>& failures,
               std::string& text) {
     append(point, &fem, failures, text);
@@ -57,8 +58,8 @@ class SweepRows {
   std::vector<double> values_;
 };
 
-/// All jobs, their results kept in `folder` under names that follow from the problems: another
-/// sweep over the same contacts finds them.
+/// All finite-element jobs. Their results are kept in `folder` under names made from the problems,
+/// so that another sweep with the same contacts finds them.
 SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
                             const std::filesystem::path& folder);
 

@@ -38,8 +38,8 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// Creates a file beside `path` under a name that nobody can foresee. In a folder that others may
-/// write to, a link that waits under a known name would send the content elsewhere.
+/// Creates a file beside `path` under a random name. If others can write to the folder, they could
+/// put a link under a predictable name and redirect the content.
 /// @param temporary  the file's name
 /// @returns its descriptor; -1 with errno
 int create_temporary(const fs::path& path, fs::path& temporary) {
@@ -78,7 +78,7 @@ std::string description_of_this_process() {
 }  // namespace
 
 std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
-  // Opening a pipe waits for someone to write into it, and a device may have no end.
+  // O_NONBLOCK, because opening a pipe waits for a writer. A device may have no end: it is refused.
   const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (file < 0) refuse(path.string(), "cannot be read", errno);
   struct stat status {};
@@ -128,8 +128,8 @@ void write_files_together(const std::vector<std::pair<fs::path, std::string>>& f
   for (std::size_t i = 0; i < files.size(); ++i)
     if (rename(temporaries[i].c_str(), files[i].first.c_str()) != 0)
       refuse_all(files[i].first, errno);
-  // The new names must survive a power cut too; some file systems cannot sync folders, which is no
-  // failure.
+  // Syncing the folder makes the new names survive a power cut. Some file systems cannot do that,
+  // which is not treated as a failure.
   for (const auto& [path, content] : files) {
     const int directory = open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (directory < 0) continue;
@@ -143,7 +143,7 @@ void make_writable_folder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) refuse(folder.string(), "cannot be created", error.value());
   if (!fs::is_directory(folder, error)) refuse(folder.string(), "cannot be written", ENOTDIR);
-  // Permission bits do not tell (root, read-only mounts, full disks): only writing does.
+  // Permission bits say nothing about root, read-only mounts and full disks: only writing shows it.
   fs::path probe;
   const int file = create_temporary(folder / "probe", probe);
   if (file < 0) refuse(folder.string(), "cannot be written", errno);
@@ -165,15 +165,15 @@ OutputFolder::OutputFolder(const fs::path& folder) : lock_file_(folder / ".softf
       throw InputError(folder.string(), "in use by " + read_text_file(lock_file_), "",
                        "a folder of its own for each run, or this one when that run has ended");
     }
-    // The run before may have removed the file after it was opened here: then another run can lock
-    // the file that has its name now.
+    // An ending run may have removed the lock file after it was opened here. Then the lock is on a
+    // file without a name, and another run could lock a new file under the same name: try again.
     struct stat opened = {}, named = {};
     if (fstat(descriptor_, &opened) == 0 && stat(lock_file_.c_str(), &named) == 0 &&
         opened.st_ino == named.st_ino)
       break;
     close(descriptor_);
   }
-  // For the message of the run that finds the folder in use; without it the lock holds as well.
+  // For the message of another run that finds the folder in use. A failure to write it is harmless.
   if (ftruncate(descriptor_, 0) == 0) write_all(descriptor_, description_of_this_process());
 }
 

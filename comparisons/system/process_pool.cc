@@ -52,19 +52,19 @@ struct Pipe {
   }
 };
 
-// A signal handler can reach nothing but a global.
+// A global, because a signal handler has no other way to reach the pipe.
 int g_signal_pipe = -1;
 
 extern "C" void remember_signal(int number) {
   const int saved = errno;
   const char byte = static_cast<char>(number);
   if (g_signal_pipe >= 0 && write(g_signal_pipe, &byte, 1) < 0) {
-    // The pipe is full of earlier signals: they do the same.
+    // The pipe is full of earlier signals, which have the same effect: nothing is lost.
   }
   errno = saved;
 }
 
-/// Turns SIGINT and SIGTERM into bytes of a pipe for as long as it lives.
+/// While it exists, SIGINT and SIGTERM become bytes in a pipe, which `poll` can wait for.
 class SignalWatch {
  public:
   SignalWatch() {
@@ -101,8 +101,9 @@ class Child {
         time_limit_s_(job.time_limit_s),
         memory_limit_MB_(job.memory_limit_MB) {
     Pipe input, output, errors, failure;
-    // The input fits into the pipe's buffer: nothing has to be fed later, nothing can block. A
-    // buffer is grown only, and up to the size that the system grants to anyone.
+    // All input is written before the process starts, so that nothing has to be fed later and
+    // nothing can block. For that it must fit into the pipe's buffer, which is enlarged for long
+    // inputs, up to the size that the system allows every user.
     constexpr std::size_t usual_buffer = 1 << 16;
     if (job.input.size() > usual_buffer)
       fcntl(input.write_end.get(), F_SETPIPE_SZ, static_cast<int>(job.input.size()));
@@ -111,7 +112,7 @@ class Child {
         static_cast<ssize_t>(job.input.size()))
       throw InputError(job.command[0], "the problem is too long for a pipe", "", "");
 
-    // Everything that allocates happens before the fork.
+    // All memory is allocated before the fork: allocating in the child could deadlock.
     std::vector<char*> arguments, environment;
     for (const auto& word : job.command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
@@ -136,8 +137,8 @@ class Child {
       throw InputError(job.command[0],
                        std::string("cannot be started (") + std::strerror(errno) + ")", "", "");
     if (process_ == 0) {
-      // A group of its own: Ctrl-C reaches the parent, which stops the whole group, helpers
-      // included.
+      // A process group of its own: Ctrl-C reaches only the parent, which then stops the whole
+      // group with the helpers that the child has started.
       setpgid(0, 0);
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       if (getppid() != parent) _exit(127);
@@ -174,7 +175,7 @@ class Child {
   int errors_descriptor() const { return errors_.get(); }
   bool closed() const { return output_.get() < 0 && errors_.get() < 0; }
 
-  /// Passes complete lines on.
+  /// Passes complete lines to `on_output`.
   template <class OnLine>
   void read_output(const OnLine& on_line) {
     char buffer[1 << 16];
@@ -191,7 +192,7 @@ class Child {
     }
   }
 
-  /// Passes complete lines on; the last one also when its end is missing.
+  /// Passes complete lines to `on_line`, and at the end also a last line without line break.
   template <class OnLine>
   void read_errors(const OnLine& on_line) {
     char buffer[1 << 14];
@@ -233,7 +234,7 @@ class Child {
     return std::isfinite(time_limit_s_) || std::isfinite(memory_limit_MB_);
   }
 
-  /// Ends the process, and notes why, when it is beyond one of its limits.
+  /// Kills the process when it exceeds one of its limits, and records which.
   void enforce_limits() {
     if (process_ <= 0 || outcome.exceeded != ProcessLimit::none) return;
     if (std::chrono::duration<double>(Clock::now() - last_output_).count() > time_limit_s_)
@@ -243,14 +244,14 @@ class Child {
     if (outcome.exceeded != ProcessLimit::none) kill(-process_, SIGKILL);
   }
 
-  /// Ends the process for certain: politely for one second, then not.
+  /// Ends the process: by SIGTERM, and by SIGKILL if it still runs after one second.
   void stop() {
     if (process_ <= 0) return;
     terminate();
     for (int i = 0; i < 100; ++i) {
       const pid_t ended = waitpid(process_, nullptr, WNOHANG);
       if (ended == process_ || (ended < 0 && errno != EINTR)) {
-        kill(-process_, SIGKILL);  // what its children left behind
+        kill(-process_, SIGKILL);  // helpers that it started and left running
         process_ = -1;
         return;
       }
@@ -300,7 +301,7 @@ int run_processes(const std::vector<ProcessJob>& jobs, int parallel,
     }
     std::vector<pollfd> waiting = {{signals.descriptor(), POLLIN, 0}};
     for (const auto& child : children) {
-      // poll ignores negative descriptors: closed ends keep their place.
+      // poll ignores negative descriptors, so that closed ends can stay in the list.
       waiting.push_back({child->output_descriptor(), POLLIN, 0});
       waiting.push_back({child->errors_descriptor(), POLLIN, 0});
     }

@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-/// Child processes in parallel, their output collected, stopped cleanly by Ctrl-C.
+/// Runs child processes in parallel, collects their output and stops them on Ctrl-C.
 namespace softfinger::system {
 
 struct ProcessJob {
   std::vector<std::string> command;      ///< program and arguments
   std::string input;                     ///< standard input, at most 1 MB
   std::vector<std::string> environment;  ///< "NAME=value", on top of this process's own
-  std::vector<std::string> hidden = {};  ///< variables that begin so are not passed on
-  /// The longest time between two lines on standard output, or before the first one: beyond it the
-  /// process is ended.
+  std::vector<std::string> hidden = {};  ///< variables whose names begin so are not passed on
+  /// The longest time between two lines on standard output, or before the first one. A process that
+  /// takes longer is killed.
   double time_limit_s = std::numeric_limits<double>::infinity();
-  /// The largest resident memory, looked at four times a second.
+  /// The largest resident memory, checked four times a second.
   double memory_limit_MB = std::numeric_limits<double>::infinity();
 };
 
@@ -26,7 +26,7 @@ enum class ProcessLimit { none, time, memory };
 struct ProcessOutcome {
   int exit_status = -1;  ///< -1 when killed by `signal`
   int signal = 0;
-  ProcessLimit exceeded = ProcessLimit::none;  ///< why it was ended
+  ProcessLimit exceeded = ProcessLimit::none;  ///< the limit for which it was killed
   std::string output;                          ///< standard output, whole
   std::string last_line;                       ///< of standard error
   double wall_s = 0;
@@ -37,8 +37,9 @@ struct ProcessOutcome {
 struct ProcessCallbacks {
   /// A line on a child's standard error.
   std::function<void(std::size_t job, const std::string& line)> on_line = [](auto, const auto&) {};
-  /// A whole line on a child's standard output, after those that it wrote on standard error before.
-  /// Like `on_finish`, it may throw: all children are then stopped and the exception goes on.
+  /// A whole line on a child's standard output. Lines that the child wrote on standard error before
+  /// it are passed on first. `on_output` and `on_finish` may throw: all children are then stopped,
+  /// and the exception is passed on.
   std::function<void(std::size_t job, const std::string& line)> on_output = [](auto, const auto&) {
   };
   std::function<void(std::size_t job)> on_start = [](auto) {};
@@ -54,11 +55,12 @@ struct Interrupted : std::runtime_error {
 /// What SIGINT does to the children.
 enum class OnInterrupt {
   stop,   ///< ends them, like SIGTERM
-  finish  ///< passes it on and waits for their results; a second one ends them. Starts no more
+  finish  ///< passes it on, starts no more and waits for results; a second SIGINT ends them
 };
 
-/// Runs the jobs, at most `parallel` at once, in order of their start. SIGTERM, and SIGINT as told,
-/// stop all children and end the call; so does the death of this process by any other way.
+/// Starts the jobs in their order, at most `parallel` at once. SIGTERM stops all children and ends
+/// the call; SIGINT does what `on_interrupt` says. The children are also stopped if this process
+/// dies.
 /// @returns 0, or the signal that interrupted.
 /// @throws InputError when a program cannot be started.
 int run_processes(const std::vector<ProcessJob>& jobs, int parallel,

@@ -16,8 +16,8 @@ std::filesystem::path program_folder();
 /// `../share/softfinger` beside the program's folder.
 std::filesystem::path share_folder();
 
-/// Where `softfinger-fem` is: the environment variable SOFTFINGER_FEM_PROGRAM, else beside this
-/// program.
+/// The path of `softfinger-fem`: the environment variable SOFTFINGER_FEM_PROGRAM if it is set, else
+/// the folder of this program.
 /// @throws InputError when there is no such executable.
 std::filesystem::path fem_program();
 
@@ -35,8 +35,8 @@ std::filesystem::path find_scene_file(const std::string& typed);
 std::vector<std::filesystem::path> builtin_sweep_files();
 std::filesystem::path find_sweep_file(const std::string& typed);
 
-/// A mesh file: relative to `folder` (empty: the working directory), else a built-in mesh of that
-/// name.
+/// The path of a mesh file: relative to `folder` (empty: the working directory) if it exists there,
+/// else a built-in mesh of that name.
 std::filesystem::path find_mesh_file(const std::string& typed, const std::filesystem::path& folder);
 
 }  // namespace softfinger::system

@@ -29,7 +29,7 @@ void Progress::show(const std::string& typed_line) {
   winsize size = {};
   const std::size_t columns =
       ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1u : 79u;
-  // Cut between characters, not inside one: continuation bytes of UTF-8 take no column.
+  // Cut between UTF-8 characters: continuation bytes take no column.
   std::size_t end = 0, used = 0;
   while (end < line.size()) {
     const bool starts_character = (static_cast<unsigned char>(line[end]) & 0xC0) != 0x80;

@@ -14,7 +14,7 @@ class Progress {
 
   /// A line that stays.
   void say(const std::string& line);
-  /// What is going on just now; shown on a terminal only, cut to its width.
+  /// The present state, shown only on a terminal and cut to its width; the next line replaces it.
   void show(const std::string& line);
 
  private:

@@ -6,13 +6,13 @@
 #include <type_traits>
 #include <vector>
 
-/// Arrays as text, exact and short: for VTU files and for the page.
+/// Arrays as text without loss, for VTU files and for pages.
 namespace softfinger::text {
 
 /// RFC 4648 with padding.
 std::string base64(std::string_view bytes);
 
-/// The array's bytes as they lie in memory.
+/// The array's bytes in memory order.
 template <typename Number>
 std::string_view bytes_of(const std::vector<Number>& numbers) {
   static_assert(std::is_arithmetic_v<Number>);

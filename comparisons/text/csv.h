@@ -5,8 +5,8 @@
 
 namespace softfinger::text {
 
-/// A cell of a table of comma-separated values (RFC 4180): in quotes where it holds a comma, a
-/// quote or a line break, as it is otherwise.
+/// A cell of a table of comma-separated values (RFC 4180). It is quoted if it contains a comma, a
+/// quote or a line break, and unchanged otherwise.
 inline std::string csv_cell(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
   std::string cell = "\"";

@@ -5,12 +5,12 @@
 
 namespace softfinger::text {
 
-/// Parses a text that nobody vouches for.
-/// @returns null for what is no JSON, or nested deeper than any of ours: some functions of the
-/// library call themselves once per level and would run out of stack.
+/// Parses a text that may contain anything.
+/// @returns null for text that is not JSON, and for JSON nested deeper than any file of this
+/// project: some functions of the library are recursive and would run out of stack.
 nlohmann::json parse_json(const std::string& text);
 
-/// JSON knows neither NaN nor infinity: they become null.
+/// The number, or null for NaN and infinity, which JSON cannot express.
 nlohmann::json finite_or_null(double value);
 
 }  // namespace softfinger::text

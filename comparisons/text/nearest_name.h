@@ -11,12 +11,12 @@ namespace softfinger::text {
 /// words.
 int edit_distance(std::string_view one, std::string_view other);
 
-/// The candidate with the smallest edit distance; candidates must not be empty. Of a very long word
-/// the beginning counts.
+/// The candidate with the smallest edit distance; candidates must not be empty. Only the first 200
+/// bytes of a typed word are compared.
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates);
 
-/// A text for a message: its first `most_bytes`, with "..." where more was there; no character of
-/// UTF-8 is cut in two.
+/// The text shortened for a message: at most `most_bytes`, "..." included if something was cut off.
+/// No UTF-8 character is cut in two.
 std::string shortened(std::string_view text, std::size_t most_bytes = 60);
 
 /// "a, b, c"

@@ -33,7 +33,8 @@ std::string text(double value) {
 
 std::string place(double x, double y) { return "(" + text(x) + ", " + text(y) + ")"; }
 
-/// A circle of the given radius that touches the line at 0, after the length s.
+/// The point after the arc length s on a circle that touches the axis at 0: its distance along the
+/// axis, its drop from it, and the sine and cosine of the angle.
 struct Arc {
   Arc(double s, double radius)
       : sine(std::sin(s / radius)),
@@ -45,8 +46,9 @@ struct Arc {
   double sine, cosine, along, drop = 0;
 };
 
-/// The tube along the first direction: the second must have the smaller radius, or the tube would
-/// fold where it leans over the axis.
+/// Point and normal of the reference torus, a tube along the first direction. The second radius,
+/// that of the tube, must be the smaller one: otherwise the torus would intersect itself at its
+/// axis.
 SurfaceHit tube(double along, double across, double radius_along, double radius_across) {
   const Arc section(across, radius_across), line(along, radius_along);
   return {{line.along - section.drop * line.sine, section.along,
@@ -153,7 +155,7 @@ Matrix3d FingertipLayer::gradient(double x, double y, double z) const {
   return result;
 }
 
-/// Looks at one point of the map, and at its neighbours one step nearer to the pole.
+/// Tests one point of the map against its neighbours one step nearer to the pole.
 FingertipLayer::Finding FingertipLayer::examine(double x, double y, double step_x,
                                                 double step_y) const {
   Finding finding;
@@ -162,7 +164,7 @@ FingertipLayer::Finding FingertipLayer::examine(double x, double y, double step_
     finding.trouble = "the surface is not met";
     return finding;
   }
-  // det [T_x + z h n_x, T_y + z h n_y, n] is a parabola in z: its least value is known.
+  // det [T_x + z h n_x, T_y + z h n_y, n] is a parabola in z, so that its minimum is known exactly.
   const Vector3d& n = at->top.normal;
   const double h = thickness_;
   const double constant = at->top_x.cross(at->top_y).dot(n),
@@ -200,7 +202,7 @@ void FingertipLayer::find_facets() {
     if (!(std::abs(at.x()) <= kLargestTurn * pad_->radius_x() &&
           std::abs(at.y()) <= kLargestTurn * pad_->radius_y()))
       continue;
-    // The line through the point may leave the finger elsewhere: on its back, on a nearer fold.
+    // The line through the point may leave the finger at another place, on its back for instance.
     const auto top = meet(at.x(), at.y());
     if (top && (top->point - point).norm() < difference_) facets_.push_back(at);
   }

@@ -9,55 +9,62 @@
 
 namespace softfinger::meshes {
 
-/// A soft layer of uniform thickness h over a fingertip's rigid core, as the smooth image of a flat
-/// block: x and y along the surface, z from -1 on the core to 0 on the fingertip's outside.
+/// A soft layer of uniform thickness h over a fingertip's rigid core. It is the image of a flat
+/// block under a map: x and y run along the surface, z from -1 on the core to 0 on the fingertip's
+/// outside.
 ///
 ///   position(x, y, z) = T(x, y) + z h n(x, y)
 ///
-/// T is where the line through the reference surface's point (x, y) along its normal leaves the
-/// finger (PadSurface::meet), n the outward unit normal of the finger there. The core is the
-/// surface offset inward by h.
+/// A simple reference surface gives each point of the finger its (x, y): T(x, y) is where the
+/// normal of the reference surface in its point (x, y) leaves the finger (PadSurface::meet), and n
+/// is the outward unit normal of the finger there. The core is the finger's surface, offset inward
+/// by h.
 ///
 /// The reference surface is the torus with the pad's radii r_x and r_y at the pole. For r_x >= r_y
 /// it is a tube along x of radius r_y, whose centre line turns by x/r_x about an axis parallel to y
 /// at depth r_x; the point turns by y/r_y about the centre line:
 ///   ((r_x - d) sin a, r_y sin b, -r_x + (r_x - d) cos a), d = r_y (1 - cos b), a = x/r_x,
 ///   b = y/r_y.
-/// For r_x < r_y x and y change places. Infinite radii are straight. On an analytic pad x and y are
-/// arc lengths at the pole: dT/dx = (1, 0, 0), dT/dy = (0, 1, 0), and the map is smooth. On a
-/// triangulated pad it is continuous, with kinks at the facets' edges, and dT/dx, dT/dy have the
-/// pole's facet's slope besides.
+/// For r_x < r_y, x and y are exchanged. An infinite radius means a straight direction. On an
+/// analytic pad the map is smooth, and x and y are arc lengths at the pole: dT/dx = (1, 0, 0),
+/// dT/dy = (0, 1, 0). On a triangulated pad it is continuous with kinks at the facets' edges, and
+/// at the pole dT/dx and dT/dy also have the slope of the facet there.
 ///
 /// The image of (-x, y, z) is the mirror image of that of (x, y, z), to the last bit, where
 /// symmetric_x() says so; likewise y. Lengths are in the pad's unit. Safe to share between threads.
 class FingertipLayer {
  public:
-  /// Cost: some 1e4 to 1e6 lines for the reach: 0.01 to 0.5 s (thin layers the longest).
+  /// Cost: finding the reach intersects 1e4 to 1e6 lines with the pad, 0.01 to 0.5 s; thin layers
+  /// take longest.
   /// @param thickness  h
   /// @throws InputError unless 0 < h < 0.9 times the pad's smallest radius, or where the surface is
   /// not met or the map not regular at the pole itself.
   FingertipLayer(std::shared_ptr<const PadSurface> pad, double thickness);
 
   /// @param z  in [-1, 0], in units of the thickness
-  /// @throws InputError naming the place where the pad's surface is not met: the surface has no
-  /// point there.
+  /// @throws InputError with (x, y) if the normal of the reference surface does not meet the finger
+  /// there.
   Eigen::Vector3d position(double x, double y, double z) const;
-  /// Outward unit normal at the top, which is the layer's own through the thickness.
+  /// Outward unit normal n at (x, y), along which the thickness is measured.
   Eigen::Vector3d normal(double x, double y) const;
 
-  /// Columns: derivatives of position by x, y and z h (so the identity at the pole's top), by
-  /// central differences over 1e-5 of the smallest radius: 1e-9 of the largest entry.
+  /// Columns: derivatives of the position with respect to x, y and z h; at the top of the pole they
+  /// are the identity. By central differences over 1e-5 of the smallest radius, accurate to 1e-9 of
+  /// the largest entry.
   Eigen::Matrix3d gradient(double x, double y, double z) const;
 
-  /// How far |x| and |y| may go, both at once: over this rectangle, on a lattice and in every facet
-  /// of a triangulated pad, lines meet the surface, the map is regular (see verify), the reference
-  /// turns by at most 75 degrees, the surface faces at most 60 degrees away from it, and no two
-  /// neighbours lie on different parts of the finger. At least a lattice cell is kept from the
-  /// first place where that fails; 0 where not even the first cells are regular. The lattice's
-  /// cells are 1/48 of the shorter limit, or half a thickness if that is less (but not below 1/200
-  /// of the limit). The rectangle grows as a square until one side is limited, then in the other
-  /// direction, and nowhere beyond 200 h, 30 times the smaller radius or a triangulated finger's
-  /// own size.
+  /// Half sides of the largest rectangle |x| <= reach_x, |y| <= reach_y that a layer can cover. It
+  /// is tested on a lattice, and in every facet of a triangulated pad, that
+  /// - the normals of the reference surface meet the finger and the map is regular (see verify),
+  /// - the reference surface turns by at most 75 degrees,
+  /// - the finger's surface is inclined to it by at most 60 degrees,
+  /// - neighbours do not lie on different parts of the finger.
+  ///
+  /// The rectangle ends at least one lattice cell before the first place where a test fails; it is
+  /// 0 when the first cells fail. The cells are 1/48 of the shorter limit, or half a thickness if
+  /// that is less (but at least 1/200 of the limit). The rectangle grows as a square until one side
+  /// is limited, and then in the other direction. Its upper limits are 200 h, 30 times the smaller
+  /// radius and the size of a triangulated finger.
   double reach_x() const { return reach_x_; }
   double reach_y() const { return reach_y_; }
 
@@ -89,7 +96,8 @@ class FingertipLayer {
   std::shared_ptr<const PadSurface> pad_;
   double thickness_, difference_ = 0, smallest_ratio_ = 0;
   double reach_x_ = 0, reach_y_ = 0;
-  std::vector<Eigen::Vector2d> facets_;  ///< (x, y) of the facet points that the map leads to
+  std::vector<Eigen::Vector2d>
+      facets_;  ///< (x, y) of points in the facets, where the map is tested too
 };
 
 }  // namespace softfinger::meshes

@@ -9,11 +9,16 @@ namespace softfinger::meshes {
 namespace {
 int open_sessions = 0;
 
-/// gmsh's tooltips ask FLTK, which rewrites its preference files, the user's and for root those in
-/// /etc, when it first reads them: here they count as read. At its end gmsh removes a file of its
-/// own from the user's home: it gets a home that can hold none.
+/// Keeps gmsh from changing files of the user.
+/// - gmsh's graphics library FLTK rewrites its preference files when it first reads them: the
+/// user's,
+///   and for root those in /etc. Here FLTK is told that they have been read.
+/// - At its end gmsh removes a file of its own from the home folder. It gets a home folder that
+/// cannot
+///   contain files.
 void leave_the_users_files_alone() {
-  // No header declares it for us, and FLTK 1.3 has no other switch; a gmsh without FLTK has none.
+  // The flag is private to FLTK 1.3, which has no other switch. A gmsh without FLTK does not have
+  // it.
   if (void* const options_read = dlsym(RTLD_DEFAULT, "_ZN2Fl13options_read_E"))
     *static_cast<unsigned char*>(options_read) = 1;
   setenv("GMSH_HOME", "/dev/null", 1);

@@ -4,8 +4,9 @@
 
 namespace softfinger::meshes {
 
-/// gmsh is one global state: a session initialises it when it is the first, silently and on one
-/// thread (the same mesh every time), opens a model of its own, and cleans up after itself.
+/// gmsh has one global state. The first session initialises it, without messages and with one
+/// thread, so that it makes the same mesh every time. Each session opens a model of its own and
+/// removes it at its end.
 class GmshSession {
  public:
   explicit GmshSession(const std::string& model_name);

@@ -17,18 +17,19 @@ struct HexahedralMesh {
 /// A sublayer of a block.
 struct BlockSublayer {
   double thickness = 1;
-  int cells = 2;  ///< through the thickness
+  int cells = 2;  ///< number through its thickness
 };
 
 /// A quarter of a layer, [0, length_x] x [0, length_y] x [-its thickness, 0], in any unit of
 /// length: uniform cells over the inner rectangle, growing geometrically from there to the side
 /// walls.
 struct LayerBlock {
-  double inner_x = 1, inner_y = 1;    ///< extent of the uniform part, up to one cell more is made
+  double inner_x = 1,
+         inner_y = 1;  ///< extent of the uniform part; it becomes up to one cell larger
   double length_x = 6, length_y = 6;  ///< > inner
   double cell_x = 0.5, cell_y = 0.5;  ///< cell size in the uniform part
   double growth = 1.4;                ///< ratio of neighbouring cells in the graded part, > 1
-  /// From the surface inwards. No cell reaches from one into the next.
+  /// From the surface inwards. Each cell lies in one sublayer.
   std::vector<BlockSublayer> sublayers = {{}};
 };
 

@@ -79,8 +79,8 @@ class Reader {
   std::string path_, allowed_groups_;
 };
 
-/// Smallest Jacobian determinant at a corner: a trilinear cell that has none below zero there is
-/// not inverted. In gmsh's ordering the three edges listed go right-handed.
+/// Smallest Jacobian determinant at the corners of a trilinear cell. If all are positive, the cell
+/// counts as not inverted. The three edges of each corner are right-handed in gmsh's ordering.
 double smallest_corner(const HexahedralMesh& mesh, const std::array<int, 8>& cell) {
   constexpr int edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
@@ -149,7 +149,7 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
       mesh.region.push_back(static_cast<int>(r));
     }
 
-  std::map<std::array<int, 4>, int> cells_at;  // a face of one cell is an outer one
+  std::map<std::array<int, 4>, int> cells_at;  // a face with one cell only is an outer face
   constexpr int faces[6][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   for (const auto& cell : mesh.cells)

@@ -14,10 +14,11 @@ class ObjectSurface {
  public:
   virtual ~ObjectSurface() = default;
 
-  /// Height of the surface above the contact plane z = 0; null where it has none over (x, y).
+  /// Height of the surface above the contact plane z = 0; null where there is no surface over (x,
+  /// y).
   virtual std::optional<double> height(double x, double y) const = 0;
 
-  /// Whether it has edges: what needs a slope has to smooth it.
+  /// Whether the surface has edges, so that its slope is not continuous.
   virtual bool faceted() const { return false; }
 };
 
@@ -41,8 +42,8 @@ std::unique_ptr<const ObjectSurface> sphere_object(double radius);
 /// @throws InputError for a radius that is zero or not finite, an angle that is not finite.
 std::unique_ptr<const ObjectSurface> cylinder_object(double radius, double axis_angle_rad = 0);
 
-/// A triangulated object, metres. Over (x, y) the facet counts that faces the finger and lies
-/// nearest to the contact plane, above it or below: of a hollow body the wall in contact.
+/// A triangulated object in metres. If several facets that face the finger lie over (x, y), the one
+/// nearest to the contact plane counts: for a hollow body this is the wall in contact.
 /// `placement.x_axis` becomes the finger's x, then the object is turned about z.
 /// @throws InputError as PlacedSurface does.
 std::unique_ptr<const ObjectSurface> triangulated_object(const TriangleSurface& surface,

@@ -52,7 +52,7 @@ class QuadricPad : public PadSurface {
     const double square = b * b - 4 * a * c;
     if (!(square > 0)) return std::nullopt;
     const double root = std::sqrt(square);
-    // Each form where its sum does not cancel.
+    // Two forms of the same root: the one is taken whose sum does not cancel.
     if (!(b > 0) && a == 0) return std::nullopt;
     const double t = b > 0 ? -2 * c / (b + root) : (root - b) / (2 * a);
     const Vector3d q = p + t * d;
@@ -96,8 +96,9 @@ class TaperedPad : public PadSurface {
     }
     if (enter > t) return std::nullopt;
 
-    // From there, outside, Newton's iteration falls monotonically on a convex function: to the
-    // outer root, or past the minimum if there is none. It ends when round-off stops the fall.
+    // `t` is there, outside of the body. The function is convex along the line: Newton's iteration
+    // decreases monotonically to the outer root, or beyond the minimum if there is no root. It ends
+    // when rounding stops the decrease.
     for (int iteration = 0; iteration < 200; ++iteration) {
       const Vector3d p = from + t * direction;
       const double slope = gradient(p).dot(direction);

@@ -17,25 +17,25 @@ class PadSurface {
  public:
   virtual ~PadSurface() = default;
 
-  /// Where the line from + t direction, t of either sign, leaves the finger: the crossing at which
-  /// direction . normal > 0. A convex body has at most one; of a triangulated surface the one
-  /// nearest to `from` is taken, so that neither the finger's other parts nor its inner walls
-  /// count. Null where the line does not leave the finger. `direction` has any length but zero.
+  /// Where the line from + t direction, with t of either sign, leaves the finger: the crossing at
+  /// which direction . normal > 0. A convex body has at most one. On a triangulated surface the one
+  /// nearest to `from` counts, so that other parts of the finger and inner walls are ignored. Null
+  /// if the line does not meet the finger. `direction` may have any length except zero.
   virtual std::optional<SurfaceHit> meet(const Eigen::Vector3d& from,
                                          const Eigen::Vector3d& direction) const = 0;
 
-  /// Points on the surface, some in each facet, that a check of all of it has to visit: a facet may
-  /// be smaller than any lattice's step. None for a surface that is smooth.
+  /// Points in each facet, for checks of the whole surface: a facet may be smaller than the step of
+  /// a lattice and be missed by it. Empty for a smooth surface.
   virtual std::vector<Eigen::Vector3d> facet_points() const { return {}; }
 
   /// Radii of the normal sections along x and y at the pole; > 0, infinite where straight.
   double radius_x() const { return radius_x_; }
   double radius_y() const { return radius_y_; }
-  /// Smaller principal radius at the pole: a layer as thick as that has no core left there.
+  /// Smaller principal radius at the pole. A layer must be thinner than that, or no core is left.
   double smallest_radius() const { return smallest_radius_; }
 
-  /// Whether (x, y, z) -> (-x, y, z), or (x, -y, z), maps the surface onto itself: exactly, to the
-  /// last bit of what meet() returns.
+  /// Whether (x, y, z) -> (-x, y, z), or (x, -y, z), maps the surface onto itself exactly, so that
+  /// meet() returns mirrored points to the last bit.
   bool symmetric_x() const { return symmetric_x_; }
   bool symmetric_y() const { return symmetric_y_; }
 
@@ -86,8 +86,9 @@ std::unique_ptr<const PadSurface> tapered_pad(double radius_x, double radius_y, 
 /// A triangulated finger, metres. The top of a layer on it follows the facets; its normals are
 /// smooth (see PlacedSurface). Not symmetric.
 /// @param radius_x_m,radius_y_m  what radius_x() and radius_y() return, > 0 or infinite: those of
-///   the reference surface of a map (see FingertipLayer), which need not be very exact. Fitted over
-///   the region that the map has to cover they serve better than those of the contact alone.
+///   the reference surface of a map (see FingertipLayer). They need not be exact. Radii that are
+///   fitted over the whole region that the map has to cover are better than those of the contact
+///   alone.
 /// @throws InputError as PlacedSurface does, and for radii that are not positive.
 std::unique_ptr<const PadSurface> triangulated_pad(
     const TriangleSurface& surface, const SurfacePlacement& placement,

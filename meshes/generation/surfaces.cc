@@ -48,11 +48,12 @@ TriangleSurface mesh_boundary(double edge_length_m) {
   std::unordered_map<std::size_t, std::size_t> position;
   for (std::size_t i = 0; i < tags.size(); ++i) position[tags[i]] = i;
   const int linear_triangle = 2;
-  tags.clear();  // gmsh takes the size of a vector that is not empty as given
+  tags.clear();  // gmsh would take the size of a non-empty vector as a request
   gmsh::model::mesh::getElementsByType(linear_triangle, tags, corners);
 
   TriangleSurface surface;
-  std::unordered_map<std::size_t, int> index;  // nodes without a triangle (centres) are left out
+  std::unordered_map<std::size_t, int>
+      index;  // leaves out nodes without a triangle (centres of arcs)
   for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
     std::array<int, 3> triangle;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -151,7 +152,8 @@ TriangleSurface glass(double foot_radius_m, double rim_radius_m, double height_m
     const double reach = foot_rounding / std::tan(half_angle);
     const Vector2d arc_start = foot - Vector2d(reach, 0), arc_end = foot + reach * up;
     const Vector2d arc_centre = arc_start + Vector2d(0, foot_rounding);
-    // Rim: half a circle, in two arcs as a kernel's arc must be shorter than that.
+    // Rim: half a circle. Two arcs, because an arc of the modelling kernel must be shorter than
+    // that.
     const Vector2d rim_inside = rim + thickness * inward, rim_centre = (rim + rim_inside) / 2;
     const Vector2d rim_top = rim_centre + thickness / 2 * up;
     const Vector2d bottom_inside(0, 2 * thickness);
@@ -168,7 +170,7 @@ TriangleSurface glass(double foot_radius_m, double rim_radius_m, double height_m
     const int profile = occ::addPlaneSurface({loop});
     gmsh::vectorpair revolved;
     occ::revolve({{2, profile}}, 0, 0, 0, 0, 0, 1, 2 * kPi, revolved);
-    occ::remove({{2, profile}});  // it would be meshed as well, a wall across the glass
+    occ::remove({{2, profile}});  // else it would be meshed too, as a wall across the glass
   });
 }
 

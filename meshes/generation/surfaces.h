@@ -4,12 +4,12 @@
 
 #include "softfinger/input/triangle_surface.h"
 
-/// Object and fingertip surfaces, triangulated by gmsh: what the built-in mesh cases touch. They
-/// are written as STL and go through the same path as a user's own files. All surfaces are closed,
-/// their triangles counter-clockwise from outside, their vertices on the exact surface. Metres.
+/// The object and fingertip surfaces of the built-in mesh cases, triangulated by gmsh. They are
+/// written as STL and read like a user's own files. All surfaces are closed, their triangles are
+/// counter-clockwise seen from outside, and their vertices lie on the exact surface. Metres.
 namespace softfinger::meshes {
 
-/// A point on an exact surface, for tests and cases to aim at.
+/// A point on an exact surface with its exact radii, for tests and cases.
 struct SurfacePoint {
   Eigen::Vector3d point_m;
   Eigen::Vector3d normal;           ///< outward, unit

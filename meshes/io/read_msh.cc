@@ -23,7 +23,7 @@ constexpr std::size_t kMostEntities = 1'000'000;
 constexpr std::string_view kBlanks = " \t\r\n\f\v";
 const char* const kAllowedFile = "a gmsh file (.msh, format 2.2 or 4.1) that can be read";
 
-// Of the shapes in gmsh's manual; those of still higher order have no place in a layer.
+// The shapes in gmsh's manual, without those of higher order, which layers do not use.
 constexpr MshShape kShapes[] = {{1, "Line 2", 1, 2},
                                 {2, "Triangle 3", 2, 3},
                                 {3, "Quadrilateral 4", 2, 4},
@@ -62,7 +62,7 @@ constexpr MshShape kShapes[] = {{1, "Line 2", 1, 2},
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }
 
-/// As it may be shown on a terminal.
+/// The text with control characters made visible, so that it can be shown on a terminal.
 std::string printable(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   std::string shown(text.substr(0, kLongest));
@@ -70,7 +70,8 @@ std::string printable(std::string_view text) {
   return text.size() > kLongest ? shown + "..." : shown;
 }
 
-/// Goes through the file once. Text and binary files hold the same numbers in the same order.
+/// Reads the file from begin to end, once. Text and binary files contain the same numbers in the
+/// same order.
 class Parser {
  public:
   Parser(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
@@ -148,7 +149,7 @@ class Parser {
     return bytes_.substr(last_, count);
   }
 
-  /// Binary numbers begin right behind the line's end.
+  /// Skips the end of the line, right after which binary numbers begin.
   void end_line() {
     if (take(1, "end of the line") == "\r") take(1, "end of the line");
     if (bytes_[next_ - 1] != '\n') refuse("line", "goes on", "its end");
@@ -160,7 +161,7 @@ class Parser {
     Number value{};
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, value);
-    // A number too small for its type is a harmless zero; `value` is untouched.
+    // A number too small for its type counts as zero: `value` keeps its initial zero.
     const bool tiny = std::is_floating_point_v<Number> && error == std::errc::result_out_of_range &&
                       text.find("e-") != std::string_view::npos;
     if ((error != std::errc() && !tiny) || stop != end)
@@ -177,10 +178,11 @@ class Parser {
     return value;
   }
 
-  /// How many entries follow, each of some numbers: no more than there is room for.
+  /// A count of entries that follow. It is refused if the rest of the file is too short for so
+  /// many.
   std::size_t checked(const char* field, std::size_t count, std::size_t numbers,
                       std::size_t bytes) const {
-    // A written number has a digit and a blank at least.
+    // A number in text takes at least two bytes, a digit and a blank.
     if (count > left() / (binary_ ? bytes : 2 * numbers))
       refuse(field, std::to_string(count), "no more than the file has room for");
     return count;

@@ -51,17 +51,17 @@ struct MshShape {
 const MshShape* msh_shape(int type);
 
 /// Reads gmsh's formats 2.2 and 4.1 (gmsh's reference manual, "MSH file format"), ASCII and binary.
-/// gmsh never sees the file: it would run one without the format's first line as a program, system
-/// commands included. Sections with nothing of the mesh itself are skipped.
+/// The file is not given to gmsh, which would run a file without the format's first line as a
+/// script, system commands included. Sections that do not belong to the mesh are skipped.
 ///
-/// In format 2.2 an element's group is its first tag, and elements of one entity with different
-/// groups have entities of their own here; in 4.1 the groups are those of the entity.
+/// In format 2.2 an element's group is its first tag. If elements of one entity have different
+/// groups, the entity is split here, one per group. In format 4.1 groups belong to entities.
 ///
-/// Any bytes are safe to read: memory stays within some twenty times the file's size.
+/// Safe for any bytes: memory stays below about twenty times the size of the file.
 /// @param path  for the messages
-/// @throws InputError (where = path, with the line or the byte) for what is not of these formats,
-/// numbers that are not finite, indices of nothing, a node's number given twice, counts beyond the
-/// end of the file, a mesh in partitions, or a file beyond the limits above.
+/// @throws InputError (where = path, with the line or the byte) for other formats, numbers that are
+/// not finite, indices that do not exist, a node's number given twice, counts larger than the rest
+/// of the file, a partitioned mesh, or a file beyond the limits above.
 MshFile parse_msh(std::string_view bytes, const std::string& path);
 
 /// @throws InputError also for a file that cannot be read

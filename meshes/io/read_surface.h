@@ -7,27 +7,28 @@
 
 namespace softfinger::meshes {
 
-/// Surfaces smaller or larger than this, corner to corner, come from a wrong unit.
+/// Smallest and largest size of a surface, corner to corner of its box. Others are taken for a
+/// wrong unit and refused.
 constexpr double kSmallestSurface_m = 1e-5, kLargestSurface_m = 5;
 
 /// Larger files, and files with more triangles, are refused.
 constexpr std::size_t kLargestSurface_bytes = 1'000'000'000, kMostTriangles = 20'000'000;
 
-/// A surface as read from a file, with what had to be tolerated.
+/// A surface from a file, with the defects of the file that were repaired.
 struct SurfaceFile {
   TriangleSurface surface;       ///< metres, vertices welded
   double size_m = 0;             ///< corner to corner
   int degenerate_triangles = 0;  ///< dropped: zero area
   int duplicate_triangles = 0;   ///< dropped: same three vertices
-  bool was_inside_out = false;   ///< closed, but all triangles clockwise from outside: turned round
+  bool was_inside_out = false;   ///< closed with inward normals: all triangles were turned round
 };
 
-/// Reads binary or ASCII STL, or OBJ (by Assimp; polygons are cut into triangles), scales it to
+/// Reads binary or ASCII STL, or OBJ (polygons are cut into triangles), scales it to
 /// metres and welds equal vertices. The format is recognised by the content, not by the file's
 /// name. No other file is opened, whatever this one names (the materials of an OBJ).
 ///
 /// Coordinates pass through single precision, as STL stores them: seven digits, 2 nm on a finger.
-/// Vertices nearer than four units in that last place are one.
+/// Vertices closer than four units in the last place are merged.
 ///
 /// @param metres_per_unit  1e-3 for millimetres
 /// @throws InputError (where = path, with the line where known) for a missing or unreadable file,

@@ -37,7 +37,7 @@ class File {
   int descriptor_;
 };
 
-/// A stream's way into an open file.
+/// A stream buffer that writes to an open file.
 class FileBuffer : public std::streambuf {
  public:
   explicit FileBuffer(int descriptor) : descriptor_(descriptor), waiting_(1 << 16) { empty(); }
@@ -70,7 +70,7 @@ class FileBuffer : public std::streambuf {
   int error_ = 0;
 };
 
-/// What a path leads to when that is no regular file, or nullptr.
+/// "a pipe", "a device" and the like; nullptr for a regular file.
 const char* other_kind(mode_t mode) {
   if (S_ISREG(mode)) return nullptr;
   if (S_ISDIR(mode)) return "a folder";
@@ -79,8 +79,8 @@ const char* other_kind(mode_t mode) {
   return "a device";
 }
 
-/// Makes a new file beside `path`. Exclusively: a file or a link that is already there is left
-/// alone, whoever made it.
+/// Makes a new file beside `path`, exclusively: a file or link that already has the name is never
+/// opened.
 File make_beside(const std::string& path, std::string& name) {
   std::random_device random;
   for (int attempt = 0;; ++attempt) {
@@ -106,8 +106,8 @@ std::string read_whole_file(const std::string& path, const std::string& field,
     if (errno == ENOENT) refuse("missing");
     unreadable();
   }
-  // Looked at before it is opened, as opening alone can set a device off, and again after, as it
-  // may have been exchanged.
+  // The kind of file is checked before opening, because opening alone can start a device, and again
+  // after it, because the file may have been replaced in between.
   if (const char* kind = other_kind(status.st_mode)) refuse(kind);
   const File file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0) unreadable();
@@ -140,7 +140,7 @@ std::string write_whole_file(const std::string& path,
     write(stream);
     stream.flush();
   } catch (const std::exception&) {
-    stream.setstate(std::ios::badbit);  // a library's own message is a page long
+    stream.setstate(std::ios::badbit);  // instead of the library's message, which is a page long
   }
   int error = buffer.error();
   const int closing = file.close();

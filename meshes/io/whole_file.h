@@ -7,7 +7,7 @@
 
 namespace softfinger::meshes {
 
-/// The content of a user's file. Only a regular file is opened: reading a pipe may wait for ever,
+/// The content of a user's file. Pipes and devices are refused: reading a pipe may wait for ever,
 /// and a device may have no end.
 /// @param field, allowed  of the error's message
 /// @throws InputError (where = path) for a file that is missing, unreadable, not regular, or larger
@@ -15,8 +15,8 @@ namespace softfinger::meshes {
 std::string read_whole_file(const std::string& path, const std::string& field,
                             const std::string& allowed, std::size_t largest_bytes);
 
-/// Writes a file completely or not at all: beside it under a name that nobody can foresee, then
-/// renamed. What someone has put there under that name, a link say, is never written to.
+/// Writes a file completely or not at all: under a random name in the same folder, then renamed.
+/// The random name keeps others from placing a link there that would redirect the content.
 /// @return empty, or the system's reason why there is no file
 [[nodiscard]] std::string write_whole_file(const std::string& path,
                                            const std::function<void(std::ostream&)>& write);

@@ -80,7 +80,8 @@ PlacedSurface::PlacedSurface(const TriangleSurface& surface, const SurfacePlacem
   Eigen::Matrix3d frame;  // columns: the contact's axes in the body's coordinates
   frame << across.normalized(), z.cross(across.normalized()), z;
 
-  // At an edge or a vertex several triangles are equally near: the one that faces best decides.
+  // At an edge or a vertex several triangles are equally near: the one that faces the normal most
+  // counts.
   double nearest = kInfinity, extent = 0, facing = -kInfinity;
   for (const auto& [i, j, k] : triangles_) {
     const Vector3d a = surface.vertices_m[i] - placement.point_m,
@@ -142,7 +143,7 @@ int PlacedSurface::build(int first, int last) {
     }
   int longest = 0;
   const double length = (node.high - node.low).maxCoeff(&longest);
-  // Flat boxes get some thickness, so that round-off does not hide what lies in them.
+  // Flat boxes get some thickness, so that rounding does not let a line miss them.
   node.low.array() -= 1e-9 * length;
   node.high.array() += 1e-9 * length;
   const int index = static_cast<int>(nodes_.size());
@@ -176,7 +177,8 @@ std::vector<Vector3d> PlacedSurface::facet_points() const {
 
 std::optional<SurfaceHit> PlacedSurface::nearest_exit(const Vector3d& from,
                                                       const Vector3d& direction) const {
-  // Lines through an edge belong to both of its triangles; without the tolerance to neither.
+  // With this tolerance a line through an edge meets both triangles; without it rounding could let
+  // it miss both.
   const double tolerance = 1e-9;
   std::optional<SurfaceHit> hit;
   double best = kInfinity;
@@ -209,7 +211,7 @@ std::optional<SurfaceHit> PlacedSurface::nearest_exit(const Vector3d& from,
       const Vector3d point = from + distance * direction;
       double rounding = 0;
       for (const auto& [weight, vertex] : {std::pair(a, i), std::pair(b, j), std::pair(c, k)}) {
-        // Beside a sharp edge a tangent plane may stand along the line: it says nothing.
+        // Beside a sharp edge a tangent plane may be nearly parallel to the line: it is left out.
         const double faces = normals_[vertex].dot(direction) / direction.norm();
         if (faces > kSteepestTangent)
           rounding += 0.5 * weight * normals_[vertex].dot(vertices_[vertex] - point) / faces;

@@ -13,27 +13,28 @@ namespace softfinger::meshes {
 struct SurfaceHit {
   Eigen::Vector3d point;   ///< contact frame, in the surface's unit
   Eigen::Vector3d normal;  ///< unit, out of the body
-  /// From `point` along the line's unit direction to the smooth surface through the mesh's vertices
-  /// with the mesh's smooth normals there: half the distance to their tangent planes, interpolated
-  /// over the facet. On a quadric with exact normals that is the quadric itself; it is continuous
-  /// over the facets' edges, and as large as the facets' sag, h²/(8 R) for edges of length h.
+  /// Estimated distance from `point` on the facet to the smooth surface that the mesh stands for,
+  /// along the line's unit direction. It is half the distance to the tangent planes in the facet's
+  /// vertices, interpolated over the facet. For a quadric with exact normals that is exact. It is
+  /// continuous across edges and as large as the facets' sag, h²/(8 R) for edges of length h.
   double rounding = 0;
 };
 
-/// How a triangulated body stands in the contact frame, in the body's own coordinates.
+/// Position and orientation of a triangulated body in the contact frame, in the body's own
+/// coordinates.
 struct SurfacePlacement {
-  Eigen::Vector3d point_m;         ///< of contact; the surface's nearest point is taken
+  Eigen::Vector3d point_m;         ///< contact point; the nearest point of the surface is taken
   Eigen::Vector3d outward_normal;  ///< of the body there, any length
   Eigen::Vector3d x_axis;          ///< the contact's x, before the turn; its part across the normal
   double angle_rad = 0;            ///< then the body is turned about the contact's z, right-handed
 };
 
-/// A triangulated surface in the contact frame, in a tree of boxes so that a line costs about the
-/// logarithm of the number of triangles.
+/// A triangulated surface in the contact frame. A tree of boxes makes the cost of intersecting a
+/// line about the logarithm of the number of triangles.
 ///
-/// The normals are smooth: at a vertex the facets' normals weighted by their angles there (which
-/// does not depend on how a mesh cuts its polygons: Thürmer and Wüthrich 1998), in between by
-/// barycentric interpolation.
+/// The normals are smooth. At a vertex they are the mean of the facets' normals, weighted by the
+/// facets' angles there, so that they do not depend on how a mesh cuts its polygons (Thürmer and
+/// Wüthrich 1998). In between they are interpolated barycentrically.
 class PlacedSurface {
  public:
   /// The outward normal becomes +z when the body lies `below` the contact plane (a finger), -z when
@@ -45,8 +46,9 @@ class PlacedSurface {
   /// normal that points into the body at the point.
   PlacedSurface(const TriangleSurface& surface, const SurfacePlacement& placement, Body body);
 
-  /// Of all the points where the line from + t direction leaves the body (direction . facet normal
-  /// > 0; t of either sign) the one with the smallest |t|. Null when there is none.
+  /// The point where the line from + t direction leaves the body, that is where
+  /// direction . facet normal > 0, with t of either sign. Of several the one with the smallest |t|;
+  /// null if there is none.
   std::optional<SurfaceHit> nearest_exit(const Eigen::Vector3d& from,
                                          const Eigen::Vector3d& direction) const;
 

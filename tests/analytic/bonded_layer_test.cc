@@ -50,7 +50,7 @@ void print(const char* what, const Errors& worst) {
 }
 
 /// Twice what was measured when the table was made (about 1,000 points): the table's error must not
-/// grow. A tenth of the promise: 0.5 % in axes and torque, 1 % in the indentation.
+/// grow. A tenth of the stated accuracy: 0.5 % in axes and torque, 1 % in the indentation.
 constexpr Errors kStated = {3e-4, 3e-4, 5e-4, 1e-3, 1.5e-3};
 
 void expect_stated(const Errors& worst) {

@@ -20,8 +20,9 @@
 namespace softfinger {
 namespace {
 
-// What limit_surface.h promises for a/b up to 1e4, relative, as a vector of (f, tau/e_n).
-constexpr double kPromised = 1e-12;
+// The accuracy that limit_surface.h states for a/b up to 1e4, relative, as a vector of (f,
+// tau/e_n).
+constexpr double kStated = 1e-12;
 
 double dot(const LimitWrench& wrench, const Twist& twist) {
   return wrench.force_x_N * twist.velocity_x_m_per_s + wrench.force_y_N * twist.velocity_y_m_per_s +
@@ -91,8 +92,8 @@ TEST(LimitSurface, EqualsPublishedPointsOfCirclesAndEllipses) {
         LimitSurface(row.a, row.b, row.exponent, 1).wrench_for_center_of_rotation(row.x, row.y);
     const double error = std::hypot(wrench.force_x_N - row.force_x, wrench.force_y_N - row.force_y);
     // Relative to each of force and torque, not to both: small torques are right as well.
-    EXPECT_LT(worst.of(1 + error / std::hypot(row.force_x, row.force_y), 1), 3 * kPromised);
-    EXPECT_LT(worst.of(wrench.torque_Nm, row.torque), 3 * kPromised);
+    EXPECT_LT(worst.of(1 + error / std::hypot(row.force_x, row.force_y), 1), 3 * kStated);
+    EXPECT_LT(worst.of(wrench.torque_Nm, row.torque), 3 * kStated);
   }
 }
 
@@ -160,8 +161,8 @@ TEST(LimitSurface, EqualsTheIntegralOverProjectionsOfThePressure) {
     const LimitSurface surface(1, b, double(n), 1);
     const LimitWrench wrench = surface.wrench_for_center_of_rotation(x, y);
     const LimitWrench expected{double(force_x), double(force_y), double(torque)};
-    // Twice what is promised: the singular points are known to 1e-13 here.
-    EXPECT_LT(worst.of(1 + distance(wrench, expected, surface.eccentricity_m()), 1), 2 * kPromised)
+    // Twice the stated accuracy: the singular points are known to 1e-13 here.
+    EXPECT_LT(worst.of(1 + distance(wrench, expected, surface.eccentricity_m()), 1), 2 * kStated)
         << "n " << double(n) << ", a/b " << aspect << ", c " << c << ", angle " << angle;
   }
 }
@@ -204,17 +205,17 @@ TEST(LimitSurface, PureForceAndPureTorqueAreExact) {
     for (const double n : {-0.5, 0.0, 0.5, 1.0, 2.0, 50.0}) {
       const LimitSurface surface(aspect, 1, n, 3);
       const LimitWrench torque = surface.wrench_for_twist({0, 0, 1e-5});
-      EXPECT_NEAR(torque.torque_Nm / surface.max_torque_Nm(), 1, kPromised);
+      EXPECT_NEAR(torque.torque_Nm / surface.max_torque_Nm(), 1, kStated);
       EXPECT_EQ(force(torque), 0);
       for (const double angle : {0.0, 0.3, 1.5707963, 2.0}) {
         const LimitWrench slide = surface.wrench_for_twist({std::cos(angle), std::sin(angle), 0});
-        EXPECT_NEAR(slide.force_x_N, 3 * std::cos(angle), 3 * kPromised);
-        EXPECT_NEAR(slide.force_y_N, 3 * std::sin(angle), 3 * kPromised);
-        EXPECT_NEAR(slide.torque_Nm, 0, 3 * kPromised * surface.eccentricity_m());
+        EXPECT_NEAR(slide.force_x_N, 3 * std::cos(angle), 3 * kStated);
+        EXPECT_NEAR(slide.force_y_N, 3 * std::sin(angle), 3 * kStated);
+        EXPECT_NEAR(slide.torque_Nm, 0, 3 * kStated * surface.eccentricity_m());
       }
       const double far = std::numeric_limits<double>::infinity();
-      EXPECT_NEAR(surface.wrench_for_center_of_rotation(far, 0).force_y_N, -3, 3 * kPromised);
-      EXPECT_NEAR(surface.wrench_for_center_of_rotation(0, far).force_x_N, 3, 3 * kPromised);
+      EXPECT_NEAR(surface.wrench_for_center_of_rotation(far, 0).force_y_N, -3, 3 * kStated);
+      EXPECT_NEAR(surface.wrench_for_center_of_rotation(0, far).force_x_N, 3, 3 * kStated);
     }
 }
 
@@ -227,8 +228,8 @@ TEST(LimitSurface, DissipatesAtMostWhatTheSlipItselfDoes) {
       for (int trial = 0; trial < 60; ++trial) {
         const Twist slip = random(arm), other = random(arm);
         const double power = surface.support(slip);
-        // Both wrenches carry the promised error.
-        EXPECT_LE(dot(surface.wrench_for_twist(other), slip), power * (1 + 2 * kPromised));
+        // Both wrenches carry the stated error.
+        EXPECT_LE(dot(surface.wrench_for_twist(other), slip), power * (1 + 2 * kStated));
         EXPECT_GE(dot(surface.wrench_for_twist(slip), slip), 0);
       }
     }
@@ -245,7 +246,7 @@ TEST(LimitSurface, IsConvexBetweenItsPoints) {
       const LimitWrench between{share * one.force_x_N + (1 - share) * two.force_x_N,
                                 share * one.force_y_N + (1 - share) * two.force_y_N,
                                 share * one.torque_Nm + (1 - share) * two.torque_Nm};
-      EXPECT_LE(surface.utilisation(between), 1 + 4 * kPromised);
+      EXPECT_LE(surface.utilisation(between), 1 + 4 * kStated);
     }
   }
 }
@@ -260,11 +261,11 @@ TEST(LimitSurface, IsSymmetricAboutItsThreePlanes) {
       const LimitWrench wrench = surface.wrench_for_twist(slip);
       const Twist back{-slip.velocity_x_m_per_s, -slip.velocity_y_m_per_s,
                        -slip.angular_velocity_rad_per_s};
-      EXPECT_LT(distance(surface.wrench_for_twist(back), minus(wrench), arm), kPromised);
+      EXPECT_LT(distance(surface.wrench_for_twist(back), minus(wrench), arm), kStated);
       const LimitWrench mirrored = surface.wrench_for_twist(
           {slip.velocity_x_m_per_s, -slip.velocity_y_m_per_s, slip.angular_velocity_rad_per_s});
       EXPECT_LT(distance(mirrored, {wrench.force_x_N, -wrench.force_y_N, wrench.torque_Nm}, arm),
-                kPromised);
+                kStated);
     }
   }
 }
@@ -318,10 +319,10 @@ TEST(LimitSurface, PointsOfTheSurfaceAreFullyUtilised) {
     const LimitSurface surface(aspect, 1, random.between(-0.9, 6), 2);
     const LimitWrench wrench = surface.wrench_for_twist(random(surface.eccentricity_m()));
     // The errors of the wrench and of the answer.
-    EXPECT_LT(worst.of(surface.utilisation(wrench), 1), 3 * kPromised);
+    EXPECT_LT(worst.of(surface.utilisation(wrench), 1), 3 * kStated);
     EXPECT_NEAR(
         surface.utilisation({3 * wrench.force_x_N, 3 * wrench.force_y_N, 3 * wrench.torque_Nm}), 3,
-        9 * kPromised);
+        9 * kStated);
     const LimitWrench inside{0.999 * wrench.force_x_N, 0.999 * wrench.force_y_N,
                              0.999 * wrench.torque_Nm};
     EXPECT_TRUE(surface.contains(inside));
@@ -355,8 +356,7 @@ TEST(LimitSurface, SamplesLieOnTheSurfaceAndAreSymmetric) {
   for (const int count : {1, 6, 25, 64}) {
     const std::vector<LimitWrench> points = surface.sample(count);
     ASSERT_EQ(points.size(), std::size_t(count));
-    for (const LimitWrench& point : points)
-      EXPECT_NEAR(surface.utilisation(point), 1, 3 * kPromised);
+    for (const LimitWrench& point : points) EXPECT_NEAR(surface.utilisation(point), 1, 3 * kStated);
     for (int i = 0; i < count / 2; ++i)
       EXPECT_EQ(distance(points[i], minus(points[count / 2 + i]), 1), 0);
   }
@@ -365,7 +365,7 @@ TEST(LimitSurface, SamplesLieOnTheSurfaceAndAreSymmetric) {
   EXPECT_NEAR(section[0].force_x_N, 2 * std::cos(0.4), 1e-15);
   EXPECT_NEAR(section[4].torque_Nm, surface.max_torque_Nm(), 1e-12);
   for (const LimitWrench& point : section) {
-    EXPECT_NEAR(surface.utilisation(point), 1, 3 * kPromised);
+    EXPECT_NEAR(surface.utilisation(point), 1, 3 * kStated);
     EXPECT_NEAR(point.force_x_N * std::sin(0.4), point.force_y_N * std::cos(0.4), 1e-15);
   }
 }
@@ -401,7 +401,7 @@ TEST(LimitSurface, StaysFiniteAndOnTheSurfaceAtExtremes) {
                 EXPECT_EQ(force(wrench), 0);
                 continue;
               }
-              // a/b = 1e8 is promised to 1e-8.
+              // a/b = 1e8 is stated to 1e-8.
               ASSERT_NEAR(surface.utilisation(wrench), 1, 1e-8)
                   << aspect << " " << n << " " << size << " " << vx << " " << vy << " " << omega;
               const LimitWrench fit = patches.wrench_for_twist({vx, vy, omega});
@@ -444,16 +444,18 @@ TEST(EllipsoidDeviation, EqualsThePublishedExtremesOfCircles) {
     const LimitSurface surface(1, 1, row.exponent, 1);
     const LimitWrench point = surface.wrench_for_center_of_rotation(row.c, 0);
     EXPECT_NEAR(100 * ellipsoid_deviation(surface, surface.ellipsoid(), point), row.lowest_percent,
-                200 * kPromised);
+                200 * kStated);
     const EllipsoidDeviation worst = worst_ellipsoid_deviation(surface, surface.ellipsoid());
     EXPECT_LE(100 * worst.lowest, row.lowest_percent);
     EXPECT_NEAR(100 * worst.lowest, row.lowest_percent, 1e-4);
-    EXPECT_NEAR(worst.highest, 0, 10 * kPromised);
+    EXPECT_NEAR(worst.highest, 0, 10 * kStated);
   }
 }
 
 TEST(EllipsoidDeviation, GrowsWithElongationAndIsWorstForForceAlongTheShortAxis) {
-  std::printf("deviation of the ellipsoid, percent: a/b, exact e_n, the seed's e_n (Hertz)\n");
+  std::printf(
+      "deviation of the ellipsoid, percent: a/b, exact e_n, e_n of Ciocarlie et al. 2007 "
+      "(Hertz)\n");
   double previous = 0;
   for (const double aspect : {1.0, 1.5, 2.0, 5.0, 10.0}) {
     const LimitSurface surface(aspect, 1, 0.5, 1);
@@ -465,7 +467,7 @@ TEST(EllipsoidDeviation, GrowsWithElongationAndIsWorstForForceAlongTheShortAxis)
     previous = exact.lowest;
     if (aspect == 1) continue;
     EXPECT_LT(std::abs(exact.lowest_wrench.force_x_N), 1e-3);  // the search's resolution in angle
-    // At pure torque the seed's e_n is too small by exact/seed.
+    // At pure torque the e_n of Ciocarlie et al. is too small by the ratio exact/theirs.
     EXPECT_NEAR(paper.highest,
                 surface.eccentricity_m() / surface.paper_ellipsoid().eccentricity_m - 1, 1e-6);
   }

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,14 +56,9 @@ std::vector<const PressureModel*> models_in_turn(int period) {
   return models;
 }
 
-/// Relative error of the load and the torque arm of the stated pressure. A closed form is exact but
-/// for rounding: near the edge the pressure is a small difference, its rounding a root of epsilon
-/// there, over a strip of area epsilon. Models of the layer between the limits are approximations,
-/// stated to 0.5 %.
-double balance_tolerance(const PressureModel& model) {
-  for (const char* closed_form : {"hertz", "power_law", "thin_incompressible", "winkler"})
-    if (model.card().name == closed_form) return 1e-12;
-  return 5e-3;
+/// Models that take milliseconds are asked at every `period`-th point only.
+bool is_asked(const PressureModel& model, int point, int period) {
+  return model.card().hot_path || point % period == 0;
 }
 
 /// A contact of 3 mm on a layer of 2 mm, unless a test says otherwise.
@@ -112,14 +109,28 @@ TEST(ModelRegistry, ListsTheModelsOfTheFolderByName) {
   EXPECT_EQ(find_pressure_model("herz"), nullptr);
 }
 
+TEST(ModelCards, StateAnAccuracyAndItsReason) {
+  for (const PressureModel* model : all_pressure_models()) {
+    const NumericalAccuracy& accuracy = model->card().accuracy;
+    for (const double error : {accuracy.pressure, accuracy.edge, accuracy.monotone})
+      EXPECT_TRUE(error > 0 && error <= 5e-2) << model->card().name;
+    EXPECT_FALSE(accuracy.reason.empty()) << model->card().name;
+  }
+}
+
 TEST(ModelInvariants, PressureBalancesTheLoadAndGivesTheTorqueArm) {
-  for (const PressureModel* model : models_in_turn(1 << 30))
+  for (const PressureModel* model : all_pressure_models()) {
+    const double tolerance = model->card().accuracy.pressure;
+    int point = 0, answers = 0;
+    double worst = 0;
     for (const double ratio : {1.0, 1.001, 3.0, 50.0})
       for (const double nu : {0.0, 0.3, 0.49, 0.5}) {
+        if (!is_asked(*model, point++, 3)) continue;
         ContactProblem problem{{0.008 * ratio, 0.008}, {0.003, 2e5, nu}, {2, 0.8}};
         problem.options.power_law = {0.003, 0.3, 2.5};
         const Prediction prediction = model->predict(problem);
         if (!prediction.has_answer) continue;
+        ++answers;
         const auto pressure = [&](long double x, long double y) {
           return model->pressure_Pa(problem, prediction, double(x), double(y));
         };
@@ -131,14 +142,22 @@ TEST(ModelInvariants, PressureBalancesTheLoadAndGivesTheTorqueArm) {
               return pressure(x, y) * std::sqrt(x * x + y * y);
             }));
         const double P = problem.load.normal_force_N;
-        const double tolerance = balance_tolerance(*model);
-        EXPECT_NEAR(load_N / P, 1, tolerance) << model->card().name << " " << ratio << " " << nu;
-        EXPECT_NEAR(moment_Nm / P / prediction.torque_arm_exact_m, 1, tolerance)
-            << model->card().name << " " << ratio << " " << nu;
-        EXPECT_NEAR(pressure(0, 0) / prediction.peak_pressure_Pa, 1, 1e-15);
-        EXPECT_EQ(pressure(1.0001 * prediction.a_m, 0), 0);
-        EXPECT_EQ(pressure(0, -1.0001 * prediction.b_m), 0);
+        const auto expect_one = [&](const char* what, double value) {
+          worst = std::max(worst, std::abs(value - 1));
+          EXPECT_NEAR(value, 1, tolerance)
+              << what << " of " << model->card().name << " " << ratio << " " << nu;
+        };
+        expect_one("load", load_N / P);
+        expect_one("torque arm", moment_Nm / P / prediction.torque_arm_exact_m);
+        expect_one("peak", pressure(0, 0) / prediction.peak_pressure_Pa);
+        const double outside = 1 + model->card().accuracy.edge;
+        EXPECT_EQ(pressure(outside * prediction.a_m, 0), 0) << model->card().name;
+        EXPECT_EQ(pressure(0, -outside * prediction.b_m), 0) << model->card().name;
       }
+    EXPECT_GT(answers, 0) << model->card().name;
+    std::printf("%-20s load and torque balance to %.1e\n", std::string(model->card().name).c_str(),
+                worst);
+  }
 }
 
 // Dimensional analysis: lengths times `length`, forces times `force`.
@@ -154,7 +173,8 @@ RC_GTEST_PROP(ModelInvariants, NumbersChangeWithTheUnitsAsTheirDimensionsDemand,
   PowerLaw& law = scaled.options.power_law;
   law.radius_coefficient *= length / std::pow(force, law.radius_exponent);
   RC_PRE(scaled.radii.major_m >= scaled.radii.minor_m);
-  const double tolerance = 1e-12;  // the rounding of the scaled input, a few epsilon, amplified
+  // Of all models: the rounding of the scaled input, a few epsilon, amplified.
+  const double tolerance = 1e-12;
   for (const PressureModel* model : models_in_turn(50)) {
     const Prediction one = model->predict(problem), other = model->predict(scaled);
     RC_ASSERT(one.has_answer == other.has_answer);
@@ -213,7 +233,7 @@ TEST(ModelInvariants, SwappedRadiiAreRefusedInsteadOfTurningTheEllipse) {
 }
 
 TEST(ModelInvariants, ApproachTheCircleContinuously) {
-  for (const PressureModel* model : models_in_turn(1 << 30)) {
+  for (const PressureModel* model : models_in_turn(1)) {
     ContactProblem circle{{0.01, 0.01}, {0.002, 3e5, 0.3}, {1, 0.8}};
     circle.options.power_law = {0.003, 0.3, 2.5};
     const Prediction limit = model->predict(circle);
@@ -223,6 +243,7 @@ TEST(ModelInvariants, ApproachTheCircleContinuously) {
       ContactProblem problem = circle;
       problem.radii.major_m *= 1 + excess;
       const Prediction near = model->predict(problem);
+      if (!near.has_answer) continue;  // made for circles alone
       // All exponents of the ratio are below one; a few roundings remain.
       const double tolerance = excess + 3e-15;
       EXPECT_NEAR(near.a_m / limit.a_m, 1, tolerance) << model->card().name << excess;
@@ -234,12 +255,22 @@ TEST(ModelInvariants, ApproachTheCircleContinuously) {
   }
 }
 
+std::string in_words(const ContactProblem& problem) {
+  std::ostringstream text;
+  text << ": R' = " << problem.radii.major_m << " R'' = " << problem.radii.minor_m
+       << " h = " << problem.layer.thickness_m << " E = " << problem.layer.youngs_modulus_Pa
+       << " nu = " << problem.layer.poisson_ratio << " P = " << problem.load.normal_force_N;
+  return text.str();
+}
+
 // Far outside any range that makes sense: each field takes every value that a broken caller passes.
 TEST(ModelExtremes, NonsenseIsRefusedInWords) {
   const double infinity = std::numeric_limits<double>::infinity();
   const double values[] = {std::nan(""), -infinity, -1e308, -1,    -5e-324, 0,       5e-324,
                            1e-308,       1e-154,    0.25,   1e154, 1e308,   infinity};
-  for (const PressureModel* model : models_in_turn(1 << 30))
+  constexpr int kSlowPeriod = 1009;  // prime: walks through all combinations of neighbouring fields
+  for (const PressureModel* model : all_pressure_models()) {
+    int point = 0;
     for (const double R1 : values)
       for (const double R2 : values)
         for (const double h : values)
@@ -248,12 +279,25 @@ TEST(ModelExtremes, NonsenseIsRefusedInWords) {
               // Poisson's ratio walks through its own nonsense beside them.
               for (const double nu : {0.3, 0.5, -0.1, 0.6, std::nan(""), infinity}) {
                 const ContactProblem problem{{R1, R2}, {h, E, nu}, {P, 0.8}};
-                ASSERT_TRUE(testing::is_finite_and_consistent(model->predict(problem)))
-                    << model->card().name << " R' = " << R1 << " R'' = " << R2 << " h = " << h
-                    << " E = " << E << " nu = " << nu << " P = " << P;
+                if (is_asked(*model, point++, kSlowPeriod)) {
+                  ASSERT_TRUE(testing::is_finite_and_consistent(model->predict(problem)))
+                      << model->card().name << in_words(problem);
+                }
                 if (nu != 0.3 && R1 != 0.25) break;
               }
             }
+    // One broken field in a problem that makes sense.
+    for (const double value : values)
+      for (int field = 0; field < 6; ++field) {
+        ContactProblem problem = soft_pad(1, 0.8);
+        double* const fields[] = {&problem.radii.major_m,       &problem.radii.minor_m,
+                                  &problem.layer.thickness_m,   &problem.layer.youngs_modulus_Pa,
+                                  &problem.layer.poisson_ratio, &problem.load.normal_force_N};
+        *fields[field] = value;
+        ASSERT_TRUE(testing::is_finite_and_consistent(model->predict(problem)))
+            << model->card().name << in_words(problem);
+      }
+  }
 }
 
 // Theories that know one layer say so; the others become more compliant by a second one.

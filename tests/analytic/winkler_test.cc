@@ -14,8 +14,8 @@ Prediction winkler(const ContactProblem& problem) {
   return find_pressure_model("winkler")->predict(problem);
 }
 
-// K = 1.5 MPa, h = 3 mm, P = 5 N are the defaults of the seed's simulator.
-TEST(Winkler, EqualsTheSeedsEquations) {
+// K = 1.5 MPa, h = 3 mm, P = 5 N are the defaults of the simulator of Ciocarlie et al. 2007.
+TEST(Winkler, EqualsTheEquationsOfCiocarlieEtAl) {
   const double K = 1.5e6, h = 0.003, P = 5, R1 = 0.02, R2 = 0.005;
   const Prediction contact = winkler({{R1, R2}, {h, K, 0}, {P, 0.8}});  // nu = 0: M = E
   const double d = std::sqrt(P * h / (K * kPi * 0.01));

@@ -205,7 +205,7 @@ TEST(AtlasProblem, HasTheSizeThatWasAskedFor) {
                     1e-9);
 }
 
-TEST(ErrorEstimate, OfTheSeedsTorqueRuleHasItsOwnError) {
+TEST(ErrorEstimate, OfThePapersTorqueRuleHasItsOwnError) {
   judgement::ErrorAtlas::Estimate estimate;
   estimate.bound.emplace();
   estimate.bound->fill(0.02);
@@ -219,8 +219,8 @@ TEST(ErrorEstimate, OfTheSeedsTorqueRuleHasItsOwnError) {
       0.02);
   const judgement::QuantityErrors paper =
       judgement::with_torque_rule(estimate, prediction, prediction::TorqueRule::paper);
-  // The exact rule's true error lies in -0.015 ± 0.005: the seed's between 0.9 * 0.98 and 0.9 *
-  // 0.99.
+  // The exact rule's true error lies in -0.015 ± 0.005: that of the sqrt(ab) rule between 0.9 *
+  // 0.98 and 0.9 * 0.99.
   EXPECT_NEAR(paper[torque], 1 - 0.9 * 0.98, 1e-12);
   EXPECT_EQ(paper[0], 0.02);
 }

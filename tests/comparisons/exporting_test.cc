@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "comparisons/exporting/contact_curve.h"
-#include "comparisons/exporting/drake.h"
 #include "comparisons/exporting/simulator.h"
+#include "comparisons/exporting/simulators/drake.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/math/pi.h"
 #include "tests/comparisons/run_program.h"
@@ -42,6 +42,12 @@ double value(const Lines& lines, const std::string& name) {
   ADD_FAILURE() << "no value " << name;
   return 0;
 }
+
+const Simulator& mujoco() { return *find_simulator("mujoco"); }
+const Simulator& bullet() { return *find_simulator("bullet"); }
+const Simulator& gazebo() { return *find_simulator("gazebo"); }
+const Simulator& drake() { return *find_simulator("drake"); }
+const Simulator& physx() { return *find_simulator("physx"); }
 
 Lines lines_for(const Simulator& simulator) {
   return simulator.lines(soft_contact(hertz_curve(), simulator, Fit::nominal));
@@ -135,6 +141,16 @@ TEST(Exporting, AConstantIsWrongByThePowerOfTheLoad) {
   const double worst = std::tanh(std::log(3.0) / 3);  // (q - 1/q)/(q + 1/q), q = 3^(1/3)
   EXPECT_NEAR(best.front(), worst, 1e-9);
   EXPECT_NEAR(best.back(), -worst, 1e-9);
+}
+
+TEST(Exporting, TheBestConstantIsOffByTheSameAtBothEnds) {
+  const BestConstant best = best_constant(1, 3);
+  EXPECT_DOUBLE_EQ(best.value, 1.5);
+  EXPECT_DOUBLE_EQ(best.worst_error, 0.5);
+  EXPECT_NEAR(best.value / 1 - 1, best.worst_error, 1e-15);
+  EXPECT_NEAR(1 - best.value / 3, best.worst_error, 1e-15);
+  EXPECT_DOUBLE_EQ(best_constant(2, 2).value, 2);
+  EXPECT_DOUBLE_EQ(best_constant(2, 2).worst_error, 0);
 }
 
 TEST(Exporting, DrakeFollowsAWinklerContactExactly) {

@@ -281,7 +281,8 @@ TEST_F(Program, ShowsATableWithoutJson) {
   const ProgramRun result = run({"predict", "seed_thumb"});
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("winkler"), std::string::npos);
-  EXPECT_NE(result.out.find("41"), std::string::npos) << "the seed's 41 mm²: " << result.out;
+  EXPECT_NE(result.out.find("41"), std::string::npos)
+      << "the 41 mm² of Ciocarlie et al. 2007: " << result.out;
 }
 
 TEST_F(Program, KeepsTheColumnsOfItsTableApart) {
@@ -761,7 +762,7 @@ TEST_F(Program, SelectWritesAPageAndItsNumbers) {
   expect_refusal({"select", "pinch", "--tolerance", "0.1", "--output", "choice"}, "--output");
 }
 
-TEST_F(Program, ExtremesCountsEveryAnswerAndBreaksNoPromise) {
+TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
   const std::vector<std::string> arguments = {"extremes",      "--points", "1600",
                                               "--slow-points", "3",        "--json"};
   const ProgramRun result = run(arguments);

@@ -13,8 +13,8 @@ const Eigen::Matrix3Xd& friction_vertices(int count);
 
 /// Rigid bodies that touch each other and a fixed world, at random: masses over six decades, e_n
 /// from 1e-6 to 1 m, friction from none to 1.5, one in three contacts repeated nearby with the same
-/// normal (redundant) or exactly. Where the world is fixed, Anitescu and Potra's theorem promises a
-/// solution.
+/// normal (redundant) or exactly. Where the world is fixed, a solution exists by Anitescu and
+/// Potra's theorem.
 class RandomScenes {
  public:
   explicit RandomScenes(unsigned seed) : random_(seed) {}

@@ -23,7 +23,7 @@ using tests::SimpleContacts;
 using Kind = SimpleContacts::Pair::Kind;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kGravity = 9.81;
-/// What the contact solver promises of a step, relative to the largest velocity of the problem.
+/// Residual of the contact solver in a step, relative to the largest velocity of the problem.
 constexpr double kSolver = 1e-10;
 
 TimeStepper::Options options(double time_step_s = 1e-3) {

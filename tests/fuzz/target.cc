@@ -6,10 +6,6 @@
 #include <iterator>
 #include <utility>
 
-/// Asked by the leak checker. Assimp keeps some of the memory of files that it refuses: a program
-/// that ends with the refusal does not mind.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
-
 namespace softfinger::fuzz {
 
 std::vector<Target> all_targets() {

@@ -15,7 +15,7 @@ nlohmann::json large_report(int cases);
 /// What `softfinger select` makes its page of: three loads, of which one has no choice.
 nlohmann::json sample_selection();
 
-/// What `softfinger extremes` makes its page of: a model that keeps its promises, one that does
+/// What `softfinger extremes` makes its page of: a model that violates no invariant, one that does
 /// not.
 nlohmann::json sample_survey();
 

@@ -66,7 +66,7 @@ TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
         "30 rows have an answer, 0 failed.",
         // 2 mN·m (h/mm)^(1/2) P/N from 0.5 mm and 1 N to 5 mm and 5 N.
         "By Bonded layer: a 2.26 to 7.16 mm", "largest torque 1.41 to 22.4 mN·m",
-        "it calls itself valid in 30 of 30 rows"})
+        "Its assumptions hold in 30 of 30 rows"})
     EXPECT_TRUE(contains(text, part)) << part;
 }
 
@@ -130,9 +130,9 @@ TEST(SweepPage, SaysWhenNotAllRowsAreDrawn) {
   const Json sweep = tests::sweep_at_random();
   const std::string text = visible_text(sweep);
   EXPECT_TRUE(contains(text,
-                       "20,000 of 1,000,000 rows are drawn, evenly taken out; all are in "
+                       "20,000 of 1,000,000 rows, evenly spaced, are drawn; all are in "
                        "results.csv"));
-  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "evenly taken out"));
+  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "evenly spaced"));
   // 60 columns of 20,000 rows; without the chart libraries.
   EXPECT_LT(render_sweep(sweep).size(), 7'000'000u);
 }

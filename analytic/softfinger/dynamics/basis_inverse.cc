@@ -11,7 +11,7 @@ using Vector = Eigen::Map<const Eigen::VectorXd>;
 BasisInverse::BasisInverse(int capacity) : inverse_(capacity, capacity), scratch_(capacity) {}
 
 void BasisInverse::solve(const double* right, double* solution) const noexcept {
-  // Right-hand sides of contact problems are mostly zeros: by columns these cost nothing.
+  // Right-hand sides of contact problems are mostly zeros. Summing up columns, these cost nothing.
   Eigen::Map<Eigen::VectorXd> x(solution, size_);
   x.setZero();
   for (int p = 0; p < size_; ++p)

@@ -4,12 +4,13 @@
 
 namespace softfinger {
 
-/// The explicit inverse of a square matrix that grows, shrinks and exchanges rows and columns, one
-/// at a time, in O(k²) each: the active part A of a complementary basis. Row p of the inverse
+/// The explicit inverse of a square matrix A, the active part of a complementary basis, that grows,
+/// shrinks and exchanges rows and columns one at a time, in O(k²) each. Row p of the inverse
 /// belongs to column p of A and the other way round.
 ///
-/// No operation allocates after construction. None pivots for stability: the caller chooses pivots
-/// that are large enough, measures the error of what it solves, and calls `invert` when it grew.
+/// No operation allocates after construction. The updates do not pivot for stability: the caller
+/// chooses pivots that are large enough, measures the error of what it solves, and calls `invert`
+/// when that has grown.
 class BasisInverse {
  public:
   explicit BasisInverse(int capacity = 0);
@@ -40,8 +41,8 @@ class BasisInverse {
   /// Row `row` and column `column` of A are dropped; the last ones take their places.
   void shrink(int row, int column) noexcept;
 
-  /// From scratch, Gauss-Jordan with row pivoting, O(k³). False when A is singular to round-off;
-  /// then the old inverse is lost.
+  /// Inverts A anew, by Gauss-Jordan elimination with row pivoting, O(k³). (Eigen's decompositions
+  /// allocate.) False when A is singular to round-off; the old inverse is then lost.
   /// @param matrix  A, its columns `stride` apart; overwritten
   bool invert(double* matrix, int stride, int size) noexcept;
 

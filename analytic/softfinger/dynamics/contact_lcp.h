@@ -27,9 +27,9 @@ enum class FrictionRule {
 /// Rows and impulses come in fours per contact: along the normal, along the two tangents, about the
 /// normal. Impulses in N s and N m s, velocities in m/s and rad/s.
 ///
-/// Under the exact rules, with the scaled wrench s_i = (f, tau/e_i) and slip u_i = (v_t1, v_t2, e_i
-/// omega), the last two lines become maximum dissipation over a convex set K_i of support function
-/// h_i, the unit ball or the contact's shape:
+/// Under the exact rules the last two lines become the principle of maximum dissipation over a
+/// convex set K_i, the unit ball or the contact's shape, with support function h_i, scaled wrench
+/// s_i = (f, tau/e_i) and scaled slip u_i = (v_t1, v_t2, e_i omega):
 ///   s_i in mu_i P_i K_i,   and  s_i = -mu_i P_i grad h_i(u_i)  where u_i is not zero.
 ///
 /// mu_i = 0 is a frictionless unilateral row, such as a joint's limit: its tangential rows of W may
@@ -53,16 +53,17 @@ struct ContactLcp {
 struct ContactSolution {
   Eigen::VectorXd impulse;   ///< r, 4 nc
   Eigen::VectorXd velocity;  ///< v = W r + v_free, 4 nc
-  /// lambda, nc: how fast a sliding contact slides. Under the exact rules h(u), for the ellipsoid
-  /// the speed sqrt(v_t1² + v_t2² + e_n² omega²).
+  /// lambda, nc: how fast a sliding contact slides. Under the exact rules lambda = h(u); for the
+  /// ellipsoid that is the speed sqrt(v_t1² + v_t2² + e_n² omega²).
   Eigen::VectorXd slip;
   struct Weight {
     int contact, vertex;
     double value;
   };
   std::vector<Weight> weights;  ///< of facets: the beta that are not zero, at most four per contact
-  /// After an infeasible problem: impulses within the friction cones that move nothing, W y = 0,
-  /// and that the prescribed motion would do work on without bound, y^T v_free < 0.
+  /// y, 4 nc, of a problem with a RayProof: impulses within the friction cones that move nothing,
+  /// W y = 0, while the prescribed motion works against them, y^T v_free < 0. Any multiple of them
+  /// could be added.
   Eigen::VectorXd ray;
 
   void resize(int contacts);
@@ -71,21 +72,23 @@ struct ContactSolution {
 /// Solves ContactLcp by Lemke's algorithm. See LemkeSolver for the covering vector, ties and
 /// retries.
 /// - Each contact is scaled by 1/sqrt(W_nn), so that masses, units and time steps do not matter.
-/// - The first path of facets is frictionless; contacts with load then get the vertices that the
-///   solution violates, and the path goes on from its basis. When such a path ends in a ray, the
-///   problem with the vertices found so far is solved from the start, led towards the last
-///   solution; every other attempt has all vertices from the start.
-/// - Rows of vertices are not stored: of each contact the path sees its 4 velocities, and looks at
-///   single vertices only where the whole friction sphere would be violated.
+/// - Facets: the first path is frictionless. Contacts with load then get the vertices that the
+///   solution violates, and the path goes on from its basis. When a continued path ends in a ray,
+///   the problem with the vertices found so far is solved from the start, with a covering vector
+///   that leads towards the last solution. Every other attempt has all vertices from the start.
+/// - Rows of vertices are not stored. The path follows the 4 velocities of each contact and looks
+/// at
+///   single vertices only where the slip is so fast that one of them could be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
-/// - Under the exact rules the vertices are each contact's own, points of its limit against its
-///   slip and where its load reaches for; Newton's method (ExactNewton) goes the rest of the way
-///   from the path's points. What counts is `exact_contact_residual`.
+/// - Under the exact rules each contact has vertices of its own, points of its limit, which are
+/// added
+///   where the slip or the load asks for them. Newton's method (ExactNewton) goes the rest of the
+///   way. A solution is what `exact_contact_residual` accepts.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
-/// 1997). Prescribed motions can exclude one: bodies that are wedged between closing walls. A ray
-/// is proved as RayProof::infeasible when normal impulses alone make it: then no impulses at all
-/// keep every v_n >= 0. With friction in it (RayProof::ray_only) it is what jams.
+/// 1997). Prescribed motions can exclude one, such as a body between closing walls. A ray of normal
+/// impulses alone proves that (RayProof::infeasible): no impulses at all keep every v_n >= 0. A ray
+/// with friction in it (RayProof::ray_only) shows which contacts jam, but a solution may exist.
 ///
 /// Sized once: `solve` then allocates nothing, for solutions that have been resized before.
 class ContactLcpSolver {
@@ -96,15 +99,16 @@ class ContactLcpSolver {
   ContactLcpSolver(ContactLcpSolver&&) noexcept;
   ContactLcpSolver& operator=(ContactLcpSolver&&) noexcept;
 
-  /// `residual` of the result is that of `contact_residual`: solved means 1e-10 or less, or, where
-  /// impulses are so large that rounding of W r alone makes more, four such roundings, 1e-9 at
-  /// most. @throws InputError for sizes that do
-  /// not fit each other or the solver, for values that are not finite or negative where they cannot
-  /// be, and for a contact with W_nn <= 0: bodies that cannot move.
-  /// @param continued  null: from the start. Else, per contact, which contact of the last problem
-  ///   solved by this object it continues, -1: a new one. Solves from the basis that the last
-  ///   problem ended in, and from the start where that fails. Does not change which problems are
-  ///   solved; of several solutions it may find another one.
+  /// `residual` of the result is that of `contact_residual` or `exact_contact_residual`. Solved
+  /// means 1e-10 or less. Impulses can be so large that the rounding of W r alone makes more: then
+  /// it means four such roundings or less, at most 1e-9.
+  /// @param continued  null for a cold start. Else, per contact, the contact of the last problem of
+  ///   this object that it continues, or -1 for a new one: a warm start from the last solution,
+  ///   followed by a cold one where that fails. It solves the same problems; where there are
+  ///   several solutions it may find another one.
+  /// @throws InputError for sizes that do not fit each other or the solver, for values that are not
+  ///   finite or are negative where they must not be, and for a contact whose bodies cannot move,
+  ///   W_nn <= 0.
   LcpResult solve(const ContactLcp& problem, ContactSolution& solution,
                   const std::vector<int>* continued = nullptr);
 
@@ -113,16 +117,19 @@ class ContactLcpSolver {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Of the facets. Natural residual max |min(z, w)| without unit: rows of P and beta have their z
-/// multiplied by their own diagonal of W and are divided by max |v_free|; rows of lambda, lambda by
-/// max |v_free| and the rest of the cone by the largest impulse. Velocities are computed again from
-/// the impulses of P and beta. Allocates.
+/// Of the facets. Natural residual max |min(z, w)| without unit:
+/// - rows of P and beta: z times its own diagonal element of W, and w, both over max |v_free|;
+/// - rows of lambda: lambda over max |v_free|, and the rest of the cone over the largest impulse.
+/// Impulses and velocities are computed again from P and beta; what the solution says otherwise is
+/// an error, over the same units. Allocates.
 double contact_residual(const ContactLcp& problem, const ContactSolution& solution);
 
-/// Of the exact rules (of the facets: `contact_residual`). Natural residual without unit, the
-/// largest of |min(W_nn P, v_n)| and |a s - proj(a s - u)|, proj onto a mu P K, a the largest
-/// diagonal element of W for s and u, over max |v_free|; and of how far s lies outside of mu P K,
-/// over the largest impulse. Computed from the impulses alone, velocities included. No allocation.
+/// Of the exact rules. Natural residual without unit, the largest of
+/// - |min(W_nn P, v_n)| over max |v_free|,
+/// - |a s - proj(a s - u)| over max |v_free|: the projection is onto a mu P K, and a is the largest
+///   diagonal element of W for s and u,
+/// - how far s lies outside of mu P K, over the largest impulse.
+/// Computed from the impulses alone, velocities included. No allocation.
 double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution);
 
 }  // namespace softfinger

@@ -127,7 +127,8 @@ ConsistentResult ConsistentContactSolver::solve(ContactLcp& problem,
       }
       last_eccentricity_m_[i] = used_m;
       last_mismatch_m_[i] = mismatch_m_[i];
-      // Never to zero or far beyond, whatever the secant says.
+      // e_n stays positive, wherever the secant points: at least half of the used and the wanted
+      // one.
       problem.eccentricity_m[i] =
           std::max(used_m + fraction * step_m, 0.5 * std::min(used_m, used_m + mismatch_m_[i]));
     }

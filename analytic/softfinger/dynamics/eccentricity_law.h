@@ -29,8 +29,8 @@ class PowerEccentricity final : public EccentricityLaw {
   double coefficient_m_, exponent_;
 };
 
-/// Samples, linear in ln e_n over ln P; beyond them with the power law of the last two. A lookup is
-/// a division and an exponential.
+/// Samples, interpolated linearly in ln e_n over ln P; beyond the first and last, the power law of
+/// the two nearest. A lookup costs a logarithm and an exponential.
 class SampledEccentricity final : public EccentricityLaw {
  public:
   /// Loads evenly spaced in ln P. @param eccentricity_m  at least two, > 0, at lowest_load_N,
@@ -53,16 +53,18 @@ class SampledEccentricity final : public EccentricityLaw {
 struct ConsistentResult {
   LcpResult lcp;       ///< of the last solve; pivots and Newton iterations of all
   int iterations = 0;  ///< contact problems solved
-  /// Largest |law(P_i) - e_i|/max(law(P_i), e_i) of the loaded contacts, e_i what was solved with:
-  /// 0 is consistent. Contacts without load have no e_n to agree with.
+  /// Largest |law(P_i) - e_i|/max(law(P_i), e_i) of the loaded contacts, where e_i is the e_n that
+  /// the problem was solved with. Contacts without load have no e_n.
   double inconsistency = 0;
 };
 
-/// Contacts whose e_n belongs to the load that they find in the same time step: P = impulse over
-/// time step, e_n = law(P), iterated to agreement. Fixed-point steps, per contact by the secant of
-/// the last two where that is between a quarter and four times as long; halved when the
-/// inconsistency grows. The power laws of contact are weak (e_n ~ P^(1/3)), so that two or three
-/// solves are usual, all but the first one warm. No allocation once sized.
+/// Contacts whose e_n belongs to the load of the same time step: e_n = law(P), P = impulse over
+/// time step. The contact problem is solved again with the e_n of its loads until they agree.
+///
+/// Each iteration is a fixed-point step or, where that is between a quarter and four times as long,
+/// a step of the contact's own secant through the last two. Steps are halved when the inconsistency
+/// grows. The laws are weak (e_n ~ P^(1/3)), so that two or three solves are usual, all but the
+/// first one warm. No allocation once sized.
 class ConsistentContactSolver {
  public:
   struct Options {

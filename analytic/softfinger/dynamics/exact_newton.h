@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "softfinger/dynamics/contact_system.h"
+#include "softfinger/dynamics/contact_operator.h"
 #include "softfinger/friction/friction_shape.h"
 
 /// Internal: contact impulses with exact friction, from a point close to them.
@@ -13,19 +13,19 @@ namespace softfinger::internal {
 /// natural map of the scaled problem, where friction is |s| in P times a set K of support function
 /// h, without unit:
 ///   F_n = min(P, v_n),   F_t = u + nu,   nu + A P grad h(nu) = A s - u,   u = v_t,
-/// nu = 0 where A s - u lies in A P K: the contact sticks. For A = 1, F_t is s - proj_{P K}(s - u).
-/// A = diag(W_tt), so that a contact alone is solved in one step however small its e_n. Impulses of
-/// redundant contacts are not unique: each step is a proximal one, which leaves what moves nothing
-/// as it was.
+/// where nu = 0 if A s - u lies in A P K: then the contact sticks. For A = 1, F_t is
+/// s - proj_{P K}(s - u). A = diag(W_tt), so that a contact alone is solved in one step however
+/// small its e_n. Impulses of redundant contacts are not unique. Each step is therefore a proximal
+/// one: it leaves as they are those parts of the impulses that move nothing.
 class ExactNewton {
  public:
-  explicit ExactNewton(int contacts);
+  explicit ExactNewton(int contact_capacity);
 
   static constexpr int kMostPasses = 8;
 
   /// Improves `impulse`; returns the largest |F| without unit (velocities over the largest of the
   /// free ones). Up to `passes` attempts from the same point. No allocation.
-  double solve(const ContactSystem& system, Eigen::VectorXd& impulse, int passes);
+  double solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes);
 
   int iterations() const { return iterations_; }  ///< of the last solve
 
@@ -37,18 +37,21 @@ class ExactNewton {
   };
 
   struct Pass {
-    double proximal;  ///< what is added to W, times its diagonal: where W is singular, it counts
-    bool full_steps;
+    double proximal;  ///< this part of W's diagonal is added to W, which may be singular
+    bool full_steps;  ///< else they are shortened until the map falls
   };
 
-  double descend(const ContactSystem& system, const Pass& pass, double best,
+  double descend(const ContactOperator& contacts, const Pass& pass, double best,
                  Eigen::VectorXd& impulse);
-  double evaluate(const ContactSystem& system, const Eigen::VectorXd& impulse);
-  bool find_step(const ContactSystem& system, const Eigen::VectorXd& impulse, double proximal);
+  double evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  bool find_step(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal);
+  int number_unknowns(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
+                     double proximal, int size);
   bool eliminate(int size);
 
   std::vector<Contact> contacts_;
-  std::vector<int> first_;  ///< unknown of each contact, -1: none
+  std::vector<int> first_;  ///< of each contact's unknowns; -1: it has none
   Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_;
   Eigen::MatrixXd matrix_;
   int iterations_ = 0;

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <limits>
 
-#include "softfinger/dynamics/covering.h"
+#include "softfinger/dynamics/repeatable_random.h"
 
 namespace softfinger::internal {
 namespace {
 
-/// Products are made by so many vertices at a time: the last ones are repeated to fill a block.
+/// Products are made for so many vertices at a time, for the sake of vector instructions. The last
+/// vertex is repeated to fill a block.
 constexpr int kBlock = 8;
 using Block = Eigen::Array<double, kBlock, 1>;
 
@@ -30,7 +31,7 @@ FrictionPolytope::FrictionPolytope(int most_vertices)
       moved_(whole_blocks(most_vertices), 3),
       along_(whole_blocks(most_vertices)),
       coarse_(kMostCoarseFacets) {
-  // All facets of the hull, if they were all in the cone of one.
+  // A hull of n points has at most 2 n - 4 facets, and all may lie in the cone of one coarse facet.
   for (CoarseFacet& coarse : coarse_) coarse.found.reserve(std::size_t(2 * most_vertices));
 }
 
@@ -74,14 +75,15 @@ int FrictionPolytope::beyond(const Vertices& vertices, const Eigen::Vector3d& di
 bool FrictionPolytope::find_facet(const Eigen::Vector3d& direction, Facet& facet) {
   const double size = direction.norm();
   if (!(size > 0)) return false;
-  // A little aside: along an edge or a vertex the search would turn in circles.
+  // Moved a little: exactly along an edge or a vertex the search would cycle.
   const Eigen::Vector3d ray = direction / size + kMoved * Eigen::Vector3d(0.33, 0.77, -0.54);
   const auto end = coarse_.begin() + coarse_count_;
   const auto coarse = std::find_if(coarse_.begin(), end, [&](const CoarseFacet& other) {
     return other.cone.least_weight(ray) >= -kRoundOff;
   });
   if (coarse == end) return false;
-  // Where it still meets an edge, the search decides, whatever is known.
+  // A ray this close to an edge is searched for anew: a known facet might not be the one that the
+  // search would find.
   constexpr double kInside = 1e-9;
   for (const Cone& known : coarse->found) {
     if (!(known.least_weight(ray) > kInside)) continue;
@@ -96,8 +98,9 @@ bool FrictionPolytope::find_facet(const Eigen::Vector3d& direction, Facet& facet
   return true;
 }
 
-/// From a cone of vertices around `ray` to that of a facet: the simplex method for the least sum of
-/// weights with which three vertices make `ray`.
+/// From a cone of vertices around `ray` to that of the facet that the ray meets. This is a linear
+/// programme, solved by the simplex method: write `ray` as a sum of vertices with weights >= 0
+/// whose sum is least.
 bool FrictionPolytope::search(Cone& cone, const Eigen::Vector3d& ray) {
   constexpr int kMostTurns = 32;
   Eigen::Matrix3d corners;
@@ -124,7 +127,8 @@ bool FrictionPolytope::search(Cone& cone, const Eigen::Vector3d& ray) {
   return false;
 }
 
-/// The facets of the hull of a few vertices that lie far apart.
+/// Takes a few vertices far from each other and finds the facets of their hull by trying all
+/// triples.
 void FrictionPolytope::choose_coarse_facets() {
   constexpr double kFlat = 1e-6;
   coarse_count_ = 0;

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-/// Internal: the vertices of linearised friction as a convex hull that can be asked for directions.
+/// Internal: the convex hull of the vertices of linearised friction.
 namespace softfinger::internal {
 
 /// The hull of points of the unit sphere, (f_x, f_y, tau/e_n)/(mu P), that all contacts share.
@@ -13,7 +13,7 @@ class FrictionPolytope {
  public:
   explicit FrictionPolytope(int most_vertices);
 
-  /// Mostly the same vertices as in the last problem: then this costs a comparison.
+  /// Costs only a comparison where the vertices are those of the last problem, as they mostly are.
   void set(const Eigen::Matrix3Xd& vertices);
 
   int count() const { return count_; }
@@ -28,22 +28,26 @@ class FrictionPolytope {
   }
 
   using Facet = std::array<int, 3>;
-  /// The facet that a ray from the origin meets; both ray and vertices are moved by up to kMoved of
-  /// their length, so that it meets no edge and no four lie in a plane: what is found does not
-  /// depend on what was asked before. False where there is none: too few vertices, or not around
-  /// the origin. Facets that were found are kept: to find them again costs a tenth.
+  /// The facet that a ray from the origin meets. False where there is none: with too few vertices,
+  /// or where these do not surround the origin. Facets that were found are kept; to find one of
+  /// them again costs a tenth.
+  ///
+  /// Ray and vertices are moved by up to kMoved of their length, so that the ray meets no edge and
+  /// no four vertices lie in a plane. The answer is then unique and does not depend on what was
+  /// asked before.
   bool find_facet(const Eigen::Vector3d& direction, Facet& facet);
   static constexpr double kMoved = 1e-8;
 
  private:
-  using Vertices = Eigen::MatrixX3d;  ///< one per row: products with a direction sum up columns
+  using Vertices = Eigen::MatrixX3d;  ///< one per row, so that products run along columns
   struct Cone {
     Facet corners;
-    Eigen::Matrix3d inverse;  ///< of the matrix of the corners
-    /// The least of the three weights that make `ray`: >= 0 where it lies in the cone.
+    Eigen::Matrix3d inverse;  ///< of the matrix whose columns are the corners
+    /// `ray` is a sum of the corners with three weights: the least of them, >= 0 inside the cone.
     double least_weight(const Eigen::Vector3d& ray) const { return (inverse * ray).minCoeff(); }
   };
-  /// The facets of the hull of a few vertices: where a search starts, and what it has found there.
+  /// A facet of the hull of a few vertices. A search starts from the one whose cone contains the
+  /// ray; the facets of the full hull that it has found are kept here.
   struct CoarseFacet {
     Cone cone;
     std::vector<Cone> found;

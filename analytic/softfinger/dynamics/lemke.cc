@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "softfinger/dynamics/covering.h"
 #include "softfinger/dynamics/lemke_path.h"
+#include "softfinger/dynamics/repeatable_random.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -22,7 +22,7 @@ RayProof stronger(RayProof a, RayProof b) {
   return a == RayProof::none ? b : a;
 }
 
-/// M, q and the covering vector as arrays; everything scaled.
+/// The System of LemkePath with M, q and the covering vector as arrays, all scaled.
 class DenseSystem {
  public:
   explicit DenseSystem(int capacity)
@@ -125,9 +125,10 @@ struct LemkeSolver::Workspace {
   double constant_scale = 1;
 };
 
-/// Ruiz' iteration: the largest entries of all rows and columns of R M C become 1. Scaling by
-/// positive numbers changes neither the solutions nor which matrices Lemke's method can process: it
-/// is the same method with another covering vector.
+/// Ruiz' iteration (Rutherford Appleton Laboratory report RAL-TR-2001-034): the largest entries of
+/// all rows and columns of R M C become 1. Scaling by positive numbers changes neither the
+/// solutions nor which matrices Lemke's method can process: it is the same method with another
+/// covering vector.
 void LemkeSolver::Workspace::equilibrate(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
                                          const Eigen::Ref<const Eigen::VectorXd>& constant) {
   const int n = int(constant.size());
@@ -138,7 +139,8 @@ void LemkeSolver::Workspace::equilibrate(const Eigen::Ref<const Eigen::MatrixXd>
   row_scale.head(n).setOnes();
   column_scale.head(n).setOnes();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    // Alternating by rows and columns, so that a matrix times a number is the same after one sweep.
+    // By rows, then by columns. The first sweep takes rows as they are, without the root, so that a
+    // number by which the whole matrix is multiplied is gone after it.
     for (int i = 0; i < n; ++i) {
       const double largest = scaled.row(i).lpNorm<Eigen::Infinity>();
       if (!(largest > 0)) continue;
@@ -182,7 +184,8 @@ RayProof LemkeSolver::Workspace::check_ray() {
   if (ray.head(n).minCoeff() < -kRoundOff) return RayProof::none;
   ray.head(n) = ray.head(n).cwiseMax(0.);
 
-  // Farkas multiplies rows, the ray is made of columns: y = C z_scaled is R y_scaled.
+  // Farkas' y multiplies rows, scaled by R; the ray is made of columns, scaled by C. The same
+  // vector in both: C ray_scaled = R y_scaled.
   Eigen::VectorXd& y = z;
   y.head(n) = ray.head(n).cwiseProduct(column_scale.head(n)).cwiseQuotient(row_scale.head(n));
   y.head(n) /= y.head(n).lpNorm<Eigen::Infinity>();

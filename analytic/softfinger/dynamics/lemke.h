@@ -11,9 +11,10 @@ enum class LcpStatus {
   iteration_limit     ///< neither: the best point found is returned, with its residual
 };
 
-/// What a ray says. Found rays are checked as vectors, whatever path led to them.
+/// What a ray proves. Each ray that a path has found is checked as a vector, independently of the
+/// path.
 enum class RayProof {
-  none,  ///< there was no ray, or it does not hold to round-off
+  none,  ///< there was no ray, or its conditions are not met to round-off
   /// y >= 0, M^T y <= 0, q^T y < 0 (Farkas): no z >= 0 has M z + q >= 0, for any M.
   infeasible,
   /// y >= 0, M y >= 0, y^T M y = 0, q^T y < 0: proves that there is no solution only where M is
@@ -24,9 +25,9 @@ enum class RayProof {
 
 struct LcpResult {
   LcpStatus status = LcpStatus::iteration_limit;
-  /// max_i |min(z_i, w_i)|: violations of z >= 0, w >= 0 and w^T z = 0 in one number, without unit:
-  /// rows and columns are scaled so that those of M have largest entries of 1, and divided by the
-  /// largest scaled q or z.
+  /// max_i |min(z_i, w_i)|, which measures violations of z >= 0, w >= 0 and w^T z = 0 in one
+  /// number. Without unit: rows and columns are scaled so that the largest entry of each is 1 in M,
+  /// and the result is divided by the largest scaled q or z.
   double residual = 0;
   int pivots = 0;    ///< of all attempts
   int attempts = 0;  ///< covering vectors tried
@@ -39,15 +40,18 @@ struct LcpResult {
 /// Linear complementarity problem w = M z + q, w, z >= 0, w^T z = 0 by Lemke's algorithm (Cottle,
 /// Pang, Stone, The Linear Complementarity Problem, 1992, algorithm 4.4.1).
 ///
-/// Textbook Lemke, with a covering vector of ones and exact ties, cycles or takes tiny pivots on
-/// problems with redundant contacts. Here the covering vector is random (the same in every run) and
-/// ties are resolved by Harris' ratio test, which takes the largest pivot among rows that block
-/// within a tolerance; when a path fails, another covering vector is tried. Rows and columns are
-/// equilibrated first, so that units and other scalings do not matter. The last basis is solved
-/// once more, with refinement.
+/// The textbook's method has a covering vector of ones and exact ties. On problems with redundant
+/// contacts it cycles or takes tiny pivots. Here:
+/// - The covering vector is random, the same in every run.
+/// - Ties are resolved by Harris' ratio test: of the rows that block within a tolerance it takes
+/// the
+///   one with the largest pivot.
+/// - When a path fails, another covering vector is tried.
+/// - Rows and columns are equilibrated first, so that units and other scalings do not matter.
+/// - The last basis is solved once more, with iterative refinement.
 ///
 /// Lemke's method reaches a solution when M is a P-matrix, strictly copositive, or copositive-plus
-/// with a feasible problem. For others a ray may end every path although a solution exists.
+/// with a feasible problem. For other M every path may end in a ray although a solution exists.
 ///
 /// Sized once: `solve` then allocates nothing. Cost: O(n k) per pivot, k the number of basic z;
 /// usually n to 2n pivots.

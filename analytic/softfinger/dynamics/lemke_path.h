@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "softfinger/dynamics/basis_inverse.h"
-#include "softfinger/dynamics/covering.h"
+#include "softfinger/dynamics/repeatable_random.h"
 
 /// Internal: the path that Lemke's algorithm follows, for any matrix that can answer a few
 /// questions.
@@ -17,14 +17,17 @@ namespace softfinger::internal {
 enum class PathEnd { solved, ray, limit, numerical };
 
 struct PathOptions {
-  /// Harris: rows may become that negative, times their natural size, which makes ties choices.
+  /// Of Harris' ratio test: how far below zero w and z may go, over their natural size. Several
+  /// rows then block the path within that tolerance, and the one with the largest pivot can be
+  /// taken.
   double tolerance = 1e-11;
-  /// Below that part of the largest change a row does not block: as a pivot it would be round-off,
-  /// unless the contacts are nearly redundant. No value serves all problems.
+  /// A row blocks only if it falls faster than this part of the largest change: slower ones are
+  /// mostly round-off and would make bad pivots. Nearly redundant contacts have true pivots that
+  /// small, so that no single value serves all problems.
   double smallest_pivot = 1e-9;
   int most_pivots = 1000;
-  /// After that many pivots the values are computed again from the basis, with correction; between
-  /// them they are only advanced.
+  /// After that many pivots the values are computed again from the basis, and corrected. At the
+  /// pivots between, they are only advanced along the direction.
   int refresh_after = 1;
 };
 
@@ -32,12 +35,12 @@ struct PathOptions {
 struct Blocking {
   double theta = std::numeric_limits<double>::infinity();
   double pivot = 0;
-  int row = -1;     ///< a w that becomes zero
-  int column = -1;  ///< or the position in the basis of a z that does
+  int row = -1;     ///< the row whose w becomes zero, or
+  int column = -1;  ///< the position in the basis of the z that does
 
   static bool blocks(double slope, double least) { return slope < -least; }
 
-  /// First pass: how far can all go, each a tolerance below zero?
+  /// First pass: how far the path can go until some value is a tolerance below zero.
   void bound(double value, double slope, double least, double tolerance) {
     if (blocks(slope, least)) theta = std::min(theta, (std::max(value, 0.) + tolerance) / -slope);
   }
@@ -51,9 +54,9 @@ struct Blocking {
 /// Pang, Stone, The Linear Complementarity Problem, 1992, algorithm 4.4.1), with Harris' two-pass
 /// ratio test instead of exact ties.
 ///
-/// Only the active part of the basis is held, as an explicit inverse of the k columns of basic z
-/// (z0 among them) in the k rows of w = 0; M is asked for single rows and columns. A pivot costs
-/// O(k²) and what `System` takes to follow w along a direction. No allocation after construction.
+/// Only the active part of the basis is held: the inverse of the k columns of basic z (z0 is one of
+/// them) in the k rows where w = 0. M is asked for single rows and columns. A pivot costs O(k²) and
+/// what `System` takes to follow w along a direction. No allocation after construction.
 ///
 /// `System` has
 /// - int pairs(): n
@@ -84,18 +87,18 @@ class LemkePath {
         second_(largest_basis),
         matrix_(largest_basis, largest_basis) {}
 
-  /// From z = 0, or, with `resume`, from the basis in which the last path was solved, of a problem
-  /// that has since got more rows: where these are violated, z0 covers them, and no other basic
-  /// variable feels it. A resumed path may end in a ray that means nothing.
+  /// From z = 0. With `resume`: from the basis in which the last path was solved, after the problem
+  /// has got more rows. z0 then covers only the new rows that are violated, so that all basic
+  /// variables keep their values. A resumed path may end in a ray that proves nothing.
   PathEnd follow(System& system, const PathOptions& options, bool resume = false) {
     begin(system);
     const int row = start(resume);
     return row < 0 ? PathEnd::solved : go_on(options, row, true);
   }
 
-  /// From any complementary basis, the z of which are `basic`: z0 takes along what is negative of
-  /// them and covers the w that are. A path may then end in a ray that means nothing. `numerical`
-  /// when the basis is singular.
+  /// From any complementary basis, given by its z. Some of these z and of the w may be negative: z0
+  /// shifts those z by `shift` each and covers those w, so that the path starts from values >= 0.
+  /// It may end in a ray that proves nothing. `numerical` when the basis is singular.
   /// `System` then also has
   /// - double cover_entry(int i): d_i - (M shift)_i, which `row` has as entry n
   /// - void set_shift(const int* columns, const double* shift, int k): from now on the column of z0
@@ -118,8 +121,8 @@ class LemkePath {
     return go_on(options, entering, entering_is_z);
   }
 
-  /// Once solved: corrects the values of the basis for as long as it helps; with a new inverse,
-  /// where the old one does not help enough.
+  /// Once solved: iterative refinement of the basic z, for as long as each correction halves the
+  /// error. Where the old inverse does not get to rounding, a new one is made.
   void refine() {
     constexpr int kMostCorrections = 6;
     constexpr double kGood = 1e-15;
@@ -160,7 +163,7 @@ class LemkePath {
     pivots_ = 0;
   }
 
-  /// Costs what the last basis held, however many pairs there are.
+  /// Costs O(size of the last basis), however many pairs there are.
   void forget_basis() {
     basis_.clear();
     for (int p = 0; p < listed_; ++p) {
@@ -195,7 +198,7 @@ class LemkePath {
           blocking.column = p;
         }
       system.choose(is_active, least, blocking);
-      // z0 may leave: that is the goal, whatever else could.
+      // Where z0 could leave as well as others, it leaves: then the problem is solved.
       const int z0 = column_position_[std::size_t(pairs_)];
       if (dz_[z0] < -least && z_[z0] <= -dz_[z0] * blocking.theta) {
         blocking.row = -1;
@@ -228,7 +231,8 @@ class LemkePath {
     return PathEnd::limit;
   }
 
-  /// Lets z0 enter until all w >= 0; returns the row that is then zero, or -1 if all were.
+  /// Raises z0 from zero until all w >= 0 and makes it basic. Returns the row whose w is then zero,
+  /// or -1 if none was negative.
   int start(bool resume) {
     if (!resume) forget_basis();
     const int k = basis_.size();
@@ -249,8 +253,8 @@ class LemkePath {
     return row;
   }
 
-  /// Lets z0 enter until the basic z and all w are >= 0; what enters next is the complement of the
-  /// one that is then zero. False if nothing was negative.
+  /// The same with `shift`: raises z0 until the basic z and all w are >= 0. The complement of the
+  /// one that is then zero enters next. False if nothing was negative.
   bool start_shifted(const PathOptions& options, int& entering, bool& entering_is_z) {
     const int k = basis_.size();
     Eigen::VectorXd& shift = first_;
@@ -295,8 +299,9 @@ class LemkePath {
     return true;
   }
 
-  /// How the basic z change while the entering variable grows by one. The rows of w = 0 must stay
-  /// zero: what they do instead is the inverse's error, which is corrected.
+  /// dz_: how the basic z change while the entering variable grows by one. In the active rows w
+  /// must stay zero; any change found there is the error of the inverse and is taken out. False
+  /// where a new inverse does not help either.
   bool find_direction(bool is_z, int entering) {
     for (int attempt = 0; attempt < 2; ++attempt) {
       const int k = basis_.size();
@@ -335,7 +340,7 @@ class LemkePath {
     return basis_.invert(matrix_.data(), int(matrix_.rows()), k);
   }
 
-  /// The values of the basic z belong to w = 0 in the active rows; rounding is taken out.
+  /// Computes w from the basic z and corrects these until w = 0 in the active rows, up to rounding.
   bool refresh() {
     for (int correction = 0; correction < 4; ++correction) {
       const int k = basis_.size();

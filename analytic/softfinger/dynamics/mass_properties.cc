@@ -27,7 +27,8 @@ std::string text(double value) {
 }
 
 void require_closed(const TriangleSurface& surface, const std::string& where) {
-  // How often each edge is run through forwards less how often backwards, and how often at all.
+  // Of each edge: in how many triangles it runs forwards less those in which it runs backwards, and
+  // in how many at all.
   std::map<std::pair<int, int>, std::pair<int, int>> edges;
   for (const auto& triangle : surface.triangles)
     for (std::size_t corner = 0; corner < 3; ++corner) {

@@ -160,7 +160,7 @@ void Multibody::build_trees() {
     trees_.back().single = free_body >= 0 && roots.empty();
     if (trees_.back().count == 0) trees_.pop_back();
   };
-  // What hangs on the world by different joints does not feel each other.
+  // Bodies on different joints of the world do not feel each other: a tree for each.
   for (const int j : joints_of_world) grow_from({j}, -1);
   for (int b = 0; b < bodies(); ++b) {
     const auto& below = joints_below[std::size_t(b)];
@@ -187,8 +187,8 @@ bool Multibody::are_joined(int body, int other) const {
          holds(other, body);
 }
 
-/// Poses of all that hang on joints, and the axes of all dofs, from the poses of the free bodies
-/// and the joints' positions.
+/// From the poses of the free bodies and the positions of the joints: the poses of all other bodies
+/// and the axes of all degrees of freedom.
 void Multibody::place_children() {
   for (const int j : order_) {
     const JointDescription& joint = joints_[std::size_t(j)];
@@ -292,7 +292,8 @@ void Multibody::passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_
     return;
   }
   const Eigen::Vector3d reference = dofs_[std::size_t(tree.first)].origin_m;
-  // Of what hangs on each dof: velocity, and the acceleration that the velocities alone make.
+  // Of the body that each degree of freedom moves: its velocity, and its acceleration with all
+  // generalised accelerations zero.
   std::vector<SpatialVector> velocity(std::size_t(tree.count)), acceleration(velocity),
       load(velocity);
   for (int i = 0; i < tree.count; ++i) {

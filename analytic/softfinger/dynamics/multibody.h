@@ -45,14 +45,14 @@ struct JointDescription {
 /// (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6), its bias forces come from the
 /// recursive Newton-Euler equations (chapter 5), all in world axes.
 ///
-/// Linear and angular momentum and energy of a single free body are kept to round-off by
-/// `integrate`, which turns it by an implicit rule of second order (less than a radian a step);
-/// those of a tree to first order in the time step.
+/// `integrate` turns a single free body by an implicit rule of second order, for less than a radian
+/// per step. It keeps linear and angular momentum and energy to round-off. Those of a tree are kept
+/// to first order in the time step.
 class Multibody {
  public:
-  /// @throws InputError for a body that is no body (require_physical), a joint between unknown
-  /// bodies, a body with two parents, joints in a ring, an axis without length, limits that exclude
-  /// the start.
+  /// @throws InputError for a body whose mass or inertia is impossible (require_physical), a joint
+  /// between unknown bodies, a body with two parents, joints in a ring, an axis without length,
+  /// limits that exclude the start.
   Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints);
 
   int bodies() const { return int(bodies_.size()); }

@@ -49,7 +49,7 @@ void TimeStepper::collect(ContactFinder& finder) {
     const int dof = bodies_.velocity_of_joint(j);
     if (dof < 0) continue;
     const JointDescription& joint = bodies_.joint(j);
-    // Others join them when a step would break them, at the price of another solution.
+    // Limits farther away join them only when a step would break them: then it is solved again.
     const double reach = std::max(2 * dt * std::abs(bodies_.velocity()[dof]), 1e-2);
     const double position = bodies_.joint_position(j);
     if (position - joint.lower < reach) limits_.push_back({j, 1, position - joint.lower});
@@ -345,8 +345,8 @@ double TimeStepper::unlimited_effort(int m) const {
          motor.damping * (motor.target_velocity - velocity);
 }
 
-/// Motors that want more than they can at the new velocities, or less than the limit that they are
-/// held at, change sides.
+/// Motors whose effort at the new velocities would exceed their limit are held at it; those held at
+/// a limit that would need less are released.
 int TimeStepper::update_motors(bool one_only) {
   int changes = 0;
   for (std::size_t m = 0; m < motors_.size(); ++m) {
@@ -387,7 +387,8 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   result.contacts = int(contacts_.size());
   describe_friction();
   find_islands();
-  // Changes of many motors at once usually agree at once; one at a time always does.
+  // Changing all contradicting motors at once usually ends sooner; changing one at a time always
+  // ends.
   constexpr int kAtOnce = 8;
   const int most_changes = kAtOnce + 20 * int(motors_.size());
   for (int round = 0;; ++round) {

@@ -68,26 +68,27 @@ struct StepResult {
 
 /// Time stepping of rigid bodies with contacts, joint limits and motors (Anitescu, Potra, Nonlinear
 /// Dynamics 14, 1997): velocities and impulses at the end of a step solve one linear
-/// complementarity problem, whatever touches whatever,
+/// complementarity problem for all contacts together,
 ///
 ///   M (v' - v) = dt (passive forces + motors) + J^T r,   0 <= P  compl.  n^T v' + gap/dt >= 0
 ///
-/// with friction as in ContactLcp, then the bodies move by v' (Anitescu, Hart 2004: gap/dt lets
-/// them come as far as they touch). Bodies that do not feel each other, through contacts or joints,
-/// are separate problems. Joint limits are contacts without friction. Motors at their
-/// limits are found by exchanging them until all agree, one by one at the end, which terminates
-/// (Murty's principal pivoting on a positive definite problem).
+/// with friction as in ContactLcp. Then the bodies move by v'; with gap/dt in the condition they
+/// come just as far as they touch (Anitescu, Hart 2004). Bodies that do not feel each other,
+/// through contacts or joints, are separate problems. Joint limits are contacts without friction.
+/// Which motors are at their limits is found by trial: those that contradict the new velocities
+/// change, at the end one by one, which terminates (Murty's principal pivoting on a positive
+/// definite problem).
 class TimeStepper {
  public:
   struct Options {
     double time_step_s = 1e-3;
     Eigen::Vector3d gravity_m_per_s2{0, 0, -9.81};
-    /// Overlaps are pushed apart no faster than that.
+    /// Overlapping bodies are pushed apart at this speed at most.
     double correction_m_per_s = 0.1;
     FrictionRule friction_rule = FrictionRule::ellipsoid;
-    /// A problem that the solver gives up on is taken as solved up to this residual (see
-    /// LcpResult), far below what a contact can feel: nearly redundant contacts of stiff joints do
-    /// that.
+    /// Where the solver has not reached its own tolerance, as can happen with nearly redundant
+    /// contacts of stiff joints, its best point is taken up to this residual (see LcpResult). It is
+    /// far below what a contact can feel.
     double accepted_residual = 1e-7;
     Eigen::Matrix3Xd friction_vertices;  ///< of FrictionRule::facets, see ContactLcp::vertices
   };
@@ -110,8 +111,8 @@ class TimeStepper {
   long steps() const { return steps_; }
   const Options& options() const { return options_; }
 
-  /// Of the last step: contacts, what they carry on body `b` (mean force over the step), and the
-  /// relative velocities at its end in the order of ContactLcp.
+  /// Of the last step: its contacts, the mean force and torque that each exerts on body `b`, and
+  /// the relative velocities at its end, in the order of ContactLcp.
   const std::vector<Contact>& contacts() const { return contacts_; }
   ContactWrench wrench(int contact) const;
   Eigen::Vector4d contact_velocity(int contact) const;

@@ -1,6 +1,7 @@
 #include "softfinger/fft/contact_edge.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
@@ -112,10 +113,11 @@ ContactEdge fit_contact_edge(const CellGrid& grid, const Eigen::ArrayXd& pressur
   shape = 4 * (shape / count - centre * centre.transpose());
   if (even) shape(0, 1) = shape(1, 0) = 0;
 
-  // By how much a cell sinks under its own pressure when the edge passes it, over pressure and
-  // size: for long rows of cells alike it is 0.88 (the second difference of x² ln x / pi, what a
-  // row feels of itself but not of its neighbour). This value leaves no bias in the semi-axes of
-  // the Hertz contact, and less than a thirtieth of a cell for all layers and cells up to 4 : 1.
+  // How far a cell sinks under its own pressure when the edge passes it, over pressure and size.
+  // For long rows of equal cells it is 0.88: the second difference of x² ln x / pi, by which the
+  // displacement of a row exceeds that of its neighbour. This value leaves no bias in the semi-axes
+  // of the Hertz contact, and less than a thirtieth of a cell for all layers and for cells up to
+  // 4 : 1.
   constexpr double kOwnDisplacement = 0.7;
   const std::vector<Crossing> crossings = find_crossings(grid, pressure, gap);
   Eigen::Matrix2d stretch;
@@ -131,9 +133,9 @@ ContactEdge fit_contact_edge(const CellGrid& grid, const Eigen::ArrayXd& pressur
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
     for (const Crossing& crossing : crossings) {
-      // The edge's normal, in units of cells: rows of cells and columns are weighted with the cos²
-      // of the angle to it, so that both together count all directions alike; and the size of a
-      // cell across the edge.
+      // The edge's normal in units of cells, and the size of a cell along it. Crossings of rows and
+      // of columns are weighted with the cos² of their angle to the normal: together they then
+      // count all directions alike.
       Eigen::Vector2d u = inverse * (0.5 * (crossing.inside + crossing.outside) - centre);
       const Eigen::Vector2d normal_direction = (inverse * u).normalized();
       const double across_x = std::pow(normal_direction.x() * grid.size_x, 2);

@@ -38,12 +38,13 @@ struct CellGrid {
 /// Finds the edge to a few hundredths of a cell.
 ///
 /// A cell of the discrete contact carries pressure when its middle lies inside the true edge, for
-/// thick and thin layers alike: the pressure of the last cell inside vanishes when the edge comes
-/// to that cell's middle, the gap over the first cell outside when the edge comes to that one's.
-/// Between the two middles the edge divides the distance like the displacement that the pressure
-/// gives its own cell to the gap. (Extrapolating the pressure from further inside, where
-/// it should follow a root, fails on thin layers, where the root is short.) The points where the
-/// edge crosses grid lines are then fitted by harmonics of the angle.
+/// thick and thin layers alike. As the edge moves inwards, the pressure of the last cell inside
+/// vanishes when the edge reaches its middle; as it moves outwards, the gap of the first cell
+/// outside vanishes when it reaches that one's middle. Between the two middles the edge is placed
+/// by the ratio of two displacements: that which the last cell's pressure gives to its own cell,
+/// and the first gap. (The pressure follows a root near the edge, but over less than a cell on thin
+/// layers, so that it cannot be extrapolated.) The points where the edge crosses grid lines are
+/// then fitted by harmonics of the angle.
 /// @param pressure  mean pressure of each cell, row by row; zero outside
 /// @param gap       mean gap of each cell between the deformed surfaces; zero inside
 /// @param compliance  1/E* of the bodies together: displacement = compliance * pressure * length

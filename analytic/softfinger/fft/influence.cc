@@ -119,7 +119,7 @@ double LayerStiffening::operator()(double t) const {
 
 KernelQuadrant influence_of_cells(int rows, int columns, double size_x, double size_y,
                                   double thickness, const LayerStiffening* stiffening) {
-  // Where the closed form still has its digits and the moments already have theirs.
+  // Nearer, the moments are not yet accurate; farther, the closed form's differences cancel.
   constexpr double kNear = 16;
   const double near = kNear * std::max(size_x, size_y), area = size_x * size_y;
   KernelQuadrant result = KernelQuadrant::Zero(rows + 1, columns + 1);

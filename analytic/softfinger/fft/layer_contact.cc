@@ -109,10 +109,10 @@ struct GridSolution {
   int iterations = 0, convolutions = 0;
 };
 
-/// Conjugate gradients of Polonsky and Keer. Gradients live on the cells with pressure; a step that
-/// would pull is cut to zero, and cells outside that overlap are given pressure, after either of
-/// which the search direction starts anew. While neither happens the displacement is updated
-/// instead of computed, which saves every second convolution.
+/// Conjugate gradients of Polonsky and Keer. Gradients are those of the cells with pressure. A
+/// pressure that a step would make negative becomes zero, and cells outside the contact that
+/// overlap are given pressure; after either the search direction starts anew. While neither happens
+/// the displacement is updated instead of computed, which saves every second convolution.
 GridSolution solve_on_grid(const fft::CellGrid& grid, const ArrayXd& undeformed, bool even,
                            const fft::KernelQuadrant& kernel, ArrayXd pressure, double tolerance,
                            int max_iterations) {
@@ -247,8 +247,8 @@ bool fills(const Box& box, const Box& window) {
   return box.half_x > nearly * window.half_x || box.half_y > nearly * window.half_y;
 }
 
-/// Coarse grids until the contact fills most of the box: it grows where the contact touches its
-/// border and shrinks where it is mostly empty.
+/// Solves on coarse grids until the contact fills most of the box, which grows where the contact
+/// touches its border and shrinks where it is mostly empty.
 GridSolution find_contact(const Problem& problem, Kernels& kernels, int max_iterations) {
   constexpr double kCoarseTolerance = 1e-3, kGrowth = 1.5, kFull = 0.6;
   constexpr int kAttempts = 60;
@@ -476,7 +476,7 @@ std::vector<DimensionlessLayer> dimensionless_layers(const ElasticLayer& layer,
   return layers;
 }
 
-/// Without the last twelve bits.
+/// Rounded to 40 bits, which takes off the last twelve.
 double rounded(double value) {
   int exponent = 0;
   const double fraction = std::frexp(value, &exponent);
@@ -488,8 +488,8 @@ double rounded(double value) {
 double LayerContact::pressure_at_Pa(double x_m, double y_m) const {
   const double r = edge.relative_radius(x_m, y_m);
   if (!(r < 1)) return 0;
-  // Two cells inside the edge the means of the cells can be trusted; further out their value there
-  // is carried along the radius.
+  // Up to two cells from the edge the means of the cells describe the pressure. Farther out the
+  // value at that distance is used, along the radius.
   const double cell = std::max(grid.size_x * edge.to_scaled.col(0).norm(),
                                grid.size_y * edge.to_scaled.col(1).norm());
   const double trusted = std::max(0.0, 1 - 3 * cell);
@@ -554,7 +554,7 @@ LayerContact solve_layer_contact(const RelativeRadii& radii, const ElasticLayer&
   const double root_ratio = rounded(std::sqrt(radii.major_m / radii.minor_m));
   problem.gap = [=](double x, double y) { return 0.5 * (x * x / root_ratio + y * y * root_ratio); };
   problem.even = true;
-  // Semi-axes on a half-space for moderate ratios; what is wrong about them is found out.
+  // First guess: the semi-axes on a half-space for moderate ratios. Coarse grids correct it.
   const double guess = std::cbrt(0.75 * problem.compliance());
   const double stretch = std::pow(root_ratio, 2.0 / 3);
   problem.window = {0, 0, 1.3 * guess * stretch, 1.3 * guess / stretch};

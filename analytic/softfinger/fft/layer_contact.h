@@ -20,7 +20,7 @@ struct GapWindow {
   double half_width_x_m = 0, half_width_y_m = 0;  ///< > 0
 };
 
-/// The contact is larger than the window: what lies outside decides the answer.
+/// The contact is larger than the window: the gap outside it would be needed.
 class ContactReachesBorder : public ConvergenceError {
  public:
   ContactReachesBorder(const std::string& stage, int iteration, double residual)

@@ -31,7 +31,7 @@ class SampledGap {
   SampledGap(const Grid& grid, Eigen::ArrayXd samples_m);
 
   /// The gap inside `window()`, in metres. About 20 ns.
-  /// @throws InputError outside it: nothing is known there, and nothing is made up
+  /// @throws InputError outside it, where nothing is known
   double operator()(double x_m, double y_m) const;
 
   /// The samples' rectangle without the outermost points, which only shape the cells within.

@@ -35,7 +35,7 @@ Slip slip_at(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid, do
 Slip extreme(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
              double sign) noexcept {
   constexpr int kHeadings = 12, kTurnings = 48;
-  constexpr double kSmallestStep = 1e-7;  // of an angle: squared, far below what is promised
+  constexpr double kSmallestStep = 1e-7;  // of an angle: its square is far below the stated 1e-8
   double heading = 0, turning = 0;
   Slip best = slip_at(surface, ellipsoid, 0, 0);
   const auto improve = [&](double h, double t) {

@@ -7,9 +7,9 @@ namespace softfinger {
 
 /// How far a friction ellipsoid is from the exact limit surface in the direction of a wrench: the
 /// ellipsoid's utilisation, less 1, of the exact surface's point in that direction. Negative: the
-/// ellipsoid lies outside there, it claims more than physics allows; positive: inside, it is
-/// conservative. Zero in every direction of pure force and, with the exact e_n, of pure torque.
-/// Both must have the same mu P > 0. Zero for no wrench. Cost: one utilisation.
+/// ellipsoid lies outside there and claims more friction than there is. Positive: it lies inside
+/// and is conservative. Zero in every direction of pure force and, with the exact e_n, of pure
+/// torque. Both must have the same mu P > 0. Zero for no wrench. Cost: one utilisation.
 double ellipsoid_deviation(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
                            const LimitWrench& direction) noexcept;
 
@@ -26,8 +26,9 @@ struct EllipsoidDeviation {
 /// in the deviation. For Hertz and the exact e_n, lowest and highest are -6.00 and 0 % for a
 /// circle, -9.17 and 0 % at a/b = 2, -10.85 and 3.2 % at 5, -11.19 and 4.7 % at 10. The lowest is
 /// for a force along the short axis; long ellipses carry *more* than the ellipsoid says when the
-/// force is along the long axis. The seed's e_n falls short by exact/seed - 1 at pure torque: 9 %
-/// at a/b = 2, 105 % at 10. Cost: 1,300 wrenches, some milliseconds.
+/// force is along the long axis. At pure torque the e_n of Ciocarlie et al. (2007) is too small:
+/// exact over theirs, less 1, is 9 % at a/b = 2 and 105 % at 10. Cost: 1,300 wrenches, some
+/// milliseconds.
 EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
                                              const FrictionEllipsoid& ellipsoid) noexcept;
 

@@ -43,7 +43,7 @@ FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d
         (Eigen::Matrix3d::Identity() - result.boundary * result.boundary.transpose()) / length;
     return result;
   }
-  // With x = A^(1/2) s the distance is the usual one, and the set's support function h(A^(1/2) t).
+  // With x = A^(1/2) s the distance is Euclid's, and the set's support function is h(A^(1/2) t).
   using namespace limit_surface_newton;
   const Eigen::Vector3d root = metric.cwiseSqrt();
   const auto evaluate = [&](const Eigen::Vector3d& t, Eigen::Matrix3d* hessian) {
@@ -53,7 +53,8 @@ FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d
   };
   const Eigen::Vector3d reach = target.cwiseQuotient(root);
   Eigen::Vector3d direction = reach;
-  // Far outside, distances would be differences of large numbers for nothing.
+  // Far outside, the distance would be a difference of large numbers. There the point reached does
+  // not depend on it: it is that of the target's own direction.
   constexpr double kFar = 1e9;
   if (radius > 0 && reach.norm() < kFar * radius * root.maxCoeff()) {
     const Eigen::Vector3d scaled = reach / radius, load = scaled.cwiseQuotient(root);
@@ -77,7 +78,7 @@ FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d
 double friction_gauge(const FrictionShape* shape, const Eigen::Vector3d& wrench) noexcept {
   const double size = wrench.stableNorm();
   if (!shape || !(size > 0)) return size;
-  // A gauge scales with the wrench.
+  // A gauge is proportional to the wrench, which is scaled so that squares stay finite.
   return size *
          limit_surface_newton::gauge(Eigen::Vector3d(wrench / size),
                                      [shape](const Eigen::Vector3d& t, Eigen::Matrix3d* hessian) {

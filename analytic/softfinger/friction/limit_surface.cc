@@ -54,7 +54,8 @@ struct LimitSurface::Integrals {
 
 LimitSurface::LimitSurface(double a_m, double b_m, double exponent, double max_force_N) noexcept
     : exponent_(exponent) {
-  // A line, to a relative (b/a)² ln(a/b) = 2e-12; thinner ellipses would only lose digits.
+  // Thinner ellipses are replaced by this one, which is a line to a relative (b/a)² ln(a/b) =
+  // 2e-12: they would only lose digits.
   constexpr double kSmallestAspect = 3e-7, kLargestExponent = 1000;
   constexpr double kLargest = std::numeric_limits<double>::max();
   if (max_force_N >= 0 && max_force_N <= kLargest) max_force_N_ = max_force_N;
@@ -145,7 +146,7 @@ bool LimitSurface::integrate_over_turn(const Motion& motion, Integrals& integral
   constexpr double kAgreement = 5e-8;
   constexpr int kFirstLevel = 3;
   const double c = motion.speed / motion.omega;
-  // Too close to the branch points of (1 - q²)^(n + 1/2): do not begin what cannot succeed.
+  // Too close to the branch points of (1 - q²)^(n + 1/2) the rule would not converge.
   if (twice_power_ != 2 && c > 0.93) return false;
   if (c > 1) return false;
   const double center_x = c * motion.cosine, center_y = c * motion.sine;

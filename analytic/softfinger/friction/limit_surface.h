@@ -69,7 +69,8 @@ class LimitSurface {
 
   /// Friction ellipsoid with the exact eccentricity: touches this surface at pure force and torque.
   FrictionEllipsoid ellipsoid() const noexcept { return {max_force_N_, eccentricity_m_}; }
-  /// Friction ellipsoid with the seed's eccentricity, that of a circle of radius sqrt(ab).
+  /// Friction ellipsoid with the e_n of Ciocarlie et al. (2007), that of a circle of radius
+  /// sqrt(ab).
   FrictionEllipsoid paper_ellipsoid() const noexcept;
 
   /// Load that keeps the slider moving with this twist; its point of the surface, where the twist

@@ -26,7 +26,7 @@ enum class Question {
 template <Question question, class Evaluate>
 Eigen::Vector3d maximise(const Eigen::Vector3d& wrench, Eigen::Vector3d direction,
                          Evaluate evaluate) noexcept {
-  // kRounding: that of `evaluate`; below it the line search has nothing to say.
+  // kRounding: relative error of `evaluate`. The line search cannot tell smaller improvements.
   constexpr int kMaxIterations = 60, kMaxHalvings = 40;
   constexpr double kConverged = 1e-9, kRounding = 1e-12;
   const auto objective = [&](const Eigen::Vector3d& t, double support) {
@@ -37,7 +37,7 @@ Eigen::Vector3d maximise(const Eigen::Vector3d& wrench, Eigen::Vector3d directio
   Eigen::Vector3d boundary = evaluate(direction, &hessian);
   double value = objective(direction, boundary.dot(direction));
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    // Orthogonal to the direction, both: h is homogeneous.
+    // Both are orthogonal to the direction, because h is homogeneous.
     const Eigen::Vector3d ascent = question == Question::gauge
                                        ? Eigen::Vector3d(wrench - value * boundary)
                                        : Eigen::Vector3d(wrench - boundary - value * direction);
@@ -79,7 +79,7 @@ Eigen::Vector3d maximise(const Eigen::Vector3d& wrench, Eigen::Vector3d directio
 template <class Evaluate>
 double gauge(const Eigen::Vector3d& wrench, Evaluate evaluate,
              Eigen::Vector3d* direction = nullptr) noexcept {
-  // First guess: the unit ball, of which a scaled limit surface is a dented version.
+  // First guess: as on the unit ball, which a scaled limit surface resembles.
   const Eigen::Vector3d t = maximise<Question::gauge>(wrench, wrench, evaluate);
   if (direction) *direction = t;
   return wrench.dot(t) / evaluate(t, nullptr).dot(t);
@@ -119,7 +119,7 @@ LimitWrench project(const LimitWrench& wrench, const FrictionEllipsoid& limits,
     const double shrink = norm > limits.max_force_N ? limits.max_force_N / norm : 1;
     return {load.x() * shrink, load.y() * shrink, 0};
   }
-  // Squares stay finite; so far out, the nearest point no longer depends on the distance.
+  // So far out, the nearest point no longer depends on the distance: a limit keeps squares finite.
   constexpr double kFar = 1e6;
   const Eigen::Vector3d limit(limits.max_force_N, limits.max_force_N, limits.max_torque_Nm());
   Eigen::Vector3d scaled = load.cwiseQuotient(limit);

@@ -43,8 +43,8 @@ LinearisedFriction::LinearisedFriction(const LimitSurface& surface, int count, b
 }
 
 LinearisedFriction LinearisedFriction::with_tolerance(double tolerance) {
-  // 1 - 2.42/u is the best that is possible for many points, so that no smaller u can do; the
-  // sets found are worse by a few per cent of the gap at most.
+  // For many points no set reaches more than 1 - 2.42/u, so that no smaller u can be enough. The
+  // sets found miss that bound by a few per cent of 2.42/u at most.
   constexpr double kGapTimesCount = 2.2;
   const double wanted = 1 - tolerance;
   int count = kSmallestCount;

@@ -12,8 +12,8 @@ namespace softfinger {
 /// functions.
 double torque_arm_exact_m(double a_m, double b_m, double exponent) noexcept;
 
-/// The seed's rule: the arm of a circle of radius sqrt(ab), (n+1) B(3/2, n+1) sqrt(ab); equations
-/// (9), (10) of Ciocarlie et al. 2007 for n = 1 and n = 1/2. Exact only for a = b, otherwise too
+/// The rule of Ciocarlie et al. (2007): the arm of a circle of radius sqrt(ab), (n+1) B(3/2, n+1)
+/// sqrt(ab); equations (9), (10) there for n = 1 and n = 1/2. Exact only for a = b, otherwise too
 /// small: by 8 % at a/b = 2, by half at a/b = 10, whatever n.
 double torque_arm_paper_m(double a_m, double b_m, double exponent) noexcept;
 

@@ -17,12 +17,12 @@ struct PressureSample {
 /// same questions as LimitSurface; nothing is assumed about the shape of the contact or of the
 /// pressure. Torques are about `reference`, the centre of pressure by default.
 ///
-/// Every sample is a small patch, of radius `patch_radius_m` at will, for which the friction
-/// ellipsoid of a uniform disc is taken, support F sqrt(v² + (2/3 r omega)²). Only samples within a
-/// few radii of the centre of rotation notice. With radius zero a patch that the contact turns
-/// about contributes nothing: the middle of the wrenches that would be consistent with Coulomb's
-/// law, never NaN. The surface then has flat facets and its normals jump there; give the patches
-/// their size, sqrt(area / pi), where `utilisation` and `project` should converge fast.
+/// Every sample stands for a small disc of radius `patch_radius_m` with uniform pressure, whose
+/// friction ellipsoid has the support function F sqrt(v² + (2/3 r omega)²). The radius matters only
+/// to samples within a few radii of the centre of rotation. A sample of radius zero exactly at that
+/// centre contributes nothing, the middle of the wrenches that Coulomb's law allows there. A
+/// surface of such samples has flat facets, and its normals jump between them: with the discs' true
+/// radius, sqrt(area / pi), `utilisation` and `project` converge faster.
 ///
 /// Cost: 5 ns per sample and wrench, ten to thirty wrenches per utilisation or projection. Only
 /// the constructor allocates (it copies the samples); only it throws (std::bad_alloc).

@@ -7,16 +7,16 @@
 
 namespace softfinger {
 
-/// Closed, convex approximation of the exact limit surface, for those to whom the friction
-/// ellipsoid's 6 to 12 % are too much: the contact as six small ones, each with a friction
-/// ellipsoid of its own, two on the long axis and four beside it (a hexagon for a circle). A sum of
+/// Closed, convex approximation of the exact limit surface, more accurate than the friction
+/// ellipsoid with its 6 to 12 %. The contact is divided into six small ones, each with a friction
+/// ellipsoid of its own: two on the long axis and four beside it (a hexagon for a circle). A sum of
 /// convex sets is convex, and its support function is the sum of theirs,
 ///   h(v, omega) = mu P sum_i w_i sqrt((v_x - omega y_i)² + (v_y + omega x_i)² + (e_i omega)²).
 /// Exact at pure force and, by a common factor on all lengths, at pure torque.
 ///
-/// Positions, shares and eccentricities over e_n are quadratic in 1 - b/a and linear in 1/(n+2), 26
-/// numbers fitted to the exact surface. Largest deviation from it in any direction, measured (see
-/// the test; in brackets the friction ellipsoid with the exact e_n):
+/// Positions, shares and eccentricities over e_n are quadratic in 1 - b/a and linear in 1/(n+2);
+/// the 26 coefficients were fitted to the exact surface. Largest deviation from it in any
+/// direction, measured (see the test; in brackets the friction ellipsoid with the exact e_n):
 ///   n = 0 to 4    a/b to 1.5: 1.1 % (6.6)   to 5: 1.0 % (11.6)   to 10: 1.3 % (11.9)   to 30: 1.6
 ///   % n = -1/2 to 50, any a/b: 2.1 % (13.5)
 ///

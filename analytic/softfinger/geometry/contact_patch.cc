@@ -17,8 +17,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Two more than a quadric has unknowns, so that the residual means something.
 constexpr int kFewestPoints = 8;
-// Enough points that the first region's radii are not noise: where the mesh is fine, an iteration
-// that started from the smallest region could settle on an accident.
+// The first region has so many points that its radii are not noise. From the smallest region on a
+// fine mesh the iteration could converge to radii that are.
 constexpr int kStartingPoints = 40;
 
 std::string number(double value) {
@@ -44,7 +44,7 @@ struct Body {
   }
 };
 
-/// A region, the radii that it gives, and the region's radius that those radii ask for.
+/// A region, the radii of curvature fitted in it, and the region's radius that follows from them.
 struct Trial {
   ContactPatch patch;
   double radius_m = 0;
@@ -193,8 +193,8 @@ ContactPatch fit_contact_patch(
       discrete = true;
       break;
     }
-    // Damped: the geometric mean of region and wish; bisection as soon as that leaves the bracket,
-    // and now and then anyway, so that the bracket shrinks from both sides.
+    // Damped: the geometric mean of the region's radius and the wanted one. Bisection where that
+    // leaves the bracket, and now and then anyway, so that the bracket shrinks from both sides.
     double next = std::isfinite(wanted) ? std::sqrt(radius * wanted) : 2 * radius;
     next = std::clamp(next, radius / 2, radius * 2);
     const bool bracketed = below > 0 && std::isfinite(above);

@@ -33,12 +33,12 @@ struct ContactPatch {
 };
 
 /// Iterates region and prediction until the region is twice the predicted contact area
-/// (Ciocarlie et al. 2007, section 4.1), or as near to that as the mesh allows (at least 8 of its
-/// vertices in the region), and says so. Both bodies are fitted over regions of the same radius.
-/// Damped fixed point, bracketed, so that it ends also where region and contact jump past each
-/// other.
+/// (Ciocarlie et al. 2007, section 4.1). A coarse mesh may not allow that, for a region has at
+/// least 8 of its vertices: then as near to it as possible, and `agrees` is false. Both bodies are
+/// fitted over regions of the same radius. The iteration is a damped fixed point within a bracket,
+/// so that it ends even where no region agrees because the predicted area jumps.
 ///
-/// Without an ellipse in any region the patch of the first one is returned, with its kind.
+/// Where no region makes an ellipse, the patch of the first region is returned, with its kind.
 ///
 /// @param angle_rad  turns the object's x axis counter-clockwise from the finger's, about the
 /// finger's

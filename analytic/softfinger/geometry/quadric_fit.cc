@@ -1,6 +1,9 @@
 #include "softfinger/geometry/quadric_fit.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,7 +23,8 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kUnknowns = 6;  // A, B, C, two tilts, offset
-// Of the normal distribution: within it with sqrt(0.95), so that two values are, both, with 0.95.
+// Quantile of the normal distribution: a value lies within it with probability sqrt(0.95), and two
+// independent ones both do with 0.95.
 constexpr double kCoverageQuantile = 2.236;
 constexpr double kFinestDigit = 1e-9;  // no mesh file carries more of the region's radius
 
@@ -64,7 +68,7 @@ Eigen::MatrixXd quadric_columns(const Eigen::Matrix3d& frame, const Eigen::Matri
   return columns;
 }
 
-/// QR with columns of unit length, which makes its pivots a measure of the points' placing alone.
+/// QR with columns of unit length. Its pivots then measure only how well the points are placed.
 std::pair<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>, Eigen::RowVectorXd> scaled_qr(
     Eigen::MatrixXd columns) {
   const Eigen::RowVectorXd norms =
@@ -72,18 +76,18 @@ std::pair<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>, Eigen::RowVectorXd> scale
   columns.array().rowwise() /= norms.array();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   // Points on a conic (two lines, a circle) fit infinitely many quadrics. Coordinates from STL
-  // files carry seven digits, so that what is degenerate shows up as a pivot near 1e-7, not 1e-16.
+  // files carry seven digits: for such points the pivot that should vanish is near 1e-7, not 1e-16.
   qr.setThreshold(1e-5);
   return {qr, norms};
 }
 
 /// The facets of a region and what a quadric looks like on them.
 ///
-/// Facets are chords: between its vertices a convex surface stands proud of them. So a quadric is
-/// compared with them as its own facets would lie, interpolated between the same vertices; what is
-/// then left is noise, and no bias, however coarse the mesh. But a tessellation that has few
-/// vertices where the surface is flat says by that, and not by chords, where it is flat. The
-/// share of chords is how far the facets are taken as chords, 1, or as the surface itself, 0.
+/// Facets are chords: between its vertices a convex surface lies above them. They are therefore
+/// compared with the facets that the quadric would have between the same vertices. What is left is
+/// noise without bias, however coarse the mesh. But a large facet can also mean that the surface
+/// itself is flat there. The share of chords says how the facets are read: 1, as chords; 0, as the
+/// surface itself.
 class Facets {
  public:
   Facets(const internal::SurfaceRegion& region, const Eigen::Matrix3Xd& vertices, double scale)
@@ -123,7 +127,7 @@ class Facets {
   Eigen::MatrixXd vertex_terms(const Eigen::Matrix3d& frame) const {
     return quadric_columns(frame, vertices_, scale_);
   }
-  /// The same per sample, as its facet shows them.
+  /// The same per sample, interpolated on its facet by the share of chords.
   Eigen::MatrixXd terms(const Eigen::Matrix3d& frame) const {
     // Plain loops: this is where the time goes, also in a build without optimisation.
     const Eigen::MatrixXd of_vertices = vertex_terms(frame);
@@ -228,7 +232,7 @@ TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
                          "radius");
 }
 
-/// What the residuals of the vertices tell, lengths over the region's radius. The fit is linear in
+/// Statistics of the vertices' residuals, lengths over the region's radius. The fit is linear in
 /// the vertices' depths z: coefficients = gain z.
 struct Residuals {
   Eigen::VectorXd of_vertices;
@@ -261,7 +265,8 @@ Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
   }
   r.gain = h.ldlt().solve(sums);
   r.of_vertices = facets.vertex_depths(fit.frame) - vertex_terms * fit.coefficients;
-  // Facets that count as they lie put all vertices of a curved surface a sagitta above the fit.
+  // Where facets are read as the surface itself, all vertices of a curved surface lie above the fit
+  // by its sagitta.
   r.of_vertices.array() -= r.areas.dot(r.of_vertices) / r.areas.sum();
   const Matrix6 spread = r.gain * r.gain.transpose();
   r.variances.resize(n);
@@ -273,8 +278,8 @@ Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
         1 - 2 * leverage + vertex_terms.row(v) * spread * vertex_terms.row(v).transpose();
     if (!(r.areas[v] > 0)) continue;
     ++r.freedom;
-    // Weighted by influence: the vertices that decide the curvatures, near the rim, tell how large
-    // their errors are.
+    // Weighted by influence, since the errors of vertices near the rim matter most to the
+    // curvatures.
     const double influence = r.gain.col(v).head<3>().squaredNorm();
     squares += influence * r.of_vertices[v] * r.of_vertices[v];
     expected += influence * r.variances[v];
@@ -286,8 +291,8 @@ Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
 }
 
 /// Covariance of (A, B, C), lengths over the region's radius, for independent errors of the
-/// vertices, widened by Student's factor: two standard deviations hold what they promise also where
-/// few vertices tell how large the errors are.
+/// vertices, widened by Student's factor: two standard deviations then cover the stated
+/// share of cases also where the size of the errors is known from few vertices only.
 Eigen::Matrix3d covariance(const Residuals& r) {
   if (r.freedom < 1) return Eigen::Matrix3d::Constant(kInfinity);
   const double z = kCoverageQuantile, nu = r.degrees;
@@ -299,9 +304,10 @@ Eigen::Matrix3d covariance(const Residuals& r) {
   return student * student / 4 * r.variance * gain * gain.transpose();
 }
 
-/// How far the facets are chords: the kinks of the surface at its edges over those that the facets
-/// of the fitted quadric have, by least squares. Large facets count most, as do their sagittas in
-/// the fit. 1 for a quadric; less where large facets are large because the surface is flat there.
+/// Estimate of the share of chords: the kinks between facets over those between the facets of the
+/// fitted quadric, by least squares. Large facets have the largest weight, as their sagittas have
+/// in the fit. 1 for the mesh of a quadric; less where facets are large because the surface is
+/// flat.
 double kink_ratio(const Facets& facets, const TangentFit& fit) {
   const auto& region = facets.region();
   const Eigen::Matrix2Xd xy =
@@ -357,12 +363,12 @@ double kink_ratio(const Facets& facets, const TangentFit& fit) {
   return weight_sum > 0 ? functional.dot(depths) / weight_sum : 1;
 }
 
-/// How far the facets are to be taken as chords of the quadric, between 0 and 1.
+/// The share of chords to fit with, between 0 and 1.
 double chord_share(const Facets& facets, const TangentFit& fit) {
   const auto ramp = [](double from_0, double to_1, double value) {
     return std::clamp((value - from_0) / (to_1 - from_0), 0.0, 1.0);
   };
-  // Corners outside the region do not tell what the surface does inside.
+  // Facets whose corners lie outside the region say nothing about the surface inside.
   const double inside = ramp(0.7, 0.4, facets.long_share());
   return inside > 0 ? inside * ramp(0.55, 0.85, kink_ratio(facets, fit)) : 0;
 }
@@ -374,7 +380,7 @@ Eigen::Index spike(const Facets& facets, const Residuals& r) {
   Eigen::VectorXd relative = Eigen::VectorXd::Zero(r.areas.size());
   for (Eigen::Index v = 0; v < r.areas.size(); ++v) {
     if (!(r.areas[v] > 0)) continue;
-    // A vertex that the fit has to follow has no residual to judge it by.
+    // The fit has to follow this vertex: its residual is small whatever its error.
     relative[v] = std::abs(r.of_vertices[v]) / std::sqrt(std::max(r.variances[v], 0.05));
     sizes.push_back(relative[v]);
   }
@@ -457,11 +463,12 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
                      "at least 6 (choose a larger radius or a finer mesh)");
   }
 
-  // Depths are measured from the given point, whose foot on the fitted surface is the origin.
+  // Depths are measured from the given point. The origin is its foot on the fitted surface.
   const Vector3d to_point = neighbourhood.point_m() - neighbourhood.centre_m();
   const Eigen::Matrix3Xd vertices = region.vertices_m.colwise() - to_point;
   const Eigen::Matrix3d frame = frame_along(region.mean_normal);
-  // The facets between too few vertices would pretend to know the curvature: flat.
+  // Checked with the vertices alone: samples of their flat facets would seem to determine a quadric
+  // even where the vertices lie on a conic.
   if (scaled_qr(quadric_columns(frame, vertices.leftCols(n), region_radius_m)).first.rank() <
       kUnknowns) {
     throw InputError("surface", field, std::to_string(n),
@@ -476,7 +483,7 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   for (const int most = (scatter.freedom + kUnknowns) / 20; outliers < most; ++outliers) {
     const Eigen::Index v = spike(facets, scatter);
     if (v < 0) break;
-    // The fit without it; each step removes all but the leverage of what is left.
+    // Iterates to the fit without this vertex: each step leaves only its leverage times the rest.
     for (int step = 0; step < 8; ++step) {
       facets.move(v, scatter.of_vertices[v] * region_radius_m * fit.normal);
       fit = fit_tangent(facets, fit.normal);
@@ -497,7 +504,8 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   const double per_metre = 1 / region_radius_m;
   result.quadric = {fit.coefficients[0] * per_metre, fit.coefficients[1] * per_metre,
                     fit.coefficients[2] * per_metre};
-  // Where facets do not count as chords, two standard deviations reach what they would give.
+  // Where facets are not read as chords, two standard deviations cover the difference to that
+  // reading.
   result.covariance_per_m2 =
       (covariance(scatter) + other_reading * other_reading.transpose() / 4) * per_metre * per_metre;
   const auto curvatures = internal::principal_curvatures_per_m(result.quadric);
@@ -529,7 +537,7 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   result.points = n;
   result.outliers = outliers;
   result.sharpest_kink_rad = region.sharp_kink_rad;
-  // A coarse or noisy mesh kinks everywhere; an edge stands out.
+  // A coarse or noisy mesh has kinks everywhere: an edge is one that exceeds them clearly.
   const double sharp = 35 * kPi / 180;
   if (region.sharp_kink_rad > std::max(sharp, 6 * region.usual_kink_rad))
     result.surface_kind = SurfaceKind::sharp_edge;

@@ -93,7 +93,8 @@ double propagated_std(const RelativeCurvature& relative,
   if (covariance.isZero(0)) return 0;
   if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
   // Three points on one side: second order, and R' stays the larger one also where both are equal.
-  // The third order is 1e-6 of the result, and a quantity's own errors count a thousandfold.
+  // The third order leaves 1e-6 of the result; errors of the quantity itself are multiplied by a
+  // thousand.
   const double step = 1e-3, here = quantity(relative.radii);
   Eigen::Vector2d gradient;
   for (int i : {0, 1}) {

@@ -48,8 +48,8 @@ RelativeCurvature relative_curvature(const Quadric& finger,
 /// Standard deviation, first order, of a quantity of the relative radii (an ellipse's semi-axis, a
 /// torque) in the quantity's own unit: sqrt(g^T S g) with its derivatives g with respect to (ln R',
 /// ln R''), by differences outwards from R' >= R'', five calls, and S = `log_radii_covariance`.
-/// 0 for exact quadrics, infinite where the covariance is, NaN unless `elliptic` or where `quantity`
-/// is NaN. What it throws is passed on.
+/// 0 for exact quadrics, infinite where the covariance is, NaN unless `elliptic` or where
+/// `quantity` is NaN. What it throws is passed on.
 double propagated_std(const RelativeCurvature& relative,
                       const std::function<double(const RelativeRadii&)>& quantity);
 

@@ -131,7 +131,7 @@ SurfaceNeighbourhood::Component SurfaceNeighbourhood::grow(double radius_m,
       const int v = triangle[corner], w = triangle[(corner + 1) % 3];
       const Vector3d a = relative(v), b = relative(w);
       if (a.squaredNorm() <= radius2) {
-        // By thirds, so that a triangle counts for as much of it as lies inside, roughly.
+        // By thirds: a triangle counts with roughly that part of its area that lies inside.
         normal_sum += sign * area_vectors_[t];
         if (!listed[v]) found.vertices.push_back(v);
         listed[v] = 1;
@@ -309,7 +309,7 @@ void SurfaceNeighbourhood::measure_kinks(const Component& found, double radius_m
         // Neighbours run through their edge in opposite directions, or one of them is turned.
         const double cosine =
             (opposite ? 1 : -1) * area_vectors_[t].dot(area_vectors_[other]) / (area * other_area);
-        // Over so small a height noise, or the points' placing, turns a triangle anywhere.
+        // The normal of so thin a triangle is mostly noise.
         const double height = std::min(area, other_area) / length;
         kinks.push_back({std::acos(std::clamp(cosine, -1.0, 1.0)), length,
                          height < 0.2 * std::min(length, radius_m)});
@@ -325,7 +325,8 @@ void SurfaceNeighbourhood::measure_kinks(const Component& found, double radius_m
     region.usual_kink_rad = kink.angle;
     if (sum >= total / 2) break;
   }
-  // An edge runs through the region or along its end: the kink that half a radius of edges exceeds.
+  // A sharp edge runs through the region or along its end: the largest kink that is exceeded along
+  // at least half a radius of mesh edges.
   sum = 0;
   for (auto kink = kinks.rbegin(); kink != kinks.rend() && sum < radius_m / 2; ++kink) {
     if (kink->sliver) continue;

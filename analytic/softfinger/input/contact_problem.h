@@ -45,8 +45,8 @@ struct ContactLoad {
 /// Which modulus an elastic foundation gives a column of the layer.
 enum class WinklerModulus {
   oedometric,  ///< M, confined: right for a thin compressible layer bonded to its base
-  youngs  ///< E, free sides: as the seed method may have meant; right for a bonded layer at nu = 0
-          ///< only
+  youngs  ///< E, free sides: as Ciocarlie et al. (2007) may have meant; right for a bonded layer at
+          ///< nu = 0 only
 };
 
 /// Empirical contact of Xydias & Kao (1999): a = coefficient P^exponent for a round contact,

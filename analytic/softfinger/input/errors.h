@@ -36,7 +36,8 @@ class InputError : public std::runtime_error {
 /// An iteration that did not reach its tolerance. The hint names the usual cause.
 class ConvergenceError : public std::runtime_error {
  public:
-  ConvergenceError(const std::string& stage, int iteration, double residual, const std::string& hint)
+  ConvergenceError(const std::string& stage, int iteration, double residual,
+                   const std::string& hint)
       : std::runtime_error(stage + " did not converge: iteration " + std::to_string(iteration) +
                            ", residual " + short_text(residual) + "; hint: " + hint),
         iteration_(iteration),

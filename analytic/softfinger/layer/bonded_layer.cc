@@ -72,8 +72,8 @@ Correction correction(double log_size, double compressibility, double log_radii_
       }
   }
   Correction result;
-  // Beyond the table the corrections fade like the size of the contact or its inverse, as those to
-  // the limits of thick and of thin layers do.
+  // Beyond the table the corrections fade in proportion to the size of the contact (small ones) or
+  // its inverse (large ones), as the exact deviations from the limits do.
   const double outside = log_size - inside;
   const double fade = outside == 0 ? 1 : std::exp(-std::abs(outside));
   for (std::size_t q = 0; q < kLayerQuantities; ++q) {

@@ -5,6 +5,7 @@
 
 namespace softfinger {
 
+// clang-format off
 const double BondedLayerTable::unit[] = {
     5.0509838020211596e-06,
     2.1906936593855283e-06,
@@ -12,7 +13,6 @@ const double BondedLayerTable::unit[] = {
     3.1015378577649452e-06,
     6.5907094082263379e-06};
 
-// clang-format off
 const std::int16_t BondedLayerTable::coefficients[] = {
 14,27,-171,14,-18,20,39,-227,21,-27,29,56,-298,30,-38,41,79,-393,42,-54,58,113,-518,60,-77,83,161,
 -683,85,-110,118,228,-899,122,-157,167,323,-1183,173,-223,237,457,-1558,247,-318,336,641,-2051,352,

@@ -1,7 +1,8 @@
 #include "softfinger/layer/elliptic_contact.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -37,7 +38,9 @@ void even_spherical_bessel(double q, int l, double* values) {
     std::fill(values + 1, values + l + 1, 0.0);
     return;
   }
-  // Downwards from an order where they are negligible, then scaled to j_0 or j_1.
+  // Miller's algorithm: downwards from an order where they are negligible, far enough above for 16
+  // digits (the rule of Numerical Recipes' bessj), then scaled to j_0 or j_1. Values are kept
+  // between 1e-280 and 1e200, whatever the starting value grows to.
   const int start = order + 20 + int(std::sqrt(40.0 * (order + 1)));
   double above = 0, value = 1e-280;
   double scaled_j1 = 0;
@@ -89,12 +92,15 @@ double radial_moment(const Mode& mode) {
   return 0.5 * (mode.m % 4 ? -1 : 1) * product * beta;
 }
 
-/// S(t) of p = K/sqrt(1 - r²) + S sqrt(1 - r²) + ... along the edge, at the angles t in (0, pi/2).
+/// S(t) of p = K/sqrt(1 - r²) + S sqrt(1 - r²) + ... along the edge, at the angles t in (0, pi/2),
+/// smoothed.
 ///
-/// The expansion holds within one thickness of the edge. Where the edge deviates from the ellipse
-/// by more (large, elongated contacts), S takes in a share of K a/h, and with it the cos 4t and
-/// higher terms of K; so there its mean and cos 2t terms alone are used. It is kept within a factor
-/// of two of its shapes for thick layers, constant, and for thin ones, sqrt(g(t)).
+/// The expansion holds within one thickness of the edge. The edge of large, elongated contacts
+/// deviates from the ellipse by more: there the measured S contains a share of K a/h, and with it
+/// the cos 4t and higher terms of K. Contacts larger than about 20 thicknesses therefore use only
+/// its mean and cos 2t terms. S is also kept within a factor of two of its shapes for thick layers,
+/// constant, and for thin ones, sqrt(g(t)). (20, its fourth power and the factor of two by trial;
+/// tests/analytic/bonded_layer_test.cc and layer_fft_test.cc check what comes of them.)
 VectorXd edge_stiffness(const VectorXd& measured, const VectorXd& angle, const VectorXd& thin,
                         double a) {
   const double mean = measured.mean();
@@ -106,24 +112,22 @@ VectorXd edge_stiffness(const VectorXd& measured, const VectorXd& angle, const V
   return smooth.max(0.5 * expected.min(mean)).min(2 * expected.max(mean));
 }
 
-}  // namespace
-
-SpectralResolution sufficient_resolution(double a, double b) noexcept {
-  const int radial = std::min(30, int(6 + 2.2 * std::sqrt(a)));
-  const int angular = a / b < 1 + 1e-9 ? 0 : std::min(8, int(4 + 2 * std::log(a / b)));
-  return {std::max(radial, angular), angular};
-}
-
-EllipticLayerContact elliptic_layer_contact(double a, double b, const LayerKernel& kernel,
-                                            SpectralResolution resolution) {
-  const int radial = resolution.radial, angular = std::min(resolution.angular, radial);
+/// All modes of the expansion, those of an angle together.
+std::vector<Mode> expansion(int radial, int angular) {
   std::vector<Mode> modes;
   for (int m = 0; m <= 2 * angular; m += 2)
     for (int l = m / 2; l <= radial; ++l) modes.push_back({l, m});
-  const Eigen::Index count = Eigen::Index(modes.size());
+  return modes;
+}
 
-  // Trapezoidal rule over a quarter of the circle of directions: it converges like
-  // exp(-4 n atanh(b/a)), and has to resolve the products of the angular modes.
+/// Fourier coefficients over the directions psi of the wave vector, j = 0, 1, ... 2 angular:
+/// int cos(2 j psi) [closed form of the half-space - layer_part](g(psi)) / g dpsi, with
+/// g = |(cos psi/a, sin psi/b)|.
+std::vector<MatrixXd> harmonics_of_compliance(double a, double b, const LayerKernel& kernel,
+                                              int radial, int angular) {
+  // Trapezoidal rule over a quarter of the circle of directions. It converges like
+  // exp(-4 n atanh(b/a)), so that 7 a/b points make e^-28, and it has to resolve the products of
+  // the angular modes.
   const bool circle = angular == 0 && a == b;
   const int directions = circle ? 1 : angular + 10 + int(7 * a / b);
   std::vector<MatrixXd> harmonics(std::size_t(2 * angular + 1),
@@ -139,6 +143,12 @@ EllipticLayerContact elliptic_layer_contact(double a, double b, const LayerKerne
     for (int j = 0; j <= 2 * angular; ++j)
       harmonics[std::size_t(j)] += weight / g * std::cos(2 * j * psi) * block;
   }
+  return harmonics;
+}
+
+/// Galerkin's matrix: the displacement under each mode, weighted by each other one.
+MatrixXd galerkin_matrix(const std::vector<Mode>& modes, const std::vector<MatrixXd>& harmonics) {
+  const Eigen::Index count = Eigen::Index(modes.size());
   MatrixXd matrix(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j < count; ++j) {
@@ -147,91 +157,159 @@ EllipticLayerContact elliptic_layer_contact(double a, double b, const LayerKerne
       matrix(i, j) = harmonics[std::size_t(std::abs(I.m - J.m) / 2)](I.l, J.l) +
                      harmonics[std::size_t((I.m + J.m) / 2)](I.l, J.l);
     }
+  return matrix;
+}
 
-  VectorXd angular_moment = VectorXd::Zero(angular + 1);
+/// int_0^2pi cos(2 j t) |(a cos t, b sin t)| dt for j = 0 ... angular: the angular factor of the
+/// torque. Midpoint rule, which converges like the one of the directions.
+VectorXd angular_moments(double a, double b, int angular) {
+  VectorXd result = VectorXd::Zero(angular + 1);
   const int points = 40 + int(12 * a / b);
   for (int i = 0; i < points; ++i) {
     const double t = 0.5 * kPi * (i + 0.5) / points;
     for (int j = 0; j <= angular; ++j)
-      angular_moment[j] +=
+      result[j] +=
           2 * kPi / points * std::cos(2 * j * t) * std::hypot(a * std::cos(t), b * std::sin(t));
   }
-  // Moments of the modes with 1, x², y² and the distance from the centre.
+  return result;
+}
+
+/// Columns of what belongs to a displacement or is weighted with a field: 1, x², y², and the
+/// distance from the centre.
+constexpr int kOne = 0, kDistance = 3;
+
+/// Integrals of the modes times these four, over ab.
+MatrixXd moments_of_modes(const std::vector<Mode>& modes, double a, double b, int angular) {
+  const VectorXd angular_moment = angular_moments(a, b, angular);
+  const Eigen::Index count = Eigen::Index(modes.size());
   MatrixXd moments = MatrixXd::Zero(count, 4);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Mode& mode = modes[std::size_t(i)];
     if (mode.l == 0) moments.row(i) << 2 * kPi, 2 * kPi / 3 * a * a, 2 * kPi / 3 * b * b, 0;
     if (mode.l == 1)
       moments.row(i) << 0, -4 * kPi / 15 * a * a, (mode.m ? 4 : -4) * kPi / 15 * b * b, 0;
-    moments(i, 3) = radial_moment(mode) * angular_moment[mode.m / 2];
+    moments(i, kDistance) = radial_moment(mode) * angular_moment[mode.m / 2];
   }
-  const MatrixXd solutions = matrix.llt().solve(moments);
+  return moments;
+}
 
-  // Edge: p = K(t)/sqrt(1 - r²) + S(t) sqrt(1 - r²) + ...; the true edge is at 1 + K/S.
-  const int samples = 8 * (angular + 1);
-  MatrixXd singular = MatrixXd::Zero(samples, 4), regular = MatrixXd::Zero(samples, 3);
-  VectorXd angle(samples);
-  for (int k = 0; k < samples; ++k) {
-    angle[k] = 0.5 * kPi * (k + 0.5) / samples;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Mode& mode = modes[std::size_t(i)];
-      const double value = (mode.l % 2 ? -1 : 1) * std::cos(mode.m * angle[k]);
-      singular.row(k) += value * solutions.row(i);
-      regular.row(k) -=
-          value * (mode.l * (2 * mode.l + 1) - 0.5 * mode.m * mode.m) * solutions.row(i).head<3>();
+/// The pressures at the edge that belong to the displacements 1, x², y² and distance: at the angles
+/// t of (0, pi/2), p = K(t)/sqrt(1 - r²) + S(t) sqrt(1 - r²) + ...
+struct EdgeExpansion {
+  VectorXd angle;
+  MatrixXd singular;  ///< K
+  MatrixXd regular;   ///< S, of the first three
+  /// |(cos t/a, sin t/b)|: distance in scaled coordinates over that along the edge's normal.
+  VectorXd stretch;
+
+  EdgeExpansion(const std::vector<Mode>& modes, const MatrixXd& solutions, double a, double b,
+                int angular)
+      : angle(8 * (angular + 1)),  // the highest harmonic has eight points per wave
+        singular(MatrixXd::Zero(angle.size(), 4)),
+        regular(MatrixXd::Zero(angle.size(), 3)),
+        stretch(angle.size()) {
+    for (Eigen::Index k = 0; k < angle.size(); ++k) {
+      angle[k] = 0.5 * kPi * (double(k) + 0.5) / double(angle.size());
+      stretch[k] = std::hypot(std::cos(angle[k]) / a, std::sin(angle[k]) / b);
+      for (std::size_t i = 0; i < modes.size(); ++i) {
+        const Mode& mode = modes[i];
+        const double value = (mode.l % 2 ? -1 : 1) * std::cos(mode.m * angle[k]);
+        const auto solution = solutions.row(Eigen::Index(i));
+        singular.row(k) += value * solution;
+        regular.row(k) -=
+            value * (mode.l * (2 * mode.l + 1) - 0.5 * mode.m * mode.m) * solution.head<3>();
+      }
     }
   }
-  const auto singular_part = singular.leftCols<3>();
-  Eigen::Vector3d shape;  // d, -1/(2R'), -1/(2R'')
-  VectorXd stiffness = VectorXd::Ones(samples);
-  VectorXd thin_stiffness(samples);
-  for (int k = 0; k < samples; ++k)
-    thin_stiffness[k] = std::sqrt(std::hypot(std::cos(angle[k]) / a, std::sin(angle[k]) / b));
-  for (int iteration = 0; iteration < (angular ? 4 : 1); ++iteration) {
+};
+
+/// The combination (d, -1/(2R'), -1/(2R'')) of the displacements 1, x², y² whose edge, 1 + K/S, has
+/// no mean and no cos 2t component: it fits the ellipse best. In units of R = 1. S depends on the
+/// combination, weakly, so that it is found by iteration.
+struct FittedShape {
+  Eigen::Vector3d coefficients;
+  VectorXd stiffness;  ///< S(t)
+};
+FittedShape fit_shape(const EdgeExpansion& edge, double a, int angular) {
+  constexpr int kIterations = 4;  // S is of second order; a circle needs no iteration
+  const auto singular = edge.singular.leftCols<3>();
+  const VectorXd thin_stiffness = edge.stretch.array().sqrt();
+  FittedShape fitted{{}, VectorXd::Ones(edge.angle.size())};
+  Eigen::Vector3d& shape = fitted.coefficients;
+  VectorXd& stiffness = fitted.stiffness;
+  for (int iteration = 0; iteration < (angular ? kIterations : 1); ++iteration) {
     const Eigen::RowVector3d mean =
-        (singular_part.array().colwise() / stiffness.array()).colwise().sum();
-    const Eigen::RowVector3d second =
-        angular ? Eigen::RowVector3d((singular_part.array().colwise() *
-                                      ((2 * angle).array().cos() / stiffness.array()))
-                                         .colwise()
-                                         .sum())
-                : Eigen::RowVector3d(0, 1, -1);
+        (singular.array().colwise() / stiffness.array()).colwise().sum();
+    Eigen::RowVector3d second(0, 1, -1);  // a circle: R' = R''
+    if (angular)
+      second = (singular.array().colwise() * ((2 * edge.angle).array().cos() / stiffness.array()))
+                   .colwise()
+                   .sum();
     shape = mean.cross(second).transpose();
     shape /= shape[0];
-    stiffness = edge_stiffness(regular * shape, angle, thin_stiffness, a);
+    stiffness = edge_stiffness(edge.regular * shape, edge.angle, thin_stiffness, a);
   }
   const double scale = 1 / (2 * std::sqrt(shape[1] * shape[2]));
   shape *= scale;
   stiffness *= scale;
+  return fitted;
+}
+
+/// Pressure at the centre: of the modes with m = 0 the values there, l!/((1/2)(3/2)...(l - 1/2)).
+double pressure_at_centre(const std::vector<Mode>& modes, const VectorXd& pressure) {
+  double sum = 0, value = 1;
+  for (std::size_t i = 0; i < modes.size() && modes[i].m == 0; ++i) {
+    if (modes[i].l > 0) value *= modes[i].l / (modes[i].l - 0.5);
+    sum += value * pressure[Eigen::Index(i)];
+  }
+  return sum;
+}
+
+}  // namespace
+
+// By trial. Against half as many terms more, load, torque, indentation and R'/R'' change by 1e-11
+// at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
+SpectralResolution sufficient_resolution(double a, double b) noexcept {
+  const int radial = std::min(30, int(6 + 2.2 * std::sqrt(a)));
+  const int angular = a / b < 1 + 1e-9 ? 0 : std::min(8, int(4 + 2 * std::log(a / b)));
+  return {std::max(radial, angular), angular};
+}
+
+EllipticLayerContact elliptic_layer_contact(double a, double b, const LayerKernel& kernel,
+                                            SpectralResolution resolution) {
+  const int radial = resolution.radial, angular = std::min(resolution.angular, radial);
+  const std::vector<Mode> modes = expansion(radial, angular);
+  const MatrixXd matrix =
+      galerkin_matrix(modes, harmonics_of_compliance(a, b, kernel, radial, angular));
+  const MatrixXd moments = moments_of_modes(modes, a, b, angular);
+  const MatrixXd solutions = matrix.llt().solve(moments);
+
+  const EdgeExpansion edge(modes, solutions, a, b, angular);
+  const FittedShape fitted = fit_shape(edge, a, angular);
+  const Eigen::Vector3d& shape = fitted.coefficients;
   const VectorXd pressure = solutions.leftCols<3>() * shape;
-  const VectorXd intensity = singular_part * shape;
-  const VectorXd deviation = intensity.array() / stiffness.array();
+  const VectorXd intensity = edge.singular.leftCols<3>() * shape;
+  const VectorXd deviation = intensity.array() / fitted.stiffness.array();
 
   // Moving the edge outwards by e(t), scaled, changes the integral of p times a field v by
   // pi a b int K K_v e / g dt, K_v of the pressure whose displacement is v. On the way to the true
   // edge K falls to zero, which halves it: a second-order correction of the load and the torque.
+  const Eigen::Index samples = edge.angle.size();
   VectorXd weight(samples);
-  for (int k = 0; k < samples; ++k)
-    weight[k] = kPi * kPi * a * b / samples * intensity[k] * deviation[k] /
-                std::hypot(std::cos(angle[k]) / a, std::sin(angle[k]) / b);
+  for (Eigen::Index k = 0; k < samples; ++k)
+    weight[k] = kPi * kPi * a * b / double(samples) * intensity[k] * deviation[k] / edge.stretch[k];
 
   EllipticLayerContact contact;
   contact.a = a;
   contact.b = b;
   contact.radii_ratio = shape[2] / shape[1];
   contact.indentation = shape[0];
-  contact.load = 2 * kPi * a * b * pressure[0] + weight.dot(singular.col(0));
-  contact.edge_deviation = 2 * (deviation.array() * (4 * angle).array().cos()).mean();
-  double gamma_ratio = 1;  // l!/ (1/2)(3/2)...: sqrt(pi) l!/Gamma(l + 1/2)
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Mode& mode = modes[std::size_t(i)];
-    if (mode.m == 0) {
-      if (mode.l > 0) gamma_ratio *= mode.l / (mode.l - 0.5);
-      contact.peak_pressure += gamma_ratio * pressure[i];
-    }
-  }
+  contact.load = 2 * kPi * a * b * pressure[0] + weight.dot(edge.singular.col(kOne));
+  contact.edge_deviation = 2 * (deviation.array() * (4 * edge.angle).array().cos()).mean();
+  contact.peak_pressure = pressure_at_centre(modes, pressure);
   contact.torque_arm =
-      (a * b * pressure.dot(moments.col(3)) + weight.dot(singular.col(3))) / contact.load;
+      (a * b * pressure.dot(moments.col(kDistance)) + weight.dot(edge.singular.col(kDistance))) /
+      contact.load;
   return contact;
 }
 
@@ -239,16 +317,20 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
                                                     const LayerKernel& kernel, double a_guess,
                                                     double b_guess, double tolerance) {
   constexpr int kMaxIterations = 30;
+  constexpr double kLongestStep = 0.7;  // of the logarithms: a factor of two
   const bool circle = radii_ratio == 1;
   double log_size = 0.5 * std::log(a_guess * b_guess);
   double log_ratio = circle ? 0 : std::log(a_guess / b_guess);
   // Jacobian of (ln load, ln R'/R'') against (ln sqrt(ab), ln a/b): from the blend of the limits,
-  // improved by Broyden's rule, since one solution costs far more than the algebra.
+  // improved by Broyden's rule, since one solution costs far more than the algebra. Next to the
+  // circle the blend cannot tell d ln(R'/R'')/d ln(a/b), which lies between Hertz's 3/2 and 3 of a
+  // thin incompressible layer.
+  constexpr double kAlmostRound = 1.001, kSlopeNearCircle = 1.8;
   const LayerBlend blend =
       layer_blend(limit_shapes(radii_ratio), std::log(load), kernel.compressibility());
   Eigen::Matrix2d jacobian;
   jacobian << 1 / blend.slope[kSize], 0, 0,
-      radii_ratio > 1.001 ? std::log(radii_ratio) / blend.value[kAspect] : 1.8;
+      radii_ratio > kAlmostRound ? std::log(radii_ratio) / blend.value[kAspect] : kSlopeNearCircle;
   Eigen::Vector2d residual(1, 1), step(0, 0);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double a = std::exp(log_size + 0.5 * log_ratio);
@@ -265,7 +347,7 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
     step = -jacobian.partialPivLu().solve(residual);
     if (circle) step[1] = 0;
     const double longest = step.cwiseAbs().maxCoeff();
-    if (longest > 0.7) step *= 0.7 / longest;
+    if (longest > kLongestStep) step *= kLongestStep / longest;
     log_size += step[0];
     log_ratio = std::max(log_ratio + step[1], 0.0);
   }

@@ -23,7 +23,7 @@ struct SpectralResolution {
   int angular = 6;  ///< largest m/2 <= radial
 };
 
-/// Resolution at which load, torque and axes have converged to about 1e-5 (1e-4 beyond a/h = 50).
+/// Resolution at which load, torque and axes have converged to about 3e-5 or better for a/h to 100.
 SpectralResolution sufficient_resolution(double a, double b) noexcept;
 
 /// The quadric that touches a layer in the ellipse with semi-axes a >= b > 0 (in units of h), by a

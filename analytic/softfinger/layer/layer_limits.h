@@ -14,8 +14,8 @@ enum LayerQuantity { kSize, kAspect, kDepth, kArm, kPeak, kLayerQuantities };
 using LayerQuantities = std::array<double, kLayerQuantities>;
 
 /// Smooth blend of the three exact limits of a quadric on a bonded layer (thick: Hertz; thin:
-/// confined Winkler; thin and incompressible), within a few per cent to 20 % of the truth between
-/// them and exact in each. The coordinates of the table of corrections are taken from it.
+/// confined Winkler; thin and incompressible). It is exact in each limit and off by a few to 20 %
+/// between them. The table of corrections is read at coordinates that come from it.
 struct LayerBlend {
   LayerQuantities value{};
   LayerQuantities slope{};  ///< derivatives with respect to ln P

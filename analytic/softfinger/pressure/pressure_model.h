@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -8,6 +10,21 @@
 #include "softfinger/math/pi.h"
 
 namespace softfinger {
+
+/// How exactly a model solves its own equations. Tests of all models take their tolerances from
+/// here. The defaults are those of a closed form; any other model states its own, with the reason.
+struct NumericalAccuracy {
+  /// Relative error of load and torque arm when `pressure_Pa` is integrated over the contact
+  /// ellipse, and of `pressure_Pa` at the centre against the peak.
+  double pressure = 1e-12;
+  /// Part of the semi-axes beyond which, outside the contact ellipse, `pressure_Pa` is zero.
+  double edge = 1e-12;
+  /// Relative error, not monotone, of a number that theory says must not grow or not shrink.
+  double monotone = 1e-12;
+  std::string_view reason =
+      "closed form: rounding only. Near the edge the pressure is a small difference, with a "
+      "relative error up to the root of epsilon, over a strip of relative area epsilon";
+};
 
 /// What a reader must know before using a model.
 struct ModelCard {
@@ -19,7 +36,8 @@ struct ModelCard {
   std::string_view validity;     ///< where it holds, in words
   std::string_view cost;         ///< order of magnitude, e.g. "about 100 ns"
   bool hot_path = true;          ///< fit for a simulator's inner loop: microseconds, no allocation
-  bool finite_strain = false;    ///< of large deformation: linear elasticity is not its judge
+  bool finite_strain = false;    ///< of large deformation: not to be compared with linear solutions
+  NumericalAccuracy accuracy = {};
 };
 
 /// One assumption of a model, measured on the problem at hand: it holds while `value` stays
@@ -34,14 +52,31 @@ struct ValidityCheck {
   bool holds() const { return holds_below ? value <= limit : value >= limit; }
 };
 
-/// Fixed-capacity list, so that a prediction can be made in a simulator's inner loop.
+/// The checks of one prediction. The capacity is fixed, so that a prediction can be made in a
+/// simulator's inner loop without allocation.
+///
+/// A check beyond the capacity cannot be stated, which must not look like a check that holds: the
+/// last place then says so, in a check "all_checks_stated" that fails. A failing check beyond the
+/// capacity takes the place of one that holds.
 class Validity {
  public:
+  /// Twice what the model with the most checks states (finite_strain_layer: six).
+  static constexpr std::size_t kCapacity = 12;
+
   void add(const ValidityCheck& check) noexcept {
-    if (count_ < checks_.size()) checks_[count_++] = check;
+    if (added_++ < kCapacity) {
+      checks_[added_ - 1] = check;
+      return;
+    }
+    ValidityCheck& last = checks_.back();
+    if (added_ == kCapacity + 1) keep_if_failing(last);
+    keep_if_failing(check);
+    last = {
+        "all_checks_stated", double(added_), double(kCapacity), true,
+        "more assumptions were checked than can be listed: which of the others hold is unknown"};
   }
   const ValidityCheck* begin() const { return checks_.data(); }
-  const ValidityCheck* end() const { return checks_.data() + count_; }
+  const ValidityCheck* end() const { return checks_.data() + std::min(added_, kCapacity); }
   bool holds() const {
     for (const auto& check : *this)
       if (!check.holds()) return false;
@@ -49,8 +84,18 @@ class Validity {
   }
 
  private:
-  std::array<ValidityCheck, 8> checks_{};
-  std::size_t count_ = 0;
+  /// In the place of a check that holds; never in the last place.
+  void keep_if_failing(const ValidityCheck& check) noexcept {
+    if (check.holds()) return;
+    for (std::size_t i = 0; i + 1 < kCapacity; ++i) {
+      if (!checks_[i].holds()) continue;
+      checks_[i] = check;
+      return;
+    }
+  }
+
+  std::array<ValidityCheck, kCapacity> checks_{};
+  std::size_t added_ = 0;
 };
 
 /// Contact ellipse and pressure of one model. All values are finite. When the model has no answer
@@ -61,10 +106,10 @@ struct Prediction {
   double a_m = 0, b_m = 0;   ///< semi-axes, a >= b, a along RelativeRadii::axis_rad
   double indentation_m = 0;  ///< approach d of the two bodies, first touch = 0
   double peak_pressure_Pa = 0;
-  double torque_arm_exact_m =
-      0;  ///< (int p r dA) / P: max torque = mu P times this, equals e_n (6)
-  double torque_arm_paper_m =
-      0;  ///< the seed's rule, arm of the circle of radius sqrt(ab), (9), (10)
+  /// (int p r dA) / P: the largest torque is mu P times this, and e_n (6) equals it.
+  double torque_arm_exact_m = 0;
+  /// The rule of Ciocarlie et al. (2007), (9), (10): the arm of the circle of radius sqrt(ab).
+  double torque_arm_paper_m = 0;
   Validity validity;
 
   double area_m2() const { return kPi * a_m * b_m; }

@@ -7,8 +7,8 @@
 
 namespace softfinger {
 
-/// What every model promises, whatever it is asked: every number of a prediction is finite, those
-/// of an answer are normal and positive, and a missing answer is explained by a check that fails.
+/// The invariants of every prediction, whatever a model is asked: all numbers are finite, those of
+/// an answer are normal and positive, and a missing answer is explained by a check that fails.
 inline bool is_sound(const Prediction& prediction) {
   bool sound = prediction.a_m >= prediction.b_m;
   for (const double value :

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "comparisons/judgement/atlas/error_causes.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/predict.h"
 #include "comparisons/system/program_paths.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/max_torque.h"
@@ -136,7 +136,7 @@ json causes_of(const AtlasFile& atlas, const std::vector<QuantityErrors>& errors
           {"max_torque", quantiles(torque)}};
 }
 
-/// The model's torque with the seed's rule, as errors.
+/// Errors of the model's torque with the rule of Ciocarlie et al. (2007).
 std::vector<double> paper_torque_errors(const AtlasFile& atlas,
                                         const std::vector<QuantityErrors>& errors) {
   std::vector<double> paper;

@@ -4,18 +4,19 @@
 
 #include "comparisons/input/case.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/ask_model.h"
 
 namespace softfinger::judgement {
 
-/// The bounds of a model on a case's contact: of a flat layer, or, where the case asks for finite
-/// elements on the finger's own curved core, of one bent over a round finger pressed on a plane;
-/// where it asks for finite strain, against that.
+/// The bounds of a model's errors for a contact of the case. They come from the runs of the kind of
+/// finite elements that the case asks for: on a flat layer, on a layer bent over a round finger on
+/// a plane (geometry = "curved"), or at finite strain.
 /// @param model  its name, or "fem"
 ErrorAtlas::Estimate estimate_error(const std::string& model, const input::Case& contact_case,
                                     const ContactProblem& problem);
 
-/// The bounds when the torque is the seed's rule, which for ellipses differs from the exact one.
+/// The bounds if the torque comes from the rule of Ciocarlie et al. (2007), which differs from the
+/// exact one for ellipses.
 QuantityErrors with_torque_rule(const ErrorAtlas::Estimate& estimate, const Prediction& prediction,
                                 prediction::TorqueRule rule);
 

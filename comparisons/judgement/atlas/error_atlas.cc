@@ -49,9 +49,6 @@ const std::vector<std::string>& own_columns() {
 
 }  // namespace
 
-const std::array<const char*, kQuantities> kQuantityNames = {
-    "a", "b", "indentation", "area", "peak_pressure", "max_torque"};
-
 double contact_size(const ContactProblem& problem) {
   const Prediction prediction = find_pressure_model("bonded_layer")->predict(problem);
   if (!prediction.has_answer) return kNaN;
@@ -366,13 +363,6 @@ double ErrorAtlas::cost_ns(const std::string& model) const {
   for (const auto& [key, value] : atlas_.provenance)
     if (key == "cost_ns " + model) return std::strtod(value.c_str(), nullptr);
   return kNaN;
-}
-
-nlohmann::json to_json(const std::optional<QuantityErrors>& bound) {
-  if (!bound) return nullptr;
-  nlohmann::json json;
-  for (std::size_t q = 0; q < kQuantities; ++q) json[kQuantityNames[q]] = (*bound)[q];
-  return json;
 }
 
 namespace {

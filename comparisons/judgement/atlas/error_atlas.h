@@ -3,30 +3,29 @@
 #include <array>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "comparisons/prediction/quantity.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// What finite elements say of each model, over all contacts of a quadric with a bonded layer.
+/// Errors of each model against finite elements, over all contacts of a quadric with a bonded
+/// layer.
 namespace softfinger::judgement {
 
-/// The quantities that are judged, in the order of the columns.
-enum class Quantity { a, b, indentation, area, peak_pressure, max_torque };
-constexpr int kQuantities = 6;
-/// The names of interface.md's error_estimate.
-extern const std::array<const char*, kQuantities> kQuantityNames;
-using QuantityErrors = std::array<double, kQuantities>;  ///< relative
+using prediction::kQuantities;
+using prediction::kQuantityNames;
+using prediction::Quantity;
+using prediction::QuantityErrors;
 
-/// A run of the finite elements. A contact on a flat layer is known by three numbers: nu, R'/R''
-/// and s = sqrt(ab)/h, the last one as the bonded layer has it.
+/// A run of the finite elements. A contact on a flat layer depends on three numbers only: nu,
+/// R'/R'' and s = sqrt(ab)/h. s is computed by the model bonded_layer.
 struct AtlasRun {
   /// "flat", "curved" or "friction"; at finite strain "finite_sphere" on a flat layer,
-  /// "finite_curved" or "finite_pad" (a paraboloid on a flat layer), and their linear twins
-  /// "linear_sphere", "linear_curved" and "linear_pad".
+  /// "finite_curved" or "finite_pad" (a paraboloid on a flat layer), and the same contacts with
+  /// linear elasticity, "linear_sphere", "linear_curved" and "linear_pad".
   std::string kind;
   double poisson_ratio = 0, radii_ratio = 1, s = 0;
   double thickness_over_radius =
@@ -43,7 +42,7 @@ struct AtlasRun {
          coarse_cost_s = 0;  ///< CPU, of both meshes; of the coarse one and what went before
 };
 
-/// Whether h/R counts, as it does at finite strain; linear answers follow from s and h alone.
+/// Whether the answer depends on h/R, as it does at finite strain. Linear answers do not.
 bool has_own_radius(const AtlasRun& run);
 
 /// Contact problem of a run: h = 1 m, E* = 1 Pa, the load that gives its s.
@@ -101,11 +100,9 @@ class ErrorAtlas {
   std::map<std::string, Grid> grids_;  ///< of flat ones (nu, R'/R'', s), of others (nu, h/R, s)
 };
 
-/// s = sqrt(ab)/h by the bonded layer, by which runs and questions are placed; NaN without answer.
+/// s = sqrt(ab)/h by the model bonded_layer. Runs and new contacts are placed on the grid by this
+/// s. NaN if the model has no answer.
 double contact_size(const ContactProblem& problem);
-
-/// {"a": .., "b": .., ...}, or null.
-nlohmann::json to_json(const std::optional<QuantityErrors>& bound);
 
 /// The atlas beside the program, read once.
 /// @throws InputError when it is missing or damaged

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/equivalent_exponent.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/max_torque.h"

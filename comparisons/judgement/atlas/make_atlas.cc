@@ -93,46 +93,43 @@ json fem_problem_of(const AtlasRun& run) {
 }
 
 /// Without units, as AtlasRun wants them.
-void take_answer(const json& problem, const json& result, AtlasRun& run) {
-  const auto number = [](const json& object, const char* key) {
-    return object.contains(key) && object[key].is_number() ? object[key].get<double>() : NAN;
+void take_answer(const json& problem, const reference::ReferenceResult& result, AtlasRun& run) {
+  const auto or_nan = [](const std::optional<double>& error) {
+    return error.value_or(std::numeric_limits<double>::quiet_NaN());
   };
   const double scale = radius_scale(run, problem_of(run));
   const double h = kThickness_m, load_N = problem["load_N"].get<double>();
   const double mu = problem["friction_coefficient"].get<double>();
-  run.answer = {number(result, "a_m") / h,
-                number(result, "b_m") / h,
-                scale * number(result, "indentation_m") / h,
-                number(result, "area_m2") / (h * h),
-                scale * number(result, "peak_pressure_Pa") / kModulus_Pa,
-                number(result, "max_torque_Nm") / (mu * load_N * h)};
-  const json& coarse = result["levels"].front();
-  const double coarse_a = number(coarse, "a_m"), coarse_b = number(coarse, "b_m");
-  run.coarse_error = {coarse_a / number(result, "a_m") - 1,
-                      coarse_b / number(result, "b_m") - 1,
-                      number(coarse, "indentation_m") / number(result, "indentation_m") - 1,
-                      kPi * coarse_a * coarse_b / number(result, "area_m2") - 1,
-                      number(coarse, "peak_pressure_Pa") / number(result, "peak_pressure_Pa") - 1,
-                      number(coarse, "max_torque_Nm") / number(result, "max_torque_Nm") - 1};
-  run.cost_s = number(result, "cpu_s");
-  run.coarse_cost_s = run.cost_s - number(result["levels"].back(), "cpu_s");
-  const json& error = result["error"];
-  const double error_a = number(error, "a"), error_b = number(error, "b");
-  const double error_peak = number(error, "peak_pressure");
-  run.stated_error = {error_a,
-                      error_b,
-                      number(error, "indentation"),
-                      number(error, "area"),
-                      error_peak,
-                      number(error, "max_torque")};
-  if (!result.contains("torsional_stiffness_Nm_per_rad")) return;
+  run.answer = {result.a_m / h,
+                result.b_m / h,
+                scale * result.indentation_m / h,
+                result.area_m2 / (h * h),
+                scale * result.peak_pressure_Pa / kModulus_Pa,
+                result.max_torque_Nm / (mu * load_N * h)};
+  const reference::ReferenceLevel& coarse = result.levels.front();
+  run.coarse_error = {coarse.a_m / result.a_m - 1,
+                      coarse.b_m / result.b_m - 1,
+                      coarse.indentation_m / result.indentation_m - 1,
+                      kPi * coarse.a_m * coarse.b_m / result.area_m2 - 1,
+                      coarse.peak_pressure_Pa / result.peak_pressure_Pa - 1,
+                      coarse.max_torque_Nm / result.max_torque_Nm - 1};
+  run.cost_s = result.cpu_s;
+  run.coarse_cost_s = run.cost_s - result.levels.back().cpu_s;
+  const reference::ReferenceErrors& error = result.error;
+  run.stated_error = {or_nan(error.a),
+                      or_nan(error.b),
+                      or_nan(error.indentation),
+                      or_nan(error.area),
+                      or_nan(error.peak_pressure),
+                      or_nan(error.max_torque)};
+  if (!result.twist) return;
   const double nu = run.poisson_ratio;
   const double shear_modulus_Pa =
       problem["layer"]["youngs_modulus_Pa"].get<double>() / (2 * (1 + nu));
-  run.stiffness = number(result, "torsional_stiffness_Nm_per_rad") / (shear_modulus_Pa * h * h * h);
-  run.stiffness_error = number(error, "torsional_stiffness");
-  run.full_slip = number(result, "torque_full_slip_Nm") / (mu * load_N * h);
-  run.full_slip_error = number(error, "torque_full_slip");
+  run.stiffness = result.twist->stiffness_Nm_per_rad / (shear_modulus_Pa * h * h * h);
+  run.stiffness_error = or_nan(error.torsional_stiffness);
+  run.full_slip = result.twist->full_slip_torque_Nm / (mu * load_N * h);
+  run.full_slip_error = or_nan(error.full_slip_torque);
 }
 
 }  // namespace
@@ -165,8 +162,8 @@ std::vector<AtlasRun> designed_runs() {
   return runs;
 }
 
-/// The suite's silicone pads and the seed's fingers by their relative radii, from a touch to a hard
-/// grip.
+/// The suite's silicone pads and the fingers of Ciocarlie et al. by their relative radii, from a
+/// touch to a hard grip.
 void add_pads(const char* kind, std::vector<AtlasRun>& runs) {
   for (const char* name :
        {"silicone_pad_1mm", "silicone_pad_2mm", "silicone_pad_3mm", "seed_thumb_silicone",
@@ -255,11 +252,11 @@ std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
   atlas.runs = runs;
   std::size_t missing = 0;
   for (std::size_t run = 0; run < runs.size(); ++run) {
-    const json result = reference::finished_result(jobs[run], settings).result;
-    if (result.is_null())
-      ++missing;
+    const auto result = reference::finished_result(jobs[run], settings).result;
+    if (result)
+      take_answer(jobs[run].problem, *result, atlas.runs[run]);
     else
-      take_answer(jobs[run].problem, result, atlas.runs[run]);
+      ++missing;
   }
   if (missing > 0) {
     system::Progress().say(fmt::format("{} of {} runs are not finished; the same command goes on",
@@ -283,8 +280,8 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
   settings.limits = options.fem_limits;
   const std::vector<reference::FemJob> jobs = atlas_jobs(runs, options.folder);
   system::Progress progress;
-  const auto pending = reference::pending_fem_jobs(jobs, settings, progress,
-                                                   [](const reference::FemJob&, const json&) {});
+  const auto pending =
+      reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
   reference::FemJobProgress shown(progress, jobs.size(), pending.size());
   AtlasOutcome outcome;
   outcome.signal = reference::run_fem_jobs(

@@ -15,15 +15,16 @@ namespace softfinger::judgement {
 std::vector<AtlasRun> designed_runs();
 
 /// Spheres on flat layers and round fingers on planes at finite strain (neo-Hookean, quadratic
-/// volume energy) over (nu, h/R, s), and built-in pads over the load, each with its linear twin.
+/// volume energy) over (nu, h/R, s), and built-in pads over the load. Each is also solved with
+/// linear elasticity.
 std::vector<AtlasRun> finite_strain_runs();
 
-/// Contacts drawn at random from within the grid, to test bounds with: ln s, ln R'/R'', and nu by
-/// the measure of its grid. The same for the same seed.
+/// Random contacts within the grid, for tests of the bounds: uniform in ln s, ln R'/R'' and
+/// -ln(0.501 - nu), the coordinates of the grid. The same seed gives the same contacts.
 std::vector<AtlasRun> random_runs(int count, unsigned seed);
 
 struct AtlasOptions {
-  std::filesystem::path folder;  ///< finished runs are kept there: the same command goes on
+  std::filesystem::path folder;  ///< keeps finished runs, so that the same command continues
   int jobs = 1;
   reference::FemLimits fem_limits;  ///< of each run
   std::string command;
@@ -48,7 +49,7 @@ struct AtlasOutcome {
 /// Runs what is not finished yet, keeps results as they come, and collects them.
 AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& options);
 
-/// The errors of all models, anew, for finite elements that are known.
+/// Computes the errors of all models again, from the finite-element results in the atlas.
 void judge_models(AtlasFile& atlas);
 
 }  // namespace softfinger::judgement

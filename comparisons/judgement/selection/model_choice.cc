@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "comparisons/judgement/atlas/case_estimate.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -187,7 +189,7 @@ nlohmann::json to_json(const Choice& choice) {
     candidates.push_back(
         {{"model", candidate.model},
          {"cost_us", text::finite_or_null(candidate.cost_us)},
-         {"error_estimate", to_json(candidate.bound)},
+         {"error_estimate", prediction::to_json(candidate.bound)},
          {"worst", candidate.bound ? json(candidate.worst) : json()},
          {"worst_quantity",
           candidate.bound ? json(kQuantityNames[std::size_t(candidate.worst_quantity)]) : json()},
@@ -198,7 +200,7 @@ nlohmann::json to_json(const Choice& choice) {
       choice.chosen < 0 ? nullptr : &choice.candidates[std::size_t(choice.chosen)];
   return {{"load_N", choice.load_N},
           {"model", name(choice.chosen)},
-          {"error_estimate", chosen ? to_json(chosen->bound) : json()},
+          {"error_estimate", chosen ? prediction::to_json(chosen->bound) : json()},
           {"cost_us", chosen ? json(chosen->cost_us) : json()},
           {"next_better", name(choice.next_better)},
           {"next_cheaper", name(choice.next_cheaper)},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ struct SelectionOptions {
   double tolerance = 0.05;           ///< of every chosen quantity, relative
   double budget_us = 0;              ///< per answer; 0: any
   std::vector<std::string> models;   ///< allowed ones, by name, "fem" too; empty: all and fem
-  std::vector<Quantity> quantities;  ///< judged; empty: all
+  std::vector<Quantity> quantities;  ///< that have to meet the tolerance; empty: all
 };
 
 /// A model as a candidate for one contact.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_json.h"
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/friction_shape.h"
@@ -328,7 +328,7 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
     entry["model"] = pair.detail == ContactDetail::point ? json("rigid") : json(pair.model);
     for (const Candidate& candidate : pair.pressure.candidates)
       if (candidate.model == pair.model) {
-        entry["error_estimate"] = to_json(candidate.bound);
+        entry["error_estimate"] = prediction::to_json(candidate.bound);
         entry["cost_us"] = text::finite_or_null(candidate.cost_us);
       }
     entry["load_range_N"] = {pair.least_load_N, pair.largest_load_N};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -8,14 +9,14 @@
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/simulation/simulate.h"
 
-/// The simplest contact models that are enough for a scene. What a pair of bodies needs follows
-/// from how near its contacts come to their friction limit in the most accurate simulation. A
-/// simulation with the simpler models then says how much the motion changes by them.
+/// Chooses the simplest sufficient model for each contact of a scene. The most accurate simulation
+/// tells how much of its friction limit each contact uses; a second simulation tells how much the
+/// simpler models change the motion.
 namespace softfinger::judgement {
 
 /// What the contacts of two bodies need, from less to more.
 enum class ContactDetail {
-  point,          ///< no torsion: it hardly carries any
+  point,          ///< no torque about the normal, for contacts that hardly carry any
   ellipsoid,      ///< friction ellipsoid, e_n(P) of a pressure model
   limit_surface,  ///< the exact limit surface, e_n(P) of a pressure model
   fem_table       ///< the same, e_n(P) from finite elements
@@ -53,7 +54,7 @@ struct SceneChoice {
   input::Scene scene;                               ///< with what was chosen
 };
 
-/// What finite elements say of e_n over the load.
+/// e_n over the load by finite elements.
 struct FemEccentricity {
   std::vector<double> eccentricity_m;  ///< at loads evenly spaced in ln P, least to largest
   double error = 0;                    ///< relative, the largest that they state for one of them
@@ -63,9 +64,9 @@ struct FemEccentricity {
 using FemTable = std::function<FemEccentricity(const ContactProblem& problem, double least_load_N,
                                                double largest_load_N)>;
 
-/// Relative error of straight lines between the samples, in ln e_n over ln P. It falls with the
-/// square of the spacing: so it is a quarter of the error of lines that leave out every second
-/// sample, which can be measured.
+/// Estimated relative error of interpolating e_n linearly in ln e_n over ln P. It is a quarter of
+/// the error that remains when every second sample is left out, because the error falls with the
+/// square of the spacing.
 double interpolation_error(const std::vector<double>& eccentricity_m);
 
 /// Simulates the scene as accurately as it can, decides, simulates again, and where the motion

@@ -9,7 +9,8 @@
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/error_causes.h"
-#include "comparisons/prediction/predict.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 
@@ -30,7 +31,7 @@ std::vector<std::string> judged_models(const SelectionOptions& options) {
   return names;
 }
 
-/// The largest stated error of the judged quantities, over loads from a fifth of the smallest to
+/// The largest stated error of the chosen quantities, over loads from a fifth of the smallest to
 /// five times the largest one.
 json error_curves(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
                   const SelectionOptions& options, const std::vector<LoadChoice>& choices) {
@@ -144,7 +145,7 @@ json causes(const input::Case& contact_case, const SelectionOptions& options,
 std::string limits_in_words(const SelectionOptions& options) {
   std::string words;
   if (!options.quantities.empty()) {
-    words = "Judged by ";
+    words = "The tolerance holds for ";
     for (std::size_t i = 0; i < options.quantities.size(); ++i)
       words += (i ? ", " : "") + std::string(kQuantityNames[std::size_t(options.quantities[i])]);
     words += " only. ";
@@ -167,7 +168,7 @@ json selection_report(const input::Case& contact_case, const prediction::Geometr
                       const std::string& command) {
   json atlas = atlas_overview(error_atlas().file());
   json list = json::array(), marks = seed_marks();
-  // Of the case itself even where it is one of the seed's.
+  // Marked as the case of this page, also if it is a fingertip of Ciocarlie et al. (2007).
   marks.erase(std::remove_if(marks.begin(), marks.end(),
                              [&](const json& mark) { return mark["id"] == contact_case.id; }),
               marks.end());

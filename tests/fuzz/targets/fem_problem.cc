@@ -52,7 +52,7 @@ std::vector<std::string> seeds() {
     const double load_N = contact_case.loads_N.front();
     const prediction::LocalGeometry geometry =
         prediction::GeometryResolver(contact_case).resolve(load_N);
-    texts.push_back(softfinger::fem_problem(contact_case, geometry, load_N, 2).dump(1));
+    texts.push_back(reference::fem_problem(contact_case, geometry, load_N, 2).dump(1));
   }
   const std::string mesh =
       "{\"shape\": \"mesh\", \"mesh\": \"tip.stl\", \"metres_per_unit\": 0.001,\n\"point_m\": [0, "

@@ -16,9 +16,9 @@ bool read(std::string_view bytes) {
   try {
     const reference::FinishedResult finished =
         reference::parse_finished_result(std::string(bytes), kProgram, problem());
-    if (finished.result.is_null()) return false;
-    reference::fem_is_trusted(finished.result);
-    finished.result.dump();
+    if (!finished.result) return false;
+    reference::is_trusted(finished.result->error);
+    finished.result->document.dump();
     return true;
   } catch (const InputError&) {
     return false;

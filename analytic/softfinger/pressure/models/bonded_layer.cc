@@ -68,7 +68,13 @@ class BondedLayer final : public PressureModel {
         "Mechanics (1985), section 5.8",
         "sqrt(ab)/h <= 100 (no lower limit), R'/R'' <= 100: a, b and torque within 0.5 %, d within "
         "1 % of linear elasticity; a/R', b/R'' and d/h below 0.3",
-        "below 1 microsecond"};
+        "below 1 microsecond",
+        true,
+        false,
+        {1e-12, 1e-12, 1e-4,
+         "the pressure is given the load, the torque arm and the peak in closed form; where the "
+         "thickness no longer matters, the table's interpolation error is left, which is not "
+         "monotone"}};
     return card;
   }
 

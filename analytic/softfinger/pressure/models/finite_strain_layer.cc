@@ -13,19 +13,19 @@ const PressureModel& bonded_layer_model();
 namespace {
 
 /// ln(finite strain / linear) = strain x + slope ab/(R' R''), x = (1 - 2 nu)/sqrt(1.1 - 2 nu) d/h,
-/// all of the linear answer: about sqrt(1 - 2 nu), but smooth enough at 1/2 for a and d to fall
-/// with nu still.
+/// with the linear answer's a, b and d. The factor of d/h is about sqrt(1 - 2 nu), but smooth at
+/// nu = 1/2, so that corrected a and d still fall as nu grows.
 struct Correction {
   double strain, slope;
 };
 
-/// Least squares over every second run of comparisons/atlas/finite_strain.csv, spheres on flat
-/// layers; a test fits them anew and judges them on the other half.
+/// Least squares over every second run of comparisons/judgement/atlas/finite_strain.csv, spheres on
+/// flat layers. A test repeats the fit and computes the errors on the other half.
 constexpr Correction kSemiAxes{-0.266, 0}, kIndentation{-0.426, 0.058}, kPeakPressure{0.925, 0.169},
     kTorqueArm{-0.378, 0.180};
-/// The largest d/h and ab/(R' R'') and the least nu in these runs. Beyond, the corrections stay
-/// what they are there, and that for strain fades with the slope, for a layer that is thick against
-/// such a contact is strained where no layer of a finger is.
+/// The largest d/h and ab/(R' R'') and the least nu in these runs. Beyond them the corrections keep
+/// their last values. Only that for strain fades as the slope grows beyond its limit: a layer thick
+/// enough for such a contact is strained far below the surface, unlike in the runs.
 constexpr double kMostDepth = 0.45, kMostSlope = 0.25, kLeastPoissonRatio = 0.3;
 
 class FiniteStrainLayer final : public PressureModel {
@@ -40,14 +40,15 @@ class FiniteStrainLayer final : public PressureModel {
         "bonded_layer's values times exp(c1 x + c2 ab/(R' R'')), x = (1 - 2 nu)/sqrt(1.1 - 2 nu) "
         "d/h; c1, c2 of a and b: -0.266, 0; of d: -0.426, 0.058; of the peak: 0.925, 0.169; of the "
         "torque: -0.378, 0.180",
-        "this project: fitted on one half of 40 finite-element runs at finite strain, judged on "
-        "the other (comparisons/atlas/finite_strain.csv)",
+        "this project: fitted to one half of 40 finite-element runs at finite strain, tested on "
+        "the other (comparisons/judgement/atlas/finite_strain.csv)",
         "nu 0.3 to 0.49, d/h <= 0.4, a/R <= 0.47, a/h 0.3 to 4, R'/R'' = 1: on the runs that it "
         "was not fitted to a within 1.4 %, d 1.1 %, torque 0.5 %, peak pressure 1.6 %; on all runs "
         "1.4, 2.3, 1.7 and 4.5 %, area 4.4 %; on a finger with a curved layer d to 14 %",
         "below 1 microsecond",
         true,
-        true};
+        true,
+        {1e-12, 1e-12, 1e-4, "that of bonded_layer, whose table it corrects"}};
     return card;
   }
 
@@ -87,7 +88,7 @@ class FiniteStrainLayer final : public PressureModel {
     prediction.validity.add(
         {"round_contact", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300), 1.67,
          true,
-         "the correction was judged on R'/R'' up to 5/3; longer contacts have no stated error"});
+         "the correction was tested on R'/R'' up to 5/3; longer contacts have no stated error"});
     return finite_or_no_answer(prediction, problem);
   }
 

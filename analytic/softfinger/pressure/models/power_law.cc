@@ -34,8 +34,8 @@ ValidityCheck elastic_exponent_check(const PowerLaw& law) noexcept {
           "linear layer, less for a thin or stiffening one): check the data"};
 }
 
-/// Round contacts only. The seed of an ellipse's aspect, (R'/R'')^(2/3) on a half-space, is 1.84 at
-/// this limit, where a circle of the same area has 7 % less torque.
+/// Round contacts only. At this limit the ellipse on a half-space has a/b of about (R'/R'')^(2/3) =
+/// 1.84, and a circle of the same area has 7 % less torque.
 ValidityCheck round_contact_check(const RelativeRadii& radii) noexcept {
   return {"round_contact", radii.major_m / radii.minor_m, 2.5, true,
           "the law is for round contacts: for these radii of curvature the contact is an ellipse; "

@@ -1,4 +1,4 @@
-#include "comparisons/exporting/drake.h"
+#include "comparisons/exporting/simulators/drake.h"
 
 #include <fmt/format.h>
 
@@ -8,12 +8,12 @@
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/math/pi.h"
 
-/// Drake, hydroelastic user guide, and Elandt et al., A pressure field model, IROS 2019: the
-/// pressure in a compliant body is p = E e, the extent e growing from 0 at the surface to 1 at the
-/// innermost point. For an ellipsoid e = 1 - |S^-1 x|, hence p = (E/c) depth near the end of its
-/// semi-axis c: against a rigid body an elastic foundation of stiffness E/H, H the body's depth.
-/// Friction is Coulomb's at every point of the contact, so that torque and limit surface follow
-/// from it.
+/// Drake's hydroelastic contact (its user guide, and Elandt et al., A pressure field model, IROS
+/// 2019). The pressure in a compliant body is p = E e, where the extent e grows from 0 at the
+/// surface to 1 at the innermost point. For an ellipsoid e = 1 - |S^-1 x| with the semi-axes in the
+/// diagonal of S, so that p = (E/c) depth near the end of the semi-axis c. Against a rigid body
+/// this is an elastic foundation of stiffness E/c. Friction is Coulomb's at every point of the
+/// contact: torque and limit surface follow from the pressure.
 namespace softfinger::exporting {
 
 Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_N,
@@ -36,7 +36,8 @@ namespace {
 Lines lines(const SoftContact& contact) {
   const Foundation foundation =
       foundation_with_eccentricity(contact.radii, contact.load_N, contact.eccentricity_m);
-  // The ellipsoid with the gap's radii at the end of its z axis, from x²/(2R') = c x²/(2 A²).
+  // The ellipsoid has the gap's radii of curvature at the end of its z axis: its semi-axis A along
+  // x follows from x²/(2R') = c x²/(2 A²).
   const double depth_m = contact.radii.minor_m;
   const double long_semi_axis_m = std::sqrt(contact.radii.major_m * depth_m);
   const double modulus_Pa = foundation.stiffness_Pa_per_m * depth_m;
@@ -80,20 +81,20 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator drake() {
-  return {
-      "drake",
-      "Drake",
-      "Coulomb's law at every point of an elastic foundation: e_n goes with P^(1/4), the limit "
-      "surface is that of its own pressure",
-      0.25,
-      0,
-      lines,
-      {"there is no torsional parameter: the modulus is the one whose contact has the torque, so "
-       "that size and approach of the contact follow and need not be the layer's",
-       "the pair's friction is 2 mu_0 mu_1/(mu_0 + mu_1): both bodies have to carry mu",
-       "where both bodies are compliant their pressures meet halfway and the contact is larger",
-       "contact_model has to be hydroelastic, not point: a point contact carries no torque"}};
+Simulator drake_simulator() {
+  return {"drake",
+          "Drake",
+          "Coulomb's law at every point of an elastic foundation: e_n grows as P^(1/4), the limit "
+          "surface follows from the foundation's pressure",
+          0.25,
+          0,
+          lines,
+          {"there is no torsional parameter: the modulus is chosen so that the contact has the "
+           "torque; its "
+           "size and approach follow from that and can differ from the layer's",
+           "the pair's friction is 2 mu_0 mu_1/(mu_0 + mu_1): both bodies need the same mu",
+           "where both bodies are compliant their pressures meet halfway and the contact is larger",
+           "contact_model has to be hydroelastic, not point: a point contact carries no torque"}};
 }
 
 }  // namespace softfinger::exporting

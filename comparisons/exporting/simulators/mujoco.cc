@@ -2,11 +2,12 @@
 
 #include "comparisons/exporting/simulator.h"
 
-/// MuJoCo's manual, "Computation", on friction cones: an elliptic cone with coefficients mu_i holds
-/// while sum f_i²/mu_i² <= N². With condim 4 the components are two forces and the torque about the
-/// normal, whose coefficient therefore is a length: max torque / P = mu e_n. This is the friction
-/// ellipsoid (1) itself. "Modelling", on contact parameters: of two geoms the larger condim and,
-/// element by element, the larger friction count, unless one has the higher priority.
+/// MuJoCo's manual, "Computation", on friction cones: an elliptic cone with coefficients mu_i
+/// sticks while sum f_i²/mu_i² <= N². With condim 4 the f_i are two forces and the torque about the
+/// normal. The coefficient of the torque is a length, max torque / P = mu e_n, and the cone is the
+/// friction ellipsoid (1) of Ciocarlie et al. 2007. "Modelling", on contact parameters: the larger
+/// condim of the two geoms counts, and for each element the larger friction, unless one geom has
+/// the higher priority.
 namespace softfinger::exporting {
 namespace {
 
@@ -15,7 +16,7 @@ Lines lines(const SoftContact& contact) {
   return {
       fmt::format(
           "<!-- {origin}. friction: sliding mu {mu:.6g}; spinning {spin:.6g} m = largest torque "
-          "/ load = mu e_n; rolling, idle with condim 4 -->\n"
+          "/ load = mu e_n; rolling, unused with condim 4 -->\n"
           "<option cone=\"elliptic\" impratio=\"10\" noslip_iterations=\"5\"/>\n"
           "<default>\n"
           "  <default class=\"soft_finger\">\n"
@@ -30,7 +31,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator mujoco() {
+Simulator mujoco_simulator() {
   return {
       "mujoco",
       "MuJoCo",
@@ -40,14 +41,15 @@ Simulator mujoco() {
       lines,
       {"friction[1] is a length, the largest torque per newton of load (mu e_n, not e_n); below "
        "1e-5 m it is raised to 1e-5 m",
-       "without priority the larger friction of the two geoms counts, element by element, and "
-       "a geom's default \"1 0.005 0.0001\" is often the larger one",
-       "the default cone is pyramidal, a smaller limit for combined force and torque; condim 3 "
-       "has no torque",
-       "without noslip_iterations friction holds by creeping: turning at the sliding creep's "
-       "rate divided by e_n, some (mu P/mass)(0.5 ms/impratio)/e_n with the default solref and "
-       "solimp: radians per second for grams and newtons",
-       "several contact points of one pair add up their torques"}};
+       "without priority the larger friction of the two geoms counts, for each of the three "
+       "numbers, "
+       "and a geom's default \"1 0.005 0.0001\" is often the larger one",
+       "the default cone is pyramidal, which allows less combined force and torque; condim 3 "
+       "has no torque about the normal",
+       "without noslip_iterations a sticking contact creeps: with the default solref and solimp it "
+       "turns at about (mu P/mass)(0.5 ms/impratio)/e_n, radians per second for masses of grams "
+       "and loads of newtons",
+       "the torques of several contact points of one pair add up"}};
 }
 
 }  // namespace softfinger::exporting

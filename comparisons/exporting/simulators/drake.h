@@ -12,9 +12,9 @@ struct Foundation {
 };
 
 /// The foundation whose contact with the gap x²/(2R') + y²/(2R'') has this e_n at this load. With
-/// approach d: a = sqrt(2 d R'), b = sqrt(2 d R''), P = pi stiffness sqrt(R'R'') d², and e_n that
-/// of the pressure 1 - x²/a² - y²/b²; (11) to (13) of Ciocarlie et al. 2007. Its e_n goes with
-/// P^(1/4).
+/// the approach d, its semi-axes are a = sqrt(2 d R') and b = sqrt(2 d R''), the load is P = pi
+/// stiffness sqrt(R'R'') d², and e_n is that of the pressure 1 - x²/a² - y²/b²: (11) to (13) of
+/// Ciocarlie et al. 2007. It grows as P^(1/4).
 Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_N,
                                         double eccentricity_m);
 

@@ -2,23 +2,26 @@
 
 #include "comparisons/exporting/simulator.h"
 
-/// Bullet 3, btManifoldResult: the pair's sliding coefficient is the product mu_0 mu_1, its
-/// spinning one s_0 mu_1 + s_1 mu_0, its rolling one likewise. btSequentialImpulseConstraintSolver:
-/// the torque about the normal is at most the spinning coefficient times the normal force, whatever
-/// the sliding force, and this row exists only where the rolling coefficient is positive.
-/// btMultiBodyConstraintSolver asks for the spinning one alone. So the finger carries all, the
-/// object has mu_1 = 1, s_1 = 0: sliding mu, torque per load s_0 = mu e_n.
+/// Bullet 3 combines the coefficients of a pair in btManifoldResult: sliding mu_0 mu_1, spinning
+/// s_0 mu_1 + s_1 mu_0, rolling like spinning. In btSequentialImpulseConstraintSolver the torque
+/// about the normal is at most the spinning coefficient times the normal force, whatever the
+/// sliding force. It has this limit only for pairs whose rolling coefficient is positive;
+/// btMultiBodyConstraintSolver looks at the spinning coefficient only.
+///
+/// So the finger gets all values and the object mu_1 = 1, s_1 = 0. The pair then slides with mu,
+/// and its torque per load is s_0 = mu e_n.
 namespace softfinger::exporting {
 namespace {
 
-/// Against the spinning coefficient: enough to have the row, too little to be felt.
+/// Rolling coefficient over spinning coefficient: positive, so that spinning friction exists, and
+/// too small to have an effect.
 constexpr double kRollingShare = 1e-3;
 
 Lines lines(const SoftContact& contact) {
   const double spin_m = contact.torque_per_load_m(), roll_m = kRollingShare * spin_m;
   return {
       fmt::format("# {origin}. spinningFriction: m, largest torque / load = mu e_n; "
-                  "rollingFriction: m, only so that the spinning one is looked at\n"
+                  "rollingFriction: m, only because Bullet ignores spinningFriction without it\n"
                   "p.changeDynamics(finger, link, lateralFriction={mu:.6g}, "
                   "spinningFriction={spin:.6g}, rollingFriction={roll:.3g})\n"
                   "p.changeDynamics(object, -1, lateralFriction=1, spinningFriction=0, "
@@ -36,7 +39,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator bullet() {
+Simulator bullet_simulator() {
   return {
       "bullet",
       "Bullet",
@@ -45,13 +48,15 @@ Simulator bullet() {
       0,
       lines,
       {"rigid bodies (btRigidBody) have spinning friction only where the pair's rolling friction "
-       "is positive: hence a thousandth of it; multi-bodies do not need it",
+       "is positive, so it is set to a thousandth of the spinning one; multi-bodies do not need it",
        "the pair has mu_0 mu_1 for sliding and s_0 mu_1 + s_1 mu_0 for spinning: with the "
        "default friction 0.5 of the object both are halved",
-       "force and torque do not share one limit: while sliding starts, the whole torque is "
-       "still there, 25 % above the ellipsoid at 0.6 mu P",
-       "every contact point of a manifold has its own torque; loads above 1 N s per step count "
-       "as 1 N s"}};
+       "force and torque have separate limits: a sliding contact still carries the whole torque, "
+       "at "
+       "0.6 mu P for instance 25 % more than by the ellipsoid",
+       "each contact point of a manifold adds a torque of its own; a normal impulse above 1 N s "
+       "per "
+       "step counts as 1 N s"}};
 }
 
 }  // namespace softfinger::exporting

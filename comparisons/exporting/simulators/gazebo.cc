@@ -3,10 +3,11 @@
 #include "comparisons/exporting/simulator.h"
 #include "softfinger/math/pi.h"
 
-/// Gazebo Classic with ODE, tutorial "Torsional friction" and ODE's contact joint: the torque about
-/// the normal is at most (3 pi/16) a mu_t N, that of a circular Hertz contact of radius a, so that
-/// a = 16 e_n/(3 pi) gives any contact's e_n. ODEPhysics: of two surfaces the smaller coefficients
-/// count, the larger patch_radius, and a patch radius only if both say so (the default).
+/// Gazebo Classic with ODE (tutorial "Torsional friction", ODE's contact joint). The torque about
+/// the normal is at most (3 pi/16) a mu_t N, that of a circular Hertz contact of radius a. A patch
+/// radius of a = 16 e_n/(3 pi) therefore gives any e_n. ODEPhysics takes the smaller coefficients
+/// and the larger patch_radius of the two surfaces, and a patch radius only if both ask for one
+/// (the default).
 namespace softfinger::exporting {
 namespace {
 
@@ -34,7 +35,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator gazebo() {
+Simulator gazebo_simulator() {
   return {
       "gazebo",
       "Gazebo",
@@ -45,11 +46,11 @@ Simulator gazebo() {
       {"only Gazebo Classic with ODE reads patch_radius; other engines ignore it, or take the "
        "coefficient as something else",
        "the smaller mu and coefficient of the two surfaces count (default 1): where mu > 1 the "
-       "object has to say it too; of patch_radius the larger counts",
-       "use_patch_radius false takes a = sqrt(surface_radius depth) from the solver's "
-       "penetration, which is no elastic one",
-       "force and torque do not share one limit: 25 % above the ellipsoid at 0.6 mu P; every "
-       "contact point has its own torque"}};
+       "object needs it too; of the two values of patch_radius the larger counts",
+       "with use_patch_radius false the radius is sqrt(surface_radius depth) with the solver's "
+       "penetration depth, which is not an elastic indentation",
+       "force and torque have separate limits: at 0.6 mu P the torque is 25 % above the ellipsoid; "
+       "each contact point adds a torque of its own"}};
 }
 
 }  // namespace softfinger::exporting

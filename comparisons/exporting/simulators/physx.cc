@@ -2,16 +2,16 @@
 
 #include "comparisons/exporting/simulator.h"
 
-/// PhysX 5, PxShape's reference and the TGS solver's preparation of contacts: the torque about the
-/// normal is at most r mu N with r = max(minTorsionalPatchRadius, sqrt(torsionalPatchRadius
-/// penetration)), whatever the sliding force; the larger radii of the two shapes count. No factor
-/// of a pressure distribution: r is e_n. The penetration is the solver's, near zero and no elastic
-/// one, so that only the first radius is a property of the contact.
+/// PhysX 5 (reference of PxShape, and how the TGS solver prepares contacts). The torque about the
+/// normal is at most r mu N, whatever the sliding force, with r = max(minTorsionalPatchRadius,
+/// sqrt(torsionalPatchRadius penetration)). The larger radii of the two shapes count. There is no
+/// factor for a pressure distribution, so r is e_n itself. The penetration is that of the solver,
+/// near zero, and not an elastic indentation: only the first radius can describe the contact.
 namespace softfinger::exporting {
 namespace {
 
 Lines lines(const SoftContact& contact) {
-  // With a point even in whole numbers: 1f is no number in C++.
+  // '#' prints a decimal point even for whole numbers, because 1f is not a number in C++.
   return {
       fmt::format(
           "// {origin}. createMaterial: mu, static and dynamic; radius: m, e_n = largest "
@@ -30,7 +30,7 @@ Lines lines(const SoftContact& contact) {
 
 }  // namespace
 
-Simulator physx() {
+Simulator physx_simulator() {
   return {
       "physx",
       "PhysX",
@@ -39,14 +39,16 @@ Simulator physx() {
       0,
       0,
       lines,
-      {"torsional friction exists with the TGS solver only, the default solver is PGS, and only "
-       "where the patch has a single contact point (sphere, ellipsoid; not box on box)",
+      {"torsional friction exists only with the TGS solver (the default is PGS), and only where "
+       "the "
+       "patch has a single contact point (sphere, ellipsoid; not box on box)",
        "r is e_n itself, not the contact's radius (3 pi/16 of it for a round Hertz contact)",
-       "torsionalPatchRadius would add sqrt(radius penetration), P^(1/2) at best, from the "
-       "solver's penetration: 0 leaves it out; of each radius the larger of two shapes counts",
+       "torsionalPatchRadius would add sqrt(radius penetration) with the solver's penetration, and "
+       "is "
+       "0 here to leave that out; of each radius the larger of the two shapes counts",
        "friction is averaged over the two materials unless a combine mode says otherwise (here "
-       "the smaller one); force and torque do not share one limit: 25 % above the ellipsoid at "
-       "0.6 mu P"}};
+       "the smaller one); force and torque have separate limits: at 0.6 mu P the torque is 25 % "
+       "above the ellipsoid"}};
 }
 
 }  // namespace softfinger::exporting

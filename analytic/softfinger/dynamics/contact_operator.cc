@@ -1,0 +1,106 @@
+#include "softfinger/dynamics/contact_operator.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/dynamics/contact_residual.h"
+
+namespace softfinger::internal {
+
+ContactOperator::ContactOperator(int contact_capacity)
+    : delassus_(4 * contact_capacity, 4 * contact_capacity),
+      free_velocity_(4 * contact_capacity),
+      natural_sizes_(contact_capacity),
+      impulse_scale_(4 * contact_capacity),
+      velocity_scale_(4 * contact_capacity),
+      has_friction_(std::size_t(contact_capacity)),
+      kept_friction_(std::size_t(contact_capacity)),
+      shapes_(std::size_t(contact_capacity)),
+      neighbours_(std::size_t(contact_capacity) * std::size_t(contact_capacity)),
+      neighbour_end_(std::size_t(contact_capacity)),
+      blocks_(16 * std::ptrdiff_t(contact_capacity) * contact_capacity) {}
+
+void ContactOperator::set(const ContactLcp& problem, double proximal) {
+  contacts_ = problem.contacts();
+  for (int i = 0; i < contacts_; ++i) scale_contact(problem, i);
+  const int n = 4 * contacts_;
+  delassus_.topLeftCorner(n, n) =
+      velocity_scale_.head(n).asDiagonal() * problem.delassus * impulse_scale_.head(n).asDiagonal();
+  if (proximal != 0) delassus_.diagonal().head(n) *= 1 + proximal;
+  free_velocity_.head(n) = velocity_scale_.head(n).cwiseProduct(problem.free_velocity);
+  velocity_unit_ = free_velocity_.head(n).lpNorm<Eigen::Infinity>();
+  if (velocity_unit_ > 0) free_velocity_.head(n) /= velocity_unit_;
+  const double largest_velocity = problem.free_velocity.lpNorm<Eigen::Infinity>();
+  for (int i = 0; i < contacts_; ++i)
+    natural_sizes_[i] =
+        std::min(1., velocity_scale_[4 * i + 1] * largest_velocity / velocity_unit_);
+  find_neighbours();
+}
+
+void ContactOperator::scale_contact(const ContactLcp& problem, int i) {
+  const double mu = problem.friction_coefficient[i], arm_m = problem.eccentricity_m[i];
+  const Eigen::Vector3d arms(1, 1, arm_m);
+  const double normal = problem.delassus(4 * i, 4 * i);
+  const Eigen::Matrix3d tangential =
+      arms.asDiagonal() * problem.delassus.block<3, 3>(4 * i + 1, 4 * i + 1) * arms.asDiagonal();
+  // With a long arm on a light body the row about the normal would outweigh all others: the rows of
+  // slip are scaled by the largest of the four.
+  const double largest = std::max(normal, tangential.diagonal().maxCoeff());
+  const double scale = 1 / std::sqrt(normal);
+  impulse_scale_[4 * i] = velocity_scale_[4 * i] = scale;
+  impulse_scale_.segment<3>(4 * i + 1) = (mu > 0 ? mu : 1) * scale * arms;
+  velocity_scale_.segment<3>(4 * i + 1) = normal / largest * scale * arms;
+
+  const bool moves = tangential.diagonal().maxCoeff() > 0 ||
+                     !problem.free_velocity.segment<3>(4 * i + 1).cwiseProduct(arms).isZero(0);
+  const bool has_limit = is_exact(problem) || problem.vertices.cols() > 0;
+  has_friction_[std::size_t(i)] = mu > 0 && has_limit && moves;
+  const bool has_shape = problem.friction_rule == FrictionRule::limit_surface && arm_m > 0;
+  shapes_[std::size_t(i)] = has_shape ? problem.shapes[std::size_t(i)] : nullptr;
+}
+
+/// Contacts without a common movable body do not feel each other: their blocks of W are zero.
+void ContactOperator::find_neighbours() {
+  for (int j = 0; j < contacts_; ++j) {
+    int end = j * contacts_;
+    for (int i = 0; i < contacts_; ++i) {
+      const auto block = delassus_.block<4, 4>(4 * i, 4 * j);
+      if (block.isZero(0)) continue;
+      Eigen::Map<Eigen::Matrix4d>(blocks_.data() + 16 * end) = block;
+      neighbours_[std::size_t(end++)] = i;
+    }
+    neighbour_end_[std::size_t(j)] = end;
+  }
+}
+
+void ContactOperator::find_velocity(const Eigen::VectorXd& impulses,
+                                    Eigen::VectorXd& velocity) const {
+  velocity.head(4 * contacts_).setZero();
+  for (int j = 0; j < contacts_; ++j) {
+    const Eigen::Vector4d impulse = impulses.segment<4>(4 * j);
+    if (impulse.isZero(0)) continue;
+    for (int n = j * contacts_; n < neighbour_end_[std::size_t(j)]; ++n) {
+      const Eigen::Map<const Eigen::Matrix4d> block(blocks_.data() + 16 * n);
+      velocity.segment<4>(4 * neighbours_[std::size_t(n)]).noalias() += block * impulse;
+    }
+  }
+}
+
+void ContactOperator::drop_friction() {
+  kept_friction_ = has_friction_;
+  std::fill(has_friction_.begin(), has_friction_.end(), char(false));
+}
+
+Eigen::Vector3d ContactOperator::boundary_point(int contact,
+                                                const Eigen::Vector3d& direction) const {
+  const FrictionShape* own = shape(contact);
+  return own ? own->boundary(direction, nullptr) : direction.stableNormalized();
+}
+
+Eigen::Vector3d ContactOperator::friction_metric(int contact) const {
+  const Eigen::Vector3d own = delassus_.block<3, 3>(4 * contact + 1, 4 * contact + 1).diagonal();
+  return (own.array() > 0).select(own, 1);
+}
+
+}  // namespace softfinger::internal

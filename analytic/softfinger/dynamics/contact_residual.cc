@@ -1,0 +1,141 @@
+#include "softfinger/dynamics/contact_residual.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace softfinger {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double over(double value, double unit) { return unit > 0 ? value / unit : value; }
+
+/// Impulses and velocities that belong to the loads and weights of a solution.
+ContactSolution rebuilt(const ContactLcp& problem, const ContactSolution& solution) {
+  ContactSolution result = solution;
+  for (int i = 0; i < problem.contacts(); ++i) result.impulse.segment<3>(4 * i + 1).setZero();
+  for (const ContactSolution::Weight& weight : solution.weights) {
+    const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[weight.contact]);
+    result.impulse.segment<3>(4 * weight.contact + 1) +=
+        weight.value * arms.cwiseProduct(problem.vertices.col(weight.vertex));
+  }
+  result.velocity = problem.free_velocity;
+  result.velocity.noalias() += problem.delassus * result.impulse;
+  return result;
+}
+
+}  // namespace
+
+namespace internal {
+
+double residual_of(const ContactLcp& problem, const ContactSolution& solution,
+                   const Eigen::VectorXd& least_along) {
+  // Minima and maxima would drop what is not a number.
+  if (!all_finite(solution.impulse) || !all_finite(solution.velocity) || !all_finite(solution.slip))
+    return kInfinity;
+  const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
+  const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
+  double worst = 0;
+  const auto add = [&worst](double value) { worst = std::max(worst, std::abs(value)); };
+  for (int i = 0; i < problem.contacts(); ++i) {
+    // P and v_n
+    const double normal = solution.impulse[4 * i];
+    add(over(std::min(problem.delassus(4 * i, 4 * i) * normal, solution.velocity[4 * i]),
+             velocity_unit));
+    // lambda and the rest of the cone
+    double slack = problem.friction_coefficient[i] * normal;
+    for (const ContactSolution::Weight& weight : solution.weights)
+      if (weight.contact == i) slack -= weight.value;
+    add(std::min(over(solution.slip[i], velocity_unit), over(slack, impulse_unit)));
+    // beta = 0, of all vertices without a weight
+    add(over(std::min(0., solution.slip[i] + least_along[i]), velocity_unit));
+  }
+  // beta > 0
+  for (const ContactSolution::Weight& weight : solution.weights) {
+    const int i = weight.contact;
+    const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
+    const Eigen::Vector3d vertex = arms.cwiseProduct(problem.vertices.col(weight.vertex));
+    const double diagonal = vertex.dot(problem.delassus.block<3, 3>(4 * i + 1, 4 * i + 1) * vertex);
+    const double along = problem.vertices.col(weight.vertex).dot(scaled_slip(problem, solution, i));
+    add(over(std::min(diagonal * weight.value, solution.slip[i] + along), velocity_unit));
+  }
+  return worst;
+}
+
+double rounding_of(const ContactLcp& problem, const ContactSolution& solution) {
+  constexpr double kRoundings = 4, kMost = 1e-9;
+  double largest = 0;
+  for (int row = 0; row < solution.impulse.size(); ++row) {
+    const double unit = row % 4 == 3 ? problem.eccentricity_m[row / 4] : 1;
+    const double terms = problem.delassus.row(row).cwiseAbs().dot(solution.impulse.cwiseAbs());
+    largest = std::max(largest, unit * terms);
+  }
+  const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
+  if (!(velocity_unit > 0)) return 0;
+  return std::min(kMost,
+                  kRoundings * std::numeric_limits<double>::epsilon() * largest / velocity_unit);
+}
+
+}  // namespace internal
+
+double contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  if (!internal::all_finite(solution.impulse) || !internal::all_finite(solution.velocity))
+    return kInfinity;
+  const ContactSolution own = rebuilt(problem, solution);
+  Eigen::VectorXd least_along = Eigen::VectorXd::Zero(problem.contacts());
+  for (int i = 0; i < problem.contacts() && problem.vertices.cols() > 0; ++i)
+    least_along[i] =
+        internal::scaled_slip(problem, own, i).transpose().lazyProduct(problem.vertices).minCoeff();
+  const double velocity_error = (solution.velocity - own.velocity).lpNorm<Eigen::Infinity>();
+  const double impulse_error = (solution.impulse - own.impulse).lpNorm<Eigen::Infinity>();
+  return std::max({internal::residual_of(problem, own, least_along),
+                   over(velocity_error, problem.free_velocity.lpNorm<Eigen::Infinity>()),
+                   over(impulse_error, own.impulse.lpNorm<Eigen::Infinity>())});
+}
+
+double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
+  const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
+  double worst = 0;
+  const auto add = [&worst](double value, double unit) {
+    worst = std::isnan(value) ? kInfinity : std::max(worst, std::abs(over(value, unit)));
+  };
+  for (int i = 0; i < problem.contacts(); ++i) {
+    const Eigen::Vector4d velocity = problem.free_velocity.segment<4>(4 * i) +
+                                     problem.delassus.middleRows<4>(4 * i) * solution.impulse;
+    if (!internal::all_finite(velocity)) return kInfinity;
+    // P and v_n
+    const double normal = solution.impulse[4 * i], own = problem.delassus(4 * i, 4 * i);
+    add(std::min(own * normal, velocity[0]), velocity_unit);
+    // The wrench s: a contact without an arm carries no torque.
+    const double arm_m = problem.eccentricity_m[i];
+    const Eigen::Vector3d arms(1, 1, arm_m);
+    const Eigen::Vector3d slip = arms.cwiseProduct(velocity.tail<3>());
+    Eigen::Vector3d wrench = solution.impulse.segment<3>(4 * i + 1);
+    if (arm_m > 0) {
+      wrench.z() /= arm_m;
+    } else {
+      add(wrench.z(), impulse_unit);
+      wrench.z() = 0;
+    }
+    // s within mu P K
+    const double limit = problem.friction_coefficient[i] * std::max(normal, 0.);
+    const FrictionShape* shape = problem.friction_rule == FrictionRule::limit_surface && arm_m > 0
+                                     ? problem.shapes[std::size_t(i)]
+                                     : nullptr;
+    add(std::max(0., friction_gauge(shape, wrench) - limit), impulse_unit);
+    // a s - proj(a s - u)
+    if (!(problem.friction_coefficient[i] > 0)) continue;
+    const Eigen::Matrix3d tangential =
+        arms.asDiagonal() * problem.delassus.block<3, 3>(4 * i + 1, 4 * i + 1) * arms.asDiagonal();
+    const double largest = tangential.diagonal().maxCoeff();
+    const double step = largest > 0 ? largest : own;
+    const FrictionExcess excess =
+        friction_excess(shape, step * wrench - slip, limit, Eigen::Vector3d::Constant(step));
+    add((slip + excess.excess).lpNorm<Eigen::Infinity>(), velocity_unit);
+  }
+  return worst;
+}
+
+}  // namespace softfinger

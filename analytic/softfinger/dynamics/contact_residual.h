@@ -1,0 +1,35 @@
+#pragma once
+
+#include "softfinger/dynamics/contact_lcp.h"
+
+/// Internal: parts of the residuals that the solver shares with the public ones.
+namespace softfinger::internal {
+
+inline bool is_exact(const ContactLcp& problem) {
+  return problem.friction_rule != FrictionRule::facets;
+}
+
+/// Eigen's allFinite, several numbers at a time.
+template <class Matrix>
+bool all_finite(const Matrix& matrix) {
+  return (0 * matrix.array()).sum() == 0;
+}
+
+/// (v_t1, v_t2, e_n omega) of a contact.
+inline Eigen::Vector3d scaled_slip(const ContactLcp& problem, const ContactSolution& solution,
+                                   int contact) {
+  const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[contact]);
+  return arms.cwiseProduct(solution.velocity.segment<3>(4 * contact + 1));
+}
+
+/// `contact_residual` of a solution whose impulses and velocities are known to belong to its
+/// weights.
+/// @param least_along  the least D_j^T v_t of all vertices, per contact; 0 where there are none
+double residual_of(const ContactLcp& problem, const ContactSolution& solution,
+                   const Eigen::VectorXd& least_along);
+
+/// How much of the residual the rounding of W r alone explains. Where bodies are wedged by impulses
+/// a million times larger than their motion needs, no other impulses would do better.
+double rounding_of(const ContactLcp& problem, const ContactSolution& solution);
+
+}  // namespace softfinger::internal

@@ -1,0 +1,172 @@
+#include "softfinger/dynamics/exact_friction.h"
+
+#include <limits>
+
+#include "softfinger/dynamics/contact_residual.h"
+
+namespace softfinger::internal {
+namespace {
+
+/// Newton's passes from the last problem's impulses and from its basis: what these do not solve
+/// soon, a cold start does.
+constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
+
+// The attempts. Newton's method takes the last digits, so that no path needs smaller pivots.
+
+constexpr Attempt with_newton(Attempt path, int passes) {
+  path.newton_passes = passes;
+  return path;
+}
+/// First: values are only advanced from pivot to pivot, and Newton's method has its smallest
+/// proximal term alone.
+constexpr Attempt kQuick = with_newton({1e-12, 1e-9, 8}, 2);
+/// Without the rounding that this accumulates, Newton's method with all it has; by turns with a
+/// larger tolerance for ties and with the usual one.
+constexpr Attempt kTolerant = with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses);
+constexpr Attempt kCareful = with_newton({1e-12, 1e-9, 1}, ExactNewton::kMostPasses);
+
+}  // namespace
+
+ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
+    : system_(system),
+      newton_(contact_capacity),
+      impulse_(4 * contact_capacity),
+      best_impulse_(4 * contact_capacity) {}
+
+void ExactFriction::begin(const ContactLcp& problem) {
+  forget_best();
+  system_.set_with_own_vertices(problem, kOwnVertices);
+}
+
+const Attempt& ExactFriction::attempt(int number) const {
+  if (number == 0) return kQuick;
+  return number % 2 == 1 ? kTolerant : kCareful;
+}
+
+void ExactFriction::start(const ContactLcp& problem, int number) {
+  newton_passes_ = attempt(number).newton_passes;
+  use_first_vertices(problem);
+}
+
+void ExactFriction::start_warm(const ContactLcp& problem) {
+  newton_passes_ = kPassesFromBasis;
+  use_first_vertices(problem);
+}
+
+/// Each contact starts with pure forces and torques.
+void ExactFriction::use_first_vertices(const ContactLcp& problem) {
+  system_.use_no_vertices();
+  for (int i = 0; i < system_.contacts(); ++i) {
+    if (!system_.contact_operator().has_friction(i)) continue;
+    const int axes = problem.eccentricity_m[i] > 0 ? 3 : 2;
+    for (int axis = 0; axis < axes; ++axis)
+      for (const double sign : {1., -1.})
+        system_.add_own_vertex(
+            i, system_.contact_operator().boundary_point(i, sign * Eigen::Vector3d::Unit(axis)));
+  }
+}
+
+bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& last_impulse,
+                                     const std::vector<int>& continued) {
+  const ContactOperator& contacts = system_.contact_operator();
+  for (int i = 0; i < contacts.contacts(); ++i) {
+    impulse_.segment<4>(4 * i).setZero();
+    const int before = continued[std::size_t(i)];
+    if (before < 0) continue;
+    for (int row = 0; row < (contacts.has_friction(i) ? 4 : 1); ++row) {
+      const double scale = contacts.impulse_scale()[4 * i + row];
+      if (scale > 0)
+        impulse_[4 * i + row] = last_impulse[4 * before + row] / (contacts.velocity_unit() * scale);
+    }
+  }
+  newton_passes_ = kPassesFromImpulse;
+  polish(task);
+  return best_residual_ <= kGood;
+}
+
+/// The point of this problem's limit in the same direction.
+int ExactFriction::continue_vertex(const ContactPair& pair, const Eigen::Vector3d& corner) {
+  const double gauge = friction_gauge(system_.contact_operator().shape(pair.contact), corner);
+  return system_.find_or_add_own_vertex(pair.contact, corner / gauge);
+}
+
+bool ExactFriction::add_vertices(const Task& task) {
+  const int n = 4 * system_.contacts();
+  impulse_.head(n) = system_.current().impulse.head(n);
+  polish(task);
+  return best_residual_ > kGood && add_violated_points();
+}
+
+/// Of each contact that slips more than its vertices know: the limit's point against the slip, and
+/// the one that the load reaches for.
+bool ExactFriction::add_violated_points() {
+  const ContactOperator& contacts = system_.contact_operator();
+  const Motion& state = system_.current();
+  bool found = false;
+  for (int i = 0; i < contacts.contacts(); ++i) {
+    if (!contacts.has_friction(i)) continue;
+    const Eigen::Vector3d velocity = state.velocity.segment<3>(4 * i + 1);
+    if (!(velocity.squaredNorm() > 0)) continue;
+    const Eigen::Vector3d against = contacts.boundary_point(i, -velocity);
+    const double known = state.slip[i] + kToleratedViolation * contacts.natural_size(i);
+    if (-against.dot(velocity) <= known) continue;
+    found |= system_.add_own_vertex(i, against);
+    const Eigen::Vector3d metric = contacts.friction_metric(i);
+    const FrictionExcess excess = friction_excess(
+        contacts.shape(i), metric.cwiseProduct(state.impulse.segment<3>(4 * i + 1)) - velocity,
+        state.impulse[4 * i], metric);
+    if (excess.excess.squaredNorm() > 0) found |= system_.add_own_vertex(i, excess.boundary);
+  }
+  return found;
+}
+
+/// From `impulse_` by Newton's method; keeps the best point so far.
+void ExactFriction::polish(const Task& task) {
+  newton_.solve(system_.contact_operator(), impulse_, newton_passes_);
+  task.result.newton_iterations += newton_.iterations();
+  const double reached = extract(task);
+  if (!(reached < best_residual_)) return;
+  const int n = 4 * system_.contacts();
+  best_residual_ = reached;
+  best_impulse_.head(n) = impulse_.head(n);
+}
+
+bool ExactFriction::restore_best(const Task& task) {
+  impulse_ = best_impulse_;
+  extract(task);
+  return true;
+}
+
+/// Writes `impulse_` in the problem's units; returns its residual.
+double ExactFriction::extract(const Task& task) {
+  const ContactOperator& contacts = system_.contact_operator();
+  const int nc = contacts.contacts(), n = 4 * nc;
+  ContactSolution& solution = task.solution;
+  for (int i = 0; i < nc; ++i) {
+    solution.impulse.segment<4>(4 * i) =
+        contacts.velocity_unit() *
+        contacts.impulse_scale().segment<4>(4 * i).cwiseProduct(impulse_.segment<4>(4 * i));
+    // Newton's values are within their bounds to round-off only.
+    if (!(impulse_[4 * i] > 0)) {
+      solution.impulse.segment<4>(4 * i).setZero();
+      continue;
+    }
+    const double gauge = friction_gauge(contacts.shape(i), impulse_.segment<3>(4 * i + 1));
+    if (gauge > impulse_[4 * i]) solution.impulse.segment<3>(4 * i + 1) *= impulse_[4 * i] / gauge;
+  }
+  solution.velocity.head(n) = task.problem.free_velocity;
+  solution.velocity.noalias() += task.problem.delassus * solution.impulse;
+  return complete(task);
+}
+
+/// Writes lambda = h(u); returns the residual.
+double ExactFriction::complete(const Task& task) {
+  for (int i = 0; i < system_.contacts(); ++i) {
+    const Eigen::Vector3d slip = scaled_slip(task.problem, task.solution, i);
+    task.solution.slip[i] =
+        slip.squaredNorm() > 0 ? slip.dot(system_.contact_operator().boundary_point(i, slip)) : 0;
+  }
+  return exact_contact_residual(task.problem, task.solution);
+}
+
+}  // namespace softfinger::internal

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "softfinger/dynamics/exact_newton.h"
+#include "softfinger/dynamics/friction_strategy.h"
+
+/// Internal: friction without facets, FrictionRule::ellipsoid and limit_surface.
+namespace softfinger::internal {
+
+/// The path comes close to the solution, Newton's method arrives. Each contact has vertices of its
+/// own on its limit; after each path it gets points of the limit that the last solution asks for.
+class ExactFriction final : public FrictionStrategy {
+ public:
+  ExactFriction(ContactSystem& system, int contact_capacity);
+
+  /// Room for vertices of its own that a contact has: six to start with, up to two more per round.
+  /// A solution has a weight for at most four; rounds that have filled the room come no closer.
+  static constexpr int kOwnVertices = 40;
+
+  void begin(const ContactLcp& problem) override;
+  const Attempt& attempt(int number) const override;
+  void start(const ContactLcp& problem, int attempt) override;
+  void start_warm(const ContactLcp& problem) override;
+  bool continue_impulse(const Task& task, const Eigen::VectorXd& last_impulse,
+                        const std::vector<int>& continued) override;
+  int continue_vertex(const ContactPair& pair, const Eigen::Vector3d& corner) override;
+  bool add_vertices(const Task& task) override;
+  void refine_path() override {}
+  double read_path(const Task&) override { return best_residual_; }
+  double read_zero(const Task& task) override { return complete(task); }
+  bool restore_best(const Task& task) override;
+
+ private:
+  void use_first_vertices(const ContactLcp& problem);
+  void polish(const Task& task);
+  double extract(const Task& task);
+  double complete(const Task& task);
+  bool add_violated_points();
+
+  ContactSystem& system_;
+  ExactNewton newton_;
+  int newton_passes_ = 1;
+  Eigen::VectorXd impulse_, best_impulse_;  ///< scaled
+};
+
+}  // namespace softfinger::internal

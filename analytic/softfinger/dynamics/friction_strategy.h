@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/contact_system.h"
+
+/// Internal: what differs between the rules of friction when a contact problem is solved.
+namespace softfinger::internal {
+
+/// From this residual on a point is a solution.
+constexpr double kSolved = 1e-10;
+/// From this residual on nothing better is looked for: a few thousand roundings.
+constexpr double kGood = 1e-12;
+/// What the last solution may violate, over the natural size, before a vertex is added for it.
+constexpr double kToleratedViolation = 1e-13;
+
+/// How one of the attempts at a problem differs from the others. Each also has a covering vector of
+/// its own, by its number.
+struct Attempt {
+  double tolerance;               ///< see PathOptions
+  double smallest_pivot;          ///< see PathOptions
+  int refresh_after;              ///< see PathOptions
+  bool has_all_vertices = false;  ///< of facets: all from the start, not only those asked for
+  double proximal = 0;            ///< of facets: see ContactOperator::set
+  int newton_passes = 0;          ///< of exact friction: see ExactNewton::solve
+};
+constexpr int kMostAttempts = 32;
+
+/// Basic z of a path at most: P, lambda and four vertices per contact, z0, and two to spare.
+inline int largest_basis(int contacts) { return 6 * contacts + 3; }
+
+/// What is being solved, and where the answer goes.
+struct Task {
+  const ContactLcp& problem;
+  ContactSolution& solution;
+  LcpResult& result;
+};
+
+/// What a path may do: all but what `Attempt` says.
+inline PathOptions usual_path(int contacts) {
+  PathOptions options;
+  options.tolerance = 1e-12;
+  // Paths that arrive take far fewer pivots: one that takes so many goes in circles.
+  options.most_pivots = 100 * contacts + 200;
+  options.refresh_after = 8;
+  return options;
+}
+
+/// A rule of friction: which vertices take part in the path, and how its last point becomes a
+/// solution.
+class FrictionStrategy {
+ public:
+  virtual ~FrictionStrategy() = default;
+
+  /// Gives the problem to the system; no point is known yet.
+  virtual void begin(const ContactLcp& problem) = 0;
+  virtual const Attempt& attempt(int number) const = 0;
+  /// The vertices that this attempt starts with. Its covering vector has been chosen.
+  virtual void start(const ContactLcp& problem, int attempt) = 0;
+  /// The same for a path from the last problem's basis.
+  virtual void start_warm(const ContactLcp& problem) = 0;
+
+  /// Tries the last problem's impulses: those of its contact continued[i] for contact i, none where
+  /// that is -1. True when they lead to the solution.
+  virtual bool continue_impulse(const Task& task, const Eigen::VectorXd& last_impulse,
+                                const std::vector<int>& continued) = 0;
+  /// The index of a vertex of the last problem in this one; -1: there is no room for it.
+  virtual int continue_vertex(const ContactPair& pair, const Eigen::Vector3d& corner) = 0;
+
+  /// Adds the vertices that the solution at the path's end violates. False where there are none, or
+  /// where the solution is already good: the path then need not go on.
+  virtual bool add_vertices(const Task& task) = 0;
+  /// After the last vertices have been added.
+  virtual void refine_path() = 0;
+  /// Writes the point that the path has led to as a solution; returns its residual.
+  virtual double read_path(const Task& task) = 0;
+  /// Completes the solution without impulses by its lambda; returns its residual.
+  virtual double read_zero(const Task& task) = 0;
+  /// Writes the best point so far as a solution. False where it was not kept: then its attempt has
+  /// to be made once more.
+  virtual bool restore_best(const Task& task) = 0;
+  double best_residual() const { return best_residual_; }
+  int best_attempt() const { return best_attempt_; }
+  void forget_best() { best_residual_ = std::numeric_limits<double>::infinity(); }
+
+ protected:
+  double best_residual_ = std::numeric_limits<double>::infinity();
+  int attempt_ = 0, best_attempt_ = 0;
+};
+
+}  // namespace softfinger::internal

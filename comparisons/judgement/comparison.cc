@@ -1,0 +1,132 @@
+#include "comparisons/judgement/comparison.h"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+namespace softfinger::judgement {
+namespace {
+
+using prediction::ModelAnswer;
+using prediction::TorqueRule;
+using reference::PressureProfile;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kCostBudget_ns = 1e5;  // per model and load: milliseconds for the whole suite
+
+/// Whether a profile of the model's pressure may be drawn without being felt: some models solve
+/// their problem anew for a point of it.
+bool has_cheap_pressure(const ModelAnswer& answer) {
+  constexpr double kAffordable_ms = 2;
+  if (answer.model->card().hot_path) return true;
+  const auto start = Clock::now();
+  answer.model->pressure_Pa(answer.problem, answer.prediction, 0, 0);
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kAffordable_ms;
+}
+
+PressureProfile profile(const ModelAnswer& answer, bool along_x) {
+  constexpr int kPoints = 61;
+  constexpr double kQuarterTurn_rad = 1.57079632679489662;
+  PressureProfile profile;
+  const double end_m = along_x ? answer.prediction.a_m : answer.prediction.b_m;
+  for (int i = 0; i < kPoints; ++i) {
+    // Denser towards the edge, where a Hertz pressure falls steeply.
+    const double x_m = end_m * std::sin(kQuarterTurn_rad * i / (kPoints - 1));
+    profile.position_m.push_back(x_m);
+    profile.pressure_Pa.push_back(answer.model->pressure_Pa(answer.problem, answer.prediction,
+                                                            along_x ? x_m : 0, along_x ? 0 : x_m));
+  }
+  return profile;
+}
+
+ModelComparison compare_model(const PressureModel& model, const Comparison& load) {
+  ModelComparison comparison;
+  comparison.answer = prediction::ask_model(model, *load.contact_case, load.geometry.radii,
+                                            load.load_N, kCostBudget_ns);
+  if (!comparison.answer.prediction.has_answer) return comparison;
+  if (has_cheap_pressure(comparison.answer)) {
+    comparison.along_x = profile(comparison.answer, true);
+    comparison.along_y = profile(comparison.answer, false);
+  }
+  if (load.reference) comparison.errors = relative_errors(comparison.answer, *load.reference);
+  return comparison;
+}
+
+/// Nobody asked for a measured law: that there is none says nothing about it.
+bool is_applicable(const ModelAnswer& answer) {
+  return std::string_view(answer.prediction.validity.begin()->check) != "power_law_known";
+}
+
+}  // namespace
+
+std::optional<double> Comparison::size() const {
+  if (!reference) return std::nullopt;
+  return std::sqrt(reference->a_m * reference->b_m) / contact_case->layer.thickness_m;
+}
+
+RelativeErrors relative_errors(const ModelAnswer& answer,
+                               const reference::ReferenceResult& reference) {
+  const Prediction& prediction = answer.prediction;
+  const auto torque_Nm = [&](TorqueRule rule) {
+    return answer.friction_ellipsoid(rule).max_torque_Nm();
+  };
+  const auto error = [](double value, double truth) { return (value - truth) / truth; };
+  return {error(prediction.a_m, reference.a_m),
+          error(prediction.b_m, reference.b_m),
+          error(prediction.area_m2(), reference.area_m2),
+          error(prediction.indentation_m, reference.indentation_m),
+          error(prediction.peak_pressure_Pa, reference.peak_pressure_Pa),
+          error(torque_Nm(TorqueRule::exact), reference.max_torque_Nm),
+          error(torque_Nm(TorqueRule::paper), reference.max_torque_Nm)};
+}
+
+Comparison compare(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                   double load_N, std::optional<reference::ReferenceResult> reference,
+                   const std::string& failure) {
+  Comparison comparison;
+  comparison.contact_case = &contact_case;
+  comparison.load_N = load_N;
+  comparison.geometry = geometry;
+  comparison.reference = std::move(reference);
+  comparison.failure = failure;
+  for (const PressureModel* model : all_pressure_models())
+    if (!model->card().finite_strain || contact_case.fem_finite)
+      comparison.models.push_back(compare_model(*model, comparison));
+  return comparison;
+}
+
+LoadErrors errors_of(const Comparison& comparison) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  LoadErrors errors;
+  errors.load_N = comparison.load_N;
+  errors.fem_finished = comparison.reference.has_value();
+  errors.fem_failure = comparison.failure;
+  errors.size = comparison.size();
+  if (comparison.reference) {
+    errors.stated = comparison.reference->error;
+    errors.fem_trusted = reference::is_trusted(errors.stated);
+  }
+  for (const ModelComparison& model : comparison.models) {
+    ModelError error;
+    error.model = model.answer.model->card().name;
+    error.has_answer = model.answer.prediction.has_answer;
+    error.valid = model.answer.prediction.valid();
+    error.hot_path = model.answer.model->card().hot_path;
+    error.applicable = is_applicable(model.answer);
+    error.area = model.errors ? model.errors->area : kNaN;
+    error.max_torque = model.errors ? model.errors->max_torque : kNaN;
+    errors.models.push_back(error);
+  }
+  return errors;
+}
+
+CaseComparison compare_case(const input::Case& contact_case, std::vector<Comparison> loads,
+                            double tolerance) {
+  std::vector<LoadErrors> errors;
+  for (const Comparison& load : loads) errors.push_back(errors_of(load));
+  return {&contact_case, std::move(loads), compose_verdict(errors, tolerance)};
+}
+
+}  // namespace softfinger::judgement

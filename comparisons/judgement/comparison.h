@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/input/case.h"
+#include "comparisons/judgement/model_errors.h"
+#include "comparisons/judgement/verdict.h"
+#include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/reference_result.h"
+
+/// All models beside the finite elements at the loads of a case.
+namespace softfinger::judgement {
+
+/// Of a model against the finite elements: value / reference - 1.
+struct RelativeErrors {
+  double a, b, area, indentation, peak_pressure;
+  double max_torque;        ///< exact rule, int mu p r dA over the model's own pressure
+  double max_torque_paper;  ///< the paper's rule, against the same reference
+};
+
+struct ModelComparison {
+  prediction::ModelAnswer answer;
+  /// Absent without an answer or without a reference.
+  std::optional<RelativeErrors> errors;
+  /// Absent without an answer, and where the model solves its problem anew for each point.
+  std::optional<reference::PressureProfile> along_x, along_y;
+};
+
+/// One load of a case.
+struct Comparison {
+  const input::Case* contact_case = nullptr;  ///< not owned
+  double load_N = 0;
+  prediction::LocalGeometry geometry;
+  std::optional<reference::ReferenceResult> reference;
+  std::string failure;  ///< why there is no reference
+  std::vector<ModelComparison> models;
+
+  /// sqrt(a b)/h of the reference.
+  std::optional<double> size() const;
+};
+
+struct CaseComparison {
+  const input::Case* contact_case = nullptr;  ///< not owned
+  std::vector<Comparison> loads;
+  Verdict verdict;
+};
+
+/// @param answer  has one
+RelativeErrors relative_errors(const prediction::ModelAnswer& answer,
+                               const reference::ReferenceResult& reference);
+
+/// Asks all models that a case of its kind can be compared with: those of finite strain only beside
+/// finite elements at finite strain.
+/// @param reference  absent when the finite elements failed, for the reason in `failure`
+Comparison compare(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                   double load_N, std::optional<reference::ReferenceResult> reference,
+                   const std::string& failure);
+
+/// What verdicts are made of.
+LoadErrors errors_of(const Comparison& comparison);
+
+/// @param loads      of the case, at least one
+/// @param tolerance  relative, in area and torque
+CaseComparison compare_case(const input::Case& contact_case, std::vector<Comparison> loads,
+                            double tolerance);
+
+}  // namespace softfinger::judgement

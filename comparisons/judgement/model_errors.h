@@ -1,0 +1,50 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/reference/reference_result.h"
+
+/// What verdicts, scores and pages need of a comparison: errors, and nothing that they belong to.
+namespace softfinger::judgement {
+
+/// A model against the finite elements at one load: signed relative errors, NaN where there is
+/// none.
+struct ModelError {
+  std::string model;
+  bool has_answer = false;
+  bool valid = false;  ///< by the model's own statement
+  double area = 0, max_torque = 0;
+  /// The larger of the two without sign; NaN when one is missing.
+  double larger() const;
+  bool hot_path = true;    ///< microseconds; a slower model is named only when no such one will do
+  bool applicable = true;  ///< false: it was given nothing to answer with, and is not mentioned
+};
+
+/// All models at one load.
+struct LoadErrors {
+  double load_N = 0;
+  bool fem_finished = false;
+  bool fem_trusted = false;
+  std::string fem_failure;
+  std::vector<ModelError> models;   ///< the same models in the same order for every load of a case
+  std::optional<double> size = {};  ///< sqrt(a b)/h of the reference
+  reference::ReferenceErrors stated = {};
+};
+
+/// All loads of one case.
+struct CaseErrors {
+  std::string id;
+  std::optional<double> poisson_ratio;
+  std::vector<LoadErrors> loads;
+};
+
+inline double ModelError::larger() const {
+  // std::max drops a NaN on its right.
+  return std::isnan(max_torque) ? max_torque : std::max(std::abs(area), std::abs(max_torque));
+}
+
+}  // namespace softfinger::judgement

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/judgement/judgement.h"
+#include "comparisons/judgement/model_errors.h"
+
+/// What a report claims about models and reference: numbers over loads, cases and the whole suite.
+namespace softfinger::judgement {
+
+/// The larger |relative error| of a prediction in area and maximal torque, by which models are
+/// compared. Nothing when the model has no answer or the finite elements failed.
+struct Score {
+  double error = 0;
+  std::string quantity;  ///< "area" or "torque"
+  double load_N = 0;
+};
+std::optional<Score> score(const LoadErrors& load, const ModelError& model);
+
+/// `silent` without an answer or a reference.
+Judgement judge(const LoadErrors& load, const ModelError& model, double tolerance);
+
+/// A model over all loads of a case that have a reference; nothing when it misses one of them.
+std::optional<Score> worst_score(const CaseErrors& errors, const std::string& model);
+
+/// The model with the smallest worst error in the case, those that are usable at every load first.
+struct Best {
+  std::string model;
+  Score score;
+  bool valid = false;  ///< at every load inside what the model itself claims
+};
+std::optional<Best> best_model(const CaseErrors& errors, double tolerance);
+
+/// A model over the whole suite.
+struct Usability {
+  std::string model;
+  int compared = 0, usable = 0;
+  int accidents = 0;      ///< within the tolerance, outside its validity
+  int valid = 0;          ///< loads at which the model claims to hold
+  int broken_claims = 0;  ///< claims to hold, yet beyond the tolerance
+  double worst = 0, median = 0;
+  std::optional<double> smallest_s, largest_s;  ///< where it is usable, s = sqrt(a b)/h
+  std::optional<double> smallest_nu, largest_nu;
+};
+/// @param models  names, in the order of the result
+std::vector<Usability> usability(const std::vector<CaseErrors>& cases,
+                                 const std::vector<std::string>& models, double tolerance);
+
+/// The reference over the whole suite.
+struct ReferenceSummary {
+  int cases = 0, loads = 0, solved = 0, trusted = 0;
+  int without_usable_model = 0;  ///< loads with a reference at which no model meets the tolerance
+  double median_torque_error = 0, worst_torque_error = 0;  ///< stated by the finite elements
+  double worst_axis_error = 0;
+};
+ReferenceSummary reference_summary(const std::vector<CaseErrors>& cases, double tolerance);
+
+}  // namespace softfinger::judgement

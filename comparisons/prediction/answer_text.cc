@@ -1,0 +1,121 @@
+#include "comparisons/prediction/answer_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "softfinger/math/pi.h"
+
+namespace softfinger::prediction {
+namespace {
+
+constexpr double kDegreesPerRadian = 180 / kPi;
+
+}  // namespace
+
+std::vector<std::string> power_law_remarks(const input::Case& contact_case) {
+  const auto& fit = contact_case.power_law_fit;
+  if (!fit) return {};
+  std::vector<std::string> remarks = {fmt::format(
+      "power law fitted to the data: a = {:.4g} mm (P/N)^{:.4g} (exponent ± {:.2g}), radii scatter "
+      "by {:.2g} %",
+      fit->law.radius_coefficient * 1e3, fit->law.radius_exponent, fit->exponent_std,
+      100 * fit->residual_rms)};
+  for (const double load_N : contact_case.loads_N)
+    if (load_N < fit->least_load_N || load_N > fit->largest_load_N)
+      remarks.push_back(
+          fmt::format("{:g} N lies outside the data, {:g} to {:g} N: there power_law extrapolates",
+                      load_N, fit->least_load_N, fit->largest_load_N));
+  return remarks;
+}
+
+std::string millimetres(double length_m) {
+  return std::isfinite(length_m) ? fmt::format("{:.5g} mm", length_m * 1e3) : "flat";
+}
+
+std::string describe(const input::Case& contact_case) {
+  const auto layer_text = [](const ElasticLayer& layer) {
+    return fmt::format("{:.6g} mm, E {:.6g} kPa, nu {:.6g}", layer.thickness_m * 1e3,
+                       layer.youngs_modulus_Pa * 1e-3, layer.poisson_ratio);
+  };
+  std::string text =
+      fmt::format("{}: {} {}", contact_case.id,
+                  contact_case.layer_on_object ? "rigid finger, object's layer" : "layer",
+                  layer_text(contact_case.layer));
+  for (std::size_t i = 0; i < contact_case.sublayers.size(); ++i) {
+    const input::Sublayer& sublayer = contact_case.sublayers[i];
+    text += (i == 0 ? " on average of " : " over ") +
+            (sublayer.name.empty() ? "" : sublayer.name + " ") + layer_text(sublayer.layer);
+  }
+  if (contact_case.object_layer.thickness_m > 0)
+    text += "; object's layer " + layer_text(contact_case.object_layer) + "; ";
+  else
+    text += ", ";
+  return text + fmt::format("friction {:.6g}", contact_case.friction_coefficient);
+}
+
+std::string describe(const LocalGeometry& geometry) {
+  std::string text =
+      fmt::format("R' {}, R'' {}, long axis at {:.4g}°", millimetres(geometry.radii.major_m),
+                  millimetres(geometry.radii.minor_m),
+                  geometry.radii.axis_rad * kDegreesPerRadian + 0.0);  // -0 is 0
+  if (geometry.patch) {
+    text += fmt::format("; fitted over {:.3g} mm² for a contact of {:.3g} mm² ({})",
+                        geometry.patch->region_area_m2 * 1e6,
+                        geometry.patch->predicted_area_m2 * 1e6, geometry.patch_model);
+    if (!geometry.patch->remark.empty()) text += "; " + geometry.patch->remark;
+  }
+  return text;
+}
+
+std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
+  std::string text = fmt::format(
+      "  {:<19} {:>9} {:>9} {:>9} {:>10} {:>10} {:>12} {:>9} {:>5} {:>9}\n", "model", "a mm",
+      "b mm", "d mm", "peak kPa", "area mm²", "torque mN·m", "e_n mm", "valid", "cost ns");
+  std::string remarks;
+  for (const ModelAnswer& answer : answers) {
+    const Prediction& p = answer.prediction;
+    const std::string name(answer.model->card().name);
+    if (p.has_answer) {
+      text += fmt::format(
+          "  {:<19} {:>9.4g} {:>9.4g} {:>9.4g} {:>10.4g} {:>10.4g} {:>12.4g} {:>9.4g} {:>5} "
+          "{:>9.0f}\n",
+          name, p.a_m * 1e3, p.b_m * 1e3, p.indentation_m * 1e3, p.peak_pressure_Pa * 1e-3,
+          p.area_m2() * 1e6, answer.friction_ellipsoid(rule).max_torque_Nm() * 1e3,
+          answer.eccentricity_m(rule) * 1e3, p.valid() ? "yes" : "no", answer.cost_ns);
+    } else {
+      text += fmt::format("  {:<19} {:>9}\n", name, "no answer");
+    }
+    for (const ValidityCheck& check : p.validity)
+      if (!check.holds())
+        remarks += fmt::format("  {}: {} ({} = {:.3g}, holds {} {:.3g})\n", name, check.message,
+                               check.check, check.value, check.holds_below ? "below" : "above",
+                               check.limit);
+    if (answer.deviations && std::isfinite(answer.deviations->a_m + answer.deviations->b_m))
+      remarks += fmt::format(
+          "  {}: the fitted radii leave a ± {:.2g} mm, b ± {:.2g} mm, torque ± {:.2g} mN·m\n", name,
+          answer.deviations->a_m * 1e3, answer.deviations->b_m * 1e3,
+          answer.friction_ellipsoid(rule).max_force_N * 1e3 *
+              (rule == TorqueRule::exact ? answer.deviations->arm_exact_m
+                                         : answer.deviations->arm_paper_m));
+  }
+  for (const ModelAnswer& answer : answers)
+    if (answer.sampled) {
+      const SampledGapResult& sampled = *answer.sampled;
+      remarks += fmt::format(
+          "  {}: gap sampled from the meshes (all other models: the fitted quadric); contact of "
+          "{:.4g} mm², long axis at {:.4g}°, centre at ({:.2g}, {:.2g}) mm, edge within {:.2g} % "
+          "of "
+          "the ellipse; rounding the facets changes a, b, d, torque by {:.2g}, {:.2g}, {:.2g}, "
+          "{:.2g} %, the peak by {:.2g} %\n",
+          answer.model->card().name, sampled.region_area_m2 * 1e6,
+          answer.problem.radii.axis_rad * kDegreesPerRadian, sampled.centre_m.x() * 1e3,
+          sampled.centre_m.y() * 1e3, sampled.edge_deviation * 100,
+          sampled.changes_by_rounding.a * 100, sampled.changes_by_rounding.b * 100,
+          sampled.changes_by_rounding.indentation * 100, sampled.changes_by_rounding.torque * 100,
+          sampled.changes_by_rounding.peak * 100);
+    }
+  return text + remarks;
+}
+
+}  // namespace softfinger::prediction

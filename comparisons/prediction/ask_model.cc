@@ -1,0 +1,137 @@
+#include "comparisons/prediction/ask_model.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "comparisons/text/nearest_name.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::prediction {
+namespace {
+
+double measure_cost_ns(const PressureModel& model, const ContactProblem& problem,
+                       double time_budget_ns) {
+  using Clock = std::chrono::steady_clock;
+  // Batches, because one call may be shorter than the clock's resolution. The sum keeps the
+  // compiler from removing the calls.
+  double sum = 0;
+  const auto time_batch = [&](int calls) {
+    const auto start = Clock::now();
+    for (int i = 0; i < calls; ++i) sum += model.predict(problem).a_m;
+    return std::chrono::duration<double, std::nano>(Clock::now() - start).count() / calls;
+  };
+  // The first call may have to load code and data.
+  double rough_ns = time_batch(1);
+  for (int i = 0; i < 4; ++i) rough_ns = std::max(std::min(rough_ns, time_batch(1)), 1.0);
+  constexpr int kBatches = 7;
+  const int calls = static_cast<int>(std::clamp(time_budget_ns / kBatches / rough_ns, 1.0, 1000.0));
+  std::vector<double> times;
+  double spent_ns = rough_ns;
+  // At least three, because the machine may have been busy during one of them.
+  for (int batch = 0; batch < kBatches && (times.size() < 3 || spent_ns < time_budget_ns);
+       ++batch) {
+    times.push_back(time_batch(calls));
+    spent_ns += times.back() * calls;
+  }
+  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+  volatile double sink = sum;
+  (void)sink;
+  return times[times.size() / 2];
+}
+
+}  // namespace
+
+FrictionEllipsoid ModelAnswer::friction_ellipsoid(TorqueRule rule) const {
+  return {problem.load.friction_coefficient * problem.load.normal_force_N, eccentricity_m(rule)};
+}
+
+std::vector<const PressureModel*> models_by_name(const std::string& names) {
+  std::vector<const PressureModel*> models;
+  std::vector<std::string> known;
+  for (const PressureModel* model : all_pressure_models()) {
+    known.emplace_back(model->card().name);
+    if (names == "everything" || (names == "all" && model->card().hot_path))
+      models.push_back(model);
+  }
+  if (!models.empty()) return models;
+  known.insert(known.end(), {"all", "everything"});
+  for (std::size_t start = 0; start <= names.size();) {
+    const std::size_t end = std::min(names.find(',', start), names.size());
+    const std::string name = names.substr(start, end - start);
+    const PressureModel* model = find_pressure_model(name);
+    if (!model)
+      throw InputError("command line",
+                       "unknown model \"" + name + "\", did you mean \"" +
+                           text::nearest_name(name, known) + "\"?",
+                       "", text::joined(known));
+    if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
+    start = end + 1;
+  }
+  return models;
+}
+
+std::vector<std::string> slow_models() {
+  std::vector<std::string> names;
+  for (const PressureModel* model : all_pressure_models())
+    if (!model->card().hot_path) names.emplace_back(model->card().name);
+  return names;
+}
+
+ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
+                      double time_budget_ns) {
+  using Clock = std::chrono::steady_clock;
+  ModelAnswer answer;
+  answer.model = &model;
+  answer.problem = problem;
+  const auto start = Clock::now();
+  answer.prediction = model.predict(problem);
+  answer.cost_ns = model.card().hot_path
+                       ? measure_cost_ns(model, problem, time_budget_ns)
+                       : std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+  return answer;
+}
+
+ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
+                      const RelativeRadii& radii, double load_N, double time_budget_ns) {
+  ModelAnswer answer = ask_model(model, contact_case.problem(radii, load_N), time_budget_ns);
+  check_homogeneity(contact_case, answer.prediction.validity);
+  return answer;
+}
+
+void check_homogeneity(const input::Case& contact_case, Validity& validity) {
+  if (contact_case.sublayers.empty()) return;
+  double contrast = 1;
+  for (const input::Sublayer& one : contact_case.sublayers)
+    for (const input::Sublayer& other : contact_case.sublayers) {
+      const auto bulk_modulus_Pa = [](const ElasticLayer& layer) {
+        return layer.youngs_modulus_Pa / (3 * (1 - 2 * std::min(layer.poisson_ratio, 0.4999)));
+      };
+      contrast = std::max({contrast, one.layer.youngs_modulus_Pa / other.layer.youngs_modulus_Pa,
+                           bulk_modulus_Pa(one.layer) / bulk_modulus_Pa(other.layer)});
+    }
+  // A contact much smaller than the outermost sublayer depends on that one only; a much larger one
+  // on all of them in series. Therefore no mean of sublayers that differ by more than 10 % holds to
+  // 10 % for all sizes of contacts.
+  validity.add({"homogeneous", contrast, 1.1, true,
+                "the models know one homogeneous layer, here one with 1/E and nu averaged over the "
+                "sublayers' thickness: ask finite elements"});
+}
+
+void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
+  if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
+  const auto deviation = [&](double Prediction::*quantity) {
+    return propagated_std(relative, [&](const RelativeRadii& radii) {
+      ContactProblem problem = answer.problem;
+      problem.radii = radii;
+      const Prediction moved = answer.model->predict(problem);
+      return moved.has_answer ? moved.*quantity : std::numeric_limits<double>::quiet_NaN();
+    });
+  };
+  answer.deviations = {deviation(&Prediction::a_m), deviation(&Prediction::b_m),
+                       deviation(&Prediction::torque_arm_exact_m),
+                       deviation(&Prediction::torque_arm_paper_m)};
+}
+
+}  // namespace softfinger::prediction

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/quantity.h"
+#include "softfinger/friction/friction_ellipsoid.h"
+#include "softfinger/geometry/relative_curvature.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger::prediction {
+
+/// `exact` integrates the friction over the ellipse. `paper` is the rule of Ciocarlie et al.
+/// (2007), which is exact for circles only.
+enum class TorqueRule { exact, paper };
+
+/// Further results for a contact whose gap was sampled from meshes.
+struct SampledGapResult {
+  /// Centre of the ellipse, from the contact point, along the finger's x and y.
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();
+  double region_area_m2 = 0;  ///< area of the contact region, which need not be an ellipse
+  double edge_deviation = 0;  ///< largest relative distance of the contact's edge from the ellipse
+  double spacing_m = 0;       ///< of the samples
+  /// Relative changes of the answer when the facets are replaced by the smooth surface of the
+  /// mesh's own normals: an estimate of the mesh's error. NaN when that surface has no answer.
+  struct Changes {
+    double a = 0, b = 0, indentation = 0, torque = 0, peak = 0;
+  };
+  Changes changes_by_rounding;
+};
+
+/// The answer of one model at one load, and the time that it takes.
+struct ModelAnswer {
+  const PressureModel* model = nullptr;
+  ContactProblem problem;
+  Prediction prediction;
+  double cost_ns = 0;  ///< median of repeated calls; slow models are called once
+  /// Standard deviations of a, b and the torque arm (exact, paper) that follow from the uncertainty
+  /// of the fitted radii. Set for meshes and models that are fast enough to be asked repeatedly.
+  struct Deviations {
+    double a_m = 0, b_m = 0, arm_exact_m = 0, arm_paper_m = 0;
+  };
+  std::optional<Deviations> deviations;
+  std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
+  /// Bounds of the |relative errors|, or in words why there are none.
+  std::optional<QuantityErrors> error_bound;
+  std::string no_bound;
+
+  double eccentricity_m(TorqueRule rule) const {
+    return rule == TorqueRule::exact ? prediction.torque_arm_exact_m
+                                     : prediction.torque_arm_paper_m;
+  }
+  FrictionEllipsoid friction_ellipsoid(TorqueRule rule) const;
+};
+
+/// "all" (the models that take microseconds), "everything", one name, or several separated by
+/// commas.
+/// @throws InputError naming the nearest model for an unknown name.
+std::vector<const PressureModel*> models_by_name(const std::string& names);
+
+/// Names of the models that "all" leaves out because they take longer than microseconds.
+std::vector<std::string> slow_models();
+
+/// @param time_budget_ns  time for repeated calls that measure the cost; slow models are called
+/// once,
+///   however long that takes
+ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
+                      double time_budget_ns);
+
+/// The same for a contact of a case. Adds a check that no model makes itself: whether the layer is
+/// homogeneous.
+ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
+                      const RelativeRadii& radii, double load_N, double time_budget_ns);
+
+/// A check that fails if the case has several sublayers.
+void check_homogeneity(const input::Case& contact_case, Validity& validity);
+
+/// Sets `deviations` for a fast model that has an answer: to first order, from the covariance of
+/// the fitted R' and R'' (propagated_std). NaN if a neighbouring problem has no answer. Costs
+/// twenty predictions.
+void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer);
+
+}  // namespace softfinger::prediction

@@ -1,0 +1,191 @@
+#include "comparisons/reference/reference_result.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+namespace softfinger::reference {
+namespace {
+
+using nlohmann::json;
+
+/// What is missing or impossible, in a few words.
+struct Flaw {
+  std::string words;
+};
+
+double number_or_nan(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>()
+                                                     : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<double> optional_number(const json& object, const char* key) {
+  const double value = number_or_nan(object, key);
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
+
+/// @param of  before the key in messages: "a level's "
+void require_positive(const json& object, const char* of, std::initializer_list<const char*> keys) {
+  for (const char* key : keys) {
+    const auto found = object.find(key);
+    if (found == object.end() || !found->is_number())
+      throw Flaw{std::string(of) + key + " is missing"};
+    if (!(found->get<double>() > 0)) throw Flaw{fmt::format("{}{} = {}", of, key, found->dump())};
+  }
+}
+
+std::optional<double> stated_error(const json& error, const char* key) {
+  const std::optional<double> stated = optional_number(error, key);
+  if (stated && !(*stated >= 0))
+    throw Flaw{fmt::format("the error of {} = {}", key, error.at(key).dump())};
+  return stated;
+}
+
+ReferenceErrors read_errors(const json& document) {
+  const auto error = document.find("error");
+  if (error == document.end() || !error->is_object()) throw Flaw{"error is missing"};
+  for (const char* key : {"a", "b", "indentation", "max_torque"}) {
+    const auto stated = error->find(key);
+    // A single level cannot state its error: that is null.
+    if (stated == error->end() || !(stated->is_number() || stated->is_null()))
+      throw Flaw{std::string("the error of ") + key + " is missing"};
+  }
+  ReferenceErrors errors;
+  errors.a = stated_error(*error, "a");
+  errors.b = stated_error(*error, "b");
+  errors.indentation = stated_error(*error, "indentation");
+  errors.area = stated_error(*error, "area");
+  errors.peak_pressure = stated_error(*error, "peak_pressure");
+  errors.max_torque = stated_error(*error, "max_torque");
+  errors.torsional_stiffness = stated_error(*error, "torsional_stiffness");
+  errors.full_slip_torque = stated_error(*error, "torque_full_slip");
+  errors.torsion_curve = stated_error(*error, "torsion");
+  errors.limit_surface = stated_error(*error, "limit_surface");
+  return errors;
+}
+
+std::vector<ReferenceLevel> read_levels(const json& document) {
+  const auto found = document.find("levels");
+  if (found == document.end() || !found->is_array() || found->empty())
+    throw Flaw{"levels is missing"};
+  std::vector<ReferenceLevel> levels;
+  for (const json& level : *found) {
+    if (!level.is_object()) throw Flaw{"a level is no JSON object"};
+    require_positive(level, "a level's ", {"a_m", "b_m", "indentation_m", "max_torque_Nm"});
+    levels.push_back({number_or_nan(level, "a_m"), number_or_nan(level, "b_m"),
+                      number_or_nan(level, "indentation_m"),
+                      number_or_nan(level, "peak_pressure_Pa"),
+                      number_or_nan(level, "max_torque_Nm"), number_or_nan(level, "cpu_s")});
+  }
+  return levels;
+}
+
+PressureProfile read_profile(const json& document, const char* key) {
+  const auto found = document.find(key);
+  if (found == document.end() || !found->is_object()) throw Flaw{std::string(key) + " is missing"};
+  const auto list = [&](const char* name) {
+    const auto values = found->find(name);
+    if (values == found->end() || !values->is_array())
+      throw Flaw{std::string(key) + " is incomplete"};
+    std::vector<double> numbers;
+    for (const json& value : *values) {
+      if (!value.is_number() && !value.is_null()) throw Flaw{std::string(key) + " is incomplete"};
+      numbers.push_back(value.is_number() ? value.get<double>()
+                                          : std::numeric_limits<double>::quiet_NaN());
+    }
+    return numbers;
+  };
+  PressureProfile profile{list("position_m"), list("pressure_Pa")};
+  if (profile.position_m.size() != profile.pressure_Pa.size())
+    throw Flaw{std::string(key) + " is incomplete"};
+  return profile;
+}
+
+/// The list of objects under a key; empty when there is none.
+std::vector<json> objects(const json& document, const char* key) {
+  std::vector<json> list;
+  const auto found = document.find(key);
+  if (found == document.end()) return list;
+  if (!found->is_array()) throw Flaw{std::string(key) + " is no list"};
+  for (const json& entry : *found) {
+    if (!entry.is_object()) throw Flaw{std::string(key) + " is no list of objects"};
+    list.push_back(entry);
+  }
+  return list;
+}
+
+std::optional<TwistedContact> read_twist(const json& document) {
+  if (!document.contains("torsion")) return std::nullopt;
+  TwistedContact twist;
+  twist.stiffness_Nm_per_rad = number_or_nan(document, "torsional_stiffness_Nm_per_rad");
+  twist.full_slip_torque_Nm = number_or_nan(document, "torque_full_slip_Nm");
+  for (const json& state : objects(document, "torsion"))
+    twist.states.push_back({number_or_nan(state, "angle_rad"), number_or_nan(state, "torque_Nm"),
+                            number_or_nan(state, "slip_fraction")});
+  return twist;
+}
+
+ReferenceResult read(const json& document) {
+  if (!document.is_object()) throw Flaw{"no JSON object"};
+  require_positive(
+      document, "",
+      {"load_N", "a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"});
+  ReferenceResult result;
+  result.load_N = document["load_N"];
+  result.a_m = document["a_m"];
+  result.b_m = document["b_m"];
+  result.axis_rad = number_or_nan(document, "axis_rad");
+  result.indentation_m = document["indentation_m"];
+  result.peak_pressure_Pa = document["peak_pressure_Pa"];
+  result.area_m2 = document["area_m2"];
+  result.max_torque_Nm = document["max_torque_Nm"];
+  result.eccentricity_m = number_or_nan(document, "eccentricity_m");
+  result.projected_torque_Nm = optional_number(document, "max_torque_projected_Nm");
+  result.peak_memory_MB = optional_number(document, "peak_memory_MB");
+  result.unknowns = optional_number(document, "unknowns");
+  result.wall_s = number_or_nan(document, "wall_s");
+  result.cpu_s = number_or_nan(document, "cpu_s");
+  const auto coarse = document.find("coarse");
+  result.coarse = coarse != document.end() && coarse->is_boolean() && coarse->get<bool>();
+  result.levels = read_levels(document);
+  result.error = read_errors(document);
+  result.along_x = read_profile(document, "profile_x");
+  result.along_y = read_profile(document, "profile_y");
+  const auto vtu = document.find("vtu");
+  if (vtu != document.end() && vtu->is_string()) result.vtu_file = vtu->get<std::string>();
+  result.twist = read_twist(document);
+  for (const json& point : objects(document, "limit_surface"))
+    result.limit_surface.push_back({number_or_nan(point, "fx_N"), number_or_nan(point, "fy_N"),
+                                    number_or_nan(point, "torque_Nm")});
+  result.document = document;
+  return result;
+}
+
+}  // namespace
+
+ReadReferenceResult read_reference_result(const json& document) {
+  try {
+    return {read(document), ""};
+  } catch (const Flaw& flaw) {
+    return {std::nullopt, flaw.words};
+  }
+}
+
+bool is_trusted(const ReferenceErrors& error) {
+  const auto within = [](const std::optional<double>& stated, double limit) {
+    return stated && *stated <= limit;
+  };
+  return within(error.a, kTrustLimits.axes) && within(error.b, kTrustLimits.axes) &&
+         within(error.indentation, kTrustLimits.indentation_and_torque) &&
+         within(error.max_torque, kTrustLimits.indentation_and_torque);
+}
+
+std::string trust_limits_in_words() {
+  return fmt::format("{:g} % in a and b, {:g} % in indentation and torque", 100 * kTrustLimits.axes,
+                     100 * kTrustLimits.indentation_and_torque);
+}
+
+}  // namespace softfinger::reference

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the finite elements say of one contact. The program writes it as JSON (fem/README.md), this
+/// is the one place that reads it.
+namespace softfinger::reference {
+
+/// Relative errors that the finite elements state for their own numbers, >= 0. Absent: not asked
+/// for, or not known, as after a single level.
+struct ReferenceErrors {
+  std::optional<double> a, b, indentation, area, peak_pressure, max_torque;
+  std::optional<double> torsional_stiffness, full_slip_torque, torsion_curve;
+  std::optional<double> limit_surface;  ///< of mu P and of the largest torque
+};
+
+/// The pressure along a half-axis, from the centre outwards. NaN where the program gave no number.
+struct PressureProfile {
+  std::vector<double> position_m, pressure_Pa;
+};
+
+/// One mesh's answer, the coarsest first. NaN: the program did not say.
+struct ReferenceLevel {
+  double a_m, b_m, indentation_m, peak_pressure_Pa, max_torque_Nm, cpu_s;
+};
+
+struct FrictionWrench {
+  double force_x_N, force_y_N, torque_Nm;
+};
+
+/// A state on the way from sticking to full slip.
+struct TwistState {
+  double angle_rad, torque_Nm;
+  double slip_fraction;  ///< of the contact's area, 0 to 1
+};
+
+struct TwistedContact {
+  double stiffness_Nm_per_rad;  ///< of the stuck contact
+  double full_slip_torque_Nm;
+  std::vector<TwistState> states;
+};
+
+struct ReferenceResult {
+  double load_N = 0;
+  double a_m = 0, b_m = 0;
+  double axis_rad = 0;  ///< of the long axis
+  double indentation_m = 0;
+  double peak_pressure_Pa = 0;
+  double area_m2 = 0;
+  double max_torque_Nm = 0;
+  double eccentricity_m = 0;                  ///< e_n = torque / (mu P)
+  std::optional<double> projected_torque_Nm;  ///< at finite strain: int mu p n_z r dA
+  std::optional<double> peak_memory_MB, unknowns;
+  double wall_s = 0, cpu_s = 0;  ///< NaN: not said
+  bool coarse = false;           ///< stopped before the level that was asked for
+  ReferenceErrors error;
+  std::vector<ReferenceLevel> levels;  ///< at least one
+  PressureProfile along_x, along_y;
+  std::optional<std::string> vtu_file;
+  std::optional<TwistedContact> twist;
+  std::vector<FrictionWrench> limit_surface;
+  /// As the program wrote it, for files and pages, which pass on what is not computed with here.
+  nlohmann::json document;
+};
+
+/// A result, or what keeps it from being believed: a number that is missing, or one that no contact
+/// has. Exactly one of the two is there.
+struct ReadReferenceResult {
+  std::optional<ReferenceResult> result;
+  std::string flaw;  ///< a few words
+};
+ReadReferenceResult read_reference_result(const nlohmann::json& document);
+
+/// Stated errors up to which a model's distance from the reference says something about the model.
+struct TrustLimits {
+  double axes = 0.02;  ///< a and b
+  double indentation_and_torque = 0.01;
+};
+constexpr TrustLimits kTrustLimits;
+
+/// Whether all errors that `kTrustLimits` bounds are stated and within it.
+bool is_trusted(const ReferenceErrors& error);
+
+/// "2 % in a and b, 1 % in indentation and torque"
+std::string trust_limits_in_words();
+
+}  // namespace softfinger::reference

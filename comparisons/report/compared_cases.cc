@@ -1,0 +1,54 @@
+#include "comparisons/report/compared_cases.h"
+
+#include <cmath>
+
+namespace softfinger::report {
+
+double tolerance(const Json& report) { return number(report, "tolerance").value_or(0.10); }
+
+judgement::ModelError compared_model(const Json& model) {
+  judgement::ModelError error;
+  const Json& relative = child(model, "relative_error");
+  error.model = text(model, "model");
+  error.has_answer = flag(model, "has_answer");
+  error.valid = flag(model, "valid");
+  error.area = number(relative, "area").value_or(NAN);
+  error.max_torque = number(relative, "max_torque").value_or(NAN);
+  return error;
+}
+
+judgement::LoadErrors compared_load(const Json& load) {
+  judgement::LoadErrors errors;
+  const Json& fem = child(load, "fem");
+  const Json& stated = child(fem, "error");
+  errors.load_N = number(load, "load_N").value_or(0);
+  errors.fem_finished = !fem.is_null();
+  errors.fem_trusted = flag(fem, "trusted");
+  errors.fem_failure = text(load, "fem_failure");
+  errors.size = number(child(load, "geometry"), "s");
+  errors.stated.a = number(stated, "a");
+  errors.stated.b = number(stated, "b");
+  errors.stated.indentation = number(stated, "indentation");
+  errors.stated.area = number(stated, "area");
+  errors.stated.peak_pressure = number(stated, "peak_pressure");
+  errors.stated.max_torque = number(stated, "max_torque");
+  for (const Json& model : child(load, "models")) errors.models.push_back(compared_model(model));
+  return errors;
+}
+
+judgement::CaseErrors compared_case(const Json& report_case) {
+  judgement::CaseErrors errors;
+  errors.id = text(report_case, "id");
+  errors.poisson_ratio = number(child(report_case, "layer"), "poisson_ratio");
+  for (const Json& load : child(report_case, "loads")) errors.loads.push_back(compared_load(load));
+  return errors;
+}
+
+std::vector<judgement::CaseErrors> compared_cases(const Json& report) {
+  std::vector<judgement::CaseErrors> cases;
+  for (const Json& report_case : child(report, "cases"))
+    cases.push_back(compared_case(report_case));
+  return cases;
+}
+
+}  // namespace softfinger::report

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "comparisons/judgement/judgement.h"
+#include "comparisons/report/html.h"
+
+/// How models are named and drawn, the same everywhere on a page.
+namespace softfinger::report {
+
+using judgement::label;
+
+/// Names in the order of the registry, then any that only the loads mention.
+std::vector<std::string> model_names(const Json& report);
+
+struct Style {
+  std::string colour;  ///< CSS
+  std::string dash;    ///< SVG stroke-dasharray
+};
+
+/// Of a model among `model_names`, of "fem" or of "fem_coarse". No two models share a colour.
+Style style(const Json& report, const std::string& model);
+
+/// Of the model at this place of the list, whatever the list's length.
+Style style_of_place(std::size_t place);
+
+}  // namespace softfinger::report

@@ -1,0 +1,282 @@
+#include "comparisons/suite/suite_report.h"
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+
+#include "comparisons/input/layer_json.h"
+#include "comparisons/judgement/atlas/atlas_overview.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/reference/fem_process.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/csv.h"
+#include "comparisons/text/json_text.h"
+
+namespace softfinger::suite {
+namespace {
+
+namespace fs = std::filesystem;
+using judgement::CaseComparison;
+using judgement::Comparison;
+using judgement::ModelComparison;
+using nlohmann::json;
+using prediction::TorqueRule;
+using text::finite_or_null;
+
+json to_json(const std::optional<reference::PressureProfile>& profile) {
+  if (!profile) return nullptr;
+  return {{"position_m", profile->position_m}, {"pressure_Pa", profile->pressure_Pa}};
+}
+
+json to_json(const std::optional<judgement::RelativeErrors>& errors) {
+  if (!errors) return nullptr;
+  return {{"a", finite_or_null(errors->a)},
+          {"b", finite_or_null(errors->b)},
+          {"area", finite_or_null(errors->area)},
+          {"indentation", finite_or_null(errors->indentation)},
+          {"peak_pressure", finite_or_null(errors->peak_pressure)},
+          {"max_torque", finite_or_null(errors->max_torque)},
+          {"max_torque_paper", finite_or_null(errors->max_torque_paper)}};
+}
+
+json to_json(const ModelComparison& model) {
+  const prediction::ModelAnswer& answer = model.answer;
+  json object = prediction::to_json(answer, TorqueRule::exact, 0);
+  object.erase("load_N");
+  object.erase("error_estimate");
+  const bool has_answer = answer.prediction.has_answer;
+  const double paper_Nm = answer.friction_ellipsoid(TorqueRule::paper).max_torque_Nm();
+  object["has_answer"] = has_answer;
+  object["max_torque_paper_Nm"] = has_answer ? finite_or_null(paper_Nm) : json();
+  object["relative_error"] = to_json(model.errors);
+  object["profile_x"] = to_json(model.along_x);
+  object["profile_y"] = to_json(model.along_y);
+  return object;
+}
+
+/// The finite elements' own document, with what was found out about it.
+json reference_json(const Comparison& load) {
+  if (!load.reference) return nullptr;
+  json object = load.reference->document;
+  object["trusted"] = reference::is_trusted(load.reference->error);
+  object["vtu"] = nullptr;
+  if (load.reference->vtu_file) {
+    // The page lies in the output folder: a link must not depend on where that folder is.
+    const fs::path folder =
+        fs::path("fem") / reference::load_folder(load.contact_case->id, load.load_N);
+    object["vtu"] = (folder / fs::path(*load.reference->vtu_file).filename()).generic_string();
+  }
+  return object;
+}
+
+json geometry_json(const Comparison& load) {
+  const prediction::LocalGeometry& geometry = load.geometry;
+  json object = {{"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
+                 {"radii_std_m", nullptr},
+                 {"axis_rad", geometry.radii.axis_rad},
+                 {"s", nullptr},
+                 {"patch", prediction::patch_to_json(geometry)}};
+  if (geometry.patch) {
+    const auto& deviations = geometry.patch->relative.radii_std_m;
+    object["radii_std_m"] = {finite_or_null(deviations[0]), finite_or_null(deviations[1])};
+  }
+  if (const auto size = load.size()) object["s"] = *size;
+  return object;
+}
+
+json to_json(const Comparison& load) {
+  json models = json::array();
+  for (const ModelComparison& model : load.models) models.push_back(to_json(model));
+  json object = {{"load_N", load.load_N},
+                 {"geometry", geometry_json(load)},
+                 {"fem", reference_json(load)},
+                 {"models", models}};
+  if (!load.reference) object["fem_failure"] = load.failure;
+  return object;
+}
+
+json to_json(const CaseComparison& compared) {
+  const input::Case& contact_case = *compared.contact_case;
+  json sublayers = json::array(), loads = json::array();
+  for (const input::Sublayer& sublayer : contact_case.sublayers) {
+    sublayers.push_back(input::layer_json(sublayer.layer));
+    sublayers.back()["name"] = sublayer.name;
+  }
+  for (const Comparison& load : compared.loads) loads.push_back(to_json(load));
+  return {{"id", contact_case.id},
+          {"question", contact_case.question},
+          {"verdict", compared.verdict.sentence},
+          {"verdict_class", compared.verdict.verdict_class},
+          {"file", contact_case.file.filename().string()},
+          {"case_toml", contact_case.text},
+          {"layer", input::layer_json(contact_case.layer)},
+          {"sublayers", sublayers},
+          {"friction_coefficient", contact_case.friction_coefficient},
+          {"loads", loads}};
+}
+
+json model_cards() {
+  json cards = json::array();
+  for (const PressureModel* model : all_pressure_models()) {
+    const ModelCard& card = model->card();
+    cards.push_back({{"name", card.name},
+                     {"title", card.title},
+                     {"assumptions", card.assumptions},
+                     {"equations", card.equations},
+                     {"source", card.source},
+                     {"validity", card.validity},
+                     {"cost", card.cost}});
+  }
+  return cards;
+}
+
+std::string machine_name() {
+  utsname system = {};
+  uname(&system);
+  std::string processor = system.machine;
+  std::ifstream information("/proc/cpuinfo");
+  for (std::string line; std::getline(information, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos) {
+      processor = line.substr(line.find(": ") + 2);
+      break;
+    }
+  return fmt::format("{}, {} {}", processor, system.sysname, system.machine);
+}
+
+json provenance(const SuiteComparison& suite) {
+  const std::time_t now = std::time(nullptr);
+  char date[32] = "";
+  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  std::optional<double> peak_memory_MB;
+  for (const CaseComparison& compared : suite.cases)
+    for (const Comparison& load : compared.loads)
+      if (load.reference && load.reference->peak_memory_MB)
+        peak_memory_MB = std::max(peak_memory_MB.value_or(0), *load.reference->peak_memory_MB);
+  return {{"version", system::program_version()},
+          {"date", date},
+          {"compiler", SOFTFINGER_COMPILER},
+          {"build_type", SOFTFINGER_BUILD_TYPE},
+          {"machine", machine_name()},
+          {"cores", suite.cores},
+          {"command", suite.command},
+          {"wall_s", suite.wall_s},
+          {"peak_memory_MB", peak_memory_MB ? json(*peak_memory_MB) : json()}};
+}
+
+/// A number as JSON writes it, to the last digit; empty where there is none.
+std::string cell(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? "," + json(*value).dump() : ",";
+}
+
+std::string cells(std::initializer_list<std::optional<double>> values) {
+  std::string text;
+  for (const auto& value : values) text += cell(value);
+  return text;
+}
+
+constexpr const char* kErrors[] = {"a", "b", "area", "indentation", "peak_pressure", "max_torque"};
+const std::string kNoErrors(std::size(kErrors), ',');
+
+std::string csv_head() {
+  std::string head =
+      "case,load_N,thickness_m,youngs_modulus_Pa,poisson_ratio,friction_coefficient,"
+      "radius_major_m,radius_minor_m,model,valid,a_m,b_m,axis_rad,indentation_m,peak_pressure_Pa,"
+      "area_m2,max_torque_Nm,eccentricity_m,max_torque_paper_Nm";
+  for (const char* key : kErrors) head += std::string(",relative_error_") + key;
+  for (const char* key : kErrors) head += std::string(",stated_error_") + key;
+  return head + ",cost_ns,wall_s\n";
+}
+
+std::string contact_cells(const Comparison& load) {
+  const input::Case& contact_case = *load.contact_case;
+  const ElasticLayer& layer = contact_case.layer;
+  return text::csv_cell(contact_case.id) +
+         cells({load.load_N, layer.thickness_m, layer.youngs_modulus_Pa, layer.poisson_ratio,
+                contact_case.friction_coefficient, load.geometry.radii.major_m,
+                load.geometry.radii.minor_m});
+}
+
+std::string reference_row(const Comparison& load) {
+  const reference::ReferenceResult& result = *load.reference;
+  const reference::ReferenceErrors& error = result.error;
+  return contact_cells(load) + ",fem," + (reference::is_trusted(error) ? "yes" : "no") +
+         cells({result.a_m, result.b_m, result.axis_rad, result.indentation_m,
+                result.peak_pressure_Pa, result.area_m2, result.max_torque_Nm,
+                result.eccentricity_m}) +
+         "," + kNoErrors +
+         cells({error.a, error.b, error.area, error.indentation, error.peak_pressure,
+                error.max_torque}) +
+         "," + cell(result.wall_s) + "\n";
+}
+
+std::string model_row(const Comparison& load, const ModelComparison& model) {
+  const prediction::ModelAnswer& answer = model.answer;
+  const Prediction& p = answer.prediction;
+  const FrictionEllipsoid exact = answer.friction_ellipsoid(TorqueRule::exact);
+  std::string numbers =
+      p.has_answer
+          ? cells({p.a_m, p.b_m, answer.problem.radii.axis_rad, p.indentation_m, p.peak_pressure_Pa,
+                   p.area_m2(), exact.max_torque_Nm(), exact.eccentricity_m,
+                   answer.friction_ellipsoid(TorqueRule::paper).max_torque_Nm()})
+          : ",," + cell(answer.problem.radii.axis_rad) + ",,,,,,";
+  const auto& errors = model.errors;
+  return contact_cells(load) + "," + text::csv_cell(std::string(answer.model->card().name)) + "," +
+         (p.valid() ? "yes" : "no") + numbers +
+         (errors ? cells({errors->a, errors->b, errors->area, errors->indentation,
+                          errors->peak_pressure, errors->max_torque})
+                 : kNoErrors) +
+         kNoErrors + cell(answer.cost_ns) + ",\n";
+}
+
+}  // namespace
+
+bool is_trusted_everywhere(const SuiteComparison& suite) {
+  for (const CaseComparison& compared : suite.cases)
+    for (const Comparison& load : compared.loads)
+      if (!load.reference || !reference::is_trusted(load.reference->error)) return false;
+  return true;
+}
+
+json report_json(const SuiteComparison& suite) {
+  json cases = json::array();
+  for (const CaseComparison& compared : suite.cases) cases.push_back(to_json(compared));
+  return {{"tolerance", suite.tolerance},
+          {"models", model_cards()},
+          {"cases", cases},
+          {"provenance", provenance(suite)}};
+}
+
+json page_json(const SuiteComparison& suite) {
+  json atlas = judgement::atlas_overview(judgement::error_atlas().file());
+  if (!atlas.is_null()) {
+    json& marks = atlas["marks"] = judgement::seed_marks();
+    for (const CaseComparison& compared : suite.cases)
+      for (const Comparison& load : compared.loads) {
+        const ContactProblem problem =
+            compared.contact_case->problem(load.geometry.radii, load.load_N);
+        // The publication's fingertips are there already.
+        if (json mark = judgement::map_mark(*compared.contact_case, problem); mark["seed"] == false)
+          marks.push_back(std::move(mark));
+      }
+  }
+  return {{"atlas", atlas},
+          {"finite_strain",
+           judgement::finite_strain_overview(judgement::finite_strain_atlas().file())}};
+}
+
+std::string results_csv(const SuiteComparison& suite) {
+  std::string csv = csv_head();
+  for (const CaseComparison& compared : suite.cases)
+    for (const Comparison& load : compared.loads) {
+      if (load.reference) csv += reference_row(load);
+      for (const ModelComparison& model : load.models) csv += model_row(load, model);
+    }
+  return csv;
+}
+
+}  // namespace softfinger::suite

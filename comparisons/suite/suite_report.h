@@ -1,0 +1,38 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "comparisons/judgement/comparison.h"
+
+/// The files that `compare` leaves: what report.json holds is described in
+/// comparisons/report/README.md.
+namespace softfinger::suite {
+
+/// All cases of a run, and how the run was made.
+struct SuiteComparison {
+  std::vector<judgement::CaseComparison> cases;
+  double tolerance = 0;
+  std::string command;  ///< as typed
+  int cores = 1;
+  double wall_s = 0;
+};
+
+/// Whether the finite elements finished everywhere with small enough errors
+/// (reference::is_trusted).
+bool is_trusted_everywhere(const SuiteComparison& suite);
+
+/// report.json. Links to VTU files are relative to the folder that holds it.
+nlohmann::json report_json(const SuiteComparison& suite);
+
+/// What the page shows beside report.json: the atlas with the contacts of the suite marked. These
+/// numbers are the program's own and the same in every report.
+nlohmann::json page_json(const SuiteComparison& suite);
+
+/// One row per case, load and model, the finite elements first; empty where a number does not
+/// exist. Models have relative errors against the finite elements, these have the errors that they
+/// state themselves.
+std::string results_csv(const SuiteComparison& suite);
+
+}  // namespace softfinger::suite
