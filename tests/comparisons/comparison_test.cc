@@ -179,8 +179,12 @@ TEST(Comparison, ErrorsCarryWhatVerdictsNeed) {
       EXPECT_TRUE(one.has_answer && one.hot_path && one.applicable);
       EXPECT_EQ(one.valid, layer.valid());
     }
-    if (one.model == "power_law") EXPECT_FALSE(one.applicable) << "nobody gave it data";
-    if (one.model == "layer_fredholm") EXPECT_FALSE(one.hot_path);
+    if (one.model == "power_law") {
+      EXPECT_FALSE(one.applicable) << "nobody gave it data";
+    }
+    if (one.model == "layer_fredholm") {
+      EXPECT_FALSE(one.hot_path);
+    }
   }
 }
 
