@@ -61,7 +61,8 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
                         {"eccentricity_m", contact.eccentricity_m},
                         {"utilisation", contact.utilisation},
                         {"slides", contact.slides},
-                        {"model", contact.model}});
+                        {"model", contact.model},
+                        {"friction_law", std::string(contact.friction->name)}});
   }
   return {{"scene", scene.id},
           {"steps", run.steps},
@@ -184,11 +185,16 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
   command->add_flag(
       "--json", options->json,
       "one JSON object on standard output: SI units; the end state, times, residuals");
+  std::string laws;
+  for (const input::FrictionLaw* law : input::all_friction_laws())
+    laws += fmt::format("  {:<14}{}\n", law->name, law->description);
   command->footer(
       "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[motor]], [[force]] "
       "and [[contact]];\nsee the built-in ones and README.md. At most 1000 bodies (copies counted) "
       "and as many joints, forces and\ncontacts, 100 shapes per body, 10000 times per table, a "
       "million steps, five million steps times bodies, 16 MiB.\n"
+      "friction in [simulation] or [[contact]] names a law:\n" +
+      laws +
       "Samples:\n"
       "  softfinger list scenes\n"
       "  softfinger simulate pinch\n"

@@ -30,7 +30,7 @@ constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
 
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
 
-/// The pieces of a scene that only the reading needs.
+/// Reads a scene file, table by table.
 class SceneReader {
  public:
   SceneReader(const toml::table& root, const fs::path& file, Scene& scene)
@@ -48,6 +48,7 @@ class SceneReader {
   std::vector<double> times(const toml::table& table, const std::string& name) const;
 
   void read_simulation();
+  const FrictionLaw& read_law(const toml::node& node) const;
   void read_layers();
   void read_bodies();
   Shape read_shape(const toml::node& node) const;
@@ -57,7 +58,10 @@ class SceneReader {
   void read_motors();
   void read_forces();
   void read_rules();
-  EccentricityOverLoad eccentricity_table(const toml::node& node);
+  ContactRule read_rule(const toml::table& table) const;
+  ContactModel read_model(const toml::table& table) const;
+  const FrictionLaw* read_own_law(const toml::table& table) const;
+  EccentricityOverLoad eccentricity_table(const toml::node& node) const;
 
   TomlReader reader_;
   const toml::table& root_;
@@ -135,6 +139,14 @@ std::vector<double> SceneReader::times(const toml::table& table, const std::stri
   return result;
 }
 
+const FrictionLaw& SceneReader::read_law(const toml::node& node) const {
+  std::vector<std::string> names;
+  for (const FrictionLaw* law : all_friction_laws()) names.emplace_back(law->name);
+  const std::string typed = reader_.choice(node, "friction", names);
+  return **std::find_if(all_friction_laws().begin(), all_friction_laws().end(),
+                        [&](const FrictionLaw* law) { return law->name == typed; });
+}
+
 void SceneReader::read_simulation() {
   const toml::table& table = reader_.required_table(root_, "simulation");
   reader_.check_keys(table, "[simulation]",
@@ -173,15 +185,10 @@ void SceneReader::read_simulation() {
       scene_.gravity.values = vector(*gravity, "gravity_m_per_s2", 1).transpose();
     }
   }
-  if (const toml::node* friction = table.get("friction")) {
-    const std::string rule =
-        reader_.choice(*friction, "friction", {"ellipsoid", "limit_surface", "facets"});
-    scene_.friction.rule = rule == "facets"          ? FrictionSettings::Rule::facets
-                           : rule == "limit_surface" ? FrictionSettings::Rule::limit_surface
-                                                     : FrictionSettings::Rule::ellipsoid;
-  }
+  if (const toml::node* friction = table.get("friction"))
+    scene_.friction.law = &read_law(*friction);
   if (const toml::node* vertices = table.get("vertices")) {
-    if (scene_.friction.rule != FrictionSettings::Rule::facets)
+    if (scene_.friction.law != &kFacetsLaw)
       reader_.say(*vertices, "vertices belongs to friction = \"facets\"");
     scene_.friction.vertices =
         reader_.integer(*vertices, "vertices", kFewestVertices, kMostVertices,
@@ -270,7 +277,7 @@ struct Solid {
   double volume_m3 = 0;
 };
 
-/// Of a shape in the body's frame.
+/// Volume, and mass properties for the mass 1, of a shape in its body's frame.
 Solid solid(const Shape& shape, const std::string& where) {
   Solid result;
   if (const auto* sphere = std::get_if<Sphere>(&shape.kind)) {
@@ -298,7 +305,7 @@ Solid solid(const Shape& shape, const std::string& where) {
   return result;
 }
 
-/// Of all shapes together, mass 1; overlaps count twice.
+/// The same of all shapes of a body together; where they overlap, their volume counts twice.
 Solid united(const std::vector<Shape>& shapes, const std::string& where) {
   Solid sum;
   std::vector<Solid> parts;
@@ -592,7 +599,7 @@ void SceneReader::read_forces() {
   }
 }
 
-EccentricityOverLoad SceneReader::eccentricity_table(const toml::node& node) {
+EccentricityOverLoad SceneReader::eccentricity_table(const toml::node& node) const {
   const toml::table* samples = node.as_table();
   const char* form =
       "{ loads_N = [least, largest], eccentricity_mm = [at least two, evenly spaced in ln P] }";
@@ -612,17 +619,74 @@ EccentricityOverLoad SceneReader::eccentricity_table(const toml::node& node) {
   return table;
 }
 
+ContactModel SceneReader::read_model(const toml::table& table) const {
+  std::vector<std::string> names = {"auto", "rigid", "given", "table"};
+  for (const PressureModel* model : all_pressure_models())
+    if (model->card().hot_path) names.emplace_back(model->card().name);
+  const toml::node* typed = table.get("model");
+  const std::string name = typed ? reader_.choice(*typed, "model", names) : "auto";
+  const toml::node* arm = table.get("eccentricity_mm");
+  const toml::node* samples = table.get("eccentricity_table");
+  if (arm && name != "given") reader_.say(*arm, "eccentricity_mm belongs to model = \"given\"");
+  if (samples && name != "table")
+    reader_.say(*samples, "eccentricity_table belongs to model = \"table\"");
+  if (name == "auto") return AutomaticModel{};
+  if (name == "rigid") return RigidPoint{};
+  if (name == "given") {
+    if (!arm) reader_.say(table, "model = \"given\" needs eccentricity_mm");
+    return GivenEccentricity{reader_.positive(*arm, "eccentricity_mm", kMillimetre)};
+  }
+  if (name == "table") {
+    if (!samples) reader_.say(table, "model = \"table\" needs eccentricity_table");
+    return eccentricity_table(*samples);
+  }
+  return find_pressure_model(name);
+}
+
+/// The law of a [[contact]]; null: the scene's. The solver has one rule for all contacts of a step,
+/// so that facets do not go together with another law.
+const FrictionLaw* SceneReader::read_own_law(const toml::table& table) const {
+  const bool facets = scene_.friction.law == &kFacetsLaw;
+  const toml::node* typed = table.get("friction");
+  const toml::node* exact = table.get("limit_surface");
+  if (typed && exact) reader_.say(*exact, "limit_surface and friction both name the law: give one");
+  if (typed) {
+    const FrictionLaw& law = read_law(*typed);
+    if (facets != (&law == &kFacetsLaw))
+      reader_.say(*typed, "friction = \"facets\" holds for all contacts of a scene or for none");
+    return &law;
+  }
+  if (!exact) return nullptr;
+  if (reader_.boolean(*exact, "limit_surface")) {
+    if (facets) reader_.say(*exact, "limit_surface = true needs a friction other than \"facets\"");
+    return &kLimitSurfaceLaw;
+  }
+  return facets ? nullptr : &kEllipsoidLaw;
+}
+
+ContactRule SceneReader::read_rule(const toml::table& table) const {
+  ContactRule rule;
+  if (const toml::node* friction = table.get("friction_coefficient")) {
+    rule.friction_coefficient =
+        reader_.number(*friction, "friction_coefficient", "a finite number >= 0");
+    if (rule.friction_coefficient < 0)
+      reader_.refuse(*friction, "friction_coefficient", "a finite number >= 0");
+  }
+  rule.model = read_model(table);
+  rule.friction = read_own_law(table);
+  if (const toml::node* collide = table.get("collide"))
+    rule.collide = reader_.boolean(*collide, "collide");
+  return rule;
+}
+
 void SceneReader::read_rules() {
   const std::size_t count = scene_.bodies.size();
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
-  std::vector<std::string> models = {"auto", "rigid", "given", "table"};
-  for (const PressureModel* model : all_pressure_models())
-    if (model->card().hot_path) models.emplace_back(model->card().name);
   for (const toml::table* table : tables("contact", kMostContactRules)) {
     reader_.check_keys(*table, "[[contact]]",
                        {"bodies", "friction_coefficient", "model", "eccentricity_mm",
-                        "eccentricity_table", "limit_surface", "collide"});
+                        "eccentricity_table", "friction", "limit_surface", "collide"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)
@@ -639,38 +703,8 @@ void SceneReader::read_rules() {
       }
       if (chosen[side].empty()) body_named((*names)[side], "bodies", false);  // refuses
     }
-    ContactRule rule;
-    if (const toml::node* friction = table->get("friction_coefficient")) {
-      rule.friction_coefficient =
-          reader_.number(*friction, "friction_coefficient", "a finite number >= 0");
-      if (rule.friction_coefficient < 0)
-        reader_.refuse(*friction, "friction_coefficient", "a finite number >= 0");
-    }
-    if (const toml::node* model = table->get("model"))
-      rule.model = reader_.choice(*model, "model", models);
-    if (const toml::node* arm = table->get("eccentricity_mm")) {
-      if (rule.model != "given") reader_.say(*arm, "eccentricity_mm belongs to model = \"given\"");
-      rule.eccentricity_m = reader_.positive(*arm, "eccentricity_mm", kMillimetre);
-    } else if (rule.model == "given") {
-      reader_.say(*table, "model = \"given\" needs eccentricity_mm");
-    }
-    if (const toml::node* samples = table->get("eccentricity_table")) {
-      if (rule.model != "table")
-        reader_.say(*samples, "eccentricity_table belongs to model = \"table\"");
-      rule.eccentricity_table = eccentricity_table(*samples);
-    } else if (rule.model == "table") {
-      reader_.say(*table, "model = \"table\" needs eccentricity_table");
-    }
-    if (const toml::node* exact = table->get("limit_surface")) {
-      rule.exact_limit_surface = reader_.boolean(*exact, "limit_surface");
-      if (*rule.exact_limit_surface && scene_.friction.rule == FrictionSettings::Rule::facets)
-        reader_.say(*exact,
-                    "limit_surface = true needs friction = \"ellipsoid\" or \"limit_surface\"");
-    }
-    if (const toml::node* collide = table->get("collide"))
-      rule.collide = reader_.boolean(*collide, "collide");
     const int index = int(scene_.rules.size());
-    scene_.rules.push_back(rule);
+    scene_.rules.push_back(read_rule(*table));
     for (const std::size_t a : chosen[0])
       for (const std::size_t b : chosen[1])
         scene_.rule_of_pair[a * count + b] = scene_.rule_of_pair[b * count + a] = index;
@@ -694,7 +728,7 @@ void SceneReader::read() {
   read_motors();
   read_forces();
   read_rules();
-  // Rings, second parents: found by the bodies themselves, of which nothing else is needed here.
+  // Joints in a ring and second parents are found when the bodies are built.
   try {
     Multibody(scene_.descriptions, scene_.joints);
   } catch (const InputError& error) {
@@ -710,7 +744,7 @@ void SceneReader::read() {
 
 namespace {
 
-/// The interval of a time, and how far into it, 0 to 1.
+/// The interval between two of the times that holds `time_s`, and how far into it, 0 to 1.
 std::pair<Eigen::Index, double> find_interval(const std::vector<double>& times, double time_s) {
   const auto next = std::upper_bound(times.begin(), times.end(), time_s);
   const Eigen::Index i = next - times.begin();
@@ -725,7 +759,7 @@ std::pair<Eigen::Index, double> find_interval(const std::vector<double>& times, 
 Eigen::VectorXd TimeTable::value(double time) const {
   const auto [i, part] = find_interval(time_s, time);
   if (part == 0) return values.row(i).transpose();
-  // Ease: 10 x³ - 15 x⁴ + 6 x⁵, at rest and without jerk at both ends.
+  // Eased by 10 x³ - 15 x⁴ + 6 x⁵: velocity and acceleration vanish at both ends.
   const double x = smooth ? part * part * part * (10 + part * (6 * part - 15)) : part;
   return ((1 - x) * values.row(i) + x * values.row(i + 1)).transpose();
 }

@@ -5,20 +5,22 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "comparisons/input/friction_law.h"
 #include "comparisons/input/shape.h"
 #include "softfinger/dynamics/multibody.h"
 #include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/pressure/pressure_model.h"
 
-/// A scene file: bodies, joints, motors and what is asked of them, as written by a user.
+/// A scene as its file describes it: bodies, joints, motors, contacts, and what happens to them.
 namespace softfinger::input {
 
-/// How contacts resist sliding.
+/// How the contacts of a scene resist sliding, where no [[contact]] says otherwise.
 struct FrictionSettings {
-  enum class Rule { ellipsoid, limit_surface, facets };
-  Rule rule = Rule::ellipsoid;
+  const FrictionLaw* law = &kEllipsoidLaw;
   int vertices = 16;  ///< of `facets`
 };
 
@@ -28,22 +30,30 @@ struct SceneBody {
   std::optional<ElasticLayer> layer;  ///< a soft surface on a rigid core
 };
 
-/// e_n over the load, as finite elements or measurements have it.
+/// `model = "auto"`: a point where both bodies are rigid, else the pressure model that
+/// simulation::model_of_contact chooses.
+struct AutomaticModel {};
+/// `model = "rigid"`: a point that carries no torque about the normal.
+struct RigidPoint {};
+/// `model = "given"`: this e_n at any load.
+struct GivenEccentricity {
+  double eccentricity_m = 0;
+};
+/// `model = "table"`: e_n over the load, from finite elements or measurements. The ellipse is that
+/// of the automatic model.
 struct EccentricityOverLoad {
   double least_load_N = 0, largest_load_N = 0;
-  std::vector<double> eccentricity_m;  ///< evenly spaced in ln P; empty: no table
+  std::vector<double> eccentricity_m;  ///< evenly spaced in ln P, at least two
 };
+/// Where e_n of a contact comes from; a pressure model by its name.
+using ContactModel = std::variant<AutomaticModel, RigidPoint, GivenEccentricity,
+                                  EccentricityOverLoad, const PressureModel*>;
 
 /// What holds for the contacts of two bodies.
 struct ContactRule {
   double friction_coefficient = 0.5;
-  /// "auto": a point where both are rigid, else the cheapest model that is valid; or a pressure
-  /// model's name; or "rigid"; or "given": `eccentricity_m` at any load; or "table":
-  /// `eccentricity_table`.
-  std::string model = "auto";
-  double eccentricity_m = 0;
-  EccentricityOverLoad eccentricity_table;
-  std::optional<bool> exact_limit_surface;  ///< none: as the scene's friction has it
+  ContactModel model;
+  const FrictionLaw* friction = nullptr;  ///< null: the scene's
   bool collide = true;
 };
 
@@ -75,7 +85,7 @@ struct Scene {
   std::filesystem::path file;
   std::string text;
   double time_step_s = 1e-3, duration_s = 1;
-  double nominal_load_N = 5;  ///< for which meshes are fitted before their load is known
+  double nominal_load_N = 5;  ///< contact models are chosen and meshes are fitted for this load
   FrictionSettings friction;
   std::vector<SceneBody> bodies;
   std::vector<BodyDescription> descriptions;  ///< of the same bodies
@@ -87,6 +97,10 @@ struct Scene {
 
   const ContactRule& rule(int body, int other) const {
     return rules[std::size_t(rule_of_pair[std::size_t(body) * bodies.size() + std::size_t(other)])];
+  }
+  const FrictionLaw& friction_law(int body, int other) const {
+    const FrictionLaw* own = rule(body, other).friction;
+    return own ? *own : *friction.law;
   }
   std::vector<ContactRule> rules;
   std::vector<int> rule_of_pair;  ///< bodies x bodies

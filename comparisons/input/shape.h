@@ -7,7 +7,7 @@
 
 #include "softfinger/input/triangle_surface.h"
 
-/// What bodies of a scene look like, to the collision detection and to the eye.
+/// The shapes of bodies in a scene, for collision detection and for pictures.
 namespace softfinger::input {
 
 struct Sphere {

@@ -111,26 +111,29 @@ std::string final_contacts(const Recording& recording, const std::vector<Contact
     rows += fmt::format(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td>"
-        "<td class=\"words\">{}</td></tr>\n",
+        "<td class=\"words\">{}</td><td class=\"words\">{}</td></tr>\n",
         escape(track_name(recording, tracks, track)), significant(contact.normal_force_N),
         significant(tangential_force_N(contact)), significant(1e3 * contact.torque_Nm),
         is_point ? "point" : significant(1e3 * contact.semi_axis_a_m, 3),
         is_point ? "" : significant(1e3 * contact.semi_axis_b_m, 3),
         significant(contact.friction_coefficient, 3), significant(1e3 * contact.eccentricity_m, 3),
         significant(contact.utilisation, 3), is_point ? "–" : significant(exact_utilisation, 3),
-        contact.slides ? "slides" : "sticks", escape(contact.model));
+        contact.slides ? "slides" : "sticks", escape(contact.model),
+        escape(std::string(contact.friction->name)));
   }
   return out +
-         "<p>Forces and torque act on the second body of a pair. Utilisation is that of the "
-         "friction ellipsoid with the e<sub>n</sub> of the table, and of the exact limit surface "
-         "of the ellipse; 1 is the limit.</p>\n" +
+         "<p>Forces and torque act on the second body of a pair. Utilisation says how much of its "
+         "limit a contact uses, 1 at the limit: by the friction law in the last column with the "
+         "e<sub>n</sub> of the table (facets by the ellipsoid around them), and by the exact "
+         "limit surface of the ellipse.</p>\n" +
          table(heading("contact") + heading("normal force P", "N") +
                    heading("tangential force", "N") + heading("torque", "mN·m") +
                    heading("a", "mm") + heading("b", "mm") + heading("μ") +
                    heading("e<sub>n</sub>", "mm") + heading("utilisation") +
                    heading("exact utilisation") +
                    "<th scope=\"col\" class=\"words\">state</th>"
-                   "<th scope=\"col\" class=\"words\">pressure model</th>",
+                   "<th scope=\"col\" class=\"words\">pressure model</th>"
+                   "<th scope=\"col\" class=\"words\">friction law</th>",
                rows);
 }
 

@@ -1,6 +1,6 @@
 #include "comparisons/simulation/contact_model.h"
 
-#include <string>
+#include <variant>
 
 namespace softfinger::simulation {
 
@@ -9,15 +9,17 @@ const PressureModel* model_of_contact(const input::Scene& scene, int a, int b,
   const input::ContactRule& rule = scene.rule(a, b);
   const auto& layer_a = scene.bodies[std::size_t(a)].layer;
   const auto& layer_b = scene.bodies[std::size_t(b)].layer;
-  if (rule.model == "rigid" || rule.model == "given" || (!layer_a && !layer_b)) return nullptr;
+  if (std::holds_alternative<input::RigidPoint>(rule.model) ||
+      std::holds_alternative<input::GivenEccentricity>(rule.model) || (!layer_a && !layer_b))
+    return nullptr;
   problem = {};
   problem.radii = radii;
   problem.layer = layer_a ? *layer_a : *layer_b;
   if (layer_a && layer_b) problem.object_layer = *layer_b;
   problem.load = {scene.nominal_load_N, rule.friction_coefficient};
-  if (rule.model != "auto" && rule.model != "table") return find_pressure_model(rule.model);
-  // The bonded layer holds for every load and thickness at the price of a microsecond; the closed
-  // forms are cheaper, and right in places. Where it has no answer, one of them may.
+  if (const auto* named = std::get_if<const PressureModel*>(&rule.model)) return *named;
+  // The bonded layer holds for every load and thickness and takes a microsecond. Closed forms are
+  // cheaper, but hold in part of that range only: they serve where the bonded layer has no answer.
   const PressureModel* best = find_pressure_model("bonded_layer");
   if (best->predict(problem).has_answer) return best;
   for (const PressureModel* model : all_pressure_models())

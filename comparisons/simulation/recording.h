@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/input/friction_law.h"
 #include "comparisons/input/shape.h"
 #include "softfinger/input/contact_problem.h"
 
-/// What a simulation leaves: poses and contacts over time, for files and for the page.
+/// What is kept of a simulation: poses and contacts over time, for files and for the page.
 namespace softfinger::simulation {
 
 struct RecordedBody {
@@ -29,10 +30,12 @@ struct RecordedContact {
   double friction_coefficient = 0;
   double eccentricity_m = 0;       ///< e_n that was used; 0: carries no torque
   double pressure_exponent = 0.5;  ///< n of the exact limit surface
-  /// Of the friction ellipsoid, sqrt(f² + (tau/e_n)²)/(mu P): 1 at the limit.
+  const input::FrictionLaw* friction = &input::kEllipsoidLaw;  ///< that held
+  /// How much of its friction limit the contact uses, 1 at the limit: by its law. For facets by the
+  /// ellipsoid on which their corners lie, so that a contact may slide at a little less than 1.
   double utilisation = 0;
-  bool slides = false;
-  std::string model;  ///< "rigid", or the pressure model
+  bool slides = false;  ///< as the solver decided
+  std::string model;    ///< "rigid", or the pressure model
 };
 
 struct Frame {

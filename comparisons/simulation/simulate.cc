@@ -7,6 +7,9 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <memory>
+#include <unordered_map>
+#include <variant>
 
 #include "comparisons/input/recorded_contacts.h"
 #include "comparisons/prediction/equivalent_exponent.h"
@@ -20,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// e_n at a load by a pressure model, asked anew each time: it takes a microsecond.
+/// e_n at a load by a pressure model. Nothing is kept, for the model takes only a microsecond.
 class ModelEccentricity final : public EccentricityLaw {
  public:
   ModelEccentricity(const PressureModel& model, const ContactProblem& problem)
@@ -44,82 +47,145 @@ class ModelEccentricity final : public EccentricityLaw {
 /// The touching points of the bodies as contacts with friction.
 class SceneContacts final : public ContactFinder {
  public:
-  explicit SceneContacts(const input::Scene& scene)
-      : scene_(scene),
-        all_exact_(scene.friction.rule == input::FrictionSettings::Rule::limit_surface),
-        detector_(scene) {
+  /// What a contact was made of.
+  struct Origin {
+    RelativeRadii radii{0, 0, 0};                 ///< zero: a point contact
+    const ModelEccentricity* pressure = nullptr;  ///< null: no pressure model
+    const input::FrictionLaw* friction = nullptr;
+  };
+
+  explicit SceneContacts(const input::Scene& scene) : scene_(scene), detector_(scene) {
     for (const input::ContactRule& rule : scene.rules)
-      if (const auto& table = rule.eccentricity_table; !table.eccentricity_m.empty())
-        tables_.emplace(&rule, SampledEccentricity(table.least_load_N, table.largest_load_N,
-                                                   table.eccentricity_m));
+      if (const auto* table = std::get_if<input::EccentricityOverLoad>(&rule.model))
+        tables_.emplace(&rule, SampledEccentricity(table->least_load_N, table->largest_load_N,
+                                                   table->eccentricity_m));
   }
 
   void find(const Multibody& bodies, double time_step_s, std::vector<Contact>& contacts) override {
     points_.clear();
-    laws_.clear();
-    law_of_point_.clear();
+    origins_.clear();
+    pressures_.clear();
     shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
-    for (const TouchingPoint& point : points_) {
-      const input::ContactRule& rule = scene_.rule(point.a, point.b);
-      Contact contact;
-      contact.a = point.a;
-      contact.b = point.b;
-      contact.point_m = point.point_m;
-      contact.axes = point.axes;
-      contact.gap_m = point.gap_m;
-      contact.friction_coefficient = rule.friction_coefficient;
-      contact.eccentricity_m = rule.model == "given" ? rule.eccentricity_m : 0;
-      contact.id = point.id;
-      ContactProblem problem;
-      const PressureModel* model =
-          point.elliptic ? model_of_contact(scene_, point.a, point.b, point.radii, problem)
-                         : nullptr;
-      if (model) {
-        laws_.emplace_back(*model, problem);
-        contact.eccentricity_law = &laws_.back();
-        if (const auto table = tables_.find(&rule); table != tables_.end())
-          contact.eccentricity_law = &table->second;
-        if (rule.exact_limit_surface.value_or(all_exact_)) {
-          // The shape changes little with the load: that of the nominal one.
-          const Prediction nominal = laws_.back().predict(scene_.nominal_load_N);
-          if (nominal.has_answer) {
-            shapes_.emplace_back(nominal.b_m / nominal.a_m,
-                                 prediction::equivalent_exponent(nominal));
-            contact.shape = &shapes_.back();
-          }
-        }
-      }
-      law_of_point_.push_back(model ? &laws_.back() : nullptr);
-      contacts.push_back(contact);
-    }
+    for (const TouchingPoint& point : points_) contacts.push_back(contact_at(point));
   }
 
   CollisionDetector& detector() { return detector_; }
-  const ModelEccentricity* law(const Contact& contact) const {
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      if (points_[i].id == contact.id) return law_of_point_[i];
-    return nullptr;
-  }
-  RelativeRadii radii(const Contact& contact) const {
-    for (const TouchingPoint& point : points_)
-      if (point.id == contact.id && point.elliptic) return point.radii;
-    return {0, 0, 0};
-  }
+  /// Of a contact of the last `find`.
+  const Origin& origin(const Contact& contact) const { return origins_.at(contact.id); }
 
  private:
+  Contact contact_at(const TouchingPoint& point) {
+    const input::ContactRule& rule = scene_.rule(point.a, point.b);
+    Contact contact;
+    contact.a = point.a;
+    contact.b = point.b;
+    contact.point_m = point.point_m;
+    contact.axes = point.axes;
+    contact.gap_m = point.gap_m;
+    contact.friction_coefficient = rule.friction_coefficient;
+    if (const auto* given = std::get_if<input::GivenEccentricity>(&rule.model))
+      contact.eccentricity_m = given->eccentricity_m;
+    contact.id = point.id;
+    Origin& origin = origins_[point.id];
+    origin.friction = &scene_.friction_law(point.a, point.b);
+    if (point.elliptic) {
+      origin.radii = point.radii;
+      add_pressure(point, rule, origin, contact);
+    }
+    // Where no pressure is known, what a law makes of it is not known either.
+    if (origin.friction->shape && !contact.shape) origin.friction = &input::kEllipsoidLaw;
+    return contact;
+  }
+
+  void add_pressure(const TouchingPoint& point, const input::ContactRule& rule, Origin& origin,
+                    Contact& contact) {
+    ContactProblem problem;
+    const PressureModel* model = model_of_contact(scene_, point.a, point.b, point.radii, problem);
+    if (!model) return;
+    origin.pressure = &pressures_.emplace_back(*model, problem);
+    contact.eccentricity_law = origin.pressure;
+    if (const auto table = tables_.find(&rule); table != tables_.end())
+      contact.eccentricity_law = &table->second;
+    if (!origin.friction->shape) return;
+    // The shape changes little with the load: that of the nominal one.
+    const Prediction nominal = origin.pressure->predict(scene_.nominal_load_N);
+    if (!nominal.has_answer) return;
+    shapes_.push_back(origin.friction->shape(nominal.b_m / nominal.a_m,
+                                             prediction::equivalent_exponent(nominal)));
+    contact.shape = shapes_.back().get();
+  }
+
   const input::Scene& scene_;
-  bool all_exact_;
   std::map<const input::ContactRule*, SampledEccentricity> tables_;
   CollisionDetector detector_;
   std::vector<TouchingPoint> points_;
-  std::deque<ModelEccentricity> laws_;  ///< deques: contacts point into them
-  std::deque<LimitSurfaceShape> shapes_;
-  std::vector<const ModelEccentricity*> law_of_point_;
+  std::unordered_map<long, Origin> origins_;  ///< by the contact's id
+  std::deque<ModelEccentricity> pressures_;   ///< a deque: contacts point into it
+  std::vector<std::unique_ptr<const FrictionShape>> shapes_;
 };
 
-Frame frame(const TimeStepper& stepper, const input::Scene& scene, const SceneContacts& finder,
-            bool with_contacts) {
+/// A contact sticks when its slip is below this, in m/s: a nanometre per second, or the error of
+/// the solver's velocities, where that is larger.
+double least_slip_m_per_s(const TimeStepper& stepper, const StepResult& step) {
+  return std::max(1e-9,
+                  step.lcp.residual * stepper.problem().free_velocity.lpNorm<Eigen::Infinity>());
+}
+
+/// See RecordedContact. @param shape  that the law built for the contact; null: the ellipsoid
+double utilisation(const RecordedContact& contact, const FrictionShape* shape) {
+  const double limit_N = contact.friction_coefficient * contact.normal_force_N;
+  // A contact without e_n has no torque; round-off of it would have an infinite utilisation.
+  const double torque_Nm = contact.eccentricity_m > 0 ? contact.torque_Nm : 0;
+  const double used =
+      shape && contact.eccentricity_m > 0
+          ? friction_gauge(shape,
+                           Eigen::Vector3d(contact.tangent_force_1_N, contact.tangent_force_2_N,
+                                           torque_Nm / contact.eccentricity_m)) /
+                limit_N
+          : FrictionEllipsoid{limit_N, contact.eccentricity_m}.utilisation(
+                contact.tangent_force_1_N, contact.tangent_force_2_N, torque_Nm);
+  return std::isfinite(used) ? used : 0;
+}
+
+RecordedContact recorded(const TimeStepper& stepper, int index, const SceneContacts& finder,
+                         const input::Scene& scene, double least_slip_m_per_s) {
+  const Contact& contact = stepper.contacts()[std::size_t(index)];
+  const ContactWrench wrench = stepper.wrench(index);
+  const SceneContacts::Origin& origin = finder.origin(contact);
+  RecordedContact result;
+  result.a = contact.a;
+  result.b = contact.b;
+  result.point_m = contact.point_m;
+  result.axes = contact.axes;
+  result.normal_force_N = wrench.normal_force_N;
+  result.tangent_force_1_N = wrench.tangent_force_1_N;
+  result.tangent_force_2_N = wrench.tangent_force_2_N;
+  result.torque_Nm = wrench.torque_Nm;
+  result.friction_coefficient = contact.friction_coefficient;
+  result.eccentricity_m = stepper.eccentricity_m(index);
+  result.friction = origin.friction;
+  result.radii = origin.radii;
+  result.model =
+      std::holds_alternative<input::GivenEccentricity>(scene.rule(contact.a, contact.b).model)
+          ? "given"
+          : "rigid";
+  if (origin.pressure) {
+    const Prediction prediction = origin.pressure->predict(wrench.normal_force_N);
+    result.semi_axis_a_m = prediction.a_m;
+    result.semi_axis_b_m = prediction.b_m;
+    result.pressure_exponent = prediction::equivalent_exponent(prediction);
+    result.model = std::string(origin.pressure->model().card().name);
+  }
+  result.utilisation = utilisation(result, contact.shape);
+  // The solver's own decision: its slip lambda is complementary to what is left of the friction
+  // limit, so that it is not zero only where the contact is at the limit of its law.
+  result.slides = stepper.solution().slip[index] > least_slip_m_per_s;
+  return result;
+}
+
+/// The bodies where they are, without contacts.
+Frame bodies_now(const TimeStepper& stepper) {
   const Multibody& bodies = stepper.bodies();
   Frame result;
   result.time_s = stepper.time_s();
@@ -131,47 +197,22 @@ Frame frame(const TimeStepper& stepper, const input::Scene& scene, const SceneCo
     result.angular_velocities_rad_per_s.push_back(bodies.moves(b) ? bodies.angular_velocity(b)
                                                                   : Eigen::Vector3d::Zero());
   }
-  if (!with_contacts) return result;
-  for (int i = 0; i < int(stepper.contacts().size()); ++i) {
-    const Contact& contact = stepper.contacts()[std::size_t(i)];
-    const ContactWrench wrench = stepper.wrench(i);
-    if (!(wrench.normal_force_N > 0)) continue;
-    RecordedContact recorded;
-    recorded.a = contact.a;
-    recorded.b = contact.b;
-    recorded.point_m = contact.point_m;
-    recorded.axes = contact.axes;
-    recorded.normal_force_N = wrench.normal_force_N;
-    recorded.tangent_force_1_N = wrench.tangent_force_1_N;
-    recorded.tangent_force_2_N = wrench.tangent_force_2_N;
-    recorded.torque_Nm = wrench.torque_Nm;
-    recorded.friction_coefficient = contact.friction_coefficient;
-    recorded.eccentricity_m = stepper.eccentricity_m(i);
-    recorded.model = scene.rule(contact.a, contact.b).model == "given" ? "given" : "rigid";
-    recorded.radii = finder.radii(contact);
-    if (const ModelEccentricity* law = finder.law(contact)) {
-      const Prediction prediction = law->predict(wrench.normal_force_N);
-      recorded.semi_axis_a_m = prediction.a_m;
-      recorded.semi_axis_b_m = prediction.b_m;
-      recorded.pressure_exponent = prediction::equivalent_exponent(prediction);
-      recorded.model = std::string(law->model().card().name);
-    }
-    const FrictionEllipsoid ellipsoid{contact.friction_coefficient * wrench.normal_force_N,
-                                      recorded.eccentricity_m};
-    // A contact without e_n has no torque; round-off of it would have an infinite utilisation.
-    recorded.utilisation =
-        ellipsoid.utilisation(wrench.tangent_force_1_N, wrench.tangent_force_2_N,
-                              recorded.eccentricity_m > 0 ? wrench.torque_Nm : 0);
-    if (!std::isfinite(recorded.utilisation)) recorded.utilisation = 0;
-    const Eigen::Vector4d velocity = stepper.contact_velocity(i);
-    const double slip = std::hypot(velocity[1], velocity[2], recorded.eccentricity_m * velocity[3]);
-    recorded.slides = slip > 1e-9 && recorded.utilisation > 1 - 1e-6;
-    result.contacts.push_back(recorded);
-  }
   return result;
 }
 
-/// Forces near the largest numbers leave a solved step that no file should hold.
+/// The bodies and their contacts at the end of a step.
+Frame frame_after(const StepResult& step, const TimeStepper& stepper, const SceneContacts& finder,
+                  const input::Scene& scene) {
+  Frame result = bodies_now(stepper);
+  const double least_slip = least_slip_m_per_s(stepper, step);
+  for (int i = 0; i < int(stepper.contacts().size()); ++i)
+    if (stepper.wrench(i).normal_force_N > 0)
+      result.contacts.push_back(recorded(stepper, i, finder, scene, least_slip));
+  return result;
+}
+
+/// Forces near the largest floating-point numbers can overflow in a step that counts as solved. No
+/// file should hold the result.
 bool is_finite(const Frame& frame) {
   bool finite = true;
   for (std::size_t b = 0; b < frame.poses.size(); ++b)
@@ -209,6 +250,72 @@ std::string describe_failure(const TimeStepper& stepper, const StepResult& step)
                      stepper.time_s(), what, contacts);
 }
 
+/// The solver has one rule for all contacts of a step. A contact without a shape of its own has the
+/// ellipsoid under the rule for shapes, so that this rule holds ellipsoids and shapes together; the
+/// scene's reader sees to it that facets are not mixed with others.
+FrictionRule solver_rule(const input::Scene& scene) {
+  for (const input::ContactRule& rule : scene.rules)
+    if (rule.friction && rule.friction->shape) return rule.friction->solver_rule;
+  return scene.friction.law->solver_rule;
+}
+
+TimeStepper stepper_of(const input::Scene& scene) {
+  TimeStepper::Options options;
+  options.time_step_s = scene.time_step_s;
+  options.friction_rule = solver_rule(scene);
+  const LinearisedFriction facets(scene.friction.vertices);
+  options.friction_vertices.resize(3, facets.count());
+  for (int i = 0; i < facets.count(); ++i)
+    options.friction_vertices.col(i) = facets.vertices()[std::size_t(i)];
+  TimeStepper stepper(Multibody(scene.descriptions, scene.joints), scene.motors, options);
+  for (const input::ForceOverTime& force : scene.forces)
+    stepper.applied_forces().push_back(
+        {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+  return stepper;
+}
+
+/// Sets gravity, motors and forces to what the scene wants at the end of the coming step.
+void command(TimeStepper& stepper, const input::Scene& scene) {
+  const double time_s = stepper.time_s() + scene.time_step_s;
+  stepper.set_gravity(scene.gravity.value(time_s));
+  for (const input::Motion& motion : scene.motions) {
+    Motor& motor = stepper.motors()[std::size_t(motion.motor)];
+    if (motion.is_effort) {
+      motor.feed_forward = motion.table.value(time_s)[0];
+    } else {
+      motor.target = motion.table.value(time_s)[0];
+      motor.target_velocity = motion.table.rate(time_s)[0];
+    }
+  }
+  for (std::size_t f = 0; f < scene.forces.size(); ++f) {
+    const Eigen::VectorXd values = scene.forces[f].table.value(time_s);
+    stepper.applied_forces()[f].force_N = values.head<3>();
+    stepper.applied_forces()[f].torque_Nm = values.tail<3>();
+  }
+}
+
+Recording empty_recording(const input::Scene& scene, const Multibody& bodies) {
+  Recording recording;
+  recording.scene = scene.id;
+  recording.question = scene.question;
+  recording.time_step_s = scene.time_step_s;
+  for (int b = 0; b < bodies.bodies(); ++b) {
+    const input::SceneBody& body = scene.bodies[std::size_t(b)];
+    recording.bodies.push_back({body.name, bodies.moves(b), body.shapes});
+  }
+  return recording;
+}
+
+/// Counts a step that is done.
+void count(const StepResult& step, Simulation& result) {
+  ++result.steps;
+  result.max_residual = std::max(result.max_residual, step.lcp.residual);
+  result.most_contacts = std::max(result.most_contacts, step.contacts);
+  result.most_load_iterations = std::max(result.most_load_iterations, step.load_iterations);
+  result.max_load_disagreement = std::max(result.max_load_disagreement, step.load_disagreement);
+  result.motor_disagreements += !step.motors_agree;
+}
+
 }  // namespace
 
 double percentile(std::vector<double> values, double p) {
@@ -220,35 +327,12 @@ double percentile(std::vector<double> values, double p) {
 
 Simulation simulate(const input::Scene& scene, const SimulationOptions& options) {
   Simulation result;
-  TimeStepper::Options stepping;
-  stepping.time_step_s = scene.time_step_s;
-  const bool some_exact = std::any_of(
-      scene.rules.begin(), scene.rules.end(),
-      [](const input::ContactRule& rule) { return rule.exact_limit_surface.value_or(false); });
-  stepping.friction_rule =
-      scene.friction.rule == input::FrictionSettings::Rule::facets ? FrictionRule::facets
-      : some_exact || scene.friction.rule == input::FrictionSettings::Rule::limit_surface
-          ? FrictionRule::limit_surface
-          : FrictionRule::ellipsoid;
-  const LinearisedFriction facets(scene.friction.vertices);
-  stepping.friction_vertices.resize(3, facets.count());
-  for (int i = 0; i < facets.count(); ++i)
-    stepping.friction_vertices.col(i) = facets.vertices()[std::size_t(i)];
-  TimeStepper stepper(Multibody(scene.descriptions, scene.joints), scene.motors, stepping);
+  TimeStepper stepper = stepper_of(scene);
   SceneContacts finder(scene);
   finder.detector().require_no_overlap(stepper.bodies());
-  for (const input::ForceOverTime& force : scene.forces)
-    stepper.applied_forces().push_back(
-        {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
-
   Recording& recording = result.recording;
-  recording.scene = scene.id;
-  recording.question = scene.question;
-  recording.time_step_s = scene.time_step_s;
-  for (int b = 0; b < stepper.bodies().bodies(); ++b)
-    recording.bodies.push_back({scene.bodies[std::size_t(b)].name, stepper.bodies().moves(b),
-                                scene.bodies[std::size_t(b)].shapes});
-  recording.frames.push_back(frame(stepper, scene, finder, false));
+  recording = empty_recording(scene, stepper.bodies());
+  recording.frames.push_back(bodies_now(stepper));
 
   for (int step = 0; step < scene.steps(); ++step) {
     if (!options.go_on(step)) {
@@ -256,28 +340,12 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
       break;
     }
     const auto start = Clock::now();
-    // What is commanded holds at the end of the step.
-    const double time_s = stepper.time_s() + scene.time_step_s;
-    stepper.set_gravity(scene.gravity.value(time_s));
-    for (const input::Motion& motion : scene.motions) {
-      Motor& motor = stepper.motors()[std::size_t(motion.motor)];
-      if (motion.is_effort) {
-        motor.feed_forward = motion.table.value(time_s)[0];
-      } else {
-        motor.target = motion.table.value(time_s)[0];
-        motor.target_velocity = motion.table.rate(time_s)[0];
-      }
-    }
-    for (std::size_t f = 0; f < scene.forces.size(); ++f) {
-      const Eigen::VectorXd values = scene.forces[f].table.value(time_s);
-      stepper.applied_forces()[f].force_N = values.head<3>();
-      stepper.applied_forces()[f].torque_Nm = values.tail<3>();
-    }
+    command(stepper, scene);
     const StepResult stepped = stepper.step(finder);
     result.step_ms.push_back(
         std::chrono::duration<double, std::milli>(Clock::now() - start).count());
     if (!options.record_lcp.empty() && stepper.problem().contacts() > 0)
-      input::write_recorded_contacts(stepper.problem(), stepping.friction_vertices,
+      input::write_recorded_contacts(stepper.problem(), stepper.options().friction_vertices,
                                      fmt::format("{} step {}", scene.id, step + 1),
                                      options.record_lcp / fmt::format("step_{:06d}.txt", step + 1));
     if (!stepped.done()) {
@@ -285,21 +353,15 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
       result.failure = describe_failure(stepper, stepped);
       break;
     }
-    Frame reached = frame(stepper, scene, finder, true);
+    Frame reached = frame_after(stepped, stepper, finder, scene);
     if (!is_finite(reached)) {
       result.failure = fmt::format(
-          "step {} at {:.6g} s moves bodies out of all numbers; hint: look for a force, mass or "
-          "velocity that is too large or too small by powers of ten",
+          "step {} at {:.6g} s gives positions, velocities or forces that are not finite; hint: "
+          "look for a force, mass or velocity that is too large or too small by powers of ten",
           stepper.steps(), stepper.time_s());
       break;
     }
-    ++result.steps;
-    result.max_residual = std::max(result.max_residual, stepped.lcp.residual);
-    result.most_contacts = std::max(result.most_contacts, stepped.contacts);
-    result.most_load_iterations = std::max(result.most_load_iterations, stepped.load_iterations);
-    result.max_load_disagreement =
-        std::max(result.max_load_disagreement, stepped.load_disagreement);
-    result.motor_disagreements += !stepped.motors_agree;
+    count(stepped, result);
     recording.frames.push_back(std::move(reached));
   }
   for (const double ms : result.step_ms) result.wall_s += 1e-3 * ms;

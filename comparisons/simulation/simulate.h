@@ -29,11 +29,11 @@ struct Simulation {
   double max_residual = 0;
   int most_contacts = 0;
   int quadric_fits = 0;
-  /// e_n depends on the load, the load is part of the solution: how often they were brought to
-  /// agreement within a step, and how far they were apart at worst, relative.
-  int most_load_iterations = 0;
-  double max_load_disagreement = 0;
-  int motor_disagreements = 0;  ///< steps whose motors did not settle within their limits
+  /// e_n depends on the load, and the load is part of the solution: a step repeats until they
+  /// agree.
+  int most_load_iterations = 0;      ///< of a step
+  double max_load_disagreement = 0;  ///< at the end of a step, relative
+  int motor_disagreements = 0;       ///< steps whose motors did not settle within their limits
 };
 
 /// Runs a scene from its start.

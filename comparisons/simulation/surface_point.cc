@@ -1,6 +1,5 @@
 #include "comparisons/simulation/surface_point.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,14 +12,14 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Below that part of a shape's size a point lies on the edge.
+/// A point lies on an edge when it is nearer to it than this part of the shape's size.
 constexpr double kOnEdge = 1e-9;
 
 Matrix3d tangential(const Vector3d& normal) {
   return Matrix3d::Identity() - normal * normal.transpose();
 }
 
-/// Any direction stands for that of a vanishing vector.
+/// The direction of a vector; `otherwise` for the zero vector, which has none.
 Vector3d direction_of(const Vector3d& vector, const Vector3d& otherwise) {
   const double length = vector.norm();
   return length > 0 ? Vector3d(vector / length) : otherwise;
@@ -253,6 +252,31 @@ double bounding_radius_m(const input::ShapeKind& kind) {
     square += reach * reach;
   }
   return std::sqrt(square);
+}
+
+Vector3d Part::local_point(const Vector3d& point_m) const { return pose.inverse() * point_m; }
+
+Vector3d Part::local_direction(const Vector3d& direction) const {
+  return pose.linear().transpose() * direction;
+}
+
+Matrix3d any_axes(const Vector3d& normal) {
+  int least = 0;
+  normal.cwiseAbs().minCoeff(&least);
+  Matrix3d axes;
+  axes.col(2) = normal;
+  axes.col(0) = Vector3d::Unit(least).cross(normal).normalized();
+  axes.col(1) = normal.cross(axes.col(0));
+  return axes;
+}
+
+SurfacePoint surface(const Part& part, const std::optional<QuadricFit>& fit,
+                     const Vector3d& point_m) {
+  const Vector3d place = part.local_point(point_m);
+  const SurfacePoint local = fit ? surface_near(*fit, place) : surface_near(part.kind(), place);
+  const Matrix3d turn = part.pose.linear();
+  return {part.pose * local.point_m, turn * local.normal,
+          turn * local.curvature_per_m * turn.transpose(), local.smooth};
 }
 
 }  // namespace softfinger::simulation

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "comparisons/input/shape.h"
@@ -38,5 +40,27 @@ std::vector<Eigen::Vector3d> bearing_points(const input::ShapeKind& kind,
 /// Half the diagonal of the box around the shape, about its frame's origin; infinite for a
 /// half-space.
 double bounding_radius_m(const input::ShapeKind& kind);
+
+/// A shape of a body, in the scene's list.
+struct Part {
+  int body = -1;
+  const input::Shape* shape = nullptr;
+  double radius_m = 0;                                     ///< of a ball around it
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< in the world, now
+
+  const input::ShapeKind& kind() const { return shape->kind; }
+  bool is_mesh() const { return std::holds_alternative<input::Mesh>(kind()); }
+  bool is_half_space() const { return std::holds_alternative<input::HalfSpace>(kind()); }
+  /// A point or a direction of the world in the shape's frame.
+  Eigen::Vector3d local_point(const Eigen::Vector3d& point_m) const;
+  Eigen::Vector3d local_direction(const Eigen::Vector3d& direction) const;
+};
+
+/// Two tangents and the normal; the tangents depend on the normal alone.
+Eigen::Matrix3d any_axes(const Eigen::Vector3d& normal);
+
+/// The surface of a part near a point, all in the world. @param fit  of a mesh, in its frame
+SurfacePoint surface(const Part& part, const std::optional<QuadricFit>& fit,
+                     const Eigen::Vector3d& point_m);
 
 }  // namespace softfinger::simulation

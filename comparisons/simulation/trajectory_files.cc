@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-/// w >= 0: the same turn always reads the same.
+/// q and -q are the same rotation: the one with w >= 0 is written.
 Eigen::Vector4d quaternion_wxyz(const Eigen::Isometry3d& pose) {
   const Eigen::Quaterniond turn(pose.linear());
   const Eigen::Vector4d wxyz(turn.w(), turn.x(), turn.y(), turn.z());
@@ -105,7 +105,8 @@ json described(const RecordedContact& contact) {
           {"pressure_exponent", contact.pressure_exponent},
           {"utilisation", contact.utilisation},
           {"slides", contact.slides},
-          {"model", contact.model}};
+          {"model", contact.model},
+          {"friction_law", std::string(contact.friction->name)}};
 }
 
 /// Points, cells and what they carry, as a VTU file: arrays in base64, exact and short.
@@ -201,7 +202,7 @@ std::string bodies_vtu(const Frame& frame,
   return grid.text();
 }
 
-/// What is said of each contact, for its point and for its ellipse.
+/// The data of each contact, for its point and for its ellipse.
 struct ContactColumns {
   std::vector<double> normal_forces_N, tangential_forces_N, torques_Nm, semi_axes_m, utilisations;
   std::vector<std::int32_t> bodies;
@@ -288,7 +289,7 @@ std::string contacts_csv(const Recording& recording) {
       "semi_axis_a_m,semi_axis_b_m,long_axis_x,long_axis_y,long_axis_z,"
       "normal_force_N,tangential_force_x_N,tangential_force_y_N,tangential_force_z_N,"
       "torque_about_normal_Nm,friction_coefficient,eccentricity_m,pressure_exponent,utilisation,"
-      "slides,model\n";
+      "slides,model,friction_law\n";
   for (const Frame& frame : recording.frames)
     for (const RecordedContact& contact : frame.contacts) {
       CsvRow row(csv);
@@ -308,6 +309,7 @@ std::string contacts_csv(const Recording& recording) {
         row.append(number);
       row.append(std::string(contact.slides ? "true" : "false"));
       row.append(contact.model);
+      row.append(std::string(contact.friction->name));
     }
   return csv;
 }
@@ -346,7 +348,7 @@ void write_trajectory(const Recording& recording, const std::filesystem::path& f
       {{folder / "trajectory.csv", trajectory_csv(recording)},
        {folder / "contacts.csv", contacts_csv(recording)},
        {folder / "trajectory.json",
-        // A replaced byte is better than no file when a name was not UTF-8.
+        // Names may hold bytes that are not UTF-8: these are replaced.
         trajectory_json(recording).dump(-1, ' ', false, json::error_handler_t::replace) + "\n"}});
 }
 
@@ -374,7 +376,7 @@ void write_vtu(const Recording& recording, const std::filesystem::path& folder, 
                                 frame.time_s, part++, kind, name);
     }
   }
-  // Last: it names files that all exist.
+  // Written last, so that all files that it names exist.
   system::write_file_atomically(
       folder / "motion.pvd",
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "

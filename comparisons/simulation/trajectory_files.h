@@ -20,7 +20,7 @@ std::string trajectory_csv(const Recording& recording);
 ///   time_s, body_a, body_b, point_x_m, ..., normal_x, ... (from a to b), semi_axis_a_m,
 ///   semi_axis_b_m (0: a point), long_axis_x, ..., normal_force_N, tangential_force_x_N, ... and
 ///   torque_about_normal_Nm (both on b), friction_coefficient, eccentricity_m, pressure_exponent,
-///   utilisation, slides (true or false), model
+///   utilisation, slides (true or false), model, friction_law
 /// @throws std::out_of_range when a contact names a body that does not exist.
 std::string contacts_csv(const Recording& recording);
 
@@ -33,7 +33,8 @@ std::string contacts_csv(const Recording& recording);
 ///                   "contacts": [ { "a", "b" (indices of bodies), "point_m", "normal",
 ///                     "long_axis", "semi_axes_m", "normal_force_N", "tangential_force_N",
 ///                     "torque_about_normal_Nm", "friction_coefficient", "eccentricity_m",
-///                     "pressure_exponent", "utilisation", "slides", "model" } ] } ] }
+///                     "pressure_exponent", "utilisation", "slides", "model",
+///                     "friction_law" } ] } ] }
 nlohmann::json trajectory_json(const Recording& recording);
 
 /// trajectory.csv, contacts.csv and trajectory.json in a folder that exists, all or none.

@@ -18,8 +18,8 @@ TriangleSurface triangulate(const input::Shape& shape, double half_space_width_m
 /// (Eigen's isEmpty) when there is nothing else.
 Eigen::AlignedBox3d extent_of(const Recording& recording);
 
-/// Side of the square that stands for a half-space: the motion lies well within it, whatever the
-/// half-space's pose. 1 m when there is no motion to cover.
+/// Side of the square that is drawn for a half-space. The motion lies well within it at any pose of
+/// the half-space. 1 m when there is no motion to cover.
 double half_space_width_m(const Recording& recording);
 
 }  // namespace softfinger::simulation

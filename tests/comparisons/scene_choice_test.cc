@@ -77,7 +77,7 @@ TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
       return largest_Nm;
     };
     input::Scene layer = scene;
-    for (auto& rule : layer.rules) rule.model = "bonded_layer";
+    for (auto& rule : layer.rules) rule.model = find_pressure_model("bonded_layer");
     // The load hardly changes, and ends of a table are samples.
     EXPECT_NEAR(largest_torque(choice.scene) / largest_torque(layer), factor, 1e-6);
   }

@@ -126,6 +126,7 @@ TEST_F(TrajectoryFiles, CsvGivesEveryContactBackExactly) {
         EXPECT_EQ(table.number(row, column), value) << column;
       EXPECT_EQ(table.text(row, "slides"), contact.slides ? "true" : "false");
       EXPECT_EQ(table.text(row, "model"), contact.model);
+      EXPECT_EQ(table.text(row, "friction_law"), contact.friction->name);
       ++row;
     }
   EXPECT_EQ(row, table.rows.size());

@@ -139,6 +139,15 @@ TEST(FollowContacts, ContinuesATrackAfterAGap) {
   EXPECT_TRUE(tracks[0].contacts[19] && !tracks[0].contacts[30] && tracks[0].contacts[40]);
 }
 
+/// Seven numbers as motion.js reads them: the position, then the quaternion x, y, z, w.
+void expect_pose(const float* numbers, const Eigen::Vector3d& position,
+                 const Eigen::Matrix3d& turn) {
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(numbers[i], static_cast<float>(position[i]));
+  const Eigen::Quaterniond read(numbers[6], numbers[3], numbers[4], numbers[5]);
+  // Single precision: 6e-8 per number.
+  EXPECT_LT((read.toRotationMatrix() - turn).cwiseAbs().maxCoeff(), 1e-6);
+}
+
 TEST(MotionData, HoldsPosesAndContactsOfEveryShownFrame) {
   const Recording recording = tests::sample_motion(400);
   const std::vector<ContactTrack> tracks = follow_contacts(recording);
@@ -160,15 +169,24 @@ TEST(MotionData, HoldsPosesAndContactsOfEveryShownFrame) {
     const simulation::Frame& frame = recording.frames[shown[i]];
     EXPECT_EQ(times[i], static_cast<float>(frame.time_s));
     for (std::size_t body = 0; body < 4; ++body)
-      EXPECT_EQ(poses[7 * (4 * i + body) + 2],
-                static_cast<float>(frame.poses[body].translation().z()));
+      expect_pose(&poses[7 * (4 * i + body)], frame.poses[body].translation(),
+                  frame.poses[body].linear());
     ASSERT_EQ(offsets[i + 1] - offsets[i], columns.size() * frame.contacts.size());
     for (std::size_t at = offsets[i]; at < offsets[i + 1]; at += columns.size()) {
       const auto track = static_cast<std::size_t>(contacts[at]);
       const simulation::RecordedContact& contact =
           frame.contacts[*tracks[track].contacts[shown[i]]];
-      EXPECT_EQ(contacts[at + column("P")], static_cast<float>(contact.normal_force_N));
-      EXPECT_EQ(contacts[at + column("e_n")], static_cast<float>(contact.eccentricity_m));
+      expect_pose(&contacts[at + column("x")], contact.point_m, contact.axes);
+      for (const auto& [name, value] : {std::pair{"a", contact.semi_axis_a_m},
+                                        {"b", contact.semi_axis_b_m},
+                                        {"P", contact.normal_force_N},
+                                        {"f1", contact.tangent_force_1_N},
+                                        {"f2", contact.tangent_force_2_N},
+                                        {"tau", contact.torque_Nm},
+                                        {"mu", contact.friction_coefficient},
+                                        {"e_n", contact.eccentricity_m},
+                                        {"use", contact.utilisation}})
+        EXPECT_EQ(contacts[at + column(name)], static_cast<float>(value)) << name;
       EXPECT_EQ(contacts[at + column("slides")], contact.slides ? 1 : 0);
     }
   }

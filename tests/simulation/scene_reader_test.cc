@@ -15,7 +15,6 @@
 namespace softfinger::tests {
 namespace {
 
-using input::parse_scene;
 using input::Scene;
 
 /// Line numbers below count from here.
@@ -284,6 +283,42 @@ TEST(Scene, IsReadInSi) {
   const double h = 1e-6;
   for (double t = 1.1; t < 3; t += 0.2)
     EXPECT_NEAR(table.rate(t)[0], (table.value(t + h)[0] - table.value(t - h)[0]) / (2 * h), 1e-9);
+}
+
+/// The law of the ball on the floor.
+const input::FrictionLaw& law_of(const std::string& simulation, const std::string& contact) {
+  const std::string text = with(kHead, "duration_s = 0.05\n", "duration_s = 0.05\n" + simulation) +
+                           kBall + "[[contact]]\nbodies = [\"floor\", \"ball\"]\n" + contact;
+  return input::parse_scene(text, "scene.toml").friction_law(0, 1);
+}
+
+TEST(Scene, NamesEachFrictionLaw) {
+  EXPECT_EQ(&law_of("", ""), &input::kEllipsoidLaw);
+  for (const input::FrictionLaw* law : input::all_friction_laws()) {
+    const std::string named = fmt::format("friction = \"{}\"\n", law->name);
+    EXPECT_EQ(&law_of(named, ""), law);
+    if (law != &input::kFacetsLaw) {
+      EXPECT_EQ(&law_of("friction = \"limit_surface\"\n", named), law) << "of one pair alone";
+    }
+  }
+  EXPECT_EQ(&law_of("", "limit_surface = true\n"), &input::kLimitSurfaceLaw);
+  EXPECT_EQ(&law_of("friction = \"six_patches\"\n", "limit_surface = false\n"),
+            &input::kEllipsoidLaw);
+  EXPECT_EQ(&law_of("friction = \"facets\"\n", "limit_surface = false\n"), &input::kFacetsLaw);
+}
+
+TEST_F(SceneProgram, RefusesFrictionLawsThatDoNotGoTogether) {
+  const auto scene = [](const std::string& simulation, const std::string& contact) {
+    return with(kHead, "duration_s = 0.05\n", "duration_s = 0.05\n" + simulation) + kBall +
+           "[[contact]]\nbodies = [\"floor\", \"ball\"]\n" + contact;
+  };
+  const std::string facets = "friction = \"facets\"\n";
+  expect_refusal(scene("friction = \"six_patch\"\n", ""), 5,
+                 {"friction", "six_patches", "limit_surface", "facets"});
+  expect_refusal(scene("", facets), 16, {"facets", "all contacts"});
+  expect_refusal(scene(facets, "friction = \"six_patches\"\n"), 17, {"facets", "all contacts"});
+  expect_refusal(scene(facets, "limit_surface = true\n"), 17, {"limit_surface", "facets"});
+  expect_refusal(scene("", "limit_surface = true\nfriction = \"ellipsoid\"\n"), 16, {"give one"});
 }
 
 TEST(Scene, UnitesTheMassOfSeveralShapes) {

@@ -1,5 +1,5 @@
-// Whole scenes: the threshold of a pinch against the friction ellipsoid and the exact limit
-// surface, and what the built-in scenes ask.
+// Whole scenes: the threshold of a pinch against its friction law, which contacts slide, and what
+// the built-in scenes ask.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -15,18 +15,21 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kGrip_N = 5, kFriction = 0.8;
+const char* const kBall = "sphere_radius_mm = 10";
+/// An ellipse as contact has axes; those of a circle would be any.
+const char* const kEgg = "ellipsoid_semi_axes_mm = [10, 8, 10]";
 
 /// Two soft fingertips press a plate with 5 N; the load acts on the plate from the first step on.
 std::string pinch(const std::string& friction, const std::string& contact, double force_N,
-                  double torque_Nm, double duration_s) {
-  const auto tip = [](const char* side, double x_mm, int axis) {
+                  double torque_Nm, double duration_s, const std::string& tip_shape = kBall) {
+  const auto tip = [&](const char* side, double x_mm, int axis) {
     return fmt::format(
         "[[body]]\nname = \"{0}_tip\"\nmass_g = 10\nposition_mm = [{1}, 0, 0]\n"
-        "shapes = [{{ sphere_radius_mm = 10 }}]\nlayer = \"silicone\"\n"
+        "shapes = [{{ {3} }}]\nlayer = \"silicone\"\n"
         "[[joint]]\nname = \"{0}_slide\"\nkind = \"prismatic\"\nparent = \"world\"\n"
         "child = \"{0}_tip\"\naxis = [{2}, 0, 0]\n"
         "[[motor]]\njoint = \"{0}_slide\"\ntime_s = [0]\neffort_N = [5]\n",
-        side, x_mm, axis);
+        side, x_mm, axis, tip_shape);
   };
   return fmt::format(
              "id = \"pinch\"\n[simulation]\ntime_step_ms = 1\nduration_s = {}\n"
@@ -66,11 +69,13 @@ double soft_arm_m(const std::string& friction) {
 }
 
 void expect_threshold(const std::string& friction, const std::string& contact, double arm_m,
-                      double load, double torque_part) {
+                      double load, double torque_part, const std::string& tip_shape = kBall) {
   const double force_limit = 2 * kFriction * kGrip_N, limit = force_limit * arm_m * torque_part;
-  const Simulation holds = run(pinch(friction, contact, load * force_limit, 0.999999 * limit, 0.2));
+  const Simulation holds =
+      run(pinch(friction, contact, load * force_limit, 0.999999 * limit, 0.2, tip_shape));
   ASSERT_EQ(holds.failure, "");
-  const Simulation slips = run(pinch(friction, contact, load * force_limit, 1.000001 * limit, 0.2));
+  const Simulation slips =
+      run(pinch(friction, contact, load * force_limit, 1.000001 * limit, 0.2, tip_shape));
   ASSERT_EQ(slips.failure, "");
   std::printf(
       "pinch, %s%s, %.2f of mu P: below the limit creeps at %.1e rad/s and %.1e m/s; above, %.1e "
@@ -98,23 +103,127 @@ TEST(PinchThreshold, OfSoftFingertipsWhoseArmDependsOnTheGrip) {
     expect_threshold("ellipsoid", "", arm, load, std::sqrt(1 - load * load));
 }
 
-TEST(PinchThreshold, OfTheExactLimitSurface) {
-  // Torque that a circular contact of the model's pressure carries beside the load.
-  const Simulation still = run(pinch("limit_surface", "", 0, 0, 0.01));
+/// The laws whose limit depends on the ellipse: the exact limit surface and six patches.
+class PinchThresholdOfAShape : public testing::TestWithParam<const input::FrictionLaw*> {};
+
+TEST_P(PinchThresholdOfAShape, IsOnItsSurface) {
+  const std::string law(GetParam()->name);
+  // Torque that a contact of the model's pressure carries beside the load.
+  const Simulation still = run(pinch(law, "", 0, 0, 0.01, kEgg));
   const RecordedContact& contact = still.recording.frames.back().contacts.at(0);
-  const LimitSurfaceShape shape(contact.semi_axis_b_m / contact.semi_axis_a_m,
-                                contact.pressure_exponent);
+  const auto shape =
+      GetParam()->shape(contact.semi_axis_b_m / contact.semi_axis_a_m, contact.pressure_exponent);
+  // The load's direction as the contact's tangents see it.
+  const Vector3d along = contact.axes.transpose() * Vector3d(0, 0.6, 0.8);
   for (const double load : {0., 0.6, 0.8, 0.95}) {
     double least = 0, most = 1;
     while (most - least > 1e-15) {
       const double middle = (least + most) / 2;
-      // The load's own direction, as the contact's tangents see it, is any for a circle.
-      (friction_gauge(&shape, Vector3d(load, 0, middle)) < 1 ? least : most) = middle;
+      const Vector3d wrench(load * along[0], load * along[1], middle);
+      (friction_gauge(shape.get(), wrench) < 1 ? least : most) = middle;
     }
     if (load > 0) {
       EXPECT_LT(least, std::sqrt(1 - load * load) - 1e-3) << "inside the ellipsoid";
     }
-    expect_threshold("limit_surface", "", contact.eccentricity_m, load, least);
+    expect_threshold(law, "", contact.eccentricity_m, load, least, kEgg);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Laws, PinchThresholdOfAShape,
+                         testing::Values(&input::kLimitSurfaceLaw, &input::kSixPatchesLaw),
+                         [](const auto& law) { return std::string(law.param->name); });
+
+/// A soft ball on a table, which may be pushed along it and spins about the vertical. Its spin at
+/// the rim of the contact is about as fast as the push, so that force and torque share the limit.
+std::string ball_on_table(std::string_view law, double velocity_mm_per_s, double spin_deg_per_s) {
+  return fmt::format(
+      "id = \"ball\"\n[simulation]\ntime_step_ms = 0.1\nduration_s = 0.0005\n"
+      "friction = \"{}\"\n"
+      "[[layer]]\nname = \"foam\"\nthickness_mm = 2\nyoungs_modulus_kPa = 100\n"
+      "poisson_ratio = 0.3\n"
+      "[[body]]\nname = \"table\"\nfixed = true\nshapes = [{{ half_space = true }}]\n"
+      "[[body]]\nname = \"ball\"\nposition_mm = [0, 0, 10]\nmass_g = 100\nlayer = \"foam\"\n"
+      "velocity_mm_per_s = [{}, 0, 0]\nangular_velocity_deg_per_s = [0, 0, {}]\n"
+      "shapes = [{{ sphere_radius_mm = 10 }}]\n",
+      law, velocity_mm_per_s, spin_deg_per_s);
+}
+
+class StickOrSlip : public testing::TestWithParam<const input::FrictionLaw*> {
+ protected:
+  const input::FrictionLaw& law() const { return *GetParam(); }
+  /// The ball's contact in each frame after the start.
+  std::vector<RecordedContact> contacts(double velocity_mm_per_s, double spin_deg_per_s) const {
+    const Simulation run = simulate(input::parse_scene(
+        ball_on_table(law().name, velocity_mm_per_s, spin_deg_per_s), "ball.toml"));
+    EXPECT_EQ(run.failure, "");
+    std::vector<RecordedContact> result;
+    for (std::size_t f = 1; f < run.recording.frames.size(); ++f)
+      result.push_back(run.recording.frames[f].contacts.at(0));
+    EXPECT_EQ(result.size(), 5u);
+    return result;
+  }
+};
+
+TEST_P(StickOrSlip, ABallThatIsPushedAndSpinsSlides) {
+  for (const RecordedContact& contact : contacts(20, 500)) {
+    EXPECT_TRUE(contact.slides) << "utilisation " << contact.utilisation;
+    EXPECT_EQ(contact.friction->name, law().name);
+    const double torque_part = std::abs(contact.torque_Nm) / contact.eccentricity_m /
+                               (contact.friction_coefficient * contact.normal_force_N);
+    EXPECT_GT(torque_part, 0.3) << "force and torque together: where the laws differ";
+    EXPECT_LT(torque_part, 0.95);
+    if (&law() == &input::kFacetsLaw) {
+      EXPECT_LT(contact.utilisation, 1 + 1e-9) << "facets lie inside the ellipsoid";
+      EXPECT_GT(contact.utilisation, 0.8) << "LinearisedFriction::inner_bound of 16 vertices";
+    } else {
+      EXPECT_NEAR(contact.utilisation, 1, 1e-6) << "by the law that holds";
+    }
+  }
+}
+
+TEST_P(StickOrSlip, ABallAtRestSticks) {
+  for (const RecordedContact& contact : contacts(0, 0)) EXPECT_FALSE(contact.slides);
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, StickOrSlip, testing::ValuesIn(input::all_friction_laws()),
+                         [](const auto& law) { return std::string(law.param->name); });
+
+TEST(StickOrSlip, BetweenTheCornersOfFacetsAPinchSlidesBelowTheEllipsoid) {
+  const double limit_N = 2 * kFriction * kGrip_N;
+  const Simulation slips =
+      run(pinch("facets", kGiven, 0.6 * limit_N, 0.8 * limit_N * 1.7e-3, 0.005));
+  ASSERT_EQ(slips.failure, "");
+  double least_use = 1;
+  for (std::size_t f = 1; f < slips.recording.frames.size(); ++f)
+    for (const RecordedContact& contact : slips.recording.frames[f].contacts) {
+      EXPECT_TRUE(contact.slides) << "frame " << f << ", utilisation " << contact.utilisation;
+      least_use = std::min(least_use, contact.utilisation);
+    }
+  EXPECT_LT(least_use, 0.999) << "on a facet, not on one of its corners";
+  EXPECT_GT(spin(slips), 1e-3);
+}
+
+/// The ball and a second one beside it, whose contact with the table has a law of its own.
+std::string with_own_law(std::string_view law, std::string_view own) {
+  return ball_on_table(law, 20, 500) +
+         fmt::format(
+             "[[body]]\nname = \"other\"\nposition_mm = [50, 0, 10]\nmass_g = 100\n"
+             "layer = \"foam\"\nvelocity_mm_per_s = [20, 0, 0]\n"
+             "angular_velocity_deg_per_s = [0, 0, 500]\n"
+             "shapes = [{{ sphere_radius_mm = 10 }}]\n"
+             "[[contact]]\nbodies = [\"table\", \"other\"]\n{}\n",
+             own);
+}
+
+TEST(FrictionLaw, OfOnePairAloneHoldsForItAlone) {
+  const std::string scene = with_own_law("ellipsoid", "friction = \"six_patches\"");
+  const Simulation simulation = simulate(input::parse_scene(scene, "balls.toml"));
+  ASSERT_EQ(simulation.failure, "");
+  const auto& contacts = simulation.recording.frames.back().contacts;
+  ASSERT_EQ(contacts.size(), 2u);
+  for (const RecordedContact& contact : contacts) {
+    EXPECT_EQ(contact.friction->name, contact.b == 1 ? "ellipsoid" : "six_patches");
+    EXPECT_TRUE(contact.slides);
+    EXPECT_NEAR(contact.utilisation, 1, 1e-6);
   }
 }
 

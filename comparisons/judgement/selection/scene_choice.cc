@@ -23,7 +23,7 @@ const char* const kContactDetailNames[4] = {"point", "ellipsoid", "limit_surface
 
 namespace {
 
-/// What one pair of bodies did, kept as the worst of all its contacts at all times.
+/// How much one pair of bodies was loaded: the worst of all its contacts at all times.
 struct PairUse {
   PairChoice choice;
   ContactProblem problem;             ///< at the largest load
@@ -77,8 +77,8 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
 
 void decide(PairUse& use, double tolerance) {
   PairChoice& choice = use.choice;
-  // A contact that sticks does so whatever e_n is, until its limit comes down to its wrench. Half
-  // of that margin, since less of e_n also moves load to other contacts.
+  // A contact that sticks goes on sticking with a smaller e_n, until its limit meets its wrench.
+  // Half of that margin is used, since a smaller e_n also moves load to other contacts.
   const double margin = choice.utilisation > 0 ? 1 - choice.utilisation : 1;
   choice.allowed_error = std::max(tolerance, margin / 2);
 
@@ -130,9 +130,15 @@ void decide(PairUse& use, double tolerance) {
 void set_rule(input::Scene& scene, const PairUse& use) {
   const PairChoice& choice = use.choice;
   input::ContactRule rule = scene.rule(choice.a, choice.b);
-  rule.exact_limit_surface = choice.detail >= ContactDetail::limit_surface;
-  rule.model = choice.detail == ContactDetail::point ? "rigid" : choice.model;
-  if (choice.detail == ContactDetail::fem_table) rule.eccentricity_table = use.table;
+  rule.friction = choice.detail >= ContactDetail::limit_surface ? &input::kLimitSurfaceLaw
+                                                                : &input::kEllipsoidLaw;
+  const bool has_own_table = std::holds_alternative<input::EccentricityOverLoad>(rule.model);
+  if (choice.detail == ContactDetail::point)
+    rule.model = input::RigidPoint{};
+  else if (choice.detail == ContactDetail::fem_table)
+    rule.model = use.table;
+  else if (!has_own_table)
+    rule.model = find_pressure_model(choice.model);
   const std::size_t count = scene.bodies.size(), a = std::size_t(choice.a),
                     b = std::size_t(choice.b);
   scene.rule_of_pair[a * count + b] = scene.rule_of_pair[b * count + a] = int(scene.rules.size());
@@ -226,7 +232,7 @@ MotionChange change_between(const Recording& accurate, const Recording& chosen) 
 }
 
 bool holds(const MotionChange& change, double tolerance) {
-  // Round-off where nothing moves.
+  // Where nothing moves, round-off is not a change.
   constexpr double kStill_m = 1e-9, kStill_rad = 1e-9;
   return change.position_m <= tolerance * change.travel_m + kStill_m &&
          change.rotation_rad <= tolerance * std::max(change.turn_rad, 0.) + kStill_rad;
@@ -256,9 +262,13 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
                              const std::function<void(const std::string&)>& progress) {
   SceneChoice result;
   input::Scene accurate = scene;
-  accurate.friction.rule = input::FrictionSettings::Rule::limit_surface;
-  for (input::ContactRule& rule : accurate.rules)
-    if (rule.model != "given" && rule.model != "rigid") rule.model = "auto";
+  accurate.friction.law = &input::kLimitSurfaceLaw;
+  for (input::ContactRule& rule : accurate.rules) {
+    rule.friction = nullptr;
+    // What the scene says of e_n itself stays; a named model gives way to the most accurate one.
+    if (std::holds_alternative<const PressureModel*>(rule.model))
+      rule.model = input::AutomaticModel{};
+  }
   progress(fmt::format("{}: {} steps with exact limit surfaces", scene.id, scene.steps()));
   Simulation reference = run(accurate, "the most accurate simulation");
 

@@ -27,10 +27,10 @@ extern const char* const kContactDetailNames[4];
 struct PairChoice {
   int a = -1, b = -1;
   double least_load_N = 0, largest_load_N = 0;
-  double utilisation = 0;     ///< largest, of the exact limit: 1 slides
+  double utilisation = 0;     ///< largest, by the exact limit surface; 1: slides
   double torsion = 0;         ///< largest |torque|/(mu P e_n)
   double surface_change = 0;  ///< largest difference of ellipsoid and exact surface near the limit
-  double allowed_error = 0;   ///< of e_n, from the tolerance and how far it stays from its limit
+  double allowed_error = 0;   ///< of e_n: larger for a pair that stays far from its limit
   ContactDetail detail = ContactDetail::limit_surface;
   std::string model;  ///< of the pressure; empty for a point
   Choice pressure;    ///< at the largest load

@@ -1,0 +1,144 @@
+#include "comparisons/simulation/shape_distances.h"
+
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/ellipsoid.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "comparisons/simulation/surface_point.h"
+
+namespace softfinger::simulation {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
+
+Geometry geometry(const input::Sphere& sphere) {
+  return std::make_shared<fcl::Sphered>(sphere.radius_m);
+}
+Geometry geometry(const input::Ellipsoid& ellipsoid) {
+  return std::make_shared<fcl::Ellipsoidd>(ellipsoid.semi_axes_m);
+}
+Geometry geometry(const input::Cylinder& cylinder) {
+  return std::make_shared<fcl::Cylinderd>(cylinder.radius_m, cylinder.length_m);
+}
+Geometry geometry(const input::Capsule& capsule) {
+  return std::make_shared<fcl::Capsuled>(capsule.radius_m, capsule.length_m);
+}
+Geometry geometry(const input::Box& box) { return std::make_shared<fcl::Boxd>(box.size_m); }
+Geometry geometry(const input::HalfSpace&) { return nullptr; }
+Geometry geometry(const input::Mesh& mesh) {
+  auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+  std::vector<fcl::Triangle> triangles;
+  for (const auto& t : mesh.surface->triangles)
+    triangles.emplace_back(std::size_t(t[0]), std::size_t(t[1]), std::size_t(t[2]));
+  model->beginModel(int(triangles.size()), int(mesh.surface->vertices_m.size()));
+  model->addSubModel(mesh.surface->vertices_m, triangles);
+  model->endModel();
+  return model;
+}
+
+struct Item {
+  int index = -1;
+  double radius_m = 0;
+  bool is_mesh = false;
+  std::unique_ptr<fcl::CollisionObjectd> object;  ///< null: a half-space
+};
+
+int index_of(const fcl::CollisionObjectd* object) {
+  return static_cast<const Item*>(object->getUserData())->index;
+}
+
+}  // namespace
+
+struct ShapeDistances::Implementation {
+  std::vector<Item> items;  ///< FCL points into it
+  fcl::DynamicAABBTreeCollisionManagerd manager;
+};
+
+ShapeDistances::ShapeDistances(const std::vector<const input::ShapeKind*>& shapes)
+    : implementation_(std::make_unique<Implementation>()) {
+  std::vector<Item>& items = implementation_->items;
+  items.resize(shapes.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    Item& item = items[i];
+    item.index = int(i);
+    item.radius_m = bounding_radius_m(*shapes[i]);
+    item.is_mesh = std::holds_alternative<input::Mesh>(*shapes[i]);
+    const Geometry own = std::visit([](const auto& kind) { return geometry(kind); }, *shapes[i]);
+    if (!own) continue;
+    item.object = std::make_unique<fcl::CollisionObjectd>(own);
+    item.object->setUserData(&item);
+    implementation_->manager.registerObject(item.object.get());
+  }
+  implementation_->manager.setup();
+}
+
+ShapeDistances::~ShapeDistances() = default;
+
+void ShapeDistances::move(const std::vector<Isometry3d>& poses) {
+  for (Item& item : implementation_->items) {
+    if (!item.object) continue;
+    item.object->setTransform(poses[std::size_t(item.index)]);
+    item.object->computeAABB();
+  }
+  implementation_->manager.update();
+}
+
+std::vector<std::pair<int, int>> ShapeDistances::near_pairs(double distance_m) {
+  struct Search {
+    double distance_m;
+    std::vector<std::pair<int, int>> pairs;
+  } search{distance_m, {}};
+  // FCL asks about pairs whose boxes are nearer than `distance`, which the answer may change.
+  implementation_->manager.distance(
+      &search,
+      [](fcl::CollisionObjectd* one, fcl::CollisionObjectd* other, void* data, double& distance) {
+        auto& found = *static_cast<Search*>(data);
+        distance = found.distance_m;
+        found.pairs.push_back(std::minmax(index_of(one), index_of(other)));
+        return false;
+      });
+  return std::move(search.pairs);
+}
+
+ShapeDistances::Nearest ShapeDistances::nearest(int a, const Isometry3d& pose_a, int b,
+                                                const Isometry3d& pose_b,
+                                                double tolerance_m) const {
+  const Item& one = implementation_->items[std::size_t(a)];
+  const Item& other = implementation_->items[std::size_t(b)];
+  // FCL 0.7 names the mesh's point first, whatever the order of the call.
+  if (other.is_mesh && !one.is_mesh) {
+    Nearest turned = nearest(b, pose_b, a, pose_a, tolerance_m);
+    std::swap(turned.on_a, turned.on_b);
+    return turned;
+  }
+  fcl::DistanceRequestd request(true);
+  request.distance_tolerance = tolerance_m;
+  fcl::DistanceResultd found;
+  Nearest result;
+  result.distance_m =
+      fcl::distance(one.object->collisionGeometry().get(), pose_a,
+                    other.object->collisionGeometry().get(), pose_b, request, found);
+  result.on_a = found.nearest_points[0];
+  result.on_b = found.nearest_points[1];
+  // For some pairs FCL 0.7 gives the points in the shapes' own frames: then they are not as far
+  // apart as it says.
+  const double rounding_m = 1e-6 * std::min(one.radius_m, other.radius_m);
+  if (result.distance_m > 0 &&
+      std::abs((result.on_b - result.on_a).norm() - result.distance_m) > rounding_m) {
+    result.on_a = pose_a * result.on_a;
+    result.on_b = pose_b * result.on_b;
+  }
+  return result;
+}
+
+}  // namespace softfinger::simulation
