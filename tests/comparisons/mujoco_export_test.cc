@@ -101,7 +101,7 @@ class MujocoExport : public testing::Test {
   }
 
   /// Then also pushed and twisted for a second.
-  input::Motion move(double push_N, double torque_Nm) const {
+  Motion move(double push_N, double torque_Nm) const {
     const Data data = pressed();
     data->qfrc_applied[0] = push_N;
     data->qfrc_applied[3] = torque_Nm;
@@ -115,10 +115,10 @@ class MujocoExport : public testing::Test {
   void expect_slip_at(double torque_Nm) const {
     const double limit = torque_Nm / kInertia_kgm2;
     for (const int sense : {1, -1}) {
-      const input::Motion held = move(0, sense * kBelow * torque_Nm);
+      const Motion held = move(0, sense * kBelow * torque_Nm);
       EXPECT_NEAR(held.angular_acceleration_rad_per_s2, 0, kTolerance * limit);
       EXPECT_NEAR(held.angular_velocity_rad_per_s, 0, kTolerance * limit);
-      const input::Motion slipping = move(0, sense * kAbove * torque_Nm);
+      const Motion slipping = move(0, sense * kAbove * torque_Nm);
       EXPECT_NEAR(slipping.angular_acceleration_rad_per_s2, sense * (kAbove - 1) * limit,
                   kTolerance * limit);
     }
@@ -162,11 +162,11 @@ TEST_F(MujocoExport, SlipsOnTheEllipsoidUnderForceAndTorque) {
     SCOPED_TRACE(share);
     const double push_N = share * limit_N;
     const double torque_Nm = std::sqrt(1 - share * share) * max_torque_Nm;
-    const input::Motion held = move(kBelow * push_N, kBelow * torque_Nm);
+    const Motion held = move(kBelow * push_N, kBelow * torque_Nm);
     EXPECT_NEAR(held.acceleration_m_per_s2, 0, kTolerance * limit_N / kMass_kg);
     EXPECT_NEAR(held.angular_acceleration_rad_per_s2, 0,
                 kTolerance * max_torque_Nm / kInertia_kgm2);
-    const input::Motion slipping = move(kAbove * push_N, kAbove * torque_Nm);
+    const Motion slipping = move(kAbove * push_N, kAbove * torque_Nm);
     const double friction_N = kAbove * push_N - kMass_kg * slipping.acceleration_m_per_s2;
     const double friction_Nm =
         kAbove * torque_Nm - kInertia_kgm2 * slipping.angular_acceleration_rad_per_s2;
@@ -179,8 +179,8 @@ TEST_F(MujocoExport, WithoutNoslipTurnsAtTheSlidingCreepOverTheEccentricity) {
   // Impedance 0.95 and damping b = 2/(0.95 · 20 ms): (1 - 0.95)/(0.95 b) = 0.5 ms, over impratio.
   const double creep_m_per_s = friction * load_N / kMass_kg * 0.5e-3 / 10;
   const double share = 0.5;
-  const input::Motion pushed = move(share * friction * load_N, 0);
-  const input::Motion twisted = move(0, share * max_torque_Nm);
+  const Motion pushed = move(share * friction * load_N, 0);
+  const Motion twisted = move(0, share * max_torque_Nm);
   EXPECT_NEAR(pushed.velocity_m_per_s / (share * creep_m_per_s), 1, 1e-3);
   EXPECT_NEAR(twisted.angular_velocity_rad_per_s * exported["eccentricity_m"].get<double>() /
                   (share * creep_m_per_s),
