@@ -283,8 +283,8 @@ RawSurface parse_raw_surface(const std::string& path, std::string bytes) {
       return ObjReader(path).read(with_whole_lines(bytes));
     }
   } else if (whole_binary && extension == ".stl" && announced_triangles(bytes) > 0) {
-    // Some programs append notes of their own. A rest that could hold as many triangles again is
-    // more likely a damaged header.
+    // Some programs append notes of their own after the triangles; these are ignored. If the rest
+    // could hold more triangles than the header announces, the header is more likely damaged.
     if (bytes.size() - announced_bytes(bytes) >=
         kStlTriangle * (std::size_t{1} + announced_triangles(bytes)))
       throw InputError(path, "file size", std::to_string(bytes.size()) + " bytes",
