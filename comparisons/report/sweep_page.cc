@@ -291,7 +291,7 @@ Deviations deviations_of(std::vector<double> errors) {
   return out;
 }
 
-/// The larger one of area and torque, by which the project's verdicts judge.
+/// The larger one of the errors in area and torque, by which models are compared in all reports.
 double score_of(const Table& table, const Source& model, std::size_t row) {
   const double area = deviation(table, model, kArea, row);
   const double torque = deviation(table, model, kTorque, row);

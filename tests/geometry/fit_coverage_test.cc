@@ -1,5 +1,6 @@
-// The stated uncertainty of fitted radii against the truth, on coarse random triangulations of
-// noisy quadrics: it has to hold the truth, and it must not do so by being large.
+// The stated uncertainty of fitted radii, compared with their true errors on coarse random
+// triangulations of noisy quadrics. It has to cover the true radii as often as stated, and it must
+// not be much larger than the errors.
 
 #include <gtest/gtest.h>
 
