@@ -10,7 +10,7 @@
 /// Contacts by their dimensionless numbers, for the groups of checks.
 namespace softfinger::fem::verification {
 
-/// What is expected of a contact, SI, and how far the reference itself may be off (relative).
+/// Expected results of a contact, SI, and the relative error of the reference that they come from.
 struct Expected {
   double a_m = 0, b_m = 0, indentation_m = 0, max_torque_Nm = 0;
   double peak_pressure_Pa = 0;  ///< 0: not compared

@@ -266,7 +266,7 @@ std::string lower_case(std::string text) {
 
 RawSurface parse_raw_surface(const std::string& path, std::string bytes) {
   const bool text = is_text(bytes);
-  // A binary STL may begin with "solid", too: only its size tells.
+  // A binary STL may begin with "solid", too: only the file's size shows that it is binary.
   const bool whole_binary =
       !text && bytes.size() >= kStlHeader && announced_bytes(bytes) <= bytes.size();
   if (whole_binary && announced_bytes(bytes) == bytes.size()) {
