@@ -11,8 +11,8 @@ enum class LcpStatus {
   iteration_limit     ///< neither: the best point found is returned, with its residual
 };
 
-/// What a ray proves. Each ray that a path has found is checked as a vector, independently of the
-/// path.
+/// The statement that a ray proves. Each ray that a path has found is checked as a vector,
+/// independently of the path.
 enum class RayProof {
   none,  ///< there was no ray, or its conditions are not met to round-off
   /// y >= 0, M^T y <= 0, q^T y < 0 (Farkas): no z >= 0 has M z + q >= 0, for any M.

@@ -181,7 +181,7 @@ void TimeStepper::assemble() {
   }
 }
 
-/// What a contact resists sliding with; the e_n that depend on the load come later.
+/// Sets the friction of all contacts, without those e_n that depend on the load.
 void TimeStepper::describe_friction() {
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
   problem_.friction_coefficient.setZero(rows);

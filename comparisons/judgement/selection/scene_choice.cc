@@ -265,7 +265,7 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
   accurate.friction.law = &input::kLimitSurfaceLaw;
   for (input::ContactRule& rule : accurate.rules) {
     rule.friction = nullptr;
-    // What the scene says of e_n itself stays; a named model gives way to the most accurate one.
+    // An e_n that the scene gives itself stays. A named model is replaced by the most accurate one.
     if (std::holds_alternative<const PressureModel*>(rule.model))
       rule.model = input::AutomaticModel{};
   }
