@@ -98,9 +98,9 @@ constexpr ErrorConstants friction_integral{1.6, 2e-4};
 /// Tractions of a stuck contact grow without bound at its edge, as one over a root: a node more or
 /// less there counts. Observed order on six layers: 1.3 to 1.6.
 constexpr ErrorConstants stuck_stiffness{1.45, 1e-3};
-/// The radius of the stuck contact, whose third power is its stiffness, is known to a quarter of a
-/// cell where the edge lies between the nodes of both levels (measured on a mesh from outside:
-/// 4 %).
+/// The stiffness before slip is proportional to the third power of the contact's radius. Where the
+/// edge lies between the nodes of both levels, this radius is known to a quarter of a cell.
+/// (Measured on a mesh from outside: 4 %.)
 constexpr double stuck_edge_cells = 3 * 0.25;
 
 /// Elements per semi-axis, fine over coarse.

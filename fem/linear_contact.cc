@@ -20,8 +20,9 @@ constexpr double smallest_b = 1e-4, largest_b = 50, largest_a = 300;
 /// Largest contact, over the sphere's radius. Beyond it the gap is so steep that small strain does
 /// not apply.
 constexpr double widest_on_sphere = 0.95;
-/// Cells of a larger contact's mesh, against those that a contact would have on its own: with
-/// these, a and b are still found to 0.9 % on level 2, d and torque to 0.1 %.
+/// Largest cells, over those of a mesh of the contact's own, with which the mesh of a larger
+/// contact is used. With such cells a and b are still found to 0.9 % on level 2, d and torque to
+/// 0.1 %.
 constexpr double largest_cells = 1.6;
 
 /// Sizes, in h, of the contacts that a pair of meshes was made for.

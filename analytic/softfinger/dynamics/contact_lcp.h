@@ -76,14 +76,13 @@ struct ContactSolution {
 ///   solution violates, and the path goes on from its basis. When a continued path ends in a ray,
 ///   the problem with the vertices found so far is solved from the start, with a covering vector
 ///   that leads towards the last solution. Every other attempt has all vertices from the start.
-/// - Rows of vertices are not stored. The path follows the 4 velocities of each contact and looks
-/// at
-///   single vertices only where the slip is so fast that one of them could be violated.
+/// - Rows of vertices are not stored. The path follows the 4 velocities of each contact. Single
+///   vertices are looked at only where the slip is so fast that one of them could be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
-/// - Under the exact rules each contact has vertices of its own, points of its limit, which are
-/// added
-///   where the slip or the load asks for them. Newton's method (ExactNewton) goes the rest of the
-///   way. A solution is what `exact_contact_residual` accepts.
+/// - Under the exact rules each contact has vertices of its own. They are points of its friction
+///   limit, added where the last solution violates the limit. Newton's method (ExactNewton) then
+///   converges from the path's end. `exact_contact_residual` decides whether the result is a
+///   solution.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
 /// 1997). Prescribed motions can exclude one, such as a body between closing walls. A ray of normal
