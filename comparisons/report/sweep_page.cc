@@ -382,7 +382,8 @@ std::string lead(const Json& sweep, const Table& table) {
       part += " " +
               with_unit(least == largest ? least : least + " to " + largest, escape(variable.unit));
     }
-    // Of keys that change together, or at random, each has a value of its own in every point.
+    // Keys that change together or at random have a different value at every point. Their number of
+    // values is that of the points and is left out.
     if (variable.count > 1 && (single || variable.count != points))
       part += fmt::format(" ({}{})", count_text(variable.count, "value", "values"),
                           variable.log ? ", log" : "");

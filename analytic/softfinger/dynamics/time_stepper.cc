@@ -81,7 +81,7 @@ bool TimeStepper::add_broken_limits() {
   return added;
 }
 
-/// Which rows each tree feels, and their Jacobians.
+/// Finds the rows that act on each tree, and their Jacobians.
 void TimeStepper::describe_rows() {
   for (auto& list : touching_) list.clear();
   const int nc = int(contacts_.size());
