@@ -9,8 +9,8 @@ namespace {
 
 /// Longer contacts are nearly lines, which a plane model answers better.
 constexpr double largest_ratio_of_radii = 100;
-/// Of the layer's thickness. Elements of a thinner sublayer could not be as small as it is anywhere
-/// under the contact.
+/// Thinnest sublayer, over the layer's thickness. In a thinner one the elements could not be as
+/// small as the sublayer is thin everywhere under the contact.
 constexpr double thinnest_sublayer = 0.02;
 /// Values that are given twice differ by the round-off of a change of units only.
 constexpr double agreement = 1e-9;
@@ -107,7 +107,7 @@ void check_friction(const Problem& problem) {
   require_range(problem, friction.increments_to_slip, 0, 1000, "increments_to_slip");
 }
 
-/// What the finite-strain solver does not have.
+/// Refuses requests that the finite-strain solver cannot serve.
 void check_finite_strain(const Problem& problem) {
   const FrictionRequest& friction = problem.friction;
   if (friction.limit_surface > 0 && friction.increments_to_slip > 0)

@@ -12,7 +12,7 @@ void check_problem(const Problem& problem);
 /// The contact's load or its approach, whichever was given, is too large: an error that names it.
 InputError too_much(const Problem& problem, const std::string& allowed);
 
-/// The twist's axis has to lie in the contact, whose size only a first mesh tells.
+/// The twist's axis has to lie in the contact, whose size is known only after a first mesh.
 /// @throws InputError
 void check_twist_axis(const Problem& problem, const LevelResult& contact);
 

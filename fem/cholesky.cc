@@ -67,8 +67,8 @@ std::vector<int> with_last(const std::vector<int>& dissection, const std::vector
   return ordering;
 }
 
-/// The analysis tells the factor's size. A job that does not fit is refused: the system would end
-/// whichever process it chooses when memory runs out.
+/// The size of the factor is known from the analysis. A job that does not fit is refused: the
+/// system would end whichever process it chooses when memory runs out.
 void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& matrix,
                     std::size_t last) {
   constexpr double bytes_per_MB = 1024 * 1024;

@@ -11,7 +11,8 @@
 
 namespace softfinger::fem {
 
-/// What is asked of a solver, and whom it tells how it gets on. All outlive it.
+/// The problem that a solver is given, and the functions by which it reports progress and asks
+/// whether to stop. All of them outlive the solver.
 struct ContactTask {
   const Problem& problem;
   const Pressing& pressing;  ///< the same in units of the layer
@@ -48,7 +49,7 @@ struct OutputFiles {
 };
 
 /// A contact that can be pressed on one mesh after the other: what the level loop needs to know of
-/// linear elasticity and of finite strain. The methods from `size` on speak of the mesh that was
+/// linear elasticity and of finite strain. The methods from `size` on refer to the mesh that was
 /// pressed last.
 class ContactPhysics {
  public:
@@ -59,10 +60,12 @@ class ContactPhysics {
   /// The two levels have their meshes already, made for an earlier contact of the run.
   virtual bool shares_meshes() const { return false; }
 
-  /// Whether the last trial mesh is level 0 as well, or level 0 has one made for what it found.
+  /// Whether the last trial mesh serves as level 0 as well. Otherwise level 0 gets a mesh made for
+  /// the size that the trial found.
   virtual bool trial_is_level_0() const = 0;
 
-  /// Presses all of the load on a mesh. The one before is let go first, with its memory.
+  /// Applies the whole load on a mesh. The mesh before is released first, so that its
+  /// memory is free.
   /// @param level  0 on trial meshes too
   /// @param mesh   not looked at where meshes are shared
   /// @throws InputError, ConvergenceError, NotEnoughMemory

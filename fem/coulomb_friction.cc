@@ -83,7 +83,8 @@ class FrictionProblem {
     return worst;
   }
 
-  /// Newton's step for the present division into stick and slip; undone where it does not descend.
+  /// Newton's step with the nodes that stick and slip at present. It is taken back if it would
+  /// increase the energy. @returns whether it was kept
   bool newton_step() {
     struct Direction {
       Index row;              // first of the point's two

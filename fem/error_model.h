@@ -38,7 +38,7 @@ struct StuckEdge {
   double largest_misfit;  ///< else where contact and mesh differ by more than this share in size
 };
 
-/// What one physics is known to miss.
+/// Constants of the error estimate for one kind of physics.
 struct ErrorTable {
   ErrorConstants integral;  ///< approach, load, torque
   ErrorConstants edge;      ///< a, b
@@ -98,9 +98,9 @@ constexpr ErrorConstants friction_integral{1.6, 2e-4};
 /// Tractions of a stuck contact grow without bound at its edge, as one over a root: a node more or
 /// less there counts. Observed order on six layers: 1.3 to 1.6.
 constexpr ErrorConstants stuck_stiffness{1.45, 1e-3};
-/// The radius of the stuck contact, whose third power is its stiffness, is known to a quarter of a
-/// cell where the edge lies between the nodes of both levels (measured on a mesh from outside:
-/// 4 %).
+/// The stiffness before slip is proportional to the third power of the contact's radius. Where the
+/// edge lies between the nodes of both levels, this radius is known to a quarter of a cell.
+/// (Measured on a mesh from outside: 4 %.)
 constexpr double stuck_edge_cells = 3 * 0.25;
 
 /// Elements per semi-axis, fine over coarse.
@@ -114,25 +114,27 @@ double stated_error(double difference, double refinement, const ErrorConstants& 
 /// which miss it to the second order; 0 on a mesh of its own.
 double crossed_cells(const LevelResult& level);
 
-/// What a and b lose where cells are not small against the thickness: the pressure falls to its
-/// edge within about h, and both levels may miss that: weight (cell/h)³ h/b. Measured on thin
-/// layers: 0.3 % at cells of 0.8 h, b = 20 h.
+/// Error of a and b where cells are not small against the thickness: weight (cell/h)³ h/b. The
+/// pressure falls to zero within about h from the edge, which both levels may fail to resolve.
+/// Measured on thin layers: 0.3 % at cells of 0.8 h, b = 20 h.
 double unresolved_edge(const LevelResult& fine, double thickness_m, double weight);
 
-/// What the approach of a long contact, small against the thickness, loses in the cells away from
-/// it, which both levels share: `largest` up to s = sqrt(ab)/h = 0.1, then `largest` 0.1/s.
+/// Error of the approach of a long contact that is small against the thickness. It comes from the
+/// cells away from the contact. Both levels have the same ones, so that their difference does not
+/// contain it: `largest` up to s = sqrt(ab)/h = 0.1, then `largest` 0.1/s.
 /// Measured against a spectral solver on 297 contacts, R'/R'' 2 to 10, s from 0.06 to 8: 0.08 % at
 /// s = 0.06, 0.04 % at 0.17. Circular contacts, whose cells are cubes, lose 0.02 %: 0 for a <= 1.02
 /// b.
 double cells_away(const LevelResult& fine, double thickness_m, double largest);
 
-/// What a free side wall nearer than on a flat layer changes in the approach: `at_two` of it at a
-/// distance of 2 h from the contact's edge, less by exp(-1.5) with every further h.
+/// Relative change of the approach by a free side wall that is nearer than on a flat layer:
+/// `at_two` at a distance of 2 h from the contact's edge, smaller by exp(-1.5) with every further
+/// h.
 /// @param distance  in h, of the wall from the contact's edge
 /// @param flat      its distance on a flat layer, from which on there is no error
 double side_wall(double distance, double flat, double at_two);
 
-/// What a contact's error depends on beside its two levels.
+/// Properties of a contact that its error depends on, besides the two levels.
 struct ErrorSetting {
   double thickness_m = 0;
   bool symmetric = true;        ///< a quarter is solved and its pressure fitted
@@ -141,16 +143,16 @@ struct ErrorSetting {
   bool rounded_edges = false;  ///< the object's facets are replaced by a smooth surface
 };
 
-/// What the meshes cost, before what the kind of contact adds.
+/// Error by the meshes alone, without the parts that the kind of contact adds.
 /// @pre the fine level has more elements per semi-axis than the coarse one
 RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse,
                               const LevelResult& fine, const ErrorSetting& setting);
 
-/// All of it. What was given, load or approach, has no error.
+/// The whole error. The given quantity, load or approach, has none.
 RelativeError error_of_contact(const ErrorTable& table, const LevelResult& coarse,
                                const LevelResult& fine, const ErrorSetting& setting);
 
-/// Whether an answer on a larger contact's meshes is worth having: a and b known to an eighth of
+/// Whether an answer on a larger contact's meshes is accurate enough: a and b known to an eighth of
 /// the cells that the contact would have on a mesh of its own, approach and torque five times as
 /// well.
 /// @param own_elements  per semi-axis, of that mesh
@@ -162,9 +164,10 @@ struct ExtrapolatedStiffness {
 };
 ExtrapolatedStiffness extrapolated_stiffness(double coarse, double fine, double refinement);
 
-/// What the stuck stiffness does not know of its edge; 0 where the edge lies on the mesh's lines.
+/// Error of the stiffness before slip because the edge of the contact lies between the mesh's
+/// lines; 0 where it lies on them.
 /// @param misfit        largest of both levels: |ln(size of the contact / size of the mesh)|
-/// @param mesh_is_ours  false for a user's mesh, whose lines know nothing of the contact
+/// @param mesh_is_ours  false for a user's mesh, whose lines do not follow the contact's edge
 double stuck_edge_error(const ErrorTable& table, int elements_per_semi_axis, bool symmetric,
                         bool mesh_is_ours, double misfit);
 

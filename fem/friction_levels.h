@@ -13,7 +13,8 @@ struct FrictionOfLevel {
   double stiffness = 0, full_slip = 0;
   std::vector<FrictionState> twist, limit_surface;
   std::vector<std::vector<FrictionState>> paths;  ///< to each point of the limit surface
-  /// What the physics itself leaves out, relative: of the twist's torque, of the limit surface.
+  /// Relative errors by what the method itself neglects: of the twist's torque, of the limit
+  /// surface.
   double neglected_of_twist = 0, neglected_of_slide = 0;
 };
 
@@ -27,7 +28,7 @@ struct FrictionPlan {
   double edge = 1;
 };
 
-/// What the motions of a plan are scaled by, in the units of the model.
+/// Scales of the motions in a plan, in the units of the model.
 struct FrictionScale {
   double stiffness = 0;          ///< of the stuck contact against a turn
   double torque = 0, force = 0;  ///< mu int p r dA, mu P

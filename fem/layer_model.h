@@ -37,7 +37,8 @@ struct LayerDiscretisation {
 class LayerShape {
  public:
   virtual ~LayerShape() = default;
-  /// Of the block's point (x, y, z), -1 <= z <= 0; z = 0 is the surface, z = -1 the rigid core.
+  /// Position in space of the block's point (x, y, z), -1 <= z <= 0; z = 0 is the surface, z = -1
+  /// the rigid core.
   virtual Eigen::Vector3d position(double x, double y, double z) const = 0;
   /// Outward unit normal of the surface.
   virtual Eigen::Vector3d normal(double x, double y) const = 0;
@@ -66,14 +67,14 @@ struct SurfaceFace {
   std::array<int, 9> node;
 };
 
-/// What a displacement field does under the mirrors x -> -x and y -> -y: an even one is its own
+/// Symmetry of a displacement field under the mirrors x -> -x and y -> -y: an even one is its own
 /// mirror image (no normal displacement on the plane), an odd one its negative (normal displacement
 /// only). Every field on the whole layer is a sum of four such fields, each known from a quarter.
 struct Parity {
   bool odd_x = false, odd_y = false;
 };
 
-/// What a sublayer is made of.
+/// Elastic constants of a sublayer.
 struct ElasticConstants {
   double youngs_ratio = 1;   ///< E over the unit of stress
   double poisson_ratio = 0;  ///< 0 <= nu < 1/2
@@ -102,7 +103,7 @@ class LayerModel {
   /// A homogeneous one with E = 1.
   LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
              std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
-  /// All of a layer whose coarse mesh comes from outside: its cells near the contact are halved
+  /// The whole layer, from a coarse mesh from outside: its cells near the contact are halved
   /// until `elements_per_semi_axis` of them lie along b.
   /// @param sublayers  of the mesh's regions
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
@@ -115,7 +116,7 @@ class LayerModel {
   const std::vector<SurfaceNode>& nodes() const;
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
-  /// All of the layer instead of a quarter.
+  /// Whether the model is the whole layer instead of a quarter.
   bool whole() const;
 
   /// Displacement into the layer along the surface's normal per unit force along it, n x n; of a

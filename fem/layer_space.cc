@@ -266,7 +266,8 @@ class SurfaceBuilder {
     space_.surface_node.assign(space_.dofs.n_dofs(), -1);
   }
 
-  /// Of our own block: only the finest faces, which form a regular grid of rectangles.
+  /// Adds the faces of our own block: only the finest ones, which form a regular grid of
+  /// rectangles.
   void add_finest_faces() {
     constexpr double equal = 1.01;  // the next coarser faces are twice as large
     const LayerDiscretisation& mesh = space_.discretisation;
@@ -285,7 +286,8 @@ class SurfaceBuilder {
       }
   }
 
-  /// Of a mesh from outside: any quadrilaterals, their areas and normals by integration.
+  /// Adds the faces of a mesh from outside. They are any quadrilaterals, so that their areas and
+  /// normals are integrated.
   /// @param at_end  per dof: on a face beside the contact surface
   void add_contact_faces(const std::vector<char>& at_end) {
     dealii::FEFaceValues<dim> values(

@@ -36,9 +36,9 @@ struct LayerSpace {
   using Dof = dealii::types::global_dof_index;
 
   /// @param bent  null: flat
-  /// @param all   of the layer instead of a quarter
+  /// @param all   whether to mesh the whole layer instead of a quarter
   LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent, bool all);
-  /// All of a layer whose coarse mesh comes from outside.
+  /// The whole layer, from a coarse mesh that the user supplies ("from outside").
   LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
 
   LayerDiscretisation discretisation;
@@ -60,15 +60,16 @@ struct LayerSpace {
   std::vector<std::array<Dof, 3>> node_dofs;      ///< of each surface node
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
-  /// Of all nine nodes of each face, those that cannot be touched included, and where they are: in
-  /// the block, or on a mesh from outside in space.
+  /// Dofs and places of all nine nodes of each face, also of nodes that cannot be touched. Places
+  /// are in the block; on a mesh from outside they are in space.
   std::vector<std::array<std::array<Dof, 3>, 9>> face_dofs;
   std::vector<std::array<Eigen::Vector3d, 9>> face_places;
   std::vector<int> surface_node;  ///< per dof; -1 elsewhere
   std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
 
-  /// @throws ConvergenceError where a hanging node is interpolated from a surface node: the
-  /// unknowns of that one then cannot be turned into its frame
+  /// @throws ConvergenceError where a hanging node is interpolated from a node of the contact
+  /// surface. The interpolation holds for components along x, y and z, so that the surface node's
+  /// unknowns cannot be turned into its own frame.
   void require_unconstrained_surface() const;
 
   /// Turns the rows and columns of surface nodes in an element's matrix, so that their unknowns are

@@ -159,8 +159,8 @@ class LevelLoop {
 
   void refine(int level) {
     choose_elements(mesh_, level);
-    // A mesh from outside may be finer than the levels ask for: halved once more, it shows what its
-    // cells cost.
+    // The error is estimated from the difference of two meshes. A mesh from outside may be finer
+    // than both levels ask for and would stay as it is: its cells are halved for the second level.
     if (problem_.mesh && !result_.levels.empty())
       mesh_.elements_per_semi_axis = 2 * result_.levels.back().elements_per_semi_axis;
     task_.progress(formatted("level %d: %d elements per semi-axis%s", level,
@@ -193,7 +193,8 @@ class LevelLoop {
         found.residual, result.wall_s, peak_memory_MB()));
   }
 
-  /// A single level says nothing of its error: the last trial mesh takes the coarse level's place.
+  /// The error of a single level cannot be estimated: the last trial mesh takes the place of the
+  /// coarse level.
   /// @throws Interrupted where no level is finished, or the trial mesh is that level's own
   void keep_finished_level(int level) {
     if (result_.levels.empty() || physics_.shares_meshes() ||

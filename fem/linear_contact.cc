@@ -17,16 +17,18 @@ namespace {
 
 /// Semi-axes over h that are accepted; README.md compares contacts from a/h = 0.05 to 20.
 constexpr double smallest_b = 1e-4, largest_b = 50, largest_a = 300;
-/// Of the sphere's radius: beyond it the gap is so steep that small strain means nothing.
+/// Largest contact, over the sphere's radius. Beyond it the gap is so steep that small strain does
+/// not apply.
 constexpr double widest_on_sphere = 0.95;
-/// Cells of a larger contact's mesh, against those that a contact would have on its own: with
-/// these, a and b are still found to 0.9 % on level 2, d and torque to 0.1 %.
+/// Largest cells, over those of a mesh of the contact's own, with which the mesh of a larger
+/// contact is used. With such cells a and b are still found to 0.9 % on level 2, d and torque to
+/// 0.1 %.
 constexpr double largest_cells = 1.6;
 
 /// Sizes, in h, of the contacts that a pair of meshes was made for.
 using Size = std::array<double, 2>;
 
-/// Of the contact that a mesh was made for, relative to another one.
+/// Size of the contact that a mesh was made for, relative to another contact.
 double oversize(const Size& made_for, const ContactShape& contact) {
   return std::max(made_for[0] / contact.block_a, made_for[1] / contact.block_b);
 }
@@ -63,7 +65,7 @@ class LinearContact : public ContactPhysics {
         meshes_(std::move(shared)),
         series_(task.problem) {}
 
-  /// Those of the two levels that were solved, if they are kept.
+  /// The meshes of the two levels that were solved, if they are kept.
   const MeshPair& meshes() const { return meshes_; }
 
   const ErrorTable& error_table() const override { return linear_elasticity; }
@@ -157,9 +159,9 @@ class LinearContact : public ContactPhysics {
   }
 
  private:
-  /// Of the present level in a pair of meshes.
+  /// Index of the present level in a pair of meshes.
   std::size_t place() const { return static_cast<std::size_t>(level_ - task_.problem.level + 1); }
-  /// Trial meshes are not, but where the last one is level 0 as well.
+  /// Trial meshes are not kept, except the last one where it serves as level 0 as well.
   bool is_kept_level() const { return level_ >= task_.problem.level - 1; }
 
   PressedContact start_of_friction() const {
@@ -188,7 +190,7 @@ class LinearContact : public ContactPhysics {
   ContactShape shape_;  ///< as measured last
 };
 
-/// What has to agree for one contact to be answered on another one's meshes.
+/// Properties that two contacts must share for one to be solved on the other's meshes.
 LayerIdentity identity_of(const ContactTask& task) {
   const Problem& problem = task.problem;
   const Pressing& pressing = task.pressing;

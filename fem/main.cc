@@ -62,8 +62,8 @@ const fem::MeshReaders& mesh_readers() {
 // A signal handler can reach nothing but a global.
 volatile std::sig_atomic_t g_stop = 0;
 
-/// The first Ctrl-C ends the work after its present stage, with what there is; the second one at
-/// once.
+/// The first Ctrl-C ends the work after its present stage, with the results so far. The second one
+/// ends the program at once.
 void stop_when_convenient() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_stop = 1; };
@@ -79,7 +79,7 @@ struct Failure {
   std::string message;
 };
 
-/// Runs `work`; what it throws, as an exit status and one line.
+/// Runs `work`. An exception becomes an exit status and one line.
 template <class Work>
 std::optional<Failure> failure_of(const Work& work) {
   const auto failure = [](int exit_status, std::string message) {
@@ -112,7 +112,7 @@ void answer(const json& input, const std::string& prefix, fem::ModelCache& model
   if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
 }
 
-/// As far as it has one.
+/// Name of a problem for messages, "problem" if it has none.
 std::string name_of(const json& input) {
   const bool is_named = input.is_object() && input.contains("name") && input.at("name").is_string();
   return is_named ? input.at("name").get<std::string>() : "problem";

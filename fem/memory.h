@@ -2,8 +2,8 @@
 
 namespace softfinger::fem {
 
-/// What this process may still take, in MB: the system's available memory, less where a limit of
-/// the control group or of the address space (`ulimit -v`) is nearer.
+/// Memory that this process may still take, in MB: the system's available memory, or less where the
+/// control group or `ulimit -v` (address space) sets a lower limit.
 double available_memory_MB();
 
 /// Largest resident size so far, in MB.

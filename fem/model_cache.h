@@ -12,7 +12,7 @@
 
 namespace softfinger::fem {
 
-/// What has to agree for one contact to be answered on another one's meshes.
+/// Properties that two contacts must share for one to be solved on the other's meshes.
 struct LayerIdentity {
   std::vector<ElasticConstants> sublayers;
   std::vector<double> interfaces;

@@ -11,7 +11,7 @@
 /// Pressing without friction, on one mesh, in units of h and E.
 namespace softfinger::fem {
 
-/// What is pressed on what.
+/// A contact problem in the units of its layer: the layer and the object that is pressed on it.
 struct Pressing {
   double major = 1, minor = 1;  ///< relative radii
   double sphere = 0;            ///< radius, infinite for a paraboloid
@@ -27,10 +27,11 @@ struct Pressing {
   FingertipShape bent;
   std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
 
-  /// Of the sublayers, or of the homogeneous layer.
+  /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
 
-  /// All of the layer has to be meshed: finger or object has no symmetry about x = 0 and y = 0.
+  /// Whether the whole layer has to be meshed, because finger or object is not symmetric about x =
+  /// 0 and y = 0.
   bool whole() const;
 
   /// From a surface point to the object above it, along the load.
@@ -43,7 +44,7 @@ struct Pressing {
 Pressing pressing_of(const Problem& problem);
 
 /// Squared semi-axis over a pressure's second moment: 5 for a half-space, 6 for a thin compressible
-/// layer. One number between serves where 5 % do not matter.
+/// layer. One number between the two is used where an error of 5 % does not matter.
 constexpr double square_per_moment = 5.4;
 
 /// A contact pressed on one mesh.
@@ -64,7 +65,7 @@ struct Pressed {
   double torque_arm() const;
 };
 
-/// Of a mesh from outside, whose surface ends at a node that an object touches.
+/// Refuses a mesh from outside whose surface ends at a node that the object touches.
 /// @throws InputError
 [[noreturn]] void refuse_end_of_surface(const SurfaceNode& node, double thickness_m);
 

@@ -13,7 +13,7 @@ namespace {
 /// Products X^i Y^j with i + j <= degree.
 constexpr int terms_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
-/// All of them.
+/// All terms of the polynomial.
 template <int degree>
 Eigen::Matrix<double, terms_of(degree), 1> polynomial(double X, double Y) {
   Eigen::Matrix<double, terms_of(degree), 1> values;
@@ -111,7 +111,7 @@ class Fit {
     const Eigen::ArrayXd sine = angle.sin(), cosine = angle.cos();
     const Eigen::ArrayXd edge = 1 + diamond * (4 * angle).cos();
     Moments result = Moments::Zero(terms, target_.size());
-    // Of a deformed surface, how far each ray's end is from the centre, x in units of a and y of b.
+    // Distance of each ray's end from the centre on a deformed surface, x in units of a and y of b.
     Eigen::ArrayXd deformed_edge = Eigen::ArrayXd::Ones(steps);
     const auto deformed_radius = [&](const Eigen::Vector3d& position) {
       return std::hypot(position.x() / a, position.y() / b);

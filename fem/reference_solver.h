@@ -18,7 +18,8 @@
 /// independent of what is compared with it.
 namespace softfinger::fem {
 
-/// What is asked about friction, beyond the torque int mu p r dA of the frictionless pressure.
+/// Results about friction that are wanted besides the torque int mu p r dA of the frictionless
+/// pressure.
 struct FrictionRequest {
   bool torsion = false;        ///< twist from stick to full slip
   int increments = 20;         ///< of the twist
@@ -51,9 +52,9 @@ struct Problem {
   /// The layer's mesh from outside, in place of the flat layer; null: our own.
   std::shared_ptr<const meshes::LayerMesh> mesh;
   std::string mesh_name;  ///< meshes of one name are one
-  /// From the surface inwards, together as thick as the contact's layer. The E of that one is then
-  /// only the unit of stress, and its nu serves for a first guess of the contact's size. On a mesh
-  /// from outside: its regions. Empty: homogeneous.
+  /// Sublayers from the surface inwards, together as thick as the contact's layer; on a mesh from
+  /// outside its regions. Empty: the layer is homogeneous. With sublayers, E of the contact's layer
+  /// is only the unit of stress, and its nu only serves for a first guess of the contact's size.
   std::vector<Sublayer> sublayers;
   FrictionRequest friction;
   /// Finite strain of this material, its small-strain constants those of the contact's layer; none:

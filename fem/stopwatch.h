@@ -11,7 +11,7 @@ class Stopwatch {
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-  /// Of all threads: what the answer costs on a machine that is busy with others too.
+  /// CPU time of all threads. Unlike wall time it does not depend on how busy the machine is.
   double cpu_seconds() const { return static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC; }
 
  private:

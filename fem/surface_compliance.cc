@@ -44,8 +44,8 @@ Eigen::Vector3d signs(Image image, Parity parity) {
   return result;
 }
 
-/// Of the compliance's blocks (7 matrices of points x points) and of the factors that friction
-/// makes of them.
+/// Refuses a contact whose compliance does not fit in memory: its blocks (7 matrices of points x
+/// points) and the factors that friction computes from them.
 void require_memory(std::size_t points) {
   constexpr double bytes_per_MB = 1024 * 1024, matrices = 16;  // of points x points
   const auto count = static_cast<double>(points);

@@ -8,7 +8,7 @@
 
 namespace softfinger::fem {
 
-/// What a state of contact, friction included, is invariant under: fewer points stand for the rest.
+/// Symmetry of a state of contact, friction included. With a symmetry fewer points are solved for.
 enum class Invariance {
   none,      ///< all of the contact is solved for: any tangential force and torque
   half_turn  ///< rotation by pi about the normal: load and twist; half of the contact

@@ -16,7 +16,8 @@ class SurfaceSeries {
   /// Writes into the problem's output directory, or nothing when it has none.
   explicit SurfaceSeries(const Problem& problem) : problem_(problem) {}
 
-  /// What to do with each state of a level: only the finest is written.
+  /// The function to call with each state of a level. It writes the states of the finest level
+  /// only.
   OnState of(int level);
 
   /// The PVD file of what has been written. @returns its path, empty without states

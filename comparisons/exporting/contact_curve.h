@@ -24,13 +24,11 @@ struct LoadRange {
 };
 
 /// Chooses what the user has left open:
-/// - The range is that of the case's loads, or P/3 to 3P if it has only one. A given nominal load
-/// outside
-///   of it widens it.
-/// - The nominal load is the median of the case's loads; if their number is even, the geometric
-/// mean of
-///   the two middle ones. If a given range does not contain it, it is the geometric mean of the
-///   range.
+/// - The range is that of the case's loads, or P/3 to 3P if it has only one. If a given nominal
+///   load lies outside, the range is widened to it.
+/// - The nominal load is the median of the case's loads. If their number is even, it is the
+///   geometric mean of the two middle ones. If a given range does not contain it, it is the
+///   geometric mean of the range.
 /// @throws InputError for a load that is not a number > 0, for a range that is not LOW,HIGH with
 /// 0 < LOW < HIGH, and for a given nominal load outside of a given range.
 LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice& choice);

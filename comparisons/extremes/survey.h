@@ -15,7 +15,7 @@ struct SurveyOptions {
 /// Asks every model random problems far beyond any fingertip, as tests/extremes does. Counts
 /// answers and refusals and checks invariants: numbers are finite and positive, a refusal gives a
 /// reason, more load gives a larger contact, units do not change the answer, there are no jumps.
-/// The keys of the result are in report/README.md (an invariant is called "promise" there). The
+/// The keys of the result are in report/README.md (the key "promise" there names an invariant). The
 /// same options give the same problems. 20000 points take about a second.
 nlohmann::json survey(const SurveyOptions& options);
 

@@ -20,7 +20,7 @@
 /// and 64 MiB. Other keys (class, tag, note, a reference solution) are skipped.
 namespace softfinger::input {
 
-/// W = J diag(minv) J^T and the rest of the problem.
+/// Reads a problem. Its Delassus matrix is W = J diag(minv) J^T, from the keys `J` and `minv`.
 /// @throws InputError naming file, line and key
 ContactLcp read_recorded_contacts(const std::filesystem::path& file);
 

@@ -20,7 +20,7 @@ namespace softfinger::input {
 namespace fs = std::filesystem;
 namespace {
 
-/// What one scene may hold, copies counted. All poses are recorded: five million of them take about
+/// Limits of one scene, copies counted. All poses are recorded: five million of them take about
 /// a gigabyte.
 constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, kMostJoints = 1000,
                       kMostMotors = 1000, kMostForces = 1000, kMostContactRules = 1000,

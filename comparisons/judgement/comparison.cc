@@ -54,7 +54,8 @@ ModelComparison compare_model(const PressureModel& model, const Comparison& load
   return comparison;
 }
 
-/// Nobody asked for a measured law: that there is none says nothing about it.
+/// `power_law` needs a measured law. In a case without one it is left out of the comparison,
+/// because its missing answer is no failure.
 bool is_applicable(const ModelAnswer& answer) {
   return std::string_view(answer.prediction.validity.begin()->check) != "power_law_known";
 }

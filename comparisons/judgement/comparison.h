@@ -11,10 +11,10 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/reference/reference_result.h"
 
-/// All models beside the finite elements at the loads of a case.
+/// All models compared with the finite elements at the loads of a case.
 namespace softfinger::judgement {
 
-/// Of a model against the finite elements: value / reference - 1.
+/// Relative errors of a model compared with the finite elements: value / reference - 1.
 struct RelativeErrors {
   double a, b, area, indentation, peak_pressure;
   double max_torque;        ///< exact rule, int mu p r dA over the model's own pressure
@@ -59,7 +59,7 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
                    double load_N, std::optional<reference::ReferenceResult> reference,
                    const std::string& failure);
 
-/// What verdicts are made of.
+/// The errors from which verdicts are made.
 LoadErrors errors_of(const Comparison& comparison);
 
 /// @param loads      of the case, at least one

@@ -4,8 +4,13 @@
 
 namespace softfinger::judgement {
 
-/// A model at one load. Agreement within the tolerance counts only where the model itself claims to
-/// hold: where its error merely crosses zero outside its assumptions, that is an accident.
+/// A model at one load, compared with the finite elements.
+///   usable    its error is within the tolerance, and the model says that its assumptions hold
+///   accident  its error is within the tolerance, but its assumptions do not hold: the error may
+///   just
+///             change its sign there
+///   off       its error is larger than the tolerance
+///   silent    there is no answer or no reference
 enum class Judgement { usable, accident, off, silent };
 Judgement judge(double error, bool claims_to_hold, double tolerance);
 

@@ -8,7 +8,7 @@
 
 #include "comparisons/reference/reference_result.h"
 
-/// What verdicts, scores and pages need of a comparison: errors, and nothing that they belong to.
+/// The errors of a comparison, which verdicts, scores and pages need, without cases and answers.
 namespace softfinger::judgement {
 
 /// A model against the finite elements at one load: signed relative errors, NaN where there is

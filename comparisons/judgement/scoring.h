@@ -7,7 +7,7 @@
 #include "comparisons/judgement/judgement.h"
 #include "comparisons/judgement/model_errors.h"
 
-/// What a report claims about models and reference: numbers over loads, cases and the whole suite.
+/// Summaries of errors over loads, cases and the whole suite, as reports state them.
 namespace softfinger::judgement {
 
 /// The larger |relative error| of a prediction in area and maximal torque, by which models are

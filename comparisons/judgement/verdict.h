@@ -12,12 +12,16 @@ struct Verdict {
   std::string verdict_class;  ///< good, mixed, bad, failed
 };
 
-/// One sentence that answers which model can be used, with numbers. "good": one model is usable
-/// (judge) at all loads: it names the most accurate such model of the hot path, at
-/// most one more, and a slower one only when none of those will do. "mixed": different models are
-/// usable at different loads, or at some, or one agrees outside its validity; then it says which
-/// where, and how near the nearest comes elsewhere. "bad": none is usable at any load. "failed":
-/// FEM finished at no load.
+/// One sentence that answers which model can be used, with numbers. Usable is defined at
+/// `Judgement`. The classes are:
+///   good    One model is usable at all loads. The sentence names the most accurate such model of
+///           the hot path and at most one more. It names a slower model only if no model of the hot
+///           path is usable at all loads.
+///   mixed   Models are usable at some of the loads only, or one agrees outside its validity. The
+///           sentence says which model is usable at which loads, and gives the smallest error at
+///           the other loads.
+///   bad     No model is usable at any load.
+///   failed  The finite elements finished at no load.
 Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance);
 
 /// "0.5 N", "1, 2 and 5 N", "0.5 to 10 N"

@@ -11,8 +11,8 @@
 namespace softfinger::prediction {
 namespace {
 
-/// As LimitSurface::sample, for the ellipsoid: a Fibonacci spiral over the sphere of the scaled
-/// space.
+/// Points of the ellipsoid in evenly spread directions, like LimitSurface::sample. In the space of
+/// f/(mu P) and tau/(mu P e_n) the ellipsoid is a sphere; they lie on a Fibonacci spiral over it.
 std::vector<LimitWrench> sample_ellipsoid(const FrictionEllipsoid& ellipsoid, int count) {
   const double golden_angle = kPi * (3 - std::sqrt(5.0));
   std::vector<LimitWrench> points;

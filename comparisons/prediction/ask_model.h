@@ -65,9 +65,8 @@ std::vector<const PressureModel*> models_by_name(const std::string& names);
 /// Names of the models that "all" leaves out because they take longer than microseconds.
 std::vector<std::string> slow_models();
 
-/// @param time_budget_ns  time for repeated calls that measure the cost; slow models are called
-/// once,
-///   however long that takes
+/// @param time_budget_ns  time for repeated calls that measure the cost. Slow models are called
+///   once, however long that takes.
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       double time_budget_ns);
 

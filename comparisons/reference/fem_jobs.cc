@@ -49,8 +49,8 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
   std::vector<FemBatch> batches;
   std::vector<std::vector<const FemJob*>> jobs_of;  // per batch
   for (const FemJob* job : jobs) {
-    // What is there answers another problem: while the new files are being written nothing must
-    // claim them.
+    // A file that is still there answers another problem. It is removed, so that it cannot be taken
+    // for this job's result while new files are being written.
     std::error_code ignored;
     fs::remove(job->file, ignored);
     if (batches.empty() || jobs_of.back().back()->group != job->group) {

@@ -11,8 +11,8 @@
 #include "comparisons/reference/finished_results.h"
 #include "comparisons/system/progress.h"
 
-/// Many finite-element problems whose results are kept in files, so that the same command goes on
-/// where it was cut off: what `compare`, `atlas` and `sweep` share.
+/// Many finite-element problems whose results are kept in files, so that the same command continues
+/// after an interruption. Used by `compare`, `atlas` and `sweep`.
 namespace softfinger::reference {
 
 struct FemJob {
@@ -38,8 +38,8 @@ struct FemJobOptions {
 /// The finished result of a job, if there is one. One with VTU files counts only while they exist.
 FinishedResult finished_result(const FemJob& job, const FemJobOptions& options);
 
-/// What is still to be run, the longest first. Says what is finished, and what is there but of no
-/// use.
+/// The jobs that are still to be run, the longest first. Reports how many are finished, and which
+/// files cannot be used.
 std::vector<const FemJob*> pending_fem_jobs(
     const std::vector<FemJob>& jobs, const FemJobOptions& options, system::Progress& progress,
     const std::function<void(const FemJob&, ReferenceResult result)>& on_reused);

@@ -40,7 +40,7 @@ struct FemAnswer {
   int exit_status = 0;  ///< 0, 2 bad input, 3 no convergence or a crash
 };
 
-/// Which problem of which batch something is about.
+/// Index of a batch, and of a problem in it.
 struct FemIndex {
   std::size_t batch = 0, problem = 0;
 };

@@ -16,7 +16,7 @@ namespace softfinger::reference {
 /// @throws InputError when the program cannot be read
 std::string program_identity(const std::filesystem::path& program);
 
-/// What a file of a finished result says.
+/// Content of a file with a finished result.
 struct FinishedResult {
   std::optional<ReferenceResult> result;
   std::string flaw;  ///< why a file that is there is of no use; empty when nothing is wrong

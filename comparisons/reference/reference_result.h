@@ -62,19 +62,19 @@ struct ReferenceResult {
   std::optional<std::string> vtu_file;
   std::optional<TwistedContact> twist;
   std::vector<FrictionWrench> limit_surface;
-  /// As the program wrote it, for files and pages, which pass on what is not computed with here.
+  /// As the program wrote it. Files and pages also show entries that nothing here computes with.
   nlohmann::json document;
 };
 
-/// A result, or what keeps it from being believed: a number that is missing, or one that no contact
-/// has. Exactly one of the two is there.
+/// A result, or the flaw for which it is refused: a number that is missing, or one that no contact
+/// can have. Exactly one of the two is there.
 struct ReadReferenceResult {
   std::optional<ReferenceResult> result;
   std::string flaw;  ///< a few words
 };
 ReadReferenceResult read_reference_result(const nlohmann::json& document);
 
-/// Stated errors up to which a model's distance from the reference says something about the model.
+/// Largest stated errors of a reference with which models can be compared.
 struct TrustLimits {
   double axes = 0.02;  ///< a and b
   double indentation_and_torque = 0.01;

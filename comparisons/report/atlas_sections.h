@@ -15,7 +15,7 @@ std::string validity_map_section(const Json& report);
 /// The error of the torque by cause.
 std::string error_causes_section(const Json& report);
 
-/// What large deformation does to every model: `report["finite_strain"]`.
+/// The errors of every model at large deformation: `report["finite_strain"]`.
 std::string finite_strain_section(const Json& report);
 
 /// Which runs the atlas is made of, for the page's end: `<dt>..</dt><dd>..</dd>`.

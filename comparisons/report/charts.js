@@ -26,8 +26,8 @@ const Charts = (() => {
     width, height, marginLeft: 46, marginRight: 12, marginTop: 22, marginBottom: 38,
     style: {fontSize: "12px", background: "transparent"},
   });
-  // Plot's own axes are eight marks to a picture and three elements to a tick, a third of the time of drawing
-  // it: these are two paths and the words.
+  // Plot's own axes take a third of the time of drawing a picture: they are eight marks, with three elements
+  // per tick. These axes are two paths and the labels.
   function drawAxes(options, scales, {width, height, marginLeft, marginRight, marginTop, marginBottom}) {
     const [right, bottom] = [width - marginRight, height - marginBottom];
     // Half a pixel, like Plot's marks: lines are sharp where a pixel is a pixel.

@@ -17,7 +17,8 @@ std::string with_true_minus(std::string digits) {
   return digits;
 }
 
-/// Decimal places that leave `digits` significant ones, judged after rounding (9.9996 -> 10.00).
+/// With as many decimal places as leave `digits` significant ones after rounding: 9.9996 -> 10.00
+/// for four.
 std::string fixed(double value, int digits) {
   const std::string scientific = fmt::format("{:.{}e}", std::abs(value), digits - 1);
   const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));

@@ -9,12 +9,13 @@
 
 namespace softfinger::report {
 
-/// A contact followed through the motion. Recordings know contacts of one instant only; what is
-/// drawn over time must not jump when a pair of bodies touches in several places.
+/// A contact followed through the motion. Recordings list the contacts of each instant separately.
+/// Curves over time need the same contact throughout: else they would jump when a pair of bodies
+/// touches in several places.
 struct ContactTrack {
   int a = -1, b = -1;
   int ordinal = 0;  ///< among the tracks of the same two bodies, from 0
-  /// Of each frame: index into its contacts, or nothing while the bodies do not touch here.
+  /// For each frame the index into its contacts, or nothing while the bodies do not touch here.
   std::vector<std::optional<std::size_t>> contacts;
 };
 

@@ -8,10 +8,10 @@
 
 namespace softfinger::report {
 
-/// What fills the skeleton page.html that all pages share. Everything is taken as it is: texts must
-/// have been escaped, `data` come from `script_json`. Should a text have slipped through, the
-/// page's policy (Content-Security-Policy) lets nothing run but `scripts`, which it knows by their
-/// hashes, and nothing be loaded from anywhere.
+/// The parts that are filled into page.html, the skeleton of all pages. They are inserted
+/// unchanged: texts must have been escaped, and `data` must come from `script_json`. As a second
+/// line of defence, the page's Content-Security-Policy lets only `scripts` run, by their hashes,
+/// and allows nothing to be loaded.
 struct Page {
   std::string title;
   std::vector<std::string_view> styles;

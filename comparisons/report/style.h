@@ -19,10 +19,10 @@ struct Style {
   std::string dash;    ///< SVG stroke-dasharray
 };
 
-/// Of a model among `model_names`, of "fem" or of "fem_coarse". No two models share a colour.
+/// Style of a model among `model_names`, of "fem" or of "fem_coarse". No two models share a colour.
 Style style(const Json& report, const std::string& model);
 
-/// Of the model at this place of the list, whatever the list's length.
+/// Style of the model at this place of the list. It does not depend on the list's length.
 Style style_of_place(std::size_t place);
 
 }  // namespace softfinger::report

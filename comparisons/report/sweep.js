@@ -223,7 +223,7 @@
     return list;
   }
 
-  // The frame holds what models vouch for and the finite elements; the rest as far as half a frame beyond.
+  // The frame holds the finite elements and the models where their assumptions hold. Other values widen it on either side by at most half its height.
   function valueRange(series) {
     const all = [], trusted = [];
     for (const {source, points} of series)

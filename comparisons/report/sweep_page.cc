@@ -291,7 +291,7 @@ Deviations deviations_of(std::vector<double> errors) {
   return out;
 }
 
-/// The larger one of area and torque, by which the project's verdicts judge.
+/// The larger one of the errors in area and torque, by which models are compared in all reports.
 double score_of(const Table& table, const Source& model, std::size_t row) {
   const double area = deviation(table, model, kArea, row);
   const double torque = deviation(table, model, kTorque, row);
@@ -382,7 +382,8 @@ std::string lead(const Json& sweep, const Table& table) {
       part += " " +
               with_unit(least == largest ? least : least + " to " + largest, escape(variable.unit));
     }
-    // Of keys that change together, or at random, each has a value of its own in every point.
+    // Keys that change together or at random have a different value at every point. Their number of
+    // values is that of the points and is left out.
     if (variable.count > 1 && (single || variable.count != points))
       part += fmt::format(" ({}{})", count_text(variable.count, "value", "values"),
                           variable.log ? ", log" : "");

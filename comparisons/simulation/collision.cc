@@ -21,7 +21,7 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// What is remembered of a pair of shapes between steps.
+/// Data of a pair of shapes that are kept between steps.
 struct PairMemory {
   Vector3d normal_in_a = Vector3d::Zero();  ///< zero: not yet known
   Fits fits;

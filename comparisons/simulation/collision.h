@@ -21,10 +21,10 @@ class CollisionDetector {
   ~CollisionDetector();
 
   /// Appends all points whose gap may close within `time_step_s` at twice the current velocities,
-  /// or is below a hundredth of the smaller body.
+  /// or is smaller than a hundredth of the smaller body's size.
   void find(const Multibody& bodies, double time_step_s, std::vector<TouchingPoint>& points);
 
-  /// @throws InputError(file) when bodies overlap by more than 1e-4 of the smaller one.
+  /// @throws InputError(file) when bodies overlap by more than 1e-4 of the smaller one's size.
   void require_no_overlap(const Multibody& bodies);
 
   /// How often quadrics were fitted to meshes so far.

@@ -93,7 +93,7 @@ struct Edge {
 std::vector<Edge> edges_facing(const Vector3d& direction, const input::Box& box, const Part& part,
                                double reach_m) {
   const Vector3d local = part.local_direction(direction), half = box.size_m / 2;
-  // Of a thin plate only one side faces the other body.
+  // The depth is limited, so that of a thin plate only the side facing the other body counts.
   const double depth_m = std::min(reach_m, box.size_m.minCoeff() / 4);
   const double farthest = half.dot(local.cwiseAbs());
   std::vector<Edge> edges;

@@ -47,7 +47,7 @@ class ModelEccentricity final : public EccentricityLaw {
 /// The touching points of the bodies as contacts with friction.
 class SceneContacts final : public ContactFinder {
  public:
-  /// What a contact was made of.
+  /// The description from which a contact was made.
   struct Origin {
     RelativeRadii radii{0, 0, 0};                 ///< zero: a point contact
     const ModelEccentricity* pressure = nullptr;  ///< null: no pressure model
@@ -71,7 +71,7 @@ class SceneContacts final : public ContactFinder {
   }
 
   CollisionDetector& detector() { return detector_; }
-  /// Of a contact of the last `find`.
+  /// Origin of a contact that the last `find` returned.
   const Origin& origin(const Contact& contact) const { return origins_.at(contact.id); }
 
  private:

@@ -16,13 +16,17 @@ struct DeformedContact {
   double fit_residual = 0;          ///< of the pressure's fit, relative to the mean pressure
 };
 
-/// Of a quarter, fits the edge of the pressure in the undeformed block, where the surface's shape
-/// functions are those of a regular grid, and follows it into the deformed state by the
-/// displacements. Of a whole layer, where the contact is only roughly an ellipse: the ellipse that
-/// has the contact's area seen along the load, which the touching nodes tell to some tenths of a
-/// cell, and the directions and ratio of axes of the pressure's second moments. The moments alone
-/// would give axes 4 to 7 % too long at d/h = 0.2 to 0.4: linear elasticity takes the pressure for
-/// a power of 1 - r², which that of a deeply pressed layer is not.
+/// Measures the contact of the present equilibrium.
+///
+/// On a quarter, the edge of the pressure is fitted in the undeformed block, where the surface's
+/// shape functions are those of a regular grid. The displacements then carry it into the deformed
+/// state.
+///
+/// On a whole layer the contact is only roughly an ellipse. The ellipse that is reported has the
+/// contact's area seen along the load, which is known to some tenths of a cell from the touching
+/// nodes. Its directions and its ratio of axes are those of the pressure's second moments. The
+/// moments alone would give axes 4 to 7 % too long at d/h = 0.2 to 0.4: they need the pressure to
+/// be a power of 1 - r², as in linear elasticity, which that of a deeply pressed layer is not.
 /// @throws ConvergenceError when the fit leaves the patch
 DeformedContact measure(const FinitePressing& pressing);
 

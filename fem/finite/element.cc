@@ -46,7 +46,7 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
   Eigen::MatrixXd volume_by_displacement = Eigen::MatrixXd::Zero(4, 3 * nodes);  // int phi dJ
   Eigen::Vector4d volume = Eigen::Vector4d::Zero(), pressure = Eigen::Vector4d::Zero();
   Eigen::Matrix4d stiffness_of_volume = Eigen::Matrix4d::Zero();
-  // Of each pair of components, weight x tangent x gradients at all points: the stiffness then is
+  // Weight x tangent x gradients at all points, for each pair of components. The stiffness then is
   // one product of matrices per pair.
   constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   Eigen::MatrixXd weighted[6];

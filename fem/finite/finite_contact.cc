@@ -21,7 +21,7 @@ constexpr double steep_rad = M_PI / 4;
 
 using Materials = std::vector<std::shared_ptr<const Material>>;
 
-/// Of the sublayers, in units of the layer's E.
+/// Materials of the sublayers, in units of the layer's E.
 Materials materials_of(const ContactTask& task) {
   const Problem& problem = task.problem;
   Materials result;
@@ -209,7 +209,8 @@ class FiniteContact : public ContactPhysics {
     }
   }
 
-  /// What superposed motions neglect goes with friction's energy over this (superposed_friction.h).
+  /// The relative error of superposed motions is about friction's energy over this work
+  /// (superposed_friction.h).
   double reference_work() const { return equilibrium().load * std::min(1.0, contact_.b); }
 
   void follow(const std::vector<PlaneMotion>& motions, SuperposedTwist& twist,
@@ -219,9 +220,9 @@ class FiniteContact : public ContactPhysics {
       twist.turn_to(motion.turn_rad);
       result.twist.push_back({motion, {0, 0, twist.torque()}, twist.slip_fraction(), 0});
     }
-    // The odd change of the pressure changes the torque by its square, and what nodes that let go
-    // or begin to slip by it change, which a quarter does not see: on the whole layer of symmetric
-    // contacts up to 0.09 of it.
+    // A twist changes the pressure by an odd field. The torque changes by the square of that
+    // change. It also changes because nodes open or begin to slip. A quarter cannot show this. On
+    // whole layers of symmetric contacts it was up to 0.09 of the pressure's change.
     constexpr double unseen_by_quarter = 0.1;
     const double moved = twist.pressure_change();
     result.neglected_of_twist = twist.stored_energy() / reference_work() + moved * moved +

@@ -296,11 +296,11 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   return out_of_balance;
 }
 
-/// Surface nodes are held by springs, which `surface_response` takes off again: under a pressure of
-/// the order of the shear modulus the surface would be unstable with constant forces on it, which
-/// says nothing of a contact that a rigid object holds. If the rest is indefinite too, as it may be
-/// far from equilibrium or at a bifurcation, a share of its diagonal makes the step shorter along
-/// the directions that are to blame.
+/// Springs hold the surface nodes while the matrix is factorised; `surface_response` takes them off
+/// again. Without them the matrix is indefinite under a pressure of the order of the shear modulus:
+/// the surface is unstable under constant forces, though not under a rigid object that holds it.
+/// With springs the matrix may still be indefinite, far from equilibrium or at a bifurcation. Then
+/// a share of its diagonal is added, which shortens the step along the unstable directions.
 void FiniteLayer::Implementation::factorise() {
   SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
   if (dissection.empty()) dissect(matrix, free);
@@ -410,7 +410,8 @@ double FiniteLayer::take_step(double fraction) {
 
 namespace {
 
-/// Of a field that has the contact's pressure in place of the displacement along the load.
+/// Output of the contact's pressure. The field that is given to it has the pressure as the third
+/// component, in place of the displacement along the load.
 class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
  public:
   ContactPressure() : DataPostprocessorScalar("contact_pressure_Pa", dealii::update_values) {}

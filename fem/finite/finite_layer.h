@@ -36,7 +36,7 @@ class FiniteLayer {
               bool whole, std::shared_ptr<const Material> material)
       : FiniteLayer(discretisation, std::move(shape), whole,
                     std::vector<std::shared_ptr<const Material>>{std::move(material)}) {}
-  /// All of a layer whose coarse mesh comes from outside, as `LayerModel` has it.
+  /// The whole layer, from a coarse mesh from outside, refined as by `LayerModel`.
   FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
               double thickness_m, std::vector<std::shared_ptr<const Material>> materials);
   ~FiniteLayer();
@@ -52,7 +52,7 @@ class FiniteLayer {
   /// Present position of a surface node.
   Eigen::Vector3d position(std::size_t node) const;
 
-  /// Of the nine nodes of a face, those that cannot be touched included.
+  /// Positions of the nine nodes of a face, also of nodes that cannot be touched.
   std::array<Eigen::Vector3d, 9> face_positions(std::size_t face) const;
 
   double strain_energy() const;

@@ -244,7 +244,7 @@ void FinitePressing::press(const Drive& drive) {
     try {
       converged = try_step(next, limited, reached);
     } catch (const ConvergenceError&) {
-      // Of the factorisation or of the active set: a shorter step is the remedy for both.
+      // The factorisation or the active set failed. A shorter step may help with both.
     }
     // On a mesh that was made for a larger contact, the nodes around the object can be pressed
     // further when the layer under it is used up.

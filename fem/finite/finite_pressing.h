@@ -18,7 +18,7 @@
 /// penalty.
 namespace softfinger::fem::finite {
 
-/// What the layer is pressed by; the other is zero.
+/// Load or approach by which the layer is pressed; the other one is zero.
 struct Drive {
   double load = 0;      ///< P / (E h²)
   double approach = 0;  ///< d / h
@@ -79,10 +79,11 @@ class FinitePressing {
   /// Normals of the object at the nodes' present positions: outward from the finger.
   Eigen::Vector3d normal(std::size_t node) const;
 
-  /// Of the present equilibrium.
+  /// The nodes that touch in the present equilibrium.
   TouchingNodes touching_nodes() const;
 
-  /// Of these nodes, about the present equilibrium: `FiniteLayer::superposed_stiffness`.
+  /// Stiffness of the touching nodes about the present equilibrium, see
+  /// `FiniteLayer::superposed_stiffness`.
   Eigen::MatrixXd superposed_stiffness(Parity parity);
 
   /// Sums over the layer's nodes times this are sums over the contact.

@@ -129,18 +129,19 @@ class CompressibleNeoHookean : public Material {
   double shear_modulus_;
 };
 
-/// Refuses a material whose incompressible stress falls with the stretch. Of uniaxial, equibiaxial
-/// and planar stretch in one: the principal stretches are l, l^m, l^-(1+m) for m = -1/2, 1, 0.
+/// Refuses a material whose stress falls with the stretch when it is incompressible. Checked in
+/// uniaxial, equibiaxial and planar stretch: the principal stretches are l, l^m, l^-(1+m) with
+/// m = -1/2, 1, 0.
 void require_stable(const Material& material, const std::string& what) {
   for (const double m : {-0.5, 1.0, 0.0}) {
     const auto slope = [&](double stretch) {
-      // Of W along the path by ln(stretch).
+      // Derivative of W along the path with respect to ln(stretch).
       const Eigen::Vector3d stretches(stretch, std::pow(stretch, m), std::pow(stretch, -1 - m));
       const Response response =
           material.respond(Deformation(Eigen::Matrix3d(stretches.asDiagonal())));
       return response.stress.diagonal().dot(Eigen::Vector3d(1, m, -1 - m).cwiseProduct(stretches));
     };
-    // Of the nominal stress slope/stretch: what a dead load would feel.
+    // The nominal stress slope/stretch is the force per undeformed area. It must not fall.
     constexpr double shortest = 0.4, longest = 2.5, step = 0.02;
     double previous = slope(shortest) / shortest;
     for (double stretch = shortest + step; stretch <= longest; stretch += step) {

@@ -115,7 +115,8 @@ class Smoothed : public RigidObject {
 
   std::function<std::optional<double>(double, double)> height_;
   double spacing_;
-  /// Of the lattice's points that were asked for: a search among all facets each.
+  /// Heights at those points of the lattice that were needed so far. Each costs a search among all
+  /// facets.
   mutable std::map<std::pair<int, int>, std::optional<double>> heights_;
 };
 

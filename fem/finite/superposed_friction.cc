@@ -22,7 +22,7 @@ struct Rows {
   std::vector<Index> tangential, normal;
 };
 
-/// Of the nodes' 3 x 3 blocks.
+/// Row numbers in a matrix of 3 x 3 blocks, one block per node.
 Rows rows(Index count) {
   Rows result;
   for (Index i = 0; i < count; ++i) {
@@ -69,7 +69,7 @@ Eigen::MatrixXd normal_force_by_displacement(const TouchingNodes& nodes,
   return result;
 }
 
-/// Of the object's slope at each node.
+/// Cosine of the object's slope at each node.
 Eigen::VectorXd cosine(const TouchingNodes& nodes) {
   Eigen::VectorXd result(nodes.size());
   for (Index i = 0; i < nodes.size(); ++i)

@@ -24,7 +24,7 @@
 /// relative size of what is left out. It is small where mu² p << G.
 namespace softfinger::fem::finite {
 
-/// What forces along the tangents of touching nodes do, for motions of one parity.
+/// Response of the touching nodes to forces along their tangents, for motions of one parity.
 struct TangentialResponse {
   /// @param stiffness  3 n x 3 n, of the superposed motions
   /// @throws ConvergenceError where the pressed state is not stable against such motions
@@ -34,7 +34,7 @@ struct TangentialResponse {
   Eigen::MatrixXd normal_force, load;  ///< n x 2n: of N, and of its component along the load
 };
 
-/// What the object's approach does to touching nodes, each per unit of it.
+/// Response of the touching nodes to the object's approach, per unit of approach.
 struct ApproachResponse {
   ApproachResponse() = default;
   ApproachResponse(const TouchingNodes& nodes, const Eigen::MatrixXd& stiffness,
@@ -107,7 +107,7 @@ class SuperposedTwist {
   double slip_fraction() const;
   /// Energy of what friction's forces strain the pressed layer by, E h³.
   double stored_energy() const;
-  /// Of all increments: friction's forces times their slip, E h³.
+  /// Friction's forces times their slip, summed over all increments, E h³.
   double dissipated_energy() const { return dissipated_; }
   /// Sum of the nodal normal forces' change by friction, in magnitude, over the load.
   double pressure_change() const;

@@ -40,8 +40,8 @@ TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eige
     if (!free.empty()) contact.displacement(free) = released * scale;
     contact.active = static_cast<int>(touching.size());
     const Eigen::VectorXd clearance = (contact.displacement + gap).array() - approach;
-    // The smallest gap, not the largest: a node beside the object has one of 1e3, whose round-off
-    // says nothing of the others'.
+    // The scale of the clearances contains the smallest gap, not the largest. A node beside the
+    // object has a gap of 1e3, whose round-off is far larger than that of the other nodes.
     if (!set.improve(contact.force, clearance, contact.force.cwiseAbs().maxCoeff(),
                      std::abs(approach) + gap.cwiseAbs().minCoeff()))
       continue;

@@ -40,7 +40,7 @@ Checks check_stated_errors(const Checks& checks) {
   for (const Check& check : checks) {
     if (!check.stated_error) continue;
     inside += check.inside_stated();
-    // Where the reference itself is no better than the difference, the ratio says nothing.
+    // Where the reference's own error is as large as the difference, the ratio has no meaning.
     if (std::abs(check.error()) > check.reference_error)
       ratios.push_back(*check.stated_error / std::abs(check.error()));
   }

@@ -15,7 +15,7 @@ enum class Relation { equal, at_least, at_most };
 struct Check {
   std::string group{}, name{}, quantity{};
   double expected = 0, measured = 0;
-  /// Relative, what the solver itself says about this number; absent where it says nothing.
+  /// Relative error that the solver states for this number; absent where it states none.
   std::optional<double> stated_error{};
   /// Relative to the expected value; absolute where that is zero.
   double tolerance = 0;

@@ -10,7 +10,7 @@
 /// Contacts by their dimensionless numbers, for the groups of checks.
 namespace softfinger::fem::verification {
 
-/// What is expected of a contact, SI, and how far the reference itself may be off (relative).
+/// Expected results of a contact, SI, and the relative error of the reference that they come from.
 struct Expected {
   double a_m = 0, b_m = 0, indentation_m = 0, max_torque_Nm = 0;
   double peak_pressure_Pa = 0;  ///< 0: not compared
@@ -38,19 +38,21 @@ struct Residuals {
 };
 const Residuals& residuals_so_far();
 
-/// Solves without a word and keeps the residuals.
+/// Solves without messages of progress and keeps the residuals.
 Result solve_quietly(const Problem& problem, ModelCache* models = nullptr);
 
 /// d, torque, a, b (and peak pressure) against what is expected, each with its stated error.
 Checks compare(const std::string& group, const std::string& name, const Problem& problem,
                const Expected& expected);
 
-/// The same on the meshes of a contact that a larger load made before; none where they do not suit.
+/// The same on the meshes that were made for a larger load. No checks where these do not suit.
+/// @param larger_load  over the problem's load
 Checks compare_reused(const std::string& group, const std::string& name, const Problem& problem,
                       const Expected& expected, double larger_load);
 
-/// Friction on two meshes of a contact whose size is known, following a plan of one's own, and the
-/// result as the solver states it.
+/// Solves friction on two meshes, `problem.level` - 1 and `problem.level`, of a contact whose
+/// semi-axes are known. `make_plan` sets the motions of the slider. The result states friction and
+/// its errors as the solver does; of the rest it has only the load and the largest torque.
 Result friction_of(const Problem& problem, double a_m, double b_m,
                    const std::function<void(FrictionPlan&)>& make_plan);
 

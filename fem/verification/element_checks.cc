@@ -282,11 +282,15 @@ NormsOfError manufactured(int cells, double nu, const std::array<double, 3>& amp
   return {std::sqrt(norms.l2), std::sqrt(norms.energy)};
 }
 
-/// Observed orders from meshes of n, 2n and 4n cells. Extrapolated where div u = 0: an order
-/// observed at size h is then off by a term in h². Elsewhere the error has a part that starts large
-/// and falls faster, so that the order comes down to the theoretical one slowly (measured: at
-/// nu = 0.3 in energy 2.20 on 4 to 8 cells, 2.16 on 8 to 16; at nu = 0 in L2 3.022 on 3 to 6, 3.009
-/// on 6 to 12), and only a lower bound can be stated.
+/// Orders of convergence observed on meshes of n, 2n and 4n cells.
+///
+/// Where div u = 0, the order observed at cell size h differs from the theoretical one by a term in
+/// h². It is extrapolated to h = 0 and compared with the theoretical order.
+///
+/// Elsewhere the error has a second part, which is large on coarse meshes and falls faster. The
+/// observed order is then above the theoretical one and approaches it slowly, so that only a lower
+/// bound is checked. Measured: at nu = 0.3 in energy 2.20 on 4 to 8 cells, 2.16 on 8 to 16; at nu =
+/// 0 in L2 3.022 on 3 to 6, 3.009 on 6 to 12.
 Checks convergence(int cells, double nu, const std::array<double, 3>& amplitude, const char* what) {
   const bool isochoric = amplitude[0] + amplitude[1] + amplitude[2] == 0;
   const NormsOfError errors[] = {manufactured(cells, nu, amplitude),

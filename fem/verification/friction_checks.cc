@@ -18,8 +18,8 @@ const char* const group = "friction";
 constexpr double thickness_m = 2e-3, youngs_modulus_Pa = 3e5, friction_coefficient = 0.1;
 constexpr double half_space = 0.05;  ///< a/h of what stands for a half-space
 constexpr double zeta_3 = 1.2020569031595942;
-/// What a base at a/h = 0.05 changes in a torsional stiffness: zeta(3)/(4 pi) (a/h)³; in pressure,
-/// half of (a/h)³.
+/// Relative change that the base makes at a/h = 0.05: zeta(3)/(4 pi) (a/h)³ in a torsional
+/// stiffness, half of (a/h)³ in pressure. This bounds both.
 const double base_effect = std::pow(half_space, 3);
 
 std::string named(const char* format, double first, double second) {

@@ -1,4 +1,5 @@
-// What must not matter: units, the choice of axes, which mirror image is computed. And equilibrium.
+// Units, the choice of axes and the mirror image that is computed must not change a result. Also
+// checks equilibrium.
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -13,8 +14,8 @@ namespace {
 
 const char* const group = "invariance";
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-/// Of the stiffness: (elements along the layer)² times the ratio of the moduli and of cell sizes,
-/// at nu = 0.4 some 1e5; of a coarse contact.
+/// Condition number of the stiffness of a coarse contact: (elements along the layer)² times the
+/// ratios of moduli and of cell sizes, about 1e5 at nu = 0.4.
 constexpr double condition = 1e5;
 
 Problem oblong() {

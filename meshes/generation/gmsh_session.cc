@@ -10,12 +10,10 @@ namespace {
 int open_sessions = 0;
 
 /// Keeps gmsh from changing files of the user.
-/// - gmsh's graphics library FLTK rewrites its preference files when it first reads them: the
-/// user's,
-///   and for root those in /etc. Here FLTK is told that they have been read.
-/// - At its end gmsh removes a file of its own from the home folder. It gets a home folder that
-/// cannot
-///   contain files.
+/// - gmsh's graphics library FLTK rewrites its preference files when it first reads them. These are
+///   the user's, and for root those in /etc. Here FLTK is told that they have been read.
+/// - At its end gmsh removes a file of its own from the home folder. It is given a home folder
+///   that cannot contain files.
 void leave_the_users_files_alone() {
   // The flag is private to FLTK 1.3, which has no other switch. A gmsh without FLTK does not have
   // it.

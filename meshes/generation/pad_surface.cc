@@ -96,9 +96,10 @@ class TaperedPad : public PadSurface {
     }
     if (enter > t) return std::nullopt;
 
-    // `t` is there, outside of the body. The function is convex along the line: Newton's iteration
-    // decreases monotonically to the outer root, or beyond the minimum if there is no root. It ends
-    // when rounding stops the decrease.
+    // Newton's iteration starts at t, where the line leaves the box: outside of the body. The
+    // function is convex along the line. The iteration therefore decreases t monotonically to the
+    // outer root, or beyond the minimum if there is no root. It ends when rounding stops the
+    // decrease.
     for (int iteration = 0; iteration < 200; ++iteration) {
       const Vector3d p = from + t * direction;
       const double slope = gradient(p).dot(direction);

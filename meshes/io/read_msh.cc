@@ -404,7 +404,7 @@ class Parser {
       }
   }
 
-  /// What the nodes' and the elements' sections begin with.
+  /// The numbers with which the sections of nodes and of elements begin.
   struct Blocks {
     std::size_t blocks, total;
   };

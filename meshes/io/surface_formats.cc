@@ -266,7 +266,7 @@ std::string lower_case(std::string text) {
 
 RawSurface parse_raw_surface(const std::string& path, std::string bytes) {
   const bool text = is_text(bytes);
-  // A binary STL may begin with "solid", too: only its size tells.
+  // A binary STL may begin with "solid", too: only the file's size shows that it is binary.
   const bool whole_binary =
       !text && bytes.size() >= kStlHeader && announced_bytes(bytes) <= bytes.size();
   if (whole_binary && announced_bytes(bytes) == bytes.size()) {
@@ -283,8 +283,8 @@ RawSurface parse_raw_surface(const std::string& path, std::string bytes) {
       return ObjReader(path).read(with_whole_lines(bytes));
     }
   } else if (whole_binary && extension == ".stl" && announced_triangles(bytes) > 0) {
-    // Some programs append notes of their own. A rest that could hold as many triangles again is
-    // more likely a damaged header.
+    // Some programs append notes of their own after the triangles; these are ignored. If the rest
+    // could hold more triangles than the header announces, the header is more likely damaged.
     if (bytes.size() - announced_bytes(bytes) >=
         kStlTriangle * (std::size_t{1} + announced_triangles(bytes)))
       throw InputError(path, "file size", std::to_string(bytes.size()) + " bytes",

@@ -22,9 +22,9 @@ struct RawSurface {
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// Recognises the format by the content, not by the file's name, except where a damaged file leaves
-/// nothing else. An OBJ file's polygons are cut into triangles; its materials, groups, lines and
-/// points are passed over, and no file that it names is opened.
+/// Recognises the format by the content. The file's name only counts for damaged files, whose
+/// content does not show the format. An OBJ file's polygons are cut into triangles; its materials,
+/// groups, lines and points are passed over, and no file that it names is opened.
 /// @param bytes  of the file
 /// @param path   for messages, and for its ending
 /// @throws InputError (where = path, with the line where known)

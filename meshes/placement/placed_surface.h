@@ -20,8 +20,8 @@ struct SurfaceHit {
   double rounding = 0;
 };
 
-/// Position and orientation of a triangulated body in the contact frame, in the body's own
-/// coordinates.
+/// Position and orientation of a triangulated body in the contact frame. The vectors are given in
+/// the body's own coordinates.
 struct SurfacePlacement {
   Eigen::Vector3d point_m;         ///< contact point; the nearest point of the surface is taken
   Eigen::Vector3d outward_normal;  ///< of the body there, any length

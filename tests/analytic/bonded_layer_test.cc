@@ -92,7 +92,8 @@ TEST(BondedLayer, EqualsPublishedEllipticSolutions) {
   expect_stated(worst);
 }
 
-// The solver behind the table, against the same publication: a check of the truth below.
+// The table was made with this solver, and the tests below compare the table with it. Here the
+// solver itself is compared with the publication.
 TEST(EllipticLayerContact, EqualsPublishedSolutions) {
   for (const testing::EllipticRow& row : testing::kEllipticRows) {
     const EllipticLayerContact contact = elliptic_layer_contact(

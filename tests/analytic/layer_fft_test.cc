@@ -104,7 +104,7 @@ TEST(LayerFft, ApproachesHertzOnAThickLayer) {
   }
 }
 
-// What is 1e15 times as thick as the contact is wide is still a layer.
+// A layer 1e15 times as thick as the contact is wide is still accepted as a layer.
 TEST(LayerFft, EqualsHertzOnAnExtremelyThickLayer) {
   const PressureModel& hertz = *find_pressure_model("hertz");
   for (const double thickness_m : {1e6, 1e12}) {
@@ -125,7 +125,7 @@ TEST(LayerFft, ApproachesConfinedWinklerOnAThinCompressibleLayer) {
     const Prediction limit = winkler.predict(problem);
     const LayerContact contact =
         solve_layer_contact(problem.radii, problem.layer, {}, problem.load.normal_force_N);
-    // What is missing is of the order of the layer's thickness over the contact's width.
+    // The limit neglects terms of the order of the layer's thickness over the contact's width.
     const double tolerance = 2 * thickness_m / limit.b_m;
     const double error = std::abs(contact.approach_m / limit.indentation_m - 1);
     EXPECT_LT(error, tolerance);

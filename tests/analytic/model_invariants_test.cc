@@ -173,7 +173,7 @@ RC_GTEST_PROP(ModelInvariants, NumbersChangeWithTheUnitsAsTheirDimensionsDemand,
   PowerLaw& law = scaled.options.power_law;
   law.radius_coefficient *= length / std::pow(force, law.radius_exponent);
   RC_PRE(scaled.radii.major_m >= scaled.radii.minor_m);
-  // Of all models: the rounding of the scaled input, a few epsilon, amplified.
+  // The rounding of the scaled input, a few epsilon, as amplified by any of the models.
   const double tolerance = 1e-12;
   for (const PressureModel* model : models_in_turn(50)) {
     const Prediction one = model->predict(problem), other = model->predict(scaled);

@@ -1,4 +1,4 @@
-// What one answer of the analytic part costs, and what it is worth: every model of the registry on
+// Cost and accuracy of one answer of the analytic part: every model of the registry on
 // a circle, a fingertip and a very long ellipse, with its heap allocations per call and, on the
 // first two, its relative errors; `bonded_layer` all over its table and at its edges; the torque
 // from given semi-axes; and a fit of 200 points, with its error and the standard deviation that it

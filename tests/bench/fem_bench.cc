@@ -1,6 +1,6 @@
-// What the finite-element reference costs and how far it is from the truth: CPU seconds, peak
-// memory, unknowns, and the signed true error of each quantity beside the stated one. Each case is
-// solved in a process of its own, so that its memory is its own.
+// The cost and the accuracy of the finite-element reference: CPU seconds, peak memory, unknowns,
+// and the signed true error of each quantity beside the stated one. Each case is solved in a
+// process of its own, so that its memory is measured alone.
 //   fem_bench           all cases
 //   fem_bench WORD...   those whose name contains one of the words
 #include <malloc.h>

@@ -27,7 +27,7 @@
 namespace softfinger {
 namespace {
 
-/// Of this thread: what else the machine does counts only as far as it shares caches.
+/// CPU time of this thread. Other work on the machine changes it only through shared caches.
 double cpu_us() {
   timespec time;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -292,8 +292,7 @@ TEST_F(Compare, RefusesAFolderThatCannotBeWritten) {
 }
 
 TEST_F(Compare, LeavesNothingHalfWrittenOnAFullDisk) {
-  // Too small for a result, for the report, for the page: the three places where a disk may fill
-  // up.
+  // Limits at which the disk fills up while a result, the report or the page is being written.
   for (long bytes : {600L, 12000L, 100000L}) {
     start.largest_file_bytes = bytes;
     const ProgramRun result = compare();

@@ -308,8 +308,8 @@ TEST(FiniteStrainLayer, IsFittedOnOneHalfOfTheRunsAndJudgedOnTheOther) {
       logarithms.push_back(-std::log1p(of_linear[r][q]));
     }
     ASSERT_GE(features.size(), 20u);
-    // Of the semi-axes the slope changes nothing: they have one number. Three digits of them are in
-    // the program; the file's errors have four.
+    // The slope does not change the semi-axes, which therefore have one number only. The program
+    // has three digits of the numbers; the file's errors have four.
     if (fitted.quantity == judgement::Quantity::a)
       for (Eigen::Vector2d& feature : features) feature[1] = 0;
     const Eigen::Vector2d numbers = least_squares(features, logarithms);

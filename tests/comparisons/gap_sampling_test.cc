@@ -188,7 +188,7 @@ TEST_F(GapSampling, RefusesAMeshThatDoesNotCoverTheContact) {
   };
   EXPECT_NE(refusal(mesh_case(cap(0.8 * a), pole, Vector3d::UnitZ())).find("mesh has to cover it"),
             std::string::npos);
-  // What the contact does not reach need not be there.
+  // The mesh need not cover places that the contact does not reach.
   EXPECT_EQ(refusal(mesh_case(cap(1.9 * a), pole, Vector3d::UnitZ())), "");
 
   const auto hole = [&](double distance_m) {

@@ -302,8 +302,8 @@ TEST_F(Program, AnswersInstantly) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizers' own start takes 0.3 s";
 #endif
-  // 30 ms is the promise on an idle machine; this bound only catches a library that loads for a
-  // second.
+  // An idle machine takes less than 30 ms. This bound is wide, for busy machines: it only catches a
+  // library that takes a second to load.
   double best_ms = 1e9;
   for (int i = 0; i < 5; ++i) {
     const auto begin = std::chrono::steady_clock::now();

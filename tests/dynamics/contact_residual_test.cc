@@ -47,7 +47,7 @@ ContactSolution with(const ContactLcp& problem, double load,
   return solution;
 }
 
-/// Of impulses alone, for the exact rules.
+/// Residual under the exact rules of a solution that is given by its impulses.
 double exact_residual(const ContactLcp& problem, const Eigen::Vector4d& impulse) {
   ContactSolution solution;
   solution.resize(1);

@@ -15,9 +15,9 @@ struct Count {
   double worst = 0;
 };
 
-/// What one rounding of each term of W r makes of the residual: of bodies held between each other
-/// by impulses that would alone move them a million times faster than anything moves, ten digits
-/// are left.
+/// The residual that one rounding of each term of W r causes. Impulses between wedged bodies can be
+/// so large that each alone would move them a million times faster than anything moves. Only ten
+/// digits of the velocities are then left.
 double rounding(const ContactLcp& problem, const ContactSolution& solution) {
   Eigen::VectorXd terms = problem.delassus.cwiseAbs() * solution.impulse.cwiseAbs();
   for (int i = 0; i < problem.contacts(); ++i) terms[4 * i + 3] *= problem.eccentricity_m[i];
@@ -92,8 +92,8 @@ TEST(RandomScenes, WedgedBodiesAreSolvedToRounding) {
   EXPECT_LE(contact_residual(problem, solution), 4 * rounding(problem, solution));
 }
 
-/// Steps in which contacts move by a thousandth of their arm: those that were the same before are
-/// nearly so now. One of them needs a little more on W's diagonal.
+/// Contacts are moved by a thousandth of their arm, so that contacts that were identical become
+/// nearly identical. One of the problems needs a larger proximal term on W's diagonal.
 TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
   constexpr int kContacts = 10, kVertices = 32;
   tests::RandomScenes scenes(100);

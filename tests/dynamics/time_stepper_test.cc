@@ -368,7 +368,7 @@ TEST(RandomScenes, DoNotDependOnTheOrderOfTheBodies) {
       size = std::max(size, one.bodies().velocity().cwiseAbs().maxCoeff());
     }
     for (std::size_t b = 1; b < order.size(); ++b) {
-      // Of the solver, magnified by mass ratios of 1e3.
+      // The solver's residual, magnified by mass ratios of 1e3.
       EXPECT_LE(
           (one.bodies().pose(int(b)).matrix() - other.bodies().pose(order[b]).matrix()).norm(),
           1e3 * kSolver * size)

@@ -24,7 +24,8 @@ using testing::in_units;
 using testing::in_words;
 using testing::is_sound;
 
-/// Of all models, relative: a change of units leaves the rounding of the scaled input, amplified.
+/// Largest relative change by a change of units: the rounding of the scaled input, as amplified by
+/// any of the models.
 constexpr double kUnitsTolerance = 1e-12;
 
 /// How many points, and how often they ask a model beyond the first prediction.
@@ -196,7 +197,8 @@ TEST(RandomLimitSurfaces, AreFiniteConvexAndFreeOfUnits) {
     const double torque = scaled(surface, {slip.x(), slip.y(), faster}).z();
     if (!(std::abs(torque) >= std::abs(wrenches[0].z()) * (1 - tolerance)))
       fail("less torque for more turning");
-    // Of all wrenches that can be carried, a slip's own dissipates most: the set is convex.
+    // The set is convex: among all wrenches that can be carried, that of a slip dissipates most in
+    // it.
     for (const Eigen::Vector3d& other : wrenches) {
       const double excess = slips[0].dot(other - wrenches[0]) / slips[0].norm();
       worst_convexity = std::max(worst_convexity, excess);

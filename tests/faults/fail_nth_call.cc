@@ -66,7 +66,7 @@ using Main = int (*)(int, char**, char**);
 Main g_main = nullptr;
 
 int main_with_faults(int argc, char** argv, char** environment) {
-  // What is made before main() nobody can guard: the first call counted is main's.
+  // The program cannot handle failures before main(). Calls are therefore counted from here on.
   read_environment();
   return g_main(argc, argv, environment);
 }

@@ -16,7 +16,8 @@ constexpr double round_off = 1e-14;
 
 constexpr double h = 2e-3;
 
-/// Of semi-axes that make no term for thin layers or long contacts worth mentioning.
+/// A level's result. Its semi-axes are such that the error terms of thin layers and of long
+/// contacts are negligible.
 LevelResult level(int elements) {
   LevelResult result;
   result.elements_per_semi_axis = elements;

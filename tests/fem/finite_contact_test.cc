@@ -37,10 +37,11 @@ Problem problem_of(double major_m, double minor_m, double poisson_ratio, double 
 
 enum class Shape { sphere, paraboloid, curved };
 
-/// Of a bonded neo-Hookean layer with h/R = 0.2, from an axisymmetric finite-element solution with
-/// the contact's edge a mesh node; it was checked by the small-load limit, homogeneous states, a
-/// second element and the energy balance. Load and strain energy in E* = E/(1 - nu²) and h, torque
-/// over mu P h; precision of the load 2e-4, of the others 1e-4.
+/// Reference results of a bonded neo-Hookean layer with h/R = 0.2. They come from an axisymmetric
+/// finite-element solution that has a mesh node at the contact's edge. It was checked by the
+/// small-load limit, homogeneous states, a second element and the energy balance. Load and strain
+/// energy in E* = E/(1 - nu²) and h, torque over mu P h; precision of the load 2e-4, of the others
+/// 1e-4.
 struct Axisymmetric {
   const char* name;
   Shape shape;

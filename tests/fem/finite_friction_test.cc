@@ -379,8 +379,8 @@ TEST(SuperposedTwist, OfAContactWithoutSymmetryIsLinearElasticityForSmallLoads) 
   for (const double angle : angles(*small.pressing, twist)) motions.push_back({0, 0, angle});
   const auto expected = move_through(small.contact(), *small.surface, motions, [](auto&&...) {});
   const double full = expected.back().wrench.torque;
-  // What friction moves the pressure by moves its edge to second order, where only the linear
-  // solver follows.
+  // Friction changes the pressure. That moves the contact's edge to second order, which only the
+  // linear solver takes into account.
   double moved = 0;
   for (const FrictionState& state : expected) {
     twist.turn_to(state.motion.turn_rad);
@@ -411,8 +411,8 @@ TEST(SuperposedSlide, OfAContactWithoutSymmetryIsLinearElasticityForSmallLoads) 
 }
 
 TEST(Slide, DissipatesMostInItsOwnDirection) {
-  // Of all friction within Coulomb's limits the one of a motion gives it the largest power, so the
-  // wrenches of full slip lie on a convex surface with the velocities for normals.
+  // Among all friction forces within Coulomb's limits, those of a motion dissipate most in it. The
+  // wrenches of full slip therefore lie on a convex surface whose normals are the velocities.
   auto pressing = layer_under(finite::quadric(8, 4), mesh_for(1.6, 1.1), 0.49);
   pressing.press({0, 0.2});
   const std::vector<PlaneMotion> velocities = spread_velocities(30, 0.8);

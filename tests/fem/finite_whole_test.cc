@@ -79,7 +79,7 @@ void expect_the_same(FinitePressing& quarter, FinitePressing& whole, double appr
   EXPECT_NEAR(measured.torque_arm / fitted.torque_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(measured.projected_arm / fitted.projected_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(measured.turn_rad, 0, 1e-6);
-  // What is stated for the edge between nodes, and for the fit on so coarse a mesh.
+  // Errors that the solver states for an edge between nodes, and for the fit on so coarse a mesh.
   const double of_edge = 0.1 / quarter.layer().discretisation().elements_per_semi_axis;
   constexpr double of_fit = 0.01;
   EXPECT_NEAR(measured.a / fitted.a, 1, of_edge + of_fit);
@@ -132,7 +132,8 @@ TEST(FiniteWhole, WorkOfTheIndenterIsTheStrainEnergy) {
 }
 
 TEST(SmoothedObject, IsASmoothSurfaceThroughTheFacets) {
-  // Of planes nothing changes; a quadric keeps its slope and curvature and moves along the load.
+  // Smoothing leaves planes unchanged. A quadric keeps its slope and curvature and moves along the
+  // load.
   constexpr double spacing = 0.05, slope = 0.3, curvature = 0.2;
   const auto object = finite::smoothed(
       [](double x, double y) { return slope * x + 0.5 * curvature * (x * x + y * y); }, spacing);
@@ -235,8 +236,9 @@ TEST(FiniteWhole, ObjectThatEndsInTheContactIsRefused) {
   }
 }
 
-/// What finite strain finds over what linear elasticity does on one mesh, less one. The finger's
-/// and the object's radii go with the approach, so that the contact's size does not.
+/// Results at finite strain relative to those of linear elasticity on the same mesh, minus one. The
+/// radii of finger and object are chosen by the approach, so that the size of the contact does not
+/// depend on it.
 struct Departure {
   double load, torque_arm, peak, stretch, turn_rad;
   double a;

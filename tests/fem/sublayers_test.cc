@@ -104,7 +104,7 @@ LayerDiscretisation unit_contact(std::vector<double> interfaces, int elements) {
   return mesh;
 }
 
-/// Of a surface node under the pressure (1 - r²)².
+/// Displacement of a surface node under the pressure (1 - r²)².
 double displacement(const LayerModel& model, double x) {
   const auto& nodes = model.nodes();
   Eigen::VectorXd force(static_cast<Eigen::Index>(nodes.size()));

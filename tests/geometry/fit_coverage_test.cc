@@ -1,5 +1,6 @@
-// The stated uncertainty of fitted radii against the truth, on coarse random triangulations of
-// noisy quadrics: it has to hold the truth, and it must not do so by being large.
+// The stated uncertainty of fitted radii, compared with their true errors on coarse random
+// triangulations of noisy quadrics. It has to cover the true radii as often as stated, and it must
+// not be much larger than the errors.
 
 #include <gtest/gtest.h>
 
@@ -103,8 +104,9 @@ TEST(QuadricFitCoverage, TwoStandardDeviationsHoldBothRadiiOfNoisyQuadrics) {
     const double allowance =
         3 * std::sqrt(0.95 * 0.05) * (1 / std::sqrt(n) - 1 / std::sqrt(1000.0));
     EXPECT_GE(both / n, 0.93 - allowance) << name;
-    // 0.67 for a normal distribution, 0.60 when two deviations hold both of two values in 95 %.
-    // Where the noise is no longer small the far end of the interval decides.
+    // Median of |error| over the stated deviation. It is 0.67 for a normal distribution, and 0.60
+    // if two deviations contain both of two values in 95 % of the cases. Where the noise is not
+    // small, the far end of the interval determines the deviation, and the median is smaller.
     const bool small_noise = options.noise != NoiseScale::curvature_radius;
     if (trials < 100) continue;  // no median of a few
     for (std::size_t i = 0; i < 2; ++i) {

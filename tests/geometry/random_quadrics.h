@@ -60,7 +60,7 @@ inline std::vector<std::array<int, 3>> delaunay(std::vector<Eigen::Vector2d> poi
   return result;
 }
 
-/// What "1 % noise" may be measured by.
+/// The length that a noise of, say, 1 % refers to.
 enum class NoiseScale { none, spacing, sagitta, region_radius, own_depth, curvature_radius };
 
 /// A noisy quadric on random points around the origin, facing +z, and where to fit it.

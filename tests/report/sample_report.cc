@@ -127,7 +127,8 @@ Json model_entry(const std::string& name, const Answer& answer, double load_N, d
   return model;
 }
 
-/// One load; the "truth" lies between the two limits, as in a bonded layer.
+/// One load. The invented finite-element answer lies between those of Hertz and Winkler, as it does
+/// for a bonded layer.
 Json load_entry(const Layer& layer, double major_m, double minor_m, double load_N, double friction,
                 double stated, int extra_models) {
   const double mean_radius = std::sqrt(major_m * minor_m), aspect = major_m / minor_m;

@@ -39,7 +39,7 @@ std::vector<double> steps(double from, double to, int count, bool log = false) {
   return values;
 }
 
-/// Six answers, larger by `factor` than those of the truth.
+/// The six answers of an invented contact, with sizes and torque times `factor`.
 std::vector<double> answers(const Contact& contact, double load_N, double factor) {
   const double torque_Nm = 2e-3 * std::sqrt(contact.thickness_mm) * load_N * factor *
                            (1.3 - contact.poisson_ratio) / 0.85 *

@@ -1,5 +1,6 @@
-// write_motions FOLDER: renders the sample motions for the browser test, each as the page itself
-// and inside a frame, as wide as a desktop and as a phone, in which a reader uses it.
+// write_motions FOLDER: renders the sample motions for the browser test. Each becomes a page, and
+// pages that show it in frames as wide as a desktop and as a phone. There a script uses the page as
+// a reader would.
 #include <iostream>
 #include <string>
 #include <utility>
@@ -11,7 +12,7 @@
 namespace {
 
 /// Moves the slider, plays for a while, chooses every contact and every setting, clicks the view.
-/// What came of it is stated on the page for the test.
+/// The outcome is written on the page, where the test reads it.
 constexpr const char* kReader = R"(
 if (!page.dataset.frames) return;
 const the = (id) => page.querySelector('#' + id);

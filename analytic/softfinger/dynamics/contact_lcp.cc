@@ -69,7 +69,7 @@ bool separates_without_impulses(const internal::ContactOperator& contacts) {
   return true;
 }
 
-/// What the last problem leaves to the next one.
+/// The solution of the last problem, from which a warm start of the next one begins.
 class LastProblem {
  public:
   explicit LastProblem(int contact_capacity)
@@ -114,8 +114,8 @@ class LastProblem {
     impulse_.head(4 * contacts_) = solution.impulse;
   }
 
-  /// From now on the basis is in terms of the new problem's contacts; pairs of contacts that no
-  /// longer exist are dropped.
+  /// Changes the contacts' numbers in the basis to those of the new problem. Pairs of contacts that
+  /// no longer exist are dropped.
   void renumber(const std::vector<int>& continued) {
     std::fill(continues_as_.begin(), continues_as_.end(), -1);
     for (std::size_t i = 0; i < continued.size(); ++i)

@@ -40,11 +40,11 @@ struct ContactLcp {
   Eigen::VectorXd friction_coefficient;  ///< nc, >= 0
   Eigen::VectorXd eccentricity_m;        ///< nc, >= 0: e_n of the friction ellipsoid, eq. 6
   /// V, 3 x u: points of the unit sphere (f_x, f_y, tau/e_n)/(mu P), eq. 2. See LinearisedFriction.
-  /// Of FrictionRule::facets alone.
+  /// Only used with FrictionRule::facets.
   Eigen::Matrix3Xd vertices;
   FrictionRule friction_rule = FrictionRule::facets;
-  /// Of FrictionRule::limit_surface: nc, not owned; null: the unit ball. The first tangent of the
-  /// contact is the shape's x axis.
+  /// Only used with FrictionRule::limit_surface: nc shapes, not owned; null: the unit ball. The
+  /// first tangent of the contact is the shape's x axis.
   std::vector<const FrictionShape*> shapes;
 
   int contacts() const { return int(friction_coefficient.size()); }
@@ -76,14 +76,13 @@ struct ContactSolution {
 ///   solution violates, and the path goes on from its basis. When a continued path ends in a ray,
 ///   the problem with the vertices found so far is solved from the start, with a covering vector
 ///   that leads towards the last solution. Every other attempt has all vertices from the start.
-/// - Rows of vertices are not stored. The path follows the 4 velocities of each contact and looks
-/// at
-///   single vertices only where the slip is so fast that one of them could be violated.
+/// - Rows of vertices are not stored. The path follows the 4 velocities of each contact. Single
+///   vertices are looked at only where the slip is so fast that one of them could be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
-/// - Under the exact rules each contact has vertices of its own, points of its limit, which are
-/// added
-///   where the slip or the load asks for them. Newton's method (ExactNewton) goes the rest of the
-///   way. A solution is what `exact_contact_residual` accepts.
+/// - Under the exact rules each contact has vertices of its own. They are points of its friction
+///   limit, added where the last solution violates the limit. Newton's method (ExactNewton) then
+///   converges from the path's end. `exact_contact_residual` decides whether the result is a
+///   solution.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
 /// 1997). Prescribed motions can exclude one, such as a body between closing walls. A ray of normal
@@ -117,14 +116,15 @@ class ContactLcpSolver {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// Of the facets. Natural residual max |min(z, w)| without unit:
+/// Residual of a solution with FrictionRule::facets: max |min(z, w)|, made dimensionless as
+/// follows.
 /// - rows of P and beta: z times its own diagonal element of W, and w, both over max |v_free|;
 /// - rows of lambda: lambda over max |v_free|, and the rest of the cone over the largest impulse.
-/// Impulses and velocities are computed again from P and beta; what the solution says otherwise is
-/// an error, over the same units. Allocates.
+/// Impulses and velocities are computed again from P and beta. Their difference to those in the
+/// solution counts as an error, over the same units. Allocates.
 double contact_residual(const ContactLcp& problem, const ContactSolution& solution);
 
-/// Of the exact rules. Natural residual without unit, the largest of
+/// Residual of a solution with one of the exact rules, without unit. It is the largest of
 /// - |min(W_nn P, v_n)| over max |v_free|,
 /// - |a s - proj(a s - u)| over max |v_free|: the projection is onto a mu P K, and a is the largest
 ///   diagonal element of W for s and u,

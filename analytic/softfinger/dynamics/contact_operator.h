@@ -59,7 +59,8 @@ class ContactOperator {
   double velocity_unit_ = 1;
   std::vector<char> has_friction_, kept_friction_;
   std::vector<const FrictionShape*> shapes_;
-  /// Of contact j: neighbours_[contacts j] up to neighbour_end_[j], with their blocks of W.
+  /// The neighbours of contact j are neighbours_[contacts j] up to neighbour_end_[j], with their
+  /// blocks of W.
   std::vector<int> neighbours_, neighbour_end_;
   Eigen::VectorXd blocks_;
 };

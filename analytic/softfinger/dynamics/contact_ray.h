@@ -7,8 +7,9 @@
 /// Internal: proofs that a contact problem has no solution.
 namespace softfinger::internal {
 
-/// What the direction of the last path proves, which ended in a ray. It is checked as a vector,
-/// whatever led to it: impulses y within the friction cones, W y = 0, y^T v_free < 0.
+/// The statement proved by the direction of the last path, which ended in a ray. The direction is
+/// checked as a vector, independently of the path: impulses y within the friction cones, W y = 0,
+/// y^T v_free < 0.
 /// @param ray  4 nc: y, where there is a proof
 RayProof check_ray(const ContactSystem& system, const ContactLcp& problem, Eigen::VectorXd& ray);
 

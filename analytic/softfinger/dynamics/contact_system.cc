@@ -72,7 +72,7 @@ void ContactSystem::clear(Motion& motion) const {
   motion.z0 = 0;
 }
 
-/// What a z of that value adds.
+/// Adds to the motion the part that belongs to a z of this value.
 void ContactSystem::add(int index, double value, Motion& motion) const {
   if (index == pairs()) {
     motion.z0 += value;

@@ -10,9 +10,9 @@
 /// Internal: the covering vector of the contact problem.
 namespace softfinger::internal {
 
-/// d of w = M z + q + d z0: how much z0 adds to each row. Lemke's path depends on it, and where one
-/// covering vector leads the path astray another one may not. Random ones avoid ties; they are the
-/// same in every run.
+/// d of w = M z + q + d z0: how much z0 adds to each row. Lemke's path depends on d. Where the path
+/// of one covering vector fails, that of another one may succeed. Random vectors avoid ties; they
+/// are the same in every run.
 class CoveringVector {
  public:
   CoveringVector(int contact_capacity, int vertex_capacity);
@@ -28,10 +28,12 @@ class CoveringVector {
   /// @param slot  see ContactPairs
   void cover_vertex(int contact, int vertex, int slot);
 
-  /// A vector that leads straight to the solution with these basic z, if there is one. With
-  /// d = w0 - q, where w0 is zero in the rows of these z, z = (1 - z0) z* has
-  /// w = (1 - z0) w* + z0 w0 for all z0 of [0, 1]. Small random w0 in these rows avoid ties, and
-  /// d > 0 everywhere, so that the path ends like that of any other covering vector.
+  /// Chooses a vector whose path is a straight line to the solution z* with these basic z, if there
+  /// is one. It is d = w0 - q, where w0 is zero in the rows of these z. On z = (1 - z0) z* then
+  /// w = (1 - z0) w* + z0 w0 for all z0 in [0, 1], so that the line fulfils all conditions.
+  ///
+  /// In fact w0 is small and random in these rows, which avoids ties. And d > 0 everywhere, so that
+  /// the path ends like that of any other covering vector.
   void lead_towards(const int* basic, int k, const ContactOperator& contacts,
                     const FrictionVertices& vertices, const ContactPairs& pairs);
 

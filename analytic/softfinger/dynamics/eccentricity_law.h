@@ -38,7 +38,8 @@ class SampledEccentricity final : public EccentricityLaw {
   SampledEccentricity(double lowest_load_N, double highest_load_N,
                       const std::vector<double>& eccentricity_m);
 
-  /// Of a pressure model: e_n is its exact torque arm. @param problem  its load does not matter.
+  /// Samples the e_n of a pressure model, which is its exact torque arm.
+  /// @param problem  its load is replaced by those of the samples
   /// @throws InputError where the model has no answer
   static SampledEccentricity of_model(const PressureModel& model, ContactProblem problem,
                                       double lowest_load_N, double highest_load_N, int count = 33);

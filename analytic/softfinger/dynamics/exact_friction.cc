@@ -7,21 +7,22 @@
 namespace softfinger::internal {
 namespace {
 
-/// Newton's passes from the last problem's impulses and from its basis: what these do not solve
-/// soon, a cold start does.
+/// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
+/// few, because a problem that they do not solve is solved by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
 
-// The attempts. Newton's method takes the last digits, so that no path needs smaller pivots.
+// The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
 constexpr Attempt with_newton(Attempt path, int passes) {
   path.newton_passes = passes;
   return path;
 }
-/// First: values are only advanced from pivot to pivot, and Newton's method has its smallest
-/// proximal term alone.
+/// The first attempt is cheap. The path computes its values anew only every eighth pivot, and
+/// Newton's method tries its smallest proximal term only.
 constexpr Attempt kQuick = with_newton({1e-12, 1e-9, 8}, 2);
-/// Without the rounding that this accumulates, Newton's method with all it has; by turns with a
-/// larger tolerance for ties and with the usual one.
+/// Later attempts compute the values anew after every pivot, which avoids accumulated rounding, and
+/// run all passes of Newton's method. A larger tolerance of the ratio test alternates with the
+/// usual one.
 constexpr Attempt kTolerant = with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses);
 constexpr Attempt kCareful = with_newton({1e-12, 1e-9, 1}, ExactNewton::kMostPasses);
 
@@ -53,7 +54,7 @@ void ExactFriction::start_warm(const ContactLcp& problem) {
   use_first_vertices(problem);
 }
 
-/// Each contact starts with pure forces and torques.
+/// The first vertices of each contact are pure forces and pure torques.
 void ExactFriction::use_first_vertices(const ContactLcp& problem) {
   system_.use_no_vertices();
   for (int i = 0; i < system_.contacts(); ++i) {
@@ -84,7 +85,7 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   return best_residual_ <= kGood;
 }
 
-/// The point of this problem's limit in the same direction.
+/// The vertex is moved along its direction onto the friction limit of this problem.
 int ExactFriction::continue_vertex(const ContactPair& pair, const Eigen::Vector3d& corner) {
   const double gauge = friction_gauge(system_.contact_operator().shape(pair.contact), corner);
   return system_.find_or_add_own_vertex(pair.contact, corner / gauge);
@@ -97,8 +98,9 @@ bool ExactFriction::add_vertices(const Task& task) {
   return best_residual_ > kGood && add_violated_points();
 }
 
-/// Of each contact that slips more than its vertices know: the limit's point against the slip, and
-/// the one that the load reaches for.
+/// Adds vertices to each contact whose lambda = h(-u) the present vertices underestimate: the point
+/// of the friction limit most opposite to the slip u, and the point grad h(nu) of
+/// `friction_excess`.
 bool ExactFriction::add_violated_points() {
   const ContactOperator& contacts = system_.contact_operator();
   const Motion& state = system_.current();

@@ -9,8 +9,9 @@
 /// Internal: friction without facets, FrictionRule::ellipsoid and limit_surface.
 namespace softfinger::internal {
 
-/// The path comes close to the solution, Newton's method arrives. Each contact has vertices of its
-/// own on its limit; after each path it gets points of the limit that the last solution asks for.
+/// The path finds a point close to the solution, from which Newton's method converges. Each contact
+/// has vertices of its own on its friction limit. After each path the points of the limit that the
+/// last solution violates are added to them.
 class ExactFriction final : public FrictionStrategy {
  public:
   ExactFriction(ContactSystem& system, int contact_capacity);

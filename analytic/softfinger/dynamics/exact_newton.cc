@@ -39,8 +39,9 @@ double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::Vecto
           limit, contact.metric);
       const Eigen::Vector3d map = slip + contact.excess.excess;
       map_.segment<3>(4 * i + 1) = map;
-      // F measures an error of the wrench times A: along axes with a small element of A it would
-      // hide. It is weighted to what a projection with the largest element alone would show.
+      // F contains the error of the wrench times A. Along an axis with a small element of A such an
+      // error would hardly show. The weights raise it to what F would be if all elements of A were
+      // as large as the largest one.
       const double length = contact.excess.excess.norm(), largest = contact.metric.maxCoeff();
       Eigen::Array3d weight = Eigen::Array3d::Ones();
       if (length > 0)
@@ -56,7 +57,8 @@ double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::Vecto
 bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                             double proximal) {
   const int size = number_unknowns(contacts, impulse);
-  // What contacts that open do to the others is known.
+  // Contacts that open lose their impulse. This part of the step is known, and with it the change
+  // of the other contacts' velocities.
   contacts.find_velocity(step_, trial_);
   for (int i = 0; i < contacts.contacts(); ++i)
     if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal, size);
@@ -157,11 +159,11 @@ bool ExactNewton::eliminate(int size) {
   return right_.head(size).allFinite();
 }
 
-/// Newton's iteration from `start_`, with steps that are halved until the map falls, or with full
-/// ones whatever the map does. Keeps the best point in `impulse`; returns its residual.
+/// Newton's iteration from `start_`. A step is halved until |F| decreases; in a pass with
+/// `full_steps` it is always taken in full. Keeps the best point in `impulse`; returns its |F|.
 double ExactNewton::descend(const ContactOperator& contacts, const Pass& pass, double best,
                             Eigen::VectorXd& impulse) {
-  constexpr int kMostIterations = 20;   // converges quadratically: more mean that it does not
+  constexpr int kMostIterations = 20;   // a pass that converges, quadratically, takes fewer
   constexpr int kMostHalvings = 6;      // to 1/64 of a step
   constexpr double kConverged = 1e-15;  // a few roundings
   const int n = 4 * contacts.contacts();
@@ -188,9 +190,9 @@ double ExactNewton::descend(const ContactOperator& contacts, const Pass& pass, d
 
 double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes) {
   constexpr double kGood = 1e-12;
-  // Each proximal term twice, with shortened steps and with full ones: a descent can stop at a kink
-  // of the map that full steps jump over. Larger proximal terms calm the impulses of nearly
-  // redundant contacts, which otherwise grow without end.
+  // Each proximal term is tried twice, with halved steps and with full ones, because a descent of
+  // |F| can stop at a kink of F that full steps jump over. Larger proximal terms bound the impulses
+  // of nearly redundant contacts, which otherwise grow without limit.
   constexpr double kProximals[] = {1e-10, 1e-8, 1e-6, 1e-4};
   static_assert(2 * std::size(kProximals) == kMostPasses);
   const int n = 4 * contacts.contacts();

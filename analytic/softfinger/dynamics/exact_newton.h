@@ -10,13 +10,13 @@
 namespace softfinger::internal {
 
 /// Semi-smooth Newton's method (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991) on the
-/// natural map of the scaled problem, where friction is |s| in P times a set K of support function
-/// h, without unit:
+/// natural map F of the scaled problem, all quantities without unit. The friction s lies in P K: a
+/// convex set K with the support function h, times the normal impulse P.
 ///   F_n = min(P, v_n),   F_t = u + nu,   nu + A P grad h(nu) = A s - u,   u = v_t,
 /// where nu = 0 if A s - u lies in A P K: then the contact sticks. For A = 1, F_t is
 /// s - proj_{P K}(s - u). A = diag(W_tt), so that a contact alone is solved in one step however
 /// small its e_n. Impulses of redundant contacts are not unique. Each step is therefore a proximal
-/// one: it leaves as they are those parts of the impulses that move nothing.
+/// one: it does not change those parts of the impulses that have no effect on velocities.
 class ExactNewton {
  public:
   explicit ExactNewton(int contact_capacity);
@@ -38,7 +38,7 @@ class ExactNewton {
 
   struct Pass {
     double proximal;  ///< this part of W's diagonal is added to W, which may be singular
-    bool full_steps;  ///< else they are shortened until the map falls
+    bool full_steps;  ///< else they are halved until |F| decreases
   };
 
   double descend(const ContactOperator& contacts, const Pass& pass, double best,

@@ -74,9 +74,10 @@ int FacetFriction::continue_vertex(const ContactPair& pair, const Eigen::Vector3
   return pair.vertex;
 }
 
-/// Of each contact with load that slips more than its vertices know: the vertex most against the
-/// slip, and those of the facet that its friction would be on if the other contacts kept their
-/// impulses. A contact without load needs none: its lambda touches no other row.
+/// Adds vertices to each loaded contact whose lambda the vertices in use underestimate: the vertex
+/// most opposite to the slip, and the corners of the facet on which its friction would lie if the
+/// other contacts kept their impulses. A contact without load needs none, because its lambda
+/// appears in no other row.
 bool FacetFriction::add_vertices(const Task&) {
   const ContactOperator& contacts = system_.contact_operator();
   const FrictionVertices& vertices = system_.vertices();

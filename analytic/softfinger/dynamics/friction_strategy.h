@@ -14,7 +14,7 @@ namespace softfinger::internal {
 constexpr double kSolved = 1e-10;
 /// From this residual on nothing better is looked for: a few thousand roundings.
 constexpr double kGood = 1e-12;
-/// What the last solution may violate, over the natural size, before a vertex is added for it.
+/// Largest violation by the last solution, over the natural size, for which no vertex is added.
 constexpr double kToleratedViolation = 1e-13;
 
 /// How one of the attempts at a problem differs from the others. Each also has a covering vector of
@@ -23,13 +23,14 @@ struct Attempt {
   double tolerance;               ///< see PathOptions
   double smallest_pivot;          ///< see PathOptions
   int refresh_after;              ///< see PathOptions
-  bool has_all_vertices = false;  ///< of facets: all from the start, not only those asked for
-  double proximal = 0;            ///< of facets: see ContactOperator::set
-  int newton_passes = 0;          ///< of exact friction: see ExactNewton::solve
+  bool has_all_vertices = false;  ///< with facets: use all vertices from the start
+  double proximal = 0;            ///< with facets: see ContactOperator::set
+  int newton_passes = 0;          ///< with exact friction: see ExactNewton::solve
 };
 constexpr int kMostAttempts = 32;
 
-/// Basic z of a path at most: P, lambda and four vertices per contact, z0, and two to spare.
+/// Largest number of basic z on a path: P, lambda and four vertices per contact, z0, and two more
+/// as a margin.
 inline int largest_basis(int contacts) { return 6 * contacts + 3; }
 
 /// What is being solved, and where the answer goes.
@@ -39,11 +40,11 @@ struct Task {
   LcpResult& result;
 };
 
-/// What a path may do: all but what `Attempt` says.
+/// Limits of a path that are the same for all attempts.
 inline PathOptions usual_path(int contacts) {
   PathOptions options;
   options.tolerance = 1e-12;
-  // Paths that arrive take far fewer pivots: one that takes so many goes in circles.
+  // Paths to a solution take far fewer pivots. One that takes so many repeats itself.
   options.most_pivots = 100 * contacts + 200;
   options.refresh_after = 8;
   return options;

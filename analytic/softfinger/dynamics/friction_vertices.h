@@ -64,7 +64,7 @@ class FrictionVertices {
   bool own_ = false;
   Eigen::Matrix3Xd vertices_;
   double radius_ = 1;
-  /// Of contact i: in_use_[u i] up to in_use_end_[i].
+  /// The vertices in use of contact i are in_use_[u i] up to in_use_end_[i].
   std::vector<int> in_use_, in_use_end_;
   std::vector<char> is_in_use_;  ///< u i + j
   std::vector<int> used_;        ///< where is_in_use_ is true

@@ -11,8 +11,8 @@ enum class LcpStatus {
   iteration_limit     ///< neither: the best point found is returned, with its residual
 };
 
-/// What a ray proves. Each ray that a path has found is checked as a vector, independently of the
-/// path.
+/// The statement that a ray proves. Each ray that a path has found is checked as a vector,
+/// independently of the path.
 enum class RayProof {
   none,  ///< there was no ray, or its conditions are not met to round-off
   /// y >= 0, M^T y <= 0, q^T y < 0 (Farkas): no z >= 0 has M z + q >= 0, for any M.
@@ -43,9 +43,8 @@ struct LcpResult {
 /// The textbook's method has a covering vector of ones and exact ties. On problems with redundant
 /// contacts it cycles or takes tiny pivots. Here:
 /// - The covering vector is random, the same in every run.
-/// - Ties are resolved by Harris' ratio test: of the rows that block within a tolerance it takes
-/// the
-///   one with the largest pivot.
+/// - Ties are resolved by Harris' ratio test: it takes the row with the largest pivot among those
+///   that block within a tolerance.
 /// - When a path fails, another covering vector is tried.
 /// - Rows and columns are equilibrated first, so that units and other scalings do not matter.
 /// - The last basis is solved once more, with iterative refinement.

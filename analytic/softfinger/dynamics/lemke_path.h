@@ -17,9 +17,8 @@ namespace softfinger::internal {
 enum class PathEnd { solved, ray, limit, numerical };
 
 struct PathOptions {
-  /// Of Harris' ratio test: how far below zero w and z may go, over their natural size. Several
-  /// rows then block the path within that tolerance, and the one with the largest pivot can be
-  /// taken.
+  /// Tolerance of Harris' ratio test: how far below zero w and z may go, over their natural size.
+  /// Several rows may block the path within the tolerance. The one with the largest pivot is taken.
   double tolerance = 1e-11;
   /// A row blocks only if it falls faster than this part of the largest change: slower ones are
   /// mostly round-off and would make bad pivots. Nearly redundant contacts have true pivots that

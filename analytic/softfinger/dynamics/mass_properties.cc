@@ -27,8 +27,8 @@ std::string text(double value) {
 }
 
 void require_closed(const TriangleSurface& surface, const std::string& where) {
-  // Of each edge: in how many triangles it runs forwards less those in which it runs backwards, and
-  // in how many at all.
+  // For each edge: the number of triangles in which it runs forwards minus the number in which it
+  // runs backwards, and the number of all its triangles.
   std::map<std::pair<int, int>, std::pair<int, int>> edges;
   for (const auto& triangle : surface.triangles)
     for (std::size_t corner = 0; corner < 3; ++corner) {

@@ -21,7 +21,8 @@ MassProperties unit_mass_of_cylinder(double radius_m, double length_m);
 /// `length_m` without the half-spheres.
 MassProperties unit_mass_of_capsule(double radius_m, double length_m);
 
-/// Of the solid inside a closed surface, mass 1 kg, by the divergence theorem: exact for facets.
+/// Mass properties of the solid inside a closed surface, with a mass of 1 kg. By the divergence
+/// theorem, exact for facets.
 /// `volume_m3`, if given, receives the volume.
 /// @throws InputError(where) unless every edge joins two triangles that agree about outside, and
 /// for a volume that is not positive.

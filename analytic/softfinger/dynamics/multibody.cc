@@ -292,8 +292,8 @@ void Multibody::passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_
     return;
   }
   const Eigen::Vector3d reference = dofs_[std::size_t(tree.first)].origin_m;
-  // Of the body that each degree of freedom moves: its velocity, and its acceleration with all
-  // generalised accelerations zero.
+  // Velocity of the body that each degree of freedom moves, and its acceleration when all
+  // generalised accelerations are zero.
   std::vector<SpatialVector> velocity(std::size_t(tree.count)), acceleration(velocity),
       load(velocity);
   for (int i = 0; i < tree.count; ++i) {

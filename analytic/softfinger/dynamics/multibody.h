@@ -16,7 +16,8 @@ struct BodyDescription {
   MassProperties mass;  ///< ignored for a fixed body
   bool fixed = false;   ///< to the world
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  /// Of a free body: of its centre of mass, world axes. Bodies on joints move by their joints.
+  /// Velocities of a free body's centre of mass along the world's axes. Ignored for bodies on
+  /// joints, which have the velocities of their joints.
   Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
 };

@@ -81,7 +81,7 @@ bool TimeStepper::add_broken_limits() {
   return added;
 }
 
-/// Which rows each tree feels, and their Jacobians.
+/// Finds the rows that act on each tree, and their Jacobians.
 void TimeStepper::describe_rows() {
   for (auto& list : touching_) list.clear();
   const int nc = int(contacts_.size());
@@ -181,7 +181,7 @@ void TimeStepper::assemble() {
   }
 }
 
-/// What a contact resists sliding with; the e_n that depend on the load come later.
+/// Sets the friction of all contacts, without those e_n that depend on the load.
 void TimeStepper::describe_friction() {
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
   problem_.friction_coefficient.setZero(rows);

@@ -111,8 +111,8 @@ class TimeStepper {
   long steps() const { return steps_; }
   const Options& options() const { return options_; }
 
-  /// Of the last step: its contacts, the mean force and torque that each exerts on body `b`, and
-  /// the relative velocities at its end, in the order of ContactLcp.
+  /// Contacts of the last step, the mean force and torque that each exerts on body `b`, and the
+  /// relative velocities at the end of the step, in the order of ContactLcp.
   const std::vector<Contact>& contacts() const { return contacts_; }
   ContactWrench wrench(int contact) const;
   Eigen::Vector4d contact_velocity(int contact) const;

@@ -171,7 +171,8 @@ ContactEdge fit_contact_edge(const CellGrid& grid, const Eigen::ArrayXd& pressur
   edge.a = std::sqrt(half_sum + half_difference);
   edge.b = std::sqrt(half_sum - half_difference);
   edge.axis_rad = 0.5 * std::atan2(2 * shape(0, 1), shape(0, 0) - shape(1, 1));
-  // Of a circle on a quarter of the grid the axes differ by rounding.
+  // The axes of a circle on a quarter of the grid differ by rounding only: their direction is then
+  // meaningless and set to 0.
   if (even && edge.b > edge.a * (1 - 1e-9)) edge.axis_rad = 0;
   edge.points.resize(2, kEdgePoints);
   edge.to_scaled = stretch.inverse();

@@ -19,7 +19,8 @@ struct ContactEdge {
 
   /// From the plane to coordinates in which the ellipse is the unit circle.
   Eigen::Matrix2d to_scaled = Eigen::Matrix2d::Identity();
-  /// Of 1, cos t, sin t, cos 2t, .. : the edge lies at 1 + their sum, at the scaled angle t.
+  /// Coefficients of 1, cos t, sin t, cos 2t, ... At the scaled angle t the edge lies at the scaled
+  /// radius 1 + their sum.
   Eigen::VectorXd harmonics;
   /// Distance from the centre over that of the edge in the same direction: below 1 inside.
   double relative_radius(double x, double y) const;
@@ -39,12 +40,12 @@ struct CellGrid {
 ///
 /// A cell of the discrete contact carries pressure when its middle lies inside the true edge, for
 /// thick and thin layers alike. As the edge moves inwards, the pressure of the last cell inside
-/// vanishes when the edge reaches its middle; as it moves outwards, the gap of the first cell
-/// outside vanishes when it reaches that one's middle. Between the two middles the edge is placed
-/// by the ratio of two displacements: that which the last cell's pressure gives to its own cell,
-/// and the first gap. (The pressure follows a root near the edge, but over less than a cell on thin
-/// layers, so that it cannot be extrapolated.) The points where the edge crosses grid lines are
-/// then fitted by harmonics of the angle.
+/// vanishes when the edge reaches that cell's middle. As it moves outwards, the gap of the first
+/// cell outside vanishes when the edge reaches that cell's middle. Between the two middles the edge
+/// is placed by the ratio of two displacements: that which the last cell's pressure gives to its
+/// own cell, and the first gap. (The pressure follows a root near the edge, but over less than a
+/// cell on thin layers, so that it cannot be extrapolated.) The points where the edge crosses grid
+/// lines are then fitted by harmonics of the angle.
 /// @param pressure  mean pressure of each cell, row by row; zero outside
 /// @param gap       mean gap of each cell between the deformed surfaces; zero inside
 /// @param compliance  1/E* of the bodies together: displacement = compliance * pressure * length

@@ -7,7 +7,7 @@
 
 namespace softfinger::fft {
 
-/// What the rigid base takes away from the half-space's displacement under a point force, as a
+/// How much less a layer on a rigid base is displaced under a point force than a half-space, as a
 /// function of the distance: with t = r/h,
 ///   E* pi h (u_halfspace - u)(r) / F = S(t) = int_0^inf (1 - w(x)) J0(x t) dx,
 /// (the Hankel transform of the kernel in layer_kernel.h). Smooth, S ~ 1/t far away, where it

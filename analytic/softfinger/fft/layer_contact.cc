@@ -488,8 +488,9 @@ double rounded(double value) {
 double LayerContact::pressure_at_Pa(double x_m, double y_m) const {
   const double r = edge.relative_radius(x_m, y_m);
   if (!(r < 1)) return 0;
-  // Up to two cells from the edge the means of the cells describe the pressure. Farther out the
-  // value at that distance is used, along the radius.
+  // Near the edge the pressure falls too steeply for the cells' means to describe it. Within three
+  // cells of the edge the ratio p²/(1 - r²) is therefore taken from the point three cells inside on
+  // the same radius. Its interpolation then uses cells about two or more from the edge.
   const double cell = std::max(grid.size_x * edge.to_scaled.col(0).norm(),
                                grid.size_y * edge.to_scaled.col(1).norm());
   const double trusted = std::max(0.0, 1 - 3 * cell);

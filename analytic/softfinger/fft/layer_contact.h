@@ -47,8 +47,8 @@ struct LayerContact {
   Eigen::ArrayXd gap_m;        ///< mean over each cell between the deformed surfaces
   double approach_m = 0;       ///< of the bodies, from where the gap function is zero
   fft::ContactEdge edge;       ///< metres: best-fitting ellipse, area, shape of the region
-  /// Of the surfaces of the two layers, at the largest pressure; the second 0 without an object's
-  /// layer.
+  /// Displacements of the surfaces of the two layers at the largest pressure; the second is 0
+  /// without an object's layer.
   double layer_displacement_m = 0, object_displacement_m = 0;
   double peak_pressure_Pa = 0;  ///< at the centre of an even contact, otherwise of all cells
   double centre_of_pressure_x_m = 0, centre_of_pressure_y_m = 0;

@@ -23,7 +23,7 @@ std::string place(double x_m, double y_m) {
   return "x " + std::to_string(1e3 * x_m) + " mm, y " + std::to_string(1e3 * y_m) + " mm";
 }
 
-/// Of the points -1, 0, 1, 2 for a place t between 0 and 1.
+/// Weights of the points -1, 0, 1, 2 when a place t between 0 and 1 is interpolated.
 std::array<double, 4> weights(double t) {
   const double u = 1 - t;
   return {-0.5 * t * u * u, 1 + t * t * (1.5 * t - 2.5), 1 + u * u * (1.5 * u - 2.5),

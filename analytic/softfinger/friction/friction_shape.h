@@ -41,7 +41,7 @@ class SurfaceShape final : public FrictionShape {
 using LimitSurfaceShape = SurfaceShape<LimitSurface>;  ///< exact; microseconds per point
 using SixPatchShape = SurfaceShape<SixPatchSurface>;   ///< within 1.3 % of it; 60 ns per point
 
-/// What a step of the friction wrench finds beyond the limit, see `friction_excess`.
+/// The part of a friction wrench beyond the limit, see `friction_excess`.
 struct FrictionExcess {
   Eigen::Vector3d excess = Eigen::Vector3d::Zero();    ///< nu, an outward normal; zero inside
   Eigen::Vector3d boundary = Eigen::Vector3d::Zero();  ///< grad h(nu)

@@ -45,7 +45,7 @@ struct LimitSurface::Motion {
   double cosine = 1, sine = 0;  ///< of the direction from the middle to the centre of rotation
 };
 
-/// What the quadratures give, for mu P = a = 1.
+/// Results of the quadratures for mu P = a = 1.
 struct LimitSurface::Integrals {
   double force_x = 0, force_y = 0, torque = 0;
   // Second derivatives of the support function with respect to (v_x, v_y, omega a).

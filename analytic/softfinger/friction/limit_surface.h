@@ -40,18 +40,18 @@ struct Twist {
 /// conformal onto the domain in which the integrand is analytic, so the rule converges
 /// exponentially for every aspect, every n and a centre anywhere, the edge included.
 ///
-/// Range: a >= b > 0 finite, any a/b (beyond 3e6 the ellipse is taken for a line, but for its
-/// size), -1 < n <= 1000, mu P >= 0.
-/// Anything else is taken for a hard point contact: no torque, and no force without a finite
-/// mu P >= 0.
+/// Range: a >= b > 0 finite, any a/b, -1 < n <= 1000, mu P >= 0. Beyond a/b = 3e6 the shape is
+/// that at 3e6, which equals a line's to 2e-12. Anything else is taken for a hard point contact: no
+/// torque, and no force without a finite mu P >= 0.
+///
 /// Relative error of a wrench, as a vector in the scaled space (f, tau/e_n): below 1e-12 for a/b up
-/// to 2500, beyond that two roundings magnified by a/b, 4e-16 a/b, and below 2e-9 for any (see the
+/// to 2500. Beyond that it is two roundings magnified by a/b, 4e-16 a/b, and at most 2e-9 (see the
 /// tests).
-/// Nothing allocates but `sample` and `sample_section`, nothing throws but they, every loop is
-/// bounded. Cost, measured by friction_bench over all slips: constructing 0.5 microseconds; a
-/// wrench 0.4 (circle), 2 (a/b = 2 to 10), 4 (a/b = 1e4), half as much again for n other than 0,
-/// 1/2, 1, 2; utilisation 10 to 45, projection twice that. SixPatchSurface: 60 ns and 1
-/// microsecond, within 1.3 % to a/b = 10.
+///
+/// Only `sample` and `sample_section` allocate and throw. Every loop is bounded. Cost, measured by
+/// friction_bench over all slips: constructing 0.5 microseconds; a wrench 0.4 (circle), 2 (a/b = 2
+/// to 10), 4 (a/b = 1e4), half as much again for n other than 0, 1/2, 1, 2; utilisation 10 to 45,
+/// projection twice that. SixPatchSurface: 60 ns and 1 microsecond, within 1.3 % to a/b = 10.
 class LimitSurface {
  public:
   /// @param a_m, b_m     semi-axes, a along x

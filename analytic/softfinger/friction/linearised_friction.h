@@ -30,13 +30,13 @@ class LinearisedFriction {
  public:
   static constexpr int kSmallestCount = 6, kLargestCount = 1000;
 
-  /// Of the friction ellipsoid. `count` is clamped to [6, 1000]; `symmetric` has no effect for odd
-  /// counts. @throws std::bad_alloc
+  /// Linearises the friction ellipsoid. `count` is clamped to [6, 1000]; `symmetric` has no effect
+  /// for odd counts. @throws std::bad_alloc
   explicit LinearisedFriction(int count, bool symmetric = true);
 
-  /// Of an exact limit surface of this shape (its mu P does not matter): the columns lie on it, and
-  /// the bounds refer to it. Holds for contacts of the same exponent and aspect; `columns` wants
-  /// their exact e_n.
+  /// Linearises an exact limit surface; only its shape is used, not its mu P. The columns lie on
+  /// it, and the bounds refer to it. Holds for contacts of the same exponent and aspect; `columns`
+  /// wants their exact e_n.
   LinearisedFriction(const LimitSurface& surface, int count, bool symmetric = true);
 
   /// The smallest symmetric set (even u) of the ellipsoid with inner_bound() >= 1 - tolerance, or

@@ -40,10 +40,9 @@ struct ContactPatch {
 ///
 /// Where no region makes an ellipse, the patch of the first region is returned, with its kind.
 ///
-/// @param angle_rad  turns the object's x axis counter-clockwise from the finger's, about the
-/// finger's
-///   outward normal. For a mesh that is QuadricFit::x_axis; the mirror image that comes from
-///   looking at the object from its other side is accounted for.
+/// @param angle_rad  angle from the finger's x axis to the object's, counter-clockwise about the
+///   finger's outward normal. For a mesh that is QuadricFit::x_axis; the mirror image that comes
+///   from looking at the object from its other side is accounted for.
 /// @param predicted_area_m2  area of the contact for given relative radii, from any pressure model;
 ///   positive and finite. What it throws is passed on.
 /// @throws InputError, ConvergenceError from the fits.

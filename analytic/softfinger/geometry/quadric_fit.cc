@@ -483,7 +483,8 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   for (const int most = (scatter.freedom + kUnknowns) / 20; outliers < most; ++outliers) {
     const Eigen::Index v = spike(facets, scatter);
     if (v < 0) break;
-    // Iterates to the fit without this vertex: each step leaves only its leverage times the rest.
+    // Iterates to the fit without this vertex. Each step multiplies the distance to that fit by the
+    // vertex's leverage, which is less than 1.
     for (int step = 0; step < 8; ++step) {
       facets.move(v, scatter.of_vertices[v] * region_radius_m * fit.normal);
       fit = fit_tangent(facets, fit.normal);
@@ -504,8 +505,8 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   const double per_metre = 1 / region_radius_m;
   result.quadric = {fit.coefficients[0] * per_metre, fit.coefficients[1] * per_metre,
                     fit.coefficients[2] * per_metre};
-  // Where facets are not read as chords, two standard deviations cover the difference to that
-  // reading.
+  // The share of chords is an estimate. Where it is less than 1, the difference to the fit that
+  // reads all facets as chords is taken for two standard deviations and added.
   result.covariance_per_m2 =
       (covariance(scatter) + other_reading * other_reading.transpose() / 4) * per_metre * per_metre;
   const auto curvatures = internal::principal_curvatures_per_m(result.quadric);
@@ -516,8 +517,10 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   result.principal.axis_rad = axis;
   for (int i = 0; i < 2; ++i) {
     const double std = std::sqrt(curvature_covariance(i, i));
-    // Flat: a sagitta of a millionth of the region, or a hundredth of the other direction's
-    // curvature that is not significant. A sign that is noise would make a cylinder concave.
+    // A direction counts as flat (infinite radius) if its sagitta is at most a millionth of the
+    // region's radius. It also counts as flat if its curvature is within three standard deviations
+    // of zero and at most a hundredth of the larger one: noise could otherwise give a cylinder a
+    // concave direction.
     const double noise = std::min(3 * std, 1e-2 * largest);
     const double radius = radius_from_curvature(curvatures[i], std::max(2e-6 * per_metre, noise));
     result.principal.radii_m[i] = radius;

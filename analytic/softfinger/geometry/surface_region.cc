@@ -116,7 +116,8 @@ SurfaceNeighbourhood::SurfaceNeighbourhood(const TriangleSurface& surface, const
 SurfaceNeighbourhood::Component SurfaceNeighbourhood::grow(double radius_m,
                                                            const Vector3d& reference_normal) const {
   const double radius2 = radius_m * radius_m * (1 + 1e-12);
-  // A triangle's sign turns its normal to the seed's side where neighbours disagree on orientation.
+  // Neighbouring triangles may disagree on their orientation. The sign of a triangle turns its
+  // normal to the side of the first triangle, `seed_`.
   std::vector<char> seen(surface_.triangles.size(), 0), listed(surface_.vertices_m.size(), 0);
   std::vector<double> signs{1.0};
   Component found;

@@ -9,11 +9,11 @@
 
 namespace softfinger {
 
-/// Of the JSON that this project reads or writes, no brackets are nested deeper than ten.
+/// Deepest nesting of brackets that is read. JSON of this project is nested at most ten deep.
 constexpr long kDeepestJson = 64;
 
-/// How deep the brackets of a JSON text are nested. Brackets inside strings do not count. Of a text
-/// that is no JSON: as deep as a parser gets before it stops, or deeper.
+/// How deep the brackets of a JSON text are nested. Brackets inside strings do not count. For a
+/// text that is not JSON the result is at least the depth at which a parser stops.
 inline long deepest_nesting(std::string_view text) {
   long depth = 0, deepest = 0;
   bool in_string = false;

@@ -321,10 +321,11 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
   const bool circle = radii_ratio == 1;
   double log_size = 0.5 * std::log(a_guess * b_guess);
   double log_ratio = circle ? 0 : std::log(a_guess / b_guess);
-  // Jacobian of (ln load, ln R'/R'') against (ln sqrt(ab), ln a/b): from the blend of the limits,
-  // improved by Broyden's rule, since one solution costs far more than the algebra. Next to the
-  // circle the blend cannot tell d ln(R'/R'')/d ln(a/b), which lies between Hertz's 3/2 and 3 of a
-  // thin incompressible layer.
+  // Jacobian of (ln load, ln R'/R'') with respect to (ln sqrt(ab), ln a/b). It starts from the
+  // blend of the limits and is improved by Broyden's rule, because a solution costs far more than
+  // the algebra. Near the circle the blend's ratio of logarithms is 0/0. There a
+  // constant replaces it, between the derivative of Hertz, 3/2, and of a thin incompressible
+  // layer, 3.
   constexpr double kAlmostRound = 1.001, kSlopeNearCircle = 1.8;
   const LayerBlend blend =
       layer_blend(limit_shapes(radii_ratio), std::log(load), kernel.compressibility());

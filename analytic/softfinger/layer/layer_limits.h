@@ -4,7 +4,7 @@
 
 namespace softfinger {
 
-/// What `bonded_layer` knows about a contact, as logarithms of dimensionless numbers.
+/// Results of `bonded_layer` for a contact, as logarithms of dimensionless numbers.
 enum LayerQuantity { kSize, kAspect, kDepth, kArm, kPeak, kLayerQuantities };
 /// kSize:   ln(sqrt(ab)/h)
 /// kAspect: ln(a/b)

@@ -26,8 +26,8 @@ EllipticIntegrals hertz_ellipse(double radii_ratio) noexcept {
     const double B = integrals.B, D = integrals.D;
     const double residual = std::log(B / (q * D * radii_ratio));
     const double m = 1 - q;
-    // d ln(ratio) / d ln(q) and d D / d ln(q); their own cancellations near the circle are avoided
-    // by their limits there.
+    // slope = d ln(ratio) / d ln(q) and D_slope = d D / d ln(q). Both are differences of nearly
+    // equal numbers near the circle; there their values at the circle are used.
     const bool circle = m < 1e-5;
     const double slope = circle ? -0.75 : -1 + (B / D - q * D / B) / (2 * m);
     const double step = -residual / slope;

@@ -19,9 +19,10 @@ inline bool same_pressure(const ContactProblem& one, const ContactProblem& other
          one.load.normal_force_N == other.load.normal_force_N;
 }
 
-/// A model that solves is asked for its pressure point by point, which would cost a solution each:
-/// the last one of this thread and of this type is kept. It depends on nothing but the problem, so
-/// that nobody can tell. What `solve` throws is passed on, and nothing is kept.
+/// Keeps the last solution of this thread and of this type. Pressure is evaluated point by point;
+/// without this a model that solves equations would solve them again for each point. A solution
+/// depends on the problem only, so that keeping it changes no result. Exceptions of `solve` are
+/// passed on, and nothing is kept then.
 template <class Solution, class Solve>
 const Solution& last_solution(const ContactProblem& problem, const Solve& solve) {
   thread_local std::optional<std::pair<ContactProblem, Solution>> last;

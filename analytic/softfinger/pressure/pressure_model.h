@@ -26,7 +26,7 @@ struct NumericalAccuracy {
       "relative error up to the root of epsilon, over a strip of relative area epsilon";
 };
 
-/// What a reader must know before using a model.
+/// Description of a model: what a reader must know before using it.
 struct ModelCard {
   std::string_view name;         ///< as typed on the command line
   std::string_view title;        ///< one line

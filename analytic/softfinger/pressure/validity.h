@@ -18,8 +18,8 @@ inline double contact_to_thickness(const Prediction& prediction,
   return std::sqrt(prediction.a_m) * std::sqrt(prediction.b_m) / layer.thickness_m;
 }
 
-/// Whether the layer is a half-space to the contact, within 10 % in area and torque. `name` tells
-/// the object's layer from the finger's.
+/// Whether the layer acts as a half-space, within 10 % in area and torque. `name` distinguishes the
+/// object's layer from the finger's.
 inline ValidityCheck thick_layer_check(const Prediction& prediction, const ElasticLayer& layer,
                                        const char* name = "thick_layer") noexcept {
   constexpr std::array<double, 5> kPoissonRatio{0, 0.3, 0.45, 0.49, 0.5};

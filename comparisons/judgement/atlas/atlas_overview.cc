@@ -29,13 +29,13 @@ json rounded(double value) {
   return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
 }
 
-/// Of absolute values: {"count", "median", "p95", "worst"}, null for none.
+/// Statistics of absolute values: {"count", "median", "p95", "worst"}, null for none.
 json quantiles(std::vector<double> values) {
   values.erase(
       std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
       values.end());
   if (values.empty()) return nullptr;
-  // What is left of a difference of equal numbers is nothing.
+  // The difference of equal numbers is zero up to round-off.
   for (double& value : values) value = std::abs(value) < 1e-9 ? 0 : std::abs(value);
   std::sort(values.begin(), values.end());
   // The smallest value that at least this part of all does not exceed.
@@ -165,10 +165,11 @@ double time_ns(const Function& function) {
   return median(samples_ns);
 }
 
-/// What one may take in place of the exact limit surface, over the shapes of the atlas's contacts:
+/// Friction laws that can replace the exact limit surface, for the shapes of the atlas's contacts:
 /// largest radial error, and the time of one answer to "how far is this wrench from slip".
 json friction_laws(const AtlasFile& atlas) {
-  // Errors depend on the shape alone; steps of 10 % in a/b and of 0.25 in n leave no mark on them.
+  // Errors depend on the shape alone; they hardly change within steps of 10 % in a/b and of 0.25 in
+  // n.
   std::set<std::pair<int, int>> shapes;
   for (const AtlasRun& run : atlas.runs) {
     const TorqueContact contact = contact_of(run);

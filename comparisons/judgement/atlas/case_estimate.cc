@@ -6,7 +6,7 @@
 namespace softfinger::judgement {
 namespace {
 
-/// Of a round finger on a plane.
+/// The radius of the finger, if the case is a round finger on a plane.
 std::optional<double> radius_of_round_finger_m(const input::Case& contact_case) {
   const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
   if (!pair) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<double> radius_of_round_finger_m(const input::Case& contact_case) 
   return finger->radius_x_m;
 }
 
-/// Of a sphere that is pressed into a flat finger.
+/// The radius of the sphere, if the case is a sphere that is pressed into a flat finger.
 std::optional<double> radius_of_sphere_on_flat_finger_m(const input::Case& contact_case) {
   const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
   if (!pair) return std::nullopt;

@@ -22,8 +22,8 @@ struct TorqueCauses {
 };
 TorqueCauses torque_causes(const TorqueContact& model, const TorqueContact& truth);
 
-/// What the atlas holds of a run: the finite elements' contact in units of h, and a model's by its
-/// errors.
+/// A run of the atlas in units of h: the contact of the finite elements, and that of a model, which
+/// the atlas stores as errors.
 TorqueContact contact_of(const AtlasRun& run);
 TorqueContact contact_of(const AtlasRun& run, const QuantityErrors& model_errors);
 

@@ -302,7 +302,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Of the linear finite elements on the same contacts, relative to those at finite strain.
+/// Adds the errors of the linear finite elements, relative to those at finite strain on the same
+/// contacts.
 void judge_linear_theory(AtlasFile& atlas) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   auto& errors = atlas.errors["fem_linear"];
@@ -337,9 +338,10 @@ void judge_models(AtlasFile& atlas) {
   if (!costs_ns.empty())
     provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));
   for (const PressureModel* model : all_pressure_models()) {
-    // A law that was fitted to a finger says nothing of other layers.
+    // A measured law holds for the finger that it was fitted to, not for the atlas's layers.
     if (model->card().name == "power_law") continue;
-    // What large strain changes is no error of linear elasticity, nor of a contact without radius.
+    // The linear runs have no finite strain, and their contacts no radius: a model that corrects
+    // for large strain cannot be compared with them.
     if (model->card().finite_strain && !finite_strain) continue;
     auto& errors = atlas.errors[std::string(model->card().name)];
     costs_ns.clear();

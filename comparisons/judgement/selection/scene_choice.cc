@@ -67,7 +67,7 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
                                     contact.pressure_exponent);
       const double exact = friction_gauge(&shape, wrench), ellipsoid = wrench.norm();
       choice.utilisation = std::max(choice.utilisation, std::min(exact, 1.));
-      // Which surface it is matters where the contact may reach either of them.
+      // The choice of the surface only matters where the contact may reach one of the two.
       const double change = std::abs(exact / std::max(ellipsoid, 1e-300) - 1);
       if (std::max(exact, ellipsoid) * (1 + change) >= 1)
         choice.surface_change = std::max(choice.surface_change, change);
@@ -265,7 +265,7 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
   accurate.friction.law = &input::kLimitSurfaceLaw;
   for (input::ContactRule& rule : accurate.rules) {
     rule.friction = nullptr;
-    // What the scene says of e_n itself stays; a named model gives way to the most accurate one.
+    // An e_n that the scene gives itself stays. A named model is replaced by the most accurate one.
     if (std::holds_alternative<const PressureModel*>(rule.model))
       rule.model = input::AutomaticModel{};
   }

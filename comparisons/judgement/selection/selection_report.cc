@@ -109,7 +109,7 @@ json geometry_fit(const PressureModel& model, const LoadChoice& load) {
 json causes(const input::Case& contact_case, const SelectionOptions& options,
             const LoadChoice& load) {
   const AtlasFile& atlas = error_atlas().file();
-  // Outside the atlas the nearest run says nothing.
+  // Outside the atlas the nearest run may be too different from this contact.
   if (contact_case.fem_curved || contact_case.fem_finite ||
       !estimate_error("fem", contact_case, load.problem).bound)
     return nullptr;
