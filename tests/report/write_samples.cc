@@ -35,7 +35,7 @@ page.querySelectorAll('.plot svg').forEach((chart) => {
 std::string injected_page() {
   softfinger::report::Page page;
   page.title = "Injected";
-  page.data = "{}";
+  page.data = softfinger::report::Json::object();
   page.body =
       "<script>document.documentElement.dataset.injected = 'yes';</script>"
       "<img src=\"https://example.org/a.png\" alt=\"\">"
