@@ -55,8 +55,8 @@ std::optional<Score> score(const LoadErrors& load, const ModelError& model) {
 }
 
 Judgement judge(const LoadErrors& load, const ModelError& model, double tolerance) {
-  const auto here = score(load, model);
-  return here ? judge(here->error, model.valid, tolerance) : Judgement::silent;
+  if (!load.fem_finished || !model.has_answer) return Judgement::silent;
+  return judge(model.larger(), model.valid, tolerance);
 }
 
 std::optional<Score> worst_score(const CaseErrors& errors, const std::string& model) {

@@ -19,7 +19,7 @@ struct Score {
 };
 std::optional<Score> score(const LoadErrors& load, const ModelError& model);
 
-/// `silent` without an answer or a reference.
+/// `silent` without an answer or a reference, `off` where an error is no number.
 Judgement judge(const LoadErrors& load, const ModelError& model, double tolerance);
 
 /// A model over all loads of a case that have a reference; nothing when it misses one of them.

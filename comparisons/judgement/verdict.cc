@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "comparisons/judgement/judgement.h"
+#include "comparisons/judgement/scoring.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -75,8 +76,7 @@ std::vector<Record> collect(const std::vector<const LoadErrors*>& finished, doub
     for (const LoadErrors* load : finished) {
       const ModelError& error = load->models[i];
       record.errors.push_back(error);
-      record.judgements.push_back(error.has_answer ? judge(error.larger(), error.valid, tolerance)
-                                                   : Judgement::silent);
+      record.judgements.push_back(judge(*load, error, tolerance));
     }
     records.push_back(std::move(record));
   }

@@ -19,7 +19,7 @@ std::string surface_key(const input::MeshBody& mesh) {
 /// The model that predicts how large a contact is. Named, so that a new model does not move the
 /// fitted regions of old cases; asked many times per load, so that only closed forms are there.
 const PressureModel& patch_model(const ContactProblem& problem) {
-  // The widest reach first.
+  // bonded_layer holds for most contacts. The others are asked in the order of their names.
   static const std::vector<const PressureModel*> by_reach = [] {
     std::vector<const PressureModel*> models;
     for (const char* name : {"bonded_layer", "finite_strain_layer", "hertz", "power_law",

@@ -1,7 +1,5 @@
 #include "comparisons/report/atlas_sections.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <vector>
@@ -28,23 +26,23 @@ bool has_atlas(const Json& report) {
   return models.is_array() && !models.empty();
 }
 
-std::string table(const std::string& head, const std::string& rows) {
+Html table(const Html& head, const Html& rows) {
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-std::string heading(const std::string& words) { return "<th scope=\"col\">" + words + "</th>"; }
+Html heading(const HtmlArgument& words) { return html("<th scope=\"col\">{}</th>", words); }
 
 /// `1.2 % · 8.4 % · 31 %`: median, 95 %, worst.
-std::string spread(const Json& quantiles) {
+Html spread(const Json& quantiles) {
   const auto median = number(quantiles, "median"), worst = number(quantiles, "worst"),
              p95 = number(quantiles, "p95");
   if (!median || !p95 || !worst) return "<td>–</td>";
-  return fmt::format("<td>{} <small>95 %: {}</small><small>worst: {}</small></td>",
-                     percent(*median), percent(*p95), percent(*worst));
+  return html("<td>{} <small>95 %: {}</small><small>worst: {}</small></td>", percent(*median),
+              percent(*p95), percent(*worst));
 }
 
-std::string quantity_buttons() {
+Html quantity_buttons() {
   std::vector<SettingButton> buttons;
   for (const NamedQuantity& quantity : kQuantities)
     buttons.push_back({quantity.key, quantity.name});
@@ -72,16 +70,16 @@ std::size_t usual_ratio(const Json& atlas) {
   return best;
 }
 
-std::string quantile_table(const Json& report) {
-  std::string head = heading("model") + heading("time of one answer") + heading("contacts");
+Html quantile_table(const Json& report) {
+  Html head = heading("model") + heading("time of one answer") + heading("contacts");
   for (const NamedQuantity& quantity : kQuantities) head += heading(quantity.name);
-  std::string rows;
+  Html rows;
   for (const Json& model : child(child(report, "atlas"), "models")) {
     const std::string name = text(model, "model");
-    const auto row = [&](const std::string& title, const Json& quantiles) {
-      rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>", title,
-                          duration(1e-9 * number(model, "cost_ns").value_or(NAN)),
-                          plain(number(child(quantiles, kQuantities[0].key), "count")));
+    const auto row = [&](const Html& title, const Json& quantiles) {
+      rows += html("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>", title,
+                   duration(1e-9 * number(model, "cost_ns").value_or(NAN)),
+                   plain(number(child(quantiles, kQuantities[0].key), "count")));
       for (const NamedQuantity& quantity : kQuantities)
         rows += spread(child(quantiles, quantity.key));
       rows += "</tr>\n";
@@ -90,35 +88,33 @@ std::string quantile_table(const Json& report) {
     if (!child(model, "claimed").is_null())
       row("<span class=\"unit\">… where it says it holds</span>", child(model, "claimed"));
     if (const Json& paper = child(model, "paper_torque"); !paper.is_null())
-      rows +=
+      rows += html(
           "<tr><th scope=\"row\"><span class=\"unit\">… with the paper’s √(ab) "
-          "rule</span></th><td></td><td>" +
-          plain(number(paper, "count")) + "</td>" + spread(paper) +
-          "<td colspan=\"5\" class=\"words\"></td></tr>\n";
+          "rule</span></th><td></td><td>{}</td>{}<td colspan=\"5\" class=\"words\"></td></tr>\n",
+          plain(number(paper, "count")), spread(paper));
   }
   return table(head, rows);
 }
 
-std::string law_table(const Json& report) {
-  std::string rows;
+Html law_table(const Json& report) {
+  Html rows;
   for (const Json& law : child(child(report, "atlas"), "friction_laws"))
-    rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                        escape(text(law, "name")),
-                        duration(1e-9 * number(law, "cost_ns").value_or(NAN)),
-                        percent(number(child(law, "error"), "median").value_or(NAN)),
-                        percent(number(child(law, "error"), "worst").value_or(NAN)));
+    rows += html("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                 text(law, "name"), duration(1e-9 * number(law, "cost_ns").value_or(NAN)),
+                 percent(number(child(law, "error"), "median").value_or(NAN)),
+                 percent(number(child(law, "error"), "worst").value_or(NAN)));
   return table(heading("friction limit") + heading("time of one answer") + heading("median error") +
                    heading("worst error"),
                rows);
 }
 
 /// Parts of the grid on which a model is within each limit.
-std::string share_table(const Json& report) {
+Html share_table(const Json& report) {
   constexpr std::array<double, 4> kLimits{0.01, 0.05, 0.10, 0.25};
   const Json& atlas = child(report, "atlas");
   const Json& grid = child(atlas, "grid");
   const std::size_t ratios = child(grid, "radii_ratio").size(), sizes = child(grid, "s").size();
-  std::string rows;
+  Html rows;
   for (const Json& model : child(atlas, "models")) {
     const std::string name = text(model, "model");
     if (name == "fem_coarse") continue;
@@ -134,11 +130,11 @@ std::string share_table(const Json& report) {
         for (std::size_t k = 0; k < kLimits.size(); ++k)
           if (error && std::abs(*error) <= kLimits[k]) ++within[k];
       }
-      rows += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td>",
-                          ratio == 0 ? model_key(report, name) : "",
-                          plain(element(child(grid, "radii_ratio"), ratio)));
+      rows += html("<tr><th scope=\"row\">{}</th><td>{}</td>",
+                   ratio == 0 ? model_key(report, name) : "",
+                   plain(element(child(grid, "radii_ratio"), ratio)));
       for (const int count : within)
-        rows += "<td>" + (all ? fmt::format("{:.0f}\u00a0%", 100. * count / all) : "–") + "</td>";
+        rows += all ? html("<td>{:.0f}\u00a0%</td>", 100. * count / all) : "<td>–</td>";
       rows += "</tr>\n";
     }
   }
@@ -147,30 +143,30 @@ std::string share_table(const Json& report) {
                rows);
 }
 
-std::string details(const std::string& summary, const std::string& body) {
+Html details(const Html& summary, const Html& body) {
   return "<details><summary>" + summary + "</summary>\n" + body + "</details>\n";
 }
 
-std::string figure(const std::string& attributes, const std::string& caption) {
+Html figure(const Html& attributes, const Html& caption) {
   return "<figure " + attributes + "><figcaption>" + caption +
          "</figcaption><div class=\"plot\"></div></figure>\n";
 }
 
 }  // namespace
 
-std::string setting_buttons(const std::string& setting, const std::string& label,
-                            const std::vector<SettingButton>& buttons, std::size_t pressed) {
-  std::string out = fmt::format(
+Html setting_buttons(const std::string& setting, const std::string& label,
+                     const std::vector<SettingButton>& buttons, std::size_t pressed) {
+  Html out = html(
       "<div class=\"loads\" role=\"group\" aria-label=\"{0}\" data-setting=\"{1}\" "
       "hidden><span>{0}</span>",
       label, setting);
   for (std::size_t i = 0; i < buttons.size(); ++i)
-    out += fmt::format("<button type=\"button\" data-value=\"{}\" aria-pressed=\"{}\">{}</button>",
-                       buttons[i].value, i == pressed, buttons[i].label);
+    out += html("<button type=\"button\" data-value=\"{}\" aria-pressed=\"{}\">{}</button>",
+                buttons[i].value, i == pressed, buttons[i].label);
   return out + "</div>\n";
 }
 
-std::string speed_accuracy_section(const Json& report) {
+Html speed_accuracy_section(const Json& report) {
   if (!has_atlas(report)) return "";
   return "<h2 id=\"speed\">Cost and accuracy of the models</h2>\n"
          "<p>Every model compared with finite elements over the whole error atlas: contacts from a "
@@ -185,9 +181,9 @@ std::string speed_accuracy_section(const Json& report) {
          figure("data-chart=\"speed\"",
                 "<b>Speed against accuracy.</b> Broad bar: median to 95 % of the contacts (large "
                 "mark); cross: the worst. Hollow, dashed: with the paper’s √(ab) rule. " +
-                    std::string(child(report, "choices").is_array()
-                                    ? "Diamonds: stated errors of the case, ring: the choice. "
-                                    : "") +
+                    (child(report, "choices").is_array()
+                         ? Html("Diamonds: stated errors of the case, ring: the choice. ")
+                         : "") +
                     "Staircase: the smallest error (95 %) for that time. FEM: the error that it "
                     "states "
                     "itself; coarse mesh: its difference to the finer one.") +
@@ -204,24 +200,22 @@ std::string speed_accuracy_section(const Json& report) {
          details("Cost and error of the friction limits as numbers", law_table(report));
 }
 
-std::string validity_map_section(const Json& report) {
+Html validity_map_section(const Json& report) {
   if (!has_atlas(report)) return "";
   const Json& atlas = child(report, "atlas");
   std::vector<SettingButton> ratios;
   for (std::size_t i = 0; i < child(child(atlas, "grid"), "radii_ratio").size(); ++i)
     ratios.push_back(
         {std::to_string(i), plain(element(child(child(atlas, "grid"), "radii_ratio"), i))});
-  std::string maps;
+  Html maps;
   for (const Json& model : child(atlas, "models"))
     if (text(model, "model") != "fem_coarse")
-      maps += figure(
-          fmt::format("data-chart=\"validity\" data-model=\"{}\"", escape(text(model, "model"))),
-          "");
-  std::string key = "<ul class=\"legend\">";
+      maps += figure(html("data-chart=\"validity\" data-model=\"{}\"", text(model, "model")), "");
+  Html key = "<ul class=\"legend\">";
   constexpr std::array<const char*, 5> kBands{"below 1 %", "1 to 5 %", "5 to 10 %", "10 to 25 %",
                                               "above 25 %"};
   for (std::size_t i = 0; i < kBands.size(); ++i)
-    key += fmt::format(
+    key += html(
         "<li><span class=\"key\"><svg width=\"18\" height=\"12\" aria-hidden=\"true\"><rect "
         "width=\"18\" height=\"12\" fill=\"var(--map-{})\"/></svg>{}</span></li>",
         i, kBands[i]);
@@ -229,13 +223,13 @@ std::string validity_map_section(const Json& report) {
       "<li>dashed: where the model says that its assumptions hold</li><li>○ contacts of this "
       "page</li>"
       "<li>× fingertips of Ciocarlie et al. (2007)</li></ul>\n";
-  std::string marks;
+  Html marks;
   for (const Json& mark : child(atlas, "marks"))
-    marks += fmt::format(
-        "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-        escape(text(mark, "id")), newton(number(mark, "load_N").value_or(NAN)),
-        significant(number(mark, "s"), 1, 3), plain(number(mark, "poisson_ratio")),
-        significant(number(mark, "radii_ratio"), 1, 3));
+    marks +=
+        html("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+             text(mark, "id"), newton(number(mark, "load_N").value_or(NAN)),
+             significant(number(mark, "s"), 1, 3), plain(number(mark, "poisson_ratio")),
+             significant(number(mark, "radii_ratio"), 1, 3));
   return "<h2 id=\"maps\">Where each model holds</h2>\n"
          "<p>Relative error over the contact’s size s and Poisson’s ratio ν, interpolated between "
          "the finite-element runs. A narrow strip of small error between two regions of large "
@@ -253,10 +247,10 @@ std::string validity_map_section(const Json& report) {
                                         marks)));
 }
 
-std::string error_causes_section(const Json& report) {
+Html error_causes_section(const Json& report) {
   if (!has_atlas(report)) return "";
   const Json& atlas = child(report, "atlas");
-  std::string rows;
+  Html rows;
   const Json* finite_elements = nullptr;
   for (const Json& model : child(atlas, "models")) {
     if (text(model, "model") == "fem") finite_elements = &model;
@@ -266,19 +260,21 @@ std::string error_causes_section(const Json& report) {
             spread(child(causes, "ellipse")) + spread(child(causes, "pressure")) +
             spread(child(causes, "circle_rule")) + spread(child(causes, "max_torque")) + "</tr>\n";
   }
-  std::string common;
+  Html common;
   for (const Json& law : child(atlas, "friction_laws")) {
     const std::string name = text(law, "name");
     if (name.find("rule") != std::string::npos || name.find("exact") != std::string::npos) continue;
-    common += "<li>" + escape(name) + ": " +
-              percent(number(child(law, "error"), "median").value_or(NAN)) + " in the median, " +
-              percent(number(child(law, "error"), "worst").value_or(NAN)) + " at worst</li>\n";
+    common += html("<li>{}: {} in the median, {} at worst</li>\n", name,
+                   percent(number(child(law, "error"), "median").value_or(NAN)),
+                   percent(number(child(law, "error"), "worst").value_or(NAN)));
   }
   if (finite_elements) {
     const Json& stated = child(child(*finite_elements, "quantiles"), "max_torque");
-    common += "<li>discretisation of the finite elements, as they state it: " +
-              percent(number(stated, "median").value_or(NAN)) + " in the median, " +
-              percent(number(stated, "worst").value_or(NAN)) + " at worst</li>\n";
+    common += html(
+        "<li>discretisation of the finite elements, as they state it: {} in the median, {} at "
+        "worst</li>\n",
+        percent(number(stated, "median").value_or(NAN)),
+        percent(number(stated, "worst").value_or(NAN)));
   }
   return "<h2 id=\"causes\">Where the error comes from</h2>\n"
          "<p>The error of the torque is split into factors: torque of the model over torque of the "
@@ -293,17 +289,17 @@ std::string error_causes_section(const Json& report) {
          "<p>Further errors, which are the same for every model:</p>\n<ul>" + common + "</ul>\n";
 }
 
-std::string finite_strain_section(const Json& report) {
+Html finite_strain_section(const Json& report) {
   const Json& groups = child(report, "finite_strain");
   if (!groups.is_array() || groups.empty()) return "";
   constexpr std::array<NamedQuantity, 4> kJudged{
       {{"a", "a"}, {"area", "area"}, {"indentation", "d"}, {"max_torque", "torque"}}};
   const auto tables_of = [&](const std::string& kind) {
-    std::string rows;
+    Html rows;
     for (const Json& group : groups) {
       if (text(group, "kind") != kind) continue;
       const Json& depth = child(group, "indentation_over_thickness");
-      std::string where = fmt::format(
+      Html where = html(
           "<th scope=\"rowgroup\" rowspan=\"{}\">ν {}, d/h {}–{}<small>{} contacts, a/R to "
           "{}</small></th>",
           child(group, "models").size(), plain(number(group, "poisson_ratio")),
@@ -313,38 +309,37 @@ std::string finite_strain_section(const Json& report) {
         const std::string name = text(model, "model");
         rows += "<tr>" + where + "<th scope=\"row\">" +
                 (name == "fem_linear" ? "linear FEM" : model_key(report, name)) + "</th>";
-        where.clear();
+        where = "";
         for (const NamedQuantity& quantity : kJudged) {
           const Json& quantiles = child(child(model, "quantiles"), quantity.key);
           const auto median = number(quantiles, "median"), worst = number(quantiles, "worst");
-          rows += median && worst ? fmt::format("<td>{} <small>worst: {}</small></td>",
-                                                percent(*median), percent(*worst))
+          rows += median && worst ? html("<td>{} <small>worst: {}</small></td>", percent(*median),
+                                         percent(*worst))
                                   : "<td>–</td>";
         }
         rows += "</tr>\n";
       }
     }
-    std::string head = heading("contacts") + heading("model");
+    Html head = heading("contacts") + heading("model");
     for (const NamedQuantity& quantity : kJudged) head += heading(quantity.name);
     return table(head, rows);
   };
   // The last group has the largest nu and indentation: a silicone fingertip in a hard grip.
-  std::string answer;
+  Html answer;
   for (const Json& group : groups) {
     if (text(group, "kind") != "finite_sphere") continue;
-    answer.clear();
+    std::vector<Html> errors;
     for (const Json& model : child(group, "models")) {
       const std::string name = text(model, "model");
       const auto worst = number(child(child(model, "quantiles"), "max_torque"), "worst");
       if (!worst) continue;
-      answer +=
-          fmt::format("{}{} {}", answer.empty() ? "" : ", ",
-                      name == "fem_linear" ? "linear FEM" : escape(label(name)), percent(*worst));
+      errors.push_back(
+          html("{} {}", name == "fem_linear" ? "linear FEM" : label(name), percent(*worst)));
     }
     answer =
-        fmt::format("At ν {} and d/h of {} and more, the largest errors of the torque are: {}.",
-                    plain(number(group, "poisson_ratio")),
-                    plain(element(child(group, "indentation_over_thickness"), 0)), answer);
+        html("At ν {} and d/h of {} and more, the largest errors of the torque are: {}.",
+             plain(number(group, "poisson_ratio")),
+             plain(element(child(group, "indentation_over_thickness"), 0)), joined(errors, ", "));
   }
   return "<h2 id=\"finite-strain\">What large deformation changes</h2>\n"
          "<p>Every model and the linear finite elements, compared at the same load with finite "
@@ -365,20 +360,20 @@ std::string finite_strain_section(const Json& report) {
              tables_of("finite_pad"));
 }
 
-std::string atlas_provenance(const Json& report) {
+Html atlas_provenance(const Json& report) {
   if (!has_atlas(report)) return "";
   const Json& atlas = child(report, "atlas");
   const Json& runs = child(atlas, "runs");
   std::string kinds;
   for (const auto& kind : runs.items())
     kinds += (kinds.empty() ? "" : ", ") + text(runs, kind.key()) + " " + kind.key();
-  std::string value = escape(kinds) + " finite-element runs";
+  Html value = escape(kinds) + " finite-element runs";
   const Json& source = child(atlas, "provenance");
   if (const std::string version = text(source, "version"); !version.empty())
-    value += ", version " + escape(version);
-  if (const std::string date = text(source, "date"); !date.empty()) value += ", " + escape(date);
+    value += html(", version {}", version);
+  if (const std::string date = text(source, "date"); !date.empty()) value += html(", {}", date);
   if (const std::string command = text(source, "command"); !command.empty())
-    value += ", <code>" + escape(command) + "</code>";
+    value += html(", <code>{}</code>", command);
   return "<dt>error atlas</dt><dd>" + value +
          "; its numbers are in <code>share/softfinger/error_atlas.csv</code></dd>";
 }

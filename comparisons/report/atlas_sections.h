@@ -3,23 +3,23 @@
 #include "comparisons/report/html.h"
 
 /// The error atlas on a page: `report["atlas"]`, described in README.md of this folder. Every
-/// function returns an empty text when there is none.
+/// function returns nothing when there is none.
 namespace softfinger::report {
 
 /// Cost against error of every model and finite-element level, and of the friction laws.
-std::string speed_accuracy_section(const Json& report);
+Html speed_accuracy_section(const Json& report);
 
 /// Each model's error over s and nu, with the cases' contacts.
-std::string validity_map_section(const Json& report);
+Html validity_map_section(const Json& report);
 
 /// The error of the torque by cause.
-std::string error_causes_section(const Json& report);
+Html error_causes_section(const Json& report);
 
 /// The errors of every model at large deformation: `report["finite_strain"]`.
-std::string finite_strain_section(const Json& report);
+Html finite_strain_section(const Json& report);
 
 /// Which runs the atlas is made of, for the page's end: `<dt>..</dt><dd>..</dd>`.
-std::string atlas_provenance(const Json& report);
+Html atlas_provenance(const Json& report);
 
 /// What the charts need, beside `styles`; null without an atlas.
 Json atlas_chart_data(const Json& report);
@@ -31,7 +31,7 @@ Json chart_styles(const Json& report);
 struct SettingButton {
   std::string value, label;
 };
-std::string setting_buttons(const std::string& setting, const std::string& label,
-                            const std::vector<SettingButton>& buttons, std::size_t pressed);
+Html setting_buttons(const std::string& setting, const std::string& label,
+                     const std::vector<SettingButton>& buttons, std::size_t pressed);
 
 }  // namespace softfinger::report

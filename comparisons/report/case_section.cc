@@ -1,7 +1,5 @@
 #include "comparisons/report/case_section.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,13 +16,13 @@ constexpr double kDegrees = 57.29577951308232;
 /// A column of the main table: where the value lies, in which unit it is shown, and the names of
 /// its relative error in the FEM's and in the models' blocks (empty: none is stated).
 struct Column {
-  const char* heading;
-  const char* unit;
+  Html heading;
+  Html unit;
   const char* key;
   double factor;
   const char* error;
 };
-constexpr std::array<Column, 9> kColumns{{
+const std::array<Column, 9> kColumns{{
     {"a", "mm", "a_m", 1e3, "a"},
     {"b", "mm", "b_m", 1e3, "b"},
     {"axis", "°", "axis_rad", kDegrees, ""},
@@ -36,32 +34,32 @@ constexpr std::array<Column, 9> kColumns{{
     {"e<sub>n</sub>", "mm", "eccentricity_m", 1e3, ""},
 }};
 
-std::string scrolling(const std::string& table) {
+Html scrolling(const Html& table) {
   return "<div class=\"scroll\" tabindex=\"0\">" + table + "</div>\n";
 }
 
-std::string details(const std::string& summary, const std::string& body) {
-  return fmt::format("<details><summary>{}</summary>\n{}</details>\n", summary, body);
+Html details(const Html& summary, const Html& body) {
+  return html("<details><summary>{}</summary>\n{}</details>\n", summary, body);
 }
 
-std::string cell(const std::string& value) { return "<td>" + value + "</td>"; }
+Html cell(const HtmlArgument& value) { return html("<td>{}</td>", value); }
 
-std::string heading_row(const std::vector<std::string>& headings) {
-  std::string out = "<thead><tr>";
-  for (const std::string& heading : headings) out += "<th scope=\"col\">" + heading + "</th>";
+Html heading_row(const std::vector<Html>& headings) {
+  Html out = "<thead><tr>";
+  for (const Html& heading : headings) out += "<th scope=\"col\">" + heading + "</th>";
   return out + "</tr></thead>\n";
 }
 
-std::string with_unit(const char* name, const char* unit) {
-  return fmt::format("{} <span class=\"unit\">{}</span>", name, unit);
+Html with_unit(const Html& name, const Html& unit) {
+  return html("{} <span class=\"unit\">{}</span>", name, unit);
 }
 
-std::string radius(std::optional<double> value_m) {
+Html radius(std::optional<double> value_m) {
   return value_m ? significant(*value_m * 1e3) + " mm" : "flat (∞)";
 }
 
 /// `12.3 ± 0.4`; a flat direction has no radius, and no uncertainty of it.
-std::string radius_with_std(const Json& fit, std::size_t index) {
+Html radius_with_std(const Json& fit, std::size_t index) {
   const auto value = element(child(fit, "radii_m"), index);
   const auto deviation = element(child(fit, "radii_std_m"), index);
   if (!value) return "flat (∞)";
@@ -69,38 +67,39 @@ std::string radius_with_std(const Json& fit, std::size_t index) {
          (deviation ? " ±\u00a0" + significant(*deviation * 1e3, 2) : "");
 }
 
-std::string reference_row(const Json& report, const Json& load) {
-  std::string row = "<tr class=\"fem\"><th scope=\"row\">" + model_key(report, "fem") + "</th>";
+Html reference_row(const Json& report, const Json& load) {
+  Html row = "<tr class=\"fem\"><th scope=\"row\">" + model_key(report, "fem") + "</th>";
   const Json& fem = child(load, "fem");
   if (fem.is_null()) {
     const std::string why = text(load, "fem_failure");
-    return row + fmt::format("<td colspan=\"{}\" class=\"words\">no reference: {}</td></tr>\n",
-                             kColumns.size() + 1, escape(why.empty() ? "no reason recorded" : why));
+    return row + html("<td colspan=\"{}\" class=\"words\">no reference: {}</td></tr>\n",
+                      kColumns.size() + 1, why.empty() ? "no reason recorded" : why);
   }
   for (const Column& column : kColumns) {
     const Json& error = child(child(fem, "error"), column.error);
     row += cell(
         significant(number(fem, column.key), column.factor) +
-        (error.is_number() ? "<small>±\u00a0" + percent(error.get<double>()) + "</small>" : ""));
+        (error.is_number() ? html("<small>±\u00a0{}</small>", percent(error.get<double>())) : ""));
   }
   const auto wall = number(fem, "wall_s");
   return row + cell(wall ? duration(*wall) : "–") + "</tr>\n";
 }
 
-std::string deviation(double error, double limit) {
-  return fmt::format("<small class=\"{}\">{}</small>",
-                     std::abs(error) <= limit ? "within" : "beyond", signed_percent(error));
+Html deviation(double error, double limit) {
+  return html("<small class=\"{}\">{}</small>", std::abs(error) <= limit ? "within" : "beyond",
+              signed_percent(error));
 }
 
-std::string model_row(const Json& report, const Json& model) {
-  std::string row = fmt::format(
-      "<tr{}><th scope=\"row\">{}{}</th>", flag(model, "valid") ? "" : " class=\"outside\"",
-      model_key(report, text(model, "model")),
-      flag(model, "has_answer") && !flag(model, "valid") ? "<small>outside its validity</small>"
-                                                         : "");
+Html model_row(const Json& report, const Json& model) {
+  Html row = html("<tr{}><th scope=\"row\">{}{}</th>",
+                  flag(model, "valid") ? Html("") : " class=\"outside\"",
+                  model_key(report, text(model, "model")),
+                  flag(model, "has_answer") && !flag(model, "valid")
+                      ? Html("<small>outside its validity</small>")
+                      : "");
   if (!flag(model, "has_answer"))
-    return row + fmt::format("<td colspan=\"{}\" class=\"words\">no answer</td></tr>\n",
-                             kColumns.size() + 1);
+    return row +
+           html("<td colspan=\"{}\" class=\"words\">no answer</td></tr>\n", kColumns.size() + 1);
   const double limit = tolerance(report);
   for (const Column& column : kColumns) {
     const Json& error = child(child(model, "relative_error"), column.error);
@@ -111,94 +110,87 @@ std::string model_row(const Json& report, const Json& model) {
   return row + cell(cost ? duration(*cost * 1e-9) : "–") + "</tr>\n";
 }
 
-std::string numbers_table(const Json& report, const Json& load) {
-  std::vector<std::string> headings{"model"};
+Html numbers_table(const Json& report, const Json& load) {
+  std::vector<Html> headings{"model"};
   for (const Column& column : kColumns) headings.push_back(with_unit(column.heading, column.unit));
   headings.push_back("time");
-  std::string body = "<tbody>" + reference_row(report, load);
+  Html body = "<tbody>" + reference_row(report, load);
   for (const Json& model : child(load, "models")) body += model_row(report, model);
   return scrolling("<table class=\"numbers\">" + heading_row(headings) + body + "</tbody></table>");
 }
 
-std::string validity_table(const Json& report, const Json& load) {
-  std::string rows;
-  std::vector<std::string> outside;
+Html validity_table(const Json& report, const Json& load) {
+  Html rows;
+  std::vector<Html> outside;
   for (const Json& model : child(load, "models")) {
     const std::string name = text(model, "model");
     if (!flag(model, "valid")) outside.push_back(escape(label(name)));
     const Json& checks = child(model, "validity");
     for (const Json& check : checks) {
       const bool holds = flag(check, "holds");
-      rows += fmt::format(
+      rows += html(
           "<tr><th scope=\"row\">{}</th><td class=\"words\">{}</td><td>{}</td><td>{}</td>"
           "<td class=\"words {}\">{}</td><td class=\"words\">{}</td></tr>\n",
-          model_key(report, name), escape(text(check, "check")),
-          significant(number(check, "value")), significant(number(check, "limit")),
-          holds ? "within" : "beyond", holds ? "holds" : "fails", escape(text(check, "message")));
+          model_key(report, name), text(check, "check"), significant(number(check, "value")),
+          significant(number(check, "limit")), holds ? "within" : "beyond",
+          holds ? "holds" : "fails", text(check, "message"));
     }
   }
   if (rows.empty()) return "";
-  std::string summary = "Validity, as each model states it: ";
-  if (outside.empty()) {
-    summary += "all inside";
-  } else {
-    summary += "outside for " + fmt::format("{}", fmt::join(outside, ", "));
-  }
   return details(
-      summary,
+      "Validity, as each model states it: " +
+          (outside.empty() ? "all inside" : "outside for " + joined(outside, ", ")),
       scrolling("<table>" + heading_row({"model", "check", "value", "limit", "", "in words"}) +
                 "<tbody>" + rows + "</tbody></table>"));
 }
 
 /// The reasons in words, open on the page: a prediction outside its validity needs its warning.
-std::string warnings(const Json& load) {
-  std::string items;
+Html warnings(const Json& load) {
+  Html items;
   for (const Json& model : child(load, "models")) {
-    std::string reasons;
+    std::vector<Html> reasons;
     for (const Json& check : child(model, "validity"))
-      if (!flag(check, "holds"))
-        reasons += (reasons.empty() ? "" : "; ") + escape(text(check, "message"));
+      if (!flag(check, "holds")) reasons.push_back(escape(text(check, "message")));
     if (!reasons.empty())
-      items += fmt::format("<li><b>{}</b> {}: {}</li>\n", escape(label(text(model, "model"))),
-                           flag(model, "has_answer") ? "is outside its validity" : "has no answer",
-                           reasons);
+      items += html("<li><b>{}</b> {}: {}</li>\n", label(text(model, "model")),
+                    flag(model, "has_answer") ? "is outside its validity" : "has no answer",
+                    joined(reasons, "; "));
   }
   return items.empty() ? "" : "<ul class=\"warnings\">" + items + "</ul>\n";
 }
 
-std::string fit_row(const char* body, const Json& fit) {
+Html fit_row(const char* body, const Json& fit) {
   if (fit.is_null()) return "";
   const auto coefficient = [&](const char* key) { return cell(significant(number(fit, key))); };
   const auto axis = number(fit, "axis_rad");
   const Json& normal = child(fit, "normal");
-  std::string direction = "–";
+  Html direction = "–";
   if (normal.is_array() && normal.size() == 3)
-    direction =
-        fmt::format("{}, {}, {}", significant(element(normal, 0), 1, 3),
-                    significant(element(normal, 1), 1, 3), significant(element(normal, 2), 1, 3));
-  return fmt::format("<tr><th scope=\"row\">{}</th>", body) + cell(radius_with_std(fit, 0)) +
+    direction = html("{}, {}, {}", significant(element(normal, 0), 1, 3),
+                     significant(element(normal, 1), 1, 3), significant(element(normal, 2), 1, 3));
+  return html("<tr><th scope=\"row\">{}</th>", body) + cell(radius_with_std(fit, 0)) +
          cell(radius_with_std(fit, 1)) + cell(axis ? significant(*axis * kDegrees) : "–") +
          cell(significant(number(fit, "residual_rms_m"), 1e6)) + cell(text(fit, "points")) +
          cell(significant(number(fit, "area_m2"), 1e6)) + coefficient("A_per_m") +
          coefficient("B_per_m") + coefficient("C_per_m") + cell(direction) + "</tr>\n";
 }
 
-std::string patch_table(const Json& load) {
+Html patch_table(const Json& load) {
   const Json& patch = child(child(load, "geometry"), "patch");
   if (patch.is_null()) return "";
   const auto region = number(patch, "region_area_m2");
   const auto predicted = number(patch, "predicted_area_m2");
-  std::string note = "<p>";
+  Html note = "<p>";
   if (region && predicted && *predicted > 0)
-    note += fmt::format(
+    note += html(
         "The quadric is fitted over {} mm², {} times the contact area of {} mm² that "
         "{} predicts (it should be 2 times). ",
         significant(*region * 1e6), significant(*region / *predicted, 3),
-        significant(*predicted * 1e6), escape(label(text(patch, "patch_model"))));
+        significant(*predicted * 1e6), label(text(patch, "patch_model")));
   note += escape(text(patch, "remark")) + "</p>\n";
-  const std::string rows =
+  const Html rows =
       fit_row("finger", child(patch, "finger")) + fit_row("object", child(patch, "object"));
-  const std::string table =
+  const Html table =
       rows.empty()
           ? ""
           : scrolling("<table>" +
@@ -208,20 +200,20 @@ std::string patch_table(const Json& load) {
                                    with_unit("region", "mm²"), with_unit("A", "1/m"),
                                    with_unit("B", "1/m"), with_unit("C", "1/m"), "normal"}) +
                       "<tbody>" + rows + "</tbody></table>");
-  return details(fmt::format("Fit of the surfaces: region and prediction {}",
-                             flag(patch, "agrees") ? "agree" : "do not agree"),
+  return details(html("Fit of the surfaces: region and prediction {}",
+                      flag(patch, "agrees") ? "agree" : "do not agree"),
                  note + table);
 }
 
-std::string reference_details(const Json& load) {
+Html reference_details(const Json& load) {
   const Json& fem = child(load, "fem");
   if (fem.is_null()) return "";
   const Json& error = child(fem, "error");
   const auto stated = [&](const char* key) {
     const auto value = number(error, key);
-    return value ? "±\u00a0" + percent(*value) : "–";
+    return value ? html("±\u00a0{}", percent(*value)) : "–";
   };
-  std::string rows;
+  Html rows;
   const Json* coarser = nullptr;
   for (const Json& level : child(fem, "levels")) {
     rows += "<tr>" + cell(text(level, "level")) + cell(text(level, "unknowns"));
@@ -233,58 +225,57 @@ std::string reference_details(const Json& load) {
       const auto before = coarser ? number(*coarser, key) : std::nullopt;
       rows += cell(significant(value, factor, 5) +
                    (value && before && *before != 0
-                        ? "<small>" + signed_percent(*value / *before - 1) + "</small>"
+                        ? html("<small>{}</small>", signed_percent(*value / *before - 1))
                         : ""));
     }
     rows += "</tr>\n";
     coarser = &level;
   }
-  const std::string levels =
+  const Html levels =
       rows.empty() ? ""
                    : scrolling("<table>" +
                                heading_row({"level", "unknowns", with_unit("a", "mm"),
                                             with_unit("b", "mm"), with_unit("indentation", "mm"),
                                             with_unit("max torque", "mN·m")}) +
                                "<tbody>" + rows + "</tbody></table>");
-  std::vector<std::string> facts;
-  const auto fact = [&](const char* words, const std::string& value) {
-    if (!value.empty() && value != "–") facts.push_back(words + value);
+  std::vector<Html> facts;
+  const auto fact = [&](const Html& words, const Html& value) {
+    if (!value.empty() && !(value == "–")) facts.push_back(words + value);
   };
-  fact("level ", text(fem, "level"));
-  fact("unknowns ", text(fem, "unknowns"));
-  fact("active contact nodes ", text(fem, "active_nodes"));
-  fact("active-set iterations ", text(fem, "iterations"));
-  if (const auto wall = number(fem, "wall_s")) fact("time ", duration(*wall));
+  fact("level ", escape(text(fem, "level")));
+  fact("unknowns ", escape(text(fem, "unknowns")));
+  fact("active contact nodes ", escape(text(fem, "active_nodes")));
+  fact("active-set iterations ", escape(text(fem, "iterations")));
+  if (const auto wall = number(fem, "wall_s")) fact("time ", escape(duration(*wall)));
   if (const auto memory = number(fem, "peak_memory_MB"))
     fact("peak memory ", significant(*memory, 3) + " MB");
   fact("pressure exponent n ", significant(number(fem, "pressure_exponent"), 1, 3));
-  if (!text(fem, "vtu").empty())
-    fact("for ParaView: ", "<code>" + escape(text(fem, "vtu")) + "</code>");
-  const std::string stated_errors = fmt::format(
+  if (!text(fem, "vtu").empty()) fact("for ParaView: ", html("<code>{}</code>", text(fem, "vtu")));
+  const Html stated_errors = html(
       "<p>Stated error: a {}, b {}, area {}, indentation {}, peak pressure {}, max torque "
       "{}.</p>\n",
       stated("a"), stated("b"), stated("area"), stated("indentation"), stated("peak_pressure"),
       stated("max_torque"));
   return details(
-      fmt::format("Can this reference be trusted? {}: torque {}, a {}, b {}",
-                  flag(fem, "trusted") ? "Yes" : "<b>Not yet</b>", stated("max_torque"),
-                  stated("a"), stated("b")),
-      stated_errors + levels + fmt::format("<p class=\"facts\">{}</p>\n", fmt::join(facts, " · ")));
+      html("Can this reference be trusted? {}: torque {}, a {}, b {}",
+           flag(fem, "trusted") ? Html("Yes") : "<b>Not yet</b>", stated("max_torque"), stated("a"),
+           stated("b")),
+      stated_errors + levels + html("<p class=\"facts\">{}</p>\n", joined(facts, " · ")));
 }
 
-std::string simulator_line(const Json& report_case, const Json& load) {
+Html simulator_line(const Json& report_case, const Json& load) {
   const auto force = number(load, "load_N");
   const auto torque = number(child(load, "fem"), "max_torque_Nm");
   const auto friction = number(report_case, "friction_coefficient");
   if (!force || !torque || !friction || *force <= 0) return "";
-  return fmt::format(
+  return html(
       "<p class=\"simulator\">MuJoCo at this load: <code>condim=\"4\" friction=\"{:g} "
       "{:.4g} 0.0001\"</code></p>\n",
       *friction, *torque / *force);
 }
 
-std::string load_section(const Json& report, const Json& report_case, const Json& load,
-                         std::size_t index) {
+Html load_section(const Json& report, const Json& report_case, const Json& load,
+                  std::size_t index) {
   const Json& geometry = child(load, "geometry");
   const Json& radii = child(geometry, "radii_m");
   const Json& deviations = child(geometry, "radii_std_m");
@@ -293,7 +284,7 @@ std::string load_section(const Json& report, const Json& report_case, const Json
     return radius(element(radii, i)) +
            (deviation ? " ±\u00a0" + significant(*deviation * 1e3, 2) + " mm" : "");
   };
-  std::vector<std::string> facts;
+  std::vector<Html> facts;
   if (radii.is_array()) {
     facts.push_back("R′ " + with_std(0));
     facts.push_back("R″ " + with_std(1));
@@ -303,23 +294,23 @@ std::string load_section(const Json& report, const Json& report_case, const Json
       axis && element(radii, 0) != element(radii, 1))
     facts.push_back("long axis at " + significant(*axis * kDegrees, 3) + "°");
   if (const auto s = number(geometry, "s")) facts.push_back("s = √(ab)/h = " + significant(*s, 3));
-  return fmt::format(
+  return html(
              "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n"
              "<p class=\"facts\">{}</p>\n",
-             index, newton(number(load, "load_N").value_or(0)), fmt::join(facts, " · ")) +
+             index, newton(number(load, "load_N").value_or(0)), joined(facts, " · ")) +
          numbers_table(report, load) + warnings(load) + simulator_line(report_case, load) +
          reference_details(load) + patch_table(load) + validity_table(report, load) + "</div>\n";
 }
 
-std::string chart(const char* kind, const char* heading, const char* caption) {
-  return fmt::format(
+Html chart(const Html& kind, const Html& heading, const Html& caption) {
+  return html(
       "<figure data-chart=\"{}\"><figcaption><b>{}</b> {}</figcaption>"
       "<div class=\"plot\"></div></figure>\n",
       kind, heading, caption);
 }
 
-std::string legend(const Json& report, const Json& report_case) {
-  std::string keys = "<li>" + model_key(report, "fem") + "</li>";
+Html legend(const Json& report, const Json& report_case) {
+  Html keys = "<li>" + model_key(report, "fem") + "</li>";
   std::vector<std::string> seen;
   for (const Json& load : child(report_case, "loads"))
     for (const Json& model : child(load, "models")) {
@@ -342,10 +333,10 @@ std::string case_anchor(const Json& report_case) {
   return anchor;
 }
 
-std::string verdict_badge(const Json& report_case) {
+Html verdict_badge(const Json& report_case) {
   const std::string verdict = text(report_case, "verdict_class");
   const auto badge = [](const char* style_class, const char* words) {
-    return fmt::format("<span class=\"badge {}\">{}</span>", style_class, words);
+    return html("<span class=\"badge {}\">{}</span>", style_class, words);
   };
   if (verdict == "good") return badge("good", "✓ usable");
   if (verdict == "mixed") return badge("mixed", "◐ partly");
@@ -360,56 +351,56 @@ std::string searched_text(const Json& report_case) {
   return words;
 }
 
-std::string model_key(const Json& report, const std::string& model) {
+Html model_key(const Json& report, const std::string& model) {
   const Style drawn = style(report, model);
-  return fmt::format(
+  return html(
       "<span class=\"key\"><svg width=\"26\" height=\"8\" aria-hidden=\"true\"><line x1=\"0\" "
       "y1=\"4\" "
       "x2=\"26\" y2=\"4\" stroke=\"{}\" stroke-width=\"{}\" stroke-dasharray=\"{}\"/></svg>"
       "{}</span>",
-      drawn.colour, model == "fem" ? "3.5" : "2.5", drawn.dash, escape(label(model)));
+      drawn.colour, model == "fem" ? "3.5" : "2.5", drawn.dash, label(model));
 }
 
 /// As it was typed.
-std::string layer_text(const Json& layer) {
-  return fmt::format("{} mm, E {} kPa, ν {}", plain(number(layer, "thickness_m"), 1e3),
-                     plain(number(layer, "youngs_modulus_Pa"), 1e-3),
-                     plain(number(layer, "poisson_ratio")));
+Html layer_text(const Json& layer) {
+  return html("{} mm, E {} kPa, ν {}", plain(number(layer, "thickness_m"), 1e3),
+              plain(number(layer, "youngs_modulus_Pa"), 1e-3),
+              plain(number(layer, "poisson_ratio")));
 }
 
-std::string case_section(const Json& report, const Json& report_case) {
+Html case_section(const Json& report, const Json& report_case) {
   const Json& layer = child(report_case, "layer");
   const Json& loads = child(report_case, "loads");
-  const std::string id = escape(text(report_case, "id"));
-  const std::string question = escape(text(report_case, "question"));
-  std::string out = fmt::format(
+  const std::string id = text(report_case, "id");
+  const std::string question = text(report_case, "question");
+  Html out = html(
       "<section class=\"case\" id=\"{}\" data-case=\"{}\" data-filtered=\"{}\">\n"
       "<p class=\"kicker\"><code>{}</code> <a href=\"#overview\">↑ overview</a></p>\n"
       "<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
-      escape(case_anchor(report_case)), id, escape(searched_text(report_case)), id,
-      question.empty() ? id : question, escape(text(report_case, "verdict_class")),
-      verdict_badge(report_case), escape(text(report_case, "verdict")));
+      case_anchor(report_case), id, searched_text(report_case), id,
+      question.empty() ? id : question, text(report_case, "verdict_class"),
+      verdict_badge(report_case), text(report_case, "verdict"));
   const Json& sublayers = child(report_case, "sublayers");
   out += "<p class=\"facts\">";
   if (sublayers.is_array() && !sublayers.empty()) {
     out += "From the surface inwards: ";
     for (const Json& sublayer : sublayers)
-      out += fmt::format("{} {}, ", escape(text(sublayer, "name")), layer_text(sublayer));
-    out += fmt::format("bonded · for the models on average {} mm, E {} kPa, ν {}",
-                       plain(number(layer, "thickness_m"), 1e3),
-                       significant(number(layer, "youngs_modulus_Pa"), 1e-3, 3),
-                       significant(number(layer, "poisson_ratio"), 1, 3));
+      out += html("{} {}, ", text(sublayer, "name"), layer_text(sublayer));
+    out += html("bonded · for the models on average {} mm, E {} kPa, ν {}",
+                plain(number(layer, "thickness_m"), 1e3),
+                significant(number(layer, "youngs_modulus_Pa"), 1e-3, 3),
+                significant(number(layer, "poisson_ratio"), 1, 3));
   } else {
     out += "Layer " + layer_text(layer);
   }
-  out += fmt::format(" · friction coefficient {}</p>\n",
-                     plain(number(report_case, "friction_coefficient")));
+  out +=
+      html(" · friction coefficient {}</p>\n", plain(number(report_case, "friction_coefficient")));
   if (loads.is_array() && loads.size() > 1) {
     // Without JavaScript every load is shown and nothing needs to be chosen: the script reveals it.
     out += "<div class=\"loads\" role=\"group\" aria-label=\"Load\" hidden><span>Load</span>";
     for (std::size_t i = 0; i < loads.size(); ++i)
-      out += fmt::format("<button type=\"button\" data-load=\"{}\">{}</button>", i,
-                         newton(number(loads[i], "load_N").value_or(0)));
+      out += html("<button type=\"button\" data-load=\"{}\">{}</button>", i,
+                  newton(number(loads[i], "load_N").value_or(0)));
     out += "</div>\n";
   }
   out += legend(report, report_case) + "<div class=\"charts\">\n" +
@@ -426,8 +417,8 @@ std::string case_section(const Json& report, const Json& report_case) {
   for (const Json& load : loads) out += load_section(report, report_case, load, index++);
   const std::string file = text(report_case, "file");
   if (!text(report_case, "case_toml").empty())
-    out += details(fmt::format("Case file <code>{}</code>", escape(file)),
-                   "<pre>" + escape(text(report_case, "case_toml")) + "</pre>\n");
+    out += details(html("Case file <code>{}</code>", file),
+                   html("<pre>{}</pre>\n", text(report_case, "case_toml")));
   return out + "</section>\n";
 }
 

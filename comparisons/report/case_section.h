@@ -5,18 +5,18 @@
 namespace softfinger::report {
 
 /// One case: question, verdict, places for the charts, every number as a table.
-std::string case_section(const Json& report, const Json& report_case);
+Html case_section(const Json& report, const Json& report_case);
 
 /// Fragment identifier of a case's section.
 std::string case_anchor(const Json& report_case);
 
-/// What the filter of cases looks in, not escaped.
+/// What the filter of cases looks in.
 std::string searched_text(const Json& report_case);
 
 /// A coloured label that says its meaning in words too.
-std::string verdict_badge(const Json& report_case);
+Html verdict_badge(const Json& report_case);
 
 /// Name of a model with the line that stands for it in the charts.
-std::string model_key(const Json& report, const std::string& model);
+Html model_key(const Json& report, const std::string& model);
 
 }  // namespace softfinger::report

@@ -111,19 +111,4 @@ Json chart_data(const Json& report) {
           {"cases", cases}};
 }
 
-std::string script_json(const Json& data) {
-  // A replaced byte is better than no page when a file name was not UTF-8.
-  const std::string plain = data.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string out;
-  out.reserve(plain.size());
-  for (const char c : plain) {
-    // "<" occurs in strings only; escaped, neither </script> nor <!-- can end the element.
-    if (c == '<')
-      out += "\\u003c";
-    else
-      out += c;
-  }
-  return out;
-}
-
 }  // namespace softfinger::report

@@ -9,7 +9,4 @@ namespace softfinger::report {
 /// carry the numbers, report.json the full precision.
 Json chart_data(const Json& report);
 
-/// JSON that is safe inside a script element, whatever its strings contain.
-std::string script_json(const Json& data);
-
 }  // namespace softfinger::report

@@ -98,6 +98,10 @@ const Charts = (() => {
   const settings = {quantity: "max_torque", ratio: 0, within: "all"};
   const atlas = report.atlas;
 
+  // Room for the words at the ticks: half of the last one's right of an axis, all of them left of it.
+  const TICK_AT_END = {marginRight: 20};
+  const besideTicks = (largest) => ({marginLeft: Math.max(46, 10 + 7 * d3.format(",.0f")(largest).length)});
+
   // Axes and marks that both charts of cost against error have.
   const costAxis = (width, domain) => ({
     type: "log", domain, label: "time of one answer →", tickFormat: duration,
@@ -149,7 +153,7 @@ const Charts = (() => {
     const exact = spans.filter((p) => !p.paper), paper = spans.filter((p) => p.paper);
     const tolerance = report.tolerance;
     const picture = plot({
-      ...base(width, 380),
+      ...base(width, 380), ...TICK_AT_END,
       marginLeft: 60,
       x: costAxis(width, domain),
       y: errorAxis(range, "↑ relative error"),
@@ -190,8 +194,12 @@ const Charts = (() => {
     for (const point of d3.sort(points, (p) => pixel(p.y))) {
       point.label = pixel.invert(last = Math.max(pixel(point.y), last + 15));
     }
+    // A name stands right of its mark, or left of it where the picture ends.
+    const across = d3.scaleLog().domain(domain).range([60, width - TICK_AT_END.marginRight]);
+    const fits = (p) => across(p.x) + 9 + 7 * p.name.length < width;
+    const names = {x: "x", y: "label", text: "name", stroke: "var(--page)", strokeWidth: 4, fill: "var(--ink)"};
     return plot({
-      ...base(width, 380),
+      ...base(width, 380), ...TICK_AT_END,
       marginLeft: 60,
       x: costAxis(width, domain),
       y: errorAxis(range, "↑ largest error of the friction limit"),
@@ -199,7 +207,8 @@ const Charts = (() => {
         Plot.line(front(points), {x: "x", y: "y", curve: "step-after", strokeOpacity: 0.35, strokeWidth: 1.5}),
         Plot.link(points, {x1: "x", x2: "x", y1: "median", y2: "y", stroke: "var(--model-1)", strokeWidth: 4, strokeOpacity: 0.4}),
         Plot.dot(points, {x: "x", y: "y", r: 5, fill: "var(--model-1)"}),
-        Plot.text(points, {x: "x", y: "label", text: "name", dx: 9, textAnchor: "start", stroke: "var(--page)", strokeWidth: 4, fill: "var(--ink)"}),
+        Plot.text(points.filter(fits), {...names, dx: 9, textAnchor: "start"}),
+        Plot.text(points.filter((p) => !fits(p)), {...names, dx: -9, textAnchor: "end"}),
         tip(points),
       ],
     });
@@ -227,13 +236,15 @@ const Charts = (() => {
     };
     const [rows, columns] = [ratios.map(stiffening), sizes.map(Math.log)];
     const between = (a, b, part) => (part === 0 ? a : part === 1 ? b : (1 - part) * a + part * b);
-    const value = (table, [i, u], [j, v]) => between(
-      between(table[i][j], table[i][j + 1], v), between(table[i + 1][j], table[i + 1][j + 1], v), u);
+    const value = (table, [i, u], [j, v], mixed = between) => mixed(
+      mixed(table[i][j], table[i][j + 1], v), mixed(table[i + 1][j], table[i + 1][j + 1], v), u);
+    // The bands go on below what covers the cells without an answer: none of them ends before its edge.
+    const goingOn = (a, b, part) => (Number.isNaN(a) ? b : Number.isNaN(b) ? a : between(a, b, part));
     // Finer than the grid of runs: straight lines between them, bent by no one.
     const [wide, high] = [72, 48];
     const spread = (values, count) => d3.range(count).map((k) => at(values, values[0] + (values.at(-1) - values[0]) * k / (count - 1)));
     const [fineRows, fineColumns] = [spread(rows, high), spread(columns, wide)];
-    const sampled = (table, change) => fineRows.flatMap((row) => fineColumns.map((column) => change(value(table, row, column))));
+    const sampled = (table) => fineRows.flatMap((row) => fineColumns.map((column) => value(table, row, column, goingOn)));
     const contours = d3.contours().size([wide, high]);
     const place = d3.geoTransform({
       point(px, py) { this.stream.point((px - 0.5) / (wide - 1) * inner, height - (py - 0.5) / (high - 1) * height); },
@@ -247,13 +258,16 @@ const Charts = (() => {
     const frame = svg.append("g").attr("transform", `translate(${margin.left},${margin.top})`);
     const area = frame.append("g").attr("clip-path", `url(#${clip})`);
     area.append("rect").attr("width", inner).attr("height", height).attr("fill", "var(--map-0)");
-    const absolute = sampled(errors, (v) => (Number.isNaN(v) ? 1e9 : Math.abs(v)));
+    const absolute = sampled(errors).map((v) => Math.abs(v) || 0);
     BANDS.forEach((limit, k) => area.append("path").attr("d", path(contours.contour(absolute, limit)))
       .attr("fill", `var(--map-${k + 1})`).attr("stroke", "var(--ink)").attr("stroke-opacity", 0.35).attr("stroke-width", 0.7));
-    area.append("path").attr("d", path(contours.contour(sampled(errors, (v) => (Number.isNaN(v) ? 1 : 0)), 0.5)))
-      .attr("fill", "var(--page)");
+    const [places, heights] = [sizes.map((s) => x(s)), ratios.map((nu) => y(stiffening(nu)))];
+    area.append("path").attr("class", "unknown").attr("fill", "var(--page)")
+      .attr("d", d3.cross(d3.range(ratios.length - 1), d3.range(sizes.length - 1))
+        .filter(([i, j]) => [errors[i][j], errors[i][j + 1], errors[i + 1][j], errors[i + 1][j + 1]].some(Number.isNaN))
+        .map(([i, j]) => `M${places[j]},${heights[i]}H${places[j + 1]}V${heights[i + 1]}H${places[j]}Z`).join(""));
     if (model.holds)
-      area.append("path").attr("d", path(contours.contour(sampled(nodes(model.holds), (v) => v), 0.5)))
+      area.append("path").attr("d", path(contours.contour(sampled(nodes(model.holds)), 0.5)))
         .attr("fill", "none").attr("stroke", "var(--ink)").attr("stroke-width", 1.8).attr("stroke-dasharray", "5 3");
     const title = frame.append("text").attr("y", -8).attr("fill", "currentColor").attr("font-weight", 600)
       .text(styleOf(model.model).label);
@@ -407,5 +421,5 @@ const Charts = (() => {
     return () => figures.forEach((figure) => figure.width && draw(figure, figure.width));
   }
 
-  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, plot, tip, legend, stacked, start};
+  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
 })();

@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, settings, base, plot, number} = Charts;
+  const {report, settings, base, TICK_AT_END, plot, number} = Charts;
   const KINDS = [["valid", "answered, valid", "var(--map-0)"], ["answered", "answered outside its validity", "var(--map-1)"],
     ["refused", "refused", "var(--model-8)"]];
 
@@ -28,7 +28,7 @@
       });
     }).filter((bar) => bar.y2 > bar.y1);
     return plot({
-      ...base(width, 170),
+      ...base(width, 170), ...TICK_AT_END,
       x: {type: axis.logarithmic ? "log" : "linear", label: `${axis.name} →`, tickFormat: axis.logarithmic ? power : "~g", ticks: 4},
       y: {domain: [0, 100], label: "↑ %", ticks: 4},
       marks: [

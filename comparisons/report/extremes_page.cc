@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "comparisons/report/atlas_sections.h"
-#include "comparisons/report/chart_data.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/style.h"
@@ -35,7 +34,7 @@ int times_broken(const Json& model, const std::string& promise) {
   return 0;
 }
 
-std::string lead(const Json& survey) {
+Html lead(const Json& survey) {
   int models = 0, keeping = 0;
   double asked = 0;
   for (const Json& model : child(survey, "models")) {
@@ -43,7 +42,7 @@ std::string lead(const Json& survey) {
     if (child(model, "broken_promises").empty()) ++keeping;
     asked += number(model, "tried").value_or(0) + number(model, "nonsense_tried").value_or(0);
   }
-  return fmt::format(
+  return html(
       "<p class=\"lead\"><span class=\"badge {}\">{}</span> {:.0f} problems far beyond any "
       "fingertip: {} of {} models violated no invariant. {}</p>\n",
       keeping == models ? "good" : "bad", keeping == models ? "✓ all hold" : "✕ violated", asked,
@@ -55,13 +54,13 @@ std::string lead(const Json& survey) {
           : "The table below shows which invariant was violated, and by which problem.");
 }
 
-std::string results_table(const Json& survey) {
-  std::string rows;
+Html results_table(const Json& survey) {
+  Html rows;
   for (const Json& model : child(survey, "models")) {
-    rows += fmt::format(
+    rows += html(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-        escape(label(text(model, "model"))), plain(number(model, "tried")), share(model, "valid"),
+        label(text(model, "model")), plain(number(model, "tried")), share(model, "valid"),
         share(model, "answered_outside_validity"), share(model, "refused"),
         plain(number(model, "nonsense_refused")), plain(number(model, "nonsense_tried")),
         significant(number(model, "units_worst_deviation"), 1, 2),
@@ -78,51 +77,52 @@ std::string results_table(const Json& survey) {
          rows + "</tbody></table></div>\n";
 }
 
-std::string promises_table(const Json& survey) {
-  std::string head = "<th scope=\"col\">model</th>", rows, details;
+Html promises_table(const Json& survey) {
+  Html head = "<th scope=\"col\">model</th>", rows, details;
   for (const auto& promise : kPromises)
-    head += fmt::format("<th scope=\"col\" class=\"words\">{}</th>", promise.second);
+    head += html("<th scope=\"col\" class=\"words\">{}</th>", promise.second);
   for (const Json& model : child(survey, "models")) {
-    const std::string name = escape(label(text(model, "model")));
+    const Html name = escape(label(text(model, "model")));
     rows += "<tr><th scope=\"row\">" + name + "</th>";
     for (const auto& promise : kPromises) {
       const int times = times_broken(model, promise.first);
       const bool tried =
           std::string_view(promise.first) != "jumps" || !child(model, "largest_jump").is_null();
-      rows += times > 0 ? fmt::format(
+      rows += times > 0 ? html(
                               "<td class=\"words\"><span class=\"badge bad\">✕ violated {} "
                               "times</span></td>",
                               times)
-              : tried ? "<td class=\"words\"><span class=\"badge good\">✓ holds</span></td>"
+              : tried ? Html("<td class=\"words\"><span class=\"badge good\">✓ holds</span></td>")
                       : "<td class=\"words\"><span class=\"badge failed\">not tested</span></td>";
     }
     rows += "</tr>\n";
     for (const Json& broken : child(model, "broken_promises"))
-      details += "<li>" + name + ", " + escape(text(broken, "promise")) + ": first at <code>" +
-                 escape(text(broken, "first")) + "</code></li>\n";
+      details += html("<li>{}, {}: first at <code>{}</code></li>\n", name, text(broken, "promise"),
+                      text(broken, "first"));
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n" +
          (details.empty() ? "" : "<ul>" + details + "</ul>\n");
 }
 
-std::string ranges_table(const Json& survey) {
+Html ranges_table(const Json& survey) {
   // All fast models are asked the same; the slow ones less far.
-  std::string head = "<th scope=\"col\">quantity</th>", rows;
+  Html head = "<th scope=\"col\">quantity</th>", rows;
   std::vector<const Json*> shown;
   for (const bool fast : {true, false})
     for (const Json& model : child(survey, "models"))
       if (flag(model, "hot_path") == fast) {
         shown.push_back(&model);
-        head += fast ? "<th scope=\"col\">fast models</th>" : "<th scope=\"col\">slow models</th>";
+        head += fast ? Html("<th scope=\"col\">fast models</th>")
+                     : "<th scope=\"col\">slow models</th>";
         break;
       }
   for (const Json& axis : child(survey, "axes")) {
-    rows += "<tr><th scope=\"row\">" + escape(text(axis, "name")) + "</th>";
+    rows += html("<tr><th scope=\"row\">{}</th>", text(axis, "name"));
     for (const Json* model : shown) {
       const Json& range = child(child(*model, "ranges"), text(axis, "key"));
-      rows += "<td>" + significant(element(range, 0), 1, 2) + " to " +
-              significant(element(range, 1), 1, 2) + "</td>";
+      rows += html("<td>{} to {}</td>", significant(element(range, 0), 1, 2),
+                   significant(element(range, 1), 1, 2));
     }
     rows += "</tr>\n";
   }
@@ -130,14 +130,14 @@ std::string ranges_table(const Json& survey) {
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-std::string refusals(const Json& survey) {
-  std::string out;
+Html refusals(const Json& survey) {
+  Html out;
   for (const Json& model : child(survey, "models")) {
-    std::string reasons;
+    Html reasons;
     for (const Json& reason : child(model, "refusals"))
-      reasons += "<li>" + plain(number(reason, "count")) +
-                 " times: " + escape(text(reason, "reason")) + "</li>\n";
-    out += "<h4>" + escape(label(text(model, "model"))) + "</h4>\n" +
+      reasons +=
+          html("<li>{} times: {}</li>\n", plain(number(reason, "count")), text(reason, "reason"));
+    out += html("<h4>{}</h4>\n", label(text(model, "model"))) +
            (reasons.empty() ? "<p class=\"facts\">refused none</p>\n"
                             : "<ul class=\"warnings\">" + reasons + "</ul>\n");
   }
@@ -145,20 +145,20 @@ std::string refusals(const Json& survey) {
 }
 
 /// The numbers of the picture, for those without scripts.
-std::string decades_tables(const Json& survey) {
-  std::string out;
+Html decades_tables(const Json& survey) {
+  Html out;
   for (const Json& axis : child(survey, "axes")) {
     const std::string key = text(axis, "key");
-    std::string rows;
+    Html rows;
     for (const Json& model : child(survey, "models"))
       for (const Json& bin : child(child(model, "decades"), key))
-        rows += fmt::format(
+        rows += html(
             "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-            escape(label(text(model, "model"))),
+            label(text(model, "model")),
             significant(number(bin, "from"), 1, 2) + " to " + significant(number(bin, "to"), 1, 2),
             plain(number(bin, "valid")), plain(number(bin, "answered")),
             plain(number(bin, "refused")));
-    out += "<details><summary>By " + escape(text(axis, "name")) +
+    out += html("<details><summary>By {}", text(axis, "name")) +
            ", as numbers</summary>\n<div class=\"scroll\" "
            "tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th><th "
            "scope=\"col\">from, to</th><th scope=\"col\">valid</th><th scope=\"col\">answered "
@@ -168,16 +168,16 @@ std::string decades_tables(const Json& survey) {
   return out;
 }
 
-std::string pictures(const Json& survey) {
+Html pictures(const Json& survey) {
   std::vector<SettingButton> axes;
   for (const Json& axis : child(survey, "axes"))
-    axes.push_back({escape(text(axis, "key")), escape(text(axis, "name"))});
-  std::string figures;
+    axes.push_back({text(axis, "key"), text(axis, "name")});
+  Html figures;
   for (const Json& model : child(survey, "models"))
-    figures += fmt::format(
+    figures += html(
         "<figure data-chart=\"decades\" data-model=\"{}\"><figcaption><b>{}</b></figcaption>"
         "<div class=\"plot\"></div></figure>\n",
-        escape(text(model, "model")), escape(label(text(model, "model"))));
+        text(model, "model"), label(text(model, "model")));
   return setting_buttons("axis", "Over", axes, 0) +
          "<ul class=\"legend\"><li><span class=\"key\"><svg width=\"18\" height=\"12\" "
          "aria-hidden=\"true\"><rect width=\"18\" height=\"12\" "
@@ -191,13 +191,13 @@ std::string pictures(const Json& survey) {
          figures + "</div>\n";
 }
 
-std::string body(const Json& survey) {
+Html body(const Json& survey) {
   const Json& source = child(survey, "provenance");
-  std::string rows;
+  Html rows;
   for (const char* key : {"version", "date"})
     if (const std::string value = text(source, key); !value.empty())
-      rows += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
-  rows += "<dt>seed</dt><dd>" + plain(number(survey, "seed")) + "</dd>";
+      rows += html("<dt>{}</dt><dd>{}</dd>", key, value);
+  rows += html("<dt>seed</dt><dd>{}</dd>", plain(number(survey, "seed")));
   return "<header><h1>How far can the models be pushed?</h1>\n<p class=\"subtitle\">Random "
          "problems over the whole allowed range of input, and beyond it</p>\n" +
          lead(survey) +
@@ -235,7 +235,7 @@ std::string render_extremes(const nlohmann::json& survey) {
       {"How far can the models be pushed?",
        {embedded::report_css},
        body(survey),
-       script_json(drawn),
+       drawn,
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::extremes_js}});
 }
 

@@ -1,16 +1,18 @@
 #include "comparisons/report/html.h"
 
+#include <fmt/args.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace softfinger::report {
 namespace {
 
-constexpr const char* kDash = "–";
-constexpr const char* kMinus = "−";
-constexpr const char* kSpace = "\u00a0";  // a number and its unit stay on one line
+constexpr char kDash[] = "–";
+constexpr char kMinus[] = "−";
+constexpr char kSpace[] = "\u00a0";  // a number and its unit stay on one line
 
 std::string with_true_minus(std::string digits) {
   if (!digits.empty() && digits.front() == '-') digits.replace(0, 1, kMinus);
@@ -27,7 +29,7 @@ std::string fixed(double value, int digits) {
 
 }  // namespace
 
-std::string escape(std::string_view text) {
+Html escape(std::string_view text) {
   std::string out;
   out.reserve(text.size() + text.size() / 8);
   for (const char c : text) {
@@ -51,39 +53,37 @@ std::string escape(std::string_view text) {
         out += c;
     }
   }
+  return Html(std::move(out));
+}
+
+Html formatted(std::string_view format, const std::vector<HtmlArgument>& arguments) {
+  fmt::dynamic_format_arg_store<fmt::format_context> store;
+  for (const HtmlArgument& argument : arguments)
+    std::visit([&](const auto& value) { store.push_back(value); }, argument.value_);
+  return Html(fmt::vformat(fmt::string_view(format.data(), format.size()), store));
+}
+
+Html joined(const std::vector<Html>& parts, const Html& separator) {
+  Html out;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) out += separator;
+    out += parts[i];
+  }
   return out;
 }
 
-std::string filled(std::string_view skeleton,
-                   const std::map<std::string_view, std::string_view>& parts) {
-  std::size_t size = skeleton.size();
-  for (const auto& part : parts) size += part.second.size();
-  std::string page;
-  page.reserve(size);
-  for (std::size_t open; (open = skeleton.find("{{")) != std::string_view::npos;) {
-    const std::size_t close = skeleton.find("}}", open);
-    if (close == std::string_view::npos) break;
-    page += skeleton.substr(0, open);
-    page += parts.at(skeleton.substr(open + 2, close - open - 2));
-    skeleton.remove_prefix(close + 2);
-  }
-  page += skeleton;
-  return page;
-}
-
-std::string significant(double value, int digits) {
+Html significant(double value, int digits) {
   if (!std::isfinite(value)) return kDash;
   if (value == 0) return "0";
   const double magnitude = std::abs(value);
-  if (magnitude >= 1e-4 && magnitude < 1e7) return with_true_minus(fixed(value, digits));
+  if (magnitude >= 1e-4 && magnitude < 1e7) return escape(with_true_minus(fixed(value, digits)));
   const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
   const std::size_t mark = scientific.find('e');
-  const std::string exponent =
-      with_true_minus(std::to_string(std::stoi(scientific.substr(mark + 1))));
-  return with_true_minus(scientific.substr(0, mark)) + "·10<sup>" + exponent + "</sup>";
+  return html("{}·10<sup>{}</sup>", with_true_minus(scientific.substr(0, mark)),
+              with_true_minus(std::to_string(std::stoi(scientific.substr(mark + 1)))));
 }
 
-std::string significant(std::optional<double> value, double factor, int digits) {
+Html significant(std::optional<double> value, double factor, int digits) {
   return value ? significant(*value * factor, digits) : kDash;
 }
 

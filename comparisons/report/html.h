@@ -1,31 +1,108 @@
 #pragma once
 
-#include <map>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
-/// Building blocks of the page: escaping, numbers as text, and reading of a report in which any
-/// value may be null. Everything that reaches the page passes through here.
+/// Building blocks of the pages: markup as a type, numbers as text, and reading of a report in
+/// which any value may be null. Everything that reaches a page passes through here.
 namespace softfinger::report {
 
 using Json = nlohmann::json;
 
-/// Text for element content and attribute values.
-std::string escape(std::string_view text);
+/// Markup: text in which `<` and `&` have their meaning for a browser. It is made of string
+/// literals, which we wrote, of `escape`, of `html`, and of these put together. No other string
+/// becomes markup, so a page cannot contain a name from a file that was not escaped: it would not
+/// compile.
+///
+/// C++ turns `condition ? "a" : "bc"` into a pointer, which is no literal any more: write
+/// `condition ? Html("a") : "bc"`.
+class Html {
+ public:
+  Html() = default;
+  template <std::size_t size>
+  Html(const char (&literal)[size]) : markup_(literal, size - 1) {}
+  /// A buffer that was filled at run time is no literal.
+  template <std::size_t size>
+  Html(char (&buffer)[size]) = delete;
 
-/// A page's skeleton with every {{key}} replaced by its part. What is inserted is never searched
-/// for keys. @throws std::out_of_range for a key without a part.
-std::string filled(std::string_view skeleton,
-                   const std::map<std::string_view, std::string_view>& parts);
+  Html& operator+=(const Html& other) {
+    markup_ += other.markup_;
+    return *this;
+  }
+  friend Html operator+(Html one, const Html& other) { return one += other; }
+  friend bool operator==(const Html& one, const Html& other) {
+    return one.markup_ == other.markup_;
+  }
+
+  bool empty() const { return markup_.empty(); }
+  /// For the file that holds the page, and for tests.
+  const std::string& markup() const { return markup_; }
+
+ private:
+  explicit Html(std::string markup) : markup_(std::move(markup)) {}
+  friend Html escape(std::string_view text);
+  friend class HtmlArgument;
+  friend Html formatted(std::string_view format, const std::vector<class HtmlArgument>& arguments);
+
+  std::string markup_;
+};
+
+/// Text for element content and attribute values, between double or single quotes.
+Html escape(std::string_view text);
+
+/// What `html` puts into a place: markup as it is, numbers as numbers, any text escaped.
+class HtmlArgument {
+ public:
+  HtmlArgument(const Html& markup) : value_(markup.markup_) {}
+  template <typename Text,
+            std::enable_if_t<std::is_convertible_v<const Text&, std::string_view>, int> = 0>
+  HtmlArgument(const Text& text) : value_(escape(text).markup_) {}
+  template <typename Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
+  HtmlArgument(Number number) : value_(number_of(number)) {}
+
+ private:
+  using Value = std::variant<std::string, bool, long long, unsigned long long, double>;
+  template <typename Number>
+  static Value number_of(Number number) {
+    if constexpr (std::is_same_v<Number, bool>)
+      return number;
+    else if constexpr (std::is_floating_point_v<Number>)
+      return static_cast<double>(number);
+    else if constexpr (std::is_signed_v<Number>)
+      return static_cast<long long>(number);
+    else
+      return static_cast<unsigned long long>(number);
+  }
+  friend Html formatted(std::string_view format, const std::vector<HtmlArgument>& arguments);
+
+  Value value_;
+};
+
+Html formatted(std::string_view format, const std::vector<HtmlArgument>& arguments);
+
+/// `html("<td>{}</td>", name)`: a literal in the syntax of fmt::format, its places filled with
+/// escaped text, numbers and markup. @throws fmt::format_error for a place without an argument.
+template <std::size_t size, typename... Arguments>
+Html html(const char (&format)[size], const Arguments&... arguments) {
+  return formatted({format, size - 1}, {HtmlArgument(arguments)...});
+}
+
+/// The parts with `separator` between them.
+Html joined(const std::vector<Html>& parts, const Html& separator);
 
 /// `digits` significant digits in plain decimal notation (`0.001706`, `12.30`, `48213`), powers of
-/// ten only outside 1e-4 to 1e7, a true minus sign. Not finite: a dash.
-std::string significant(double value, int digits = 4);
+/// ten (`1.2·10<sup>−7</sup>`) only outside 1e-4 to 1e7, a true minus sign. Not finite: a dash.
+Html significant(double value, int digits = 4);
 
 /// The same for a value times `factor` (a change of unit); an absent value is a dash.
-std::string significant(std::optional<double> value, double factor = 1, int digits = 4);
+Html significant(std::optional<double> value, double factor = 1, int digits = 4);
 
 /// A ratio in percent with two to three digits: `+4.21 %`, `−0.30 %`; units follow a no-break
 /// space.

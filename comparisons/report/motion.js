@@ -129,11 +129,12 @@ function createView(canvas) {
   });
 
   // World axes at a lower corner of the motion.
-  for (const [direction, colour] of [[[1, 0, 0], "#c0392b"], [[0, 1, 0], "#2e8b57"], [[0, 0, 1], "#2c5fb3"]])
-    scene.add(new ArrowHelper(new Vector3(...direction), low, spacing, colour, 0.25 * spacing, 0.12 * spacing));
+  const styles = getComputedStyle(document.documentElement);
+  for (const [direction, name] of [[[1, 0, 0], "x"], [[0, 1, 0], "y"], [[0, 0, 1], "z"]])
+    scene.add(new ArrowHelper(new Vector3(...direction), low, spacing, styles.getPropertyValue(`--axis-${name}`).trim(), 0.25 * spacing, 0.12 * spacing));
   const hasGrid = data.bodies.some((body) => body.shapes.some((shape) => shape.half_space));
   element("scale").innerHTML =
-    `${hasGrid ? "grid and axes" : "axes"} ${withUnit(spacing, "m")}: <b style="color:#c0392b">x</b> <b style="color:#2e8b57">y</b> <b style="color:#2c5fb3">z</b>`;
+    `${hasGrid ? "grid and axes" : "axes"} ${withUnit(spacing, "m")}: <b style="color:var(--axis-x)">x</b> <b style="color:var(--axis-y)">y</b> <b style="color:var(--axis-z)">z</b>`;
 
   // Contacts lie between bodies: they are drawn over everything.
   const onTop = (options) => ({depthTest: false, depthWrite: false, transparent: true, ...options});
@@ -294,6 +295,9 @@ function slidingSpans(track) {
   return spans;
 }
 
+// Below the lowest chart stands the name of the axis, below the others only its numbers.
+const marginBelow = (isLowest) => (isLowest ? 38 : 22);
+
 function timeChart(width, track, key, isLowest) {
   const {value, limit, unit} = QUANTITIES[key];
   const raw = seriesOf(track, value);
@@ -307,7 +311,7 @@ function timeChart(width, track, key, isLowest) {
   const domain = d3.scaleLinear().domain([Math.min(0, smallest), largest > 0 ? 1.01 * largest : smallest < 0 ? 0 : 1]).nice(3).domain();
   const isNegative = key === "torque" && smallest < 0;
   return Plot.plot({
-    width, height: isLowest ? 138 : 112, marginLeft: 46, marginRight: 12, marginTop: 8, marginBottom: isLowest ? 38 : 20,
+    width, height: (isLowest ? 100 : 92) + marginBelow(isLowest), marginLeft: 46, marginRight: 12, marginTop: 8, marginBottom: marginBelow(isLowest),
     grid: true, style: {fontSize: "12px", background: "transparent"},
     x: {domain: span, label: isLowest ? "time, s →" : null, labelAnchor: "right", ticks: width < 420 ? 5 : 8},
     y: {domain: isNegative ? d3.scaleLinear().domain([Math.min(smallest, -factor * (d3.max(limits, (p) => p.y || 0) ?? 0)), domain[1]]).nice(3).domain() : domain, label: null, ticks: 3},
@@ -399,10 +403,10 @@ function drawCharts() {
     const caption = figures[key].querySelector("figcaption");
     caption.innerHTML = `<b></b><span></span><output></output>`;
     caption.children[0].textContent = name;
-caption.children[1].textContent = `${unitText ?? ""} (${note})`;
+    caption.children[1].textContent = `${unitText ?? ""} (${note})`;
     figures[key].querySelector(".plot").replaceChildren(plot);
     const scale = plot.scale("x");
-    const cursor = d3.select(plot).append("line").attr("y1", 8).attr("y2", Number(plot.getAttribute("height")) - (key === "use" ? 38 : 20)).attr("stroke", "currentColor").attr("stroke-width", 1.2);
+    const cursor = d3.select(plot).append("line").attr("y1", 8).attr("y2", Number(plot.getAttribute("height")) - marginBelow(key === "use")).attr("stroke", "currentColor").attr("stroke-width", 1.2);
     updates.push((now) => {
       cursor.attr("x1", scale.apply(times[now])).attr("x2", scale.apply(times[now]));
       const contact = history[now][selected];

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "comparisons/report/chart_data.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/motion_data.h"
@@ -27,27 +26,26 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{}\u00a0{}", count, count == 1 ? one : many);
 }
 
-std::string summary(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+Html summary(const Recording& recording, const std::vector<ContactTrack>& tracks) {
   if (recording.frames.empty()) return "<p class=\"lead\">Nothing was recorded.</p>\n";
   const std::size_t movable =
       std::count_if(recording.bodies.begin(), recording.bodies.end(),
                     [](const simulation::RecordedBody& body) { return body.movable; });
   const std::size_t shown = shown_frames(recording).size();
-  std::string text =
-      fmt::format("<p class=\"lead\">{} ({} of them movable), {} over {}\u00a0s, ",
-                  counted(recording.bodies.size(), "body", "bodies"), movable,
-                  counted(recording.frames.size() - 1, "step", "steps"),
-                  plain(recording.frames.back().time_s - recording.frames.front().time_s));
-  text += tracks.empty() ? "no contact." : counted(tracks.size(), "contact.", "contacts.");
+  Html text = html("<p class=\"lead\">{} ({} of them movable), {} over {}\u00a0s, ",
+                   counted(recording.bodies.size(), "body", "bodies"), movable,
+                   counted(recording.frames.size() - 1, "step", "steps"),
+                   plain(recording.frames.back().time_s - recording.frames.front().time_s));
+  text += escape(tracks.empty() ? "no contact." : counted(tracks.size(), "contact.", "contacts."));
   if (shown < recording.frames.size())
-    text += fmt::format(
+    text += html(
         " The player and the charts show {} of the {} recorded instants; the tables are of all.",
         shown, recording.frames.size());
   return text + "</p>\n";
 }
 
 /// Empty places that motion.js fills; hidden without it.
-constexpr const char* kPlayer = R"(<section class="player" aria-label="Motion in 3-D">
+constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D">
 <div class="stage">
 <div class="view"><canvas id="view" aria-label="Bodies and contacts"></canvas><p class="scale" id="scale"></p></div>
 <div class="transport">
@@ -83,21 +81,21 @@ constexpr const char* kPlayer = R"(<section class="player" aria-label="Motion in
 <noscript><p>The motion in 3-D and the charts need JavaScript; the tables below do not.</p></noscript>
 )";
 
-std::string table(const std::string& head, const std::string& rows) {
+Html table(const Html& head, const Html& rows) {
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-std::string heading(const char* name, const char* unit = "") {
-  return fmt::format("<th scope=\"col\">{}{}</th>", name,
-                     *unit ? fmt::format(" <span class=\"unit\">{}</span>", unit) : "");
+Html heading(const Html& name, const Html& unit = "") {
+  return html("<th scope=\"col\">{}{}</th>", name,
+              unit.empty() ? "" : html(" <span class=\"unit\">{}</span>", unit));
 }
 
-std::string final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks) {
-  std::string out = "<h2 id=\"final\">Contacts at the end</h2>\n";
+Html final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+  Html out = "<h2 id=\"final\">Contacts at the end</h2>\n";
   if (recording.frames.empty() || recording.frames.back().contacts.empty())
     return out + "<p>At the end nothing touches.</p>\n";
-  std::string rows;
+  Html rows;
   for (std::size_t track = 0; track < tracks.size(); ++track) {
     const auto index = tracks[track].contacts.back();
     if (!index) continue;
@@ -108,18 +106,17 @@ std::string final_contacts(const Recording& recording, const std::vector<Contact
                                contact.pressure_exponent, max_force_N);
     const double exact_utilisation = surface.utilisation(
         {contact.tangent_force_1_N, contact.tangent_force_2_N, contact.torque_Nm});
-    rows += fmt::format(
+    rows += html(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td>"
         "<td class=\"words\">{}</td><td class=\"words\">{}</td></tr>\n",
-        escape(track_name(recording, tracks, track)), significant(contact.normal_force_N),
+        track_name(recording, tracks, track), significant(contact.normal_force_N),
         significant(tangential_force_N(contact)), significant(1e3 * contact.torque_Nm),
         is_point ? "point" : significant(1e3 * contact.semi_axis_a_m, 3),
         is_point ? "" : significant(1e3 * contact.semi_axis_b_m, 3),
         significant(contact.friction_coefficient, 3), significant(1e3 * contact.eccentricity_m, 3),
         significant(contact.utilisation, 3), is_point ? "–" : significant(exact_utilisation, 3),
-        contact.slides ? "slides" : "sticks", escape(contact.model),
-        escape(std::string(contact.friction->name)));
+        contact.slides ? "slides" : "sticks", contact.model, contact.friction->name);
   }
   return out +
          "<p>Forces and torque act on the second body of a pair. Utilisation says how much of its "
@@ -137,10 +134,9 @@ std::string final_contacts(const Recording& recording, const std::vector<Contact
                rows);
 }
 
-std::string contacts_over_time(const Recording& recording,
-                               const std::vector<ContactTrack>& tracks) {
+Html contacts_over_time(const Recording& recording, const std::vector<ContactTrack>& tracks) {
   if (tracks.empty()) return "";
-  std::string rows;
+  Html rows;
   for (std::size_t track = 0; track < tracks.size(); ++track) {
     std::size_t touching = 0, sliding = 0;
     double first_s = 0, last_s = 0, largest_force_N = 0, largest_use = 0, largest_use_s = 0;
@@ -157,11 +153,11 @@ std::string contacts_over_time(const Recording& recording,
         largest_use_s = time_s;
       }
     }
-    rows += fmt::format(
+    rows += html(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td>{}</td></tr>\n",
-        escape(track_name(recording, tracks, track)), significant(first_s), significant(last_s),
-        touching, sliding, significant(largest_force_N), significant(largest_use, 3),
+        track_name(recording, tracks, track), significant(first_s), significant(last_s), touching,
+        sliding, significant(largest_force_N), significant(largest_use, 3),
         significant(largest_use_s));
   }
   return "<h2 id=\"contacts-over-time\">Contacts over the whole motion</h2>\n" +
@@ -172,41 +168,40 @@ std::string contacts_over_time(const Recording& recording,
                rows);
 }
 
-std::string provenance(const Recording& recording, const MotionPageOptions& options) {
-  std::string rows;
+Html provenance(const Recording& recording, const MotionPageOptions& options) {
+  Html rows;
   const auto row = [&](const char* name, const std::string& value) {
-    if (!value.empty()) rows += fmt::format("<dt>{}</dt><dd>{}</dd>", name, escape(value));
+    if (!value.empty()) rows += html("<dt>{}</dt><dd>{}</dd>", name, value);
   };
   row("version", options.version);
   row("date", options.date);
   row("time step", recording.time_step_s > 0 ? duration(recording.time_step_s) : "");
-  std::string out = "<h2 id=\"provenance\">Where this comes from</h2>\n";
+  Html out = "<h2 id=\"provenance\">Where this comes from</h2>\n";
   if (!rows.empty()) out += "<dl class=\"provenance\">" + rows + "</dl>\n";
   if (!options.command.empty())
-    out += "<p>To repeat it:</p>\n<pre>" + escape(options.command) + "</pre>\n";
+    out += html("<p>To repeat it:</p>\n<pre>{}</pre>\n", options.command);
   if (!options.scene_text.empty())
-    out += "<details open><summary>The scene</summary>\n<pre>" + escape(options.scene_text) +
-           "</pre></details>\n";
-  return out +
-         "<details><summary>Licences of the libraries in this file</summary>\n<pre>three.js\n\n" +
-         escape(embedded::three_licence) + "\n" + escape(embedded::licences) + "</pre></details>\n";
+    out += html("<details open><summary>The scene</summary>\n<pre>{}</pre></details>\n",
+                options.scene_text);
+  return out + html(
+                   "<details><summary>Licences of the libraries in this file</summary>\n"
+                   "<pre>three.js\n\n{}\n{}</pre></details>\n",
+                   embedded::three_licence, embedded::licences);
 }
 
 }  // namespace
 
 std::string motion_page(const Recording& recording, const MotionPageOptions& options) {
   const std::vector<ContactTrack> tracks = follow_contacts(recording);
-  const std::string data = script_json(motion_data(recording, tracks));
-  const std::string title = escape(recording.scene);
-  const std::string body = "<header><h1>" + title + "</h1>\n<p class=\"subtitle\">" +
-                           escape(recording.question) + "</p>\n" + summary(recording, tracks) +
-                           "</header>\n" + (recording.frames.empty() ? "" : kPlayer) +
-                           final_contacts(recording, tracks) +
-                           contacts_over_time(recording, tracks) + provenance(recording, options);
-  return render_page({title,
+  const Html body = html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n",
+                         recording.scene, recording.question, summary(recording, tracks)) +
+                    (recording.frames.empty() ? Html("") : kPlayer) +
+                    final_contacts(recording, tracks) + contacts_over_time(recording, tracks) +
+                    provenance(recording, options);
+  return render_page({escape(recording.scene),
                       {embedded::report_css, embedded::motion_css},
                       body,
-                      data,
+                      motion_data(recording, tracks),
                       {embedded::d3_js, embedded::plot_js, embedded::motion_js}});
 }
 

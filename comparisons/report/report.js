@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, styleOf, present, number, percent, duration, niceTop, base, plot, tip, legend, stacked} = Charts;
+  const {report, styleOf, present, number, percent, duration, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked} = Charts;
   const FEM = styleOf("fem");
 
   // The reference first and broad, models on top and thin: a model that agrees hides neither.
@@ -91,7 +91,7 @@
       const loaded = curves.flat().filter((p) => p.y > 0);
       const end = 1.06 * (d3.max(loaded, (p) => p.x) ?? 1);
       return plot({
-        ...base(panelWidth, 290),
+        ...base(panelWidth, 290), ...besideTicks(top),
         x: {domain: [0, end], label: `${axis === "x" ? "long axis x" : "short axis y"}, mm →`, ticks: panelWidth < 240 ? 3 : 5},
         y: {domain: [0, top], label: axis === "x" ? "↑ pressure, kPa" : null, ticks: 5},
         marks: [
@@ -170,10 +170,11 @@
     });
     const curves = drawn.map((e) => curve(e));
     const reference = drawn.find((e) => e.model === "fem");
+    const highest = niceTop(d3.max(curves.flat(), (p) => p.y));
     return plot({
-      ...base(width, 290),
+      ...base(width, 290), ...besideTicks(highest),
       x: {domain: [0, 1.04 * sliding], label: "tangential force, N →", ticks: width < 480 ? 5 : 8},
-      y: {domain: [0, niceTop(d3.max(curves.flat(), (p) => p.y))], label: "↑ torque, mN·m", ticks: 5},
+      y: {domain: [0, highest], label: "↑ torque, mN·m", ticks: 5},
       marks: [
         Plot.ruleY([0], {strokeOpacity: 0.4}), Plot.ruleX([0], {strokeOpacity: 0.4}),
         ...(reference ? [Plot.line([...curve(reference, 1), ...curve(reference, -1).reverse()],
@@ -208,9 +209,9 @@
     const domain = [0.4 * d3.min(points, (p) => p.x), 4 * d3.max(points, (p) => p.x)];
     const range = [0.6 * d3.min(points, (p) => p.y), 1.6 * d3.max(points, (p) => p.y)];
     const decades = ([low, high]) => d3.range(-9, 15).map((k) => 10 ** k).filter((v) => v >= low && v <= high);
-    return plot({
-      ...base(width, 330),
-      marginLeft: 54,
+    const picture = plot({
+      ...base(width, 330), ...TICK_AT_END,
+      marginLeft: 60,
       x: {type: "log", domain, label: "time of one answer →", tickFormat: duration,
         ticks: decades(domain).filter((v) => width > 480 || Math.round(Math.log10(v)) % 3 === 0)},
       y: {type: "log", domain: range, ticks: decades(range), label: "↑ error of the maximal torque",
@@ -221,11 +222,11 @@
         Plot.line(front, {x: "x", y: "y", strokeOpacity: 0.5, strokeWidth: 1.5}),
         Plot.dot(points, {x: "x", y: "y", r: 3, stroke: (p) => p.style.colour, fill: (p) => (p.valid ? p.style.colour : "none"), strokeOpacity: 0.55, fillOpacity: 0.4}),
         Plot.dot(medians, {x: "x", y: "y", r: 6.5, fill: (m) => m.style.colour, stroke: "var(--page)", strokeWidth: 1.5}),
-        Plot.text(medians, {x: "x", y: "y", text: (m) => m.style.label, dy: -14, fontWeight: 600, fill: (m) => m.style.colour, stroke: "var(--page)", strokeWidth: 4,
-          textAnchor: "middle"}),
         tip(points),
       ],
     });
+    // Names beside the marks would lie on each other where models are alike.
+    return stacked(picture, legend(d3.sort(medians, (m) => m.x).map((m) => m.style)));
   }
 
   function drawMap(width) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "comparisons/exporting/simulator.h"
 #include "comparisons/judgement/scoring.h"
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
@@ -24,9 +25,9 @@ std::string plural(int count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-std::string range(std::optional<double> low, std::optional<double> high) {
+Html range(std::optional<double> low, std::optional<double> high) {
   if (!low || !high) return "–";
-  const std::string from = significant(*low, 2), to = significant(*high, 2);
+  const Html from = significant(*low, 2), to = significant(*high, 2);
   return from == to ? from : from + " to " + to;
 }
 
@@ -36,76 +37,74 @@ std::string input_range(std::optional<double> low, std::optional<double> high) {
   return *low == *high ? plain(low) : plain(low) + " to " + plain(high);
 }
 
-std::string trust_sentence(const judgement::ReferenceSummary& reference, double tolerance) {
+Html trust_sentence(const judgement::ReferenceSummary& reference, double tolerance) {
   if (reference.solved == 0)
     return "The finite elements found no solution, so that nothing can be compared.";
   const double stated = std::max(reference.worst_torque_error, reference.worst_axis_error);
-  const std::string numbers = fmt::format(
+  const Html numbers = html(
       "stated error of the torque {} in the median and {} at worst, of the semi-axes {} at worst",
       percent(reference.median_torque_error), percent(reference.worst_torque_error),
       percent(reference.worst_axis_error));
   if (reference.trusted == reference.solved)
-    return fmt::format("<b>The finite elements can be trusted</b> at {}: {}{}.",
-                       reference.solved == reference.loads
-                           ? "all of them"
-                           : fmt::format("the {} they solved", reference.solved),
-                       numbers, stated < tolerance / 3 ? ", well below the tolerance" : "");
-  return fmt::format("<b>The finite elements can be trusted at {} of the {}</b> they solved: {}.",
-                     reference.trusted, reference.solved, numbers);
+    return html("<b>The finite elements can be trusted</b> at {}: {}{}.",
+                reference.solved == reference.loads
+                    ? "all of them"
+                    : fmt::format("the {} they solved", reference.solved),
+                numbers, stated < tolerance / 3 ? ", well below the tolerance" : "");
+  return html("<b>The finite elements can be trusted at {} of the {}</b> they solved: {}.",
+              reference.trusted, reference.solved, numbers);
 }
 
 std::vector<judgement::Usability> usability(const Json& report) {
   return judgement::usability(compared_cases(report), model_names(report), tolerance(report));
 }
 
-std::string summary(const Json& report) {
+Html summary(const Json& report) {
   const judgement::ReferenceSummary reference =
       judgement::reference_summary(compared_cases(report), tolerance(report));
   const double limit = tolerance(report);
-  std::string models;
+  std::vector<Html> models;
   for (const judgement::Usability& use : usability(report)) {
     if (use.compared == 0) continue;
-    models += fmt::format("{}<b>{}</b> at {}", models.empty() ? "" : ", ", escape(label(use.model)),
-                          use.usable);
+    models.push_back(html("<b>{}</b> at {}", label(use.model), use.usable));
   }
-  std::string out = fmt::format("<p class=\"lead\">{} at {}. {}", plural(reference.cases, "case"),
-                                plural(reference.loads, "load"), trust_sentence(reference, limit));
+  Html out = html("<p class=\"lead\">{} at {}. {}", plural(reference.cases, "case"),
+                  plural(reference.loads, "load"), trust_sentence(reference, limit));
   if (reference.solved > 0) {
-    out += fmt::format(
+    out += html(
         " Of {}, these models are usable (area and torque within ±{}, and their assumptions hold): "
         "{}.",
         plural(reference.solved, "load") + " with a reference", plain(limit, 100) + " %",
-        models.empty() ? "none" : models);
+        models.empty() ? "none" : joined(models, ", "));
     out += reference.without_usable_model == 0
-               ? " Everywhere at least one model is usable."
-               : fmt::format(" At <b>{}</b> no model is usable.", reference.without_usable_model);
+               ? Html(" Everywhere at least one model is usable.")
+               : html(" At <b>{}</b> no model is usable.", reference.without_usable_model);
   }
   return out + "</p>\n";
 }
 
-std::string overview_table(const Json& report) {
-  std::string rows;
+Html overview_table(const Json& report) {
+  Html rows;
   for (const Json& report_case : child(report, "cases")) {
     const auto best = judgement::best_model(compared_case(report_case), tolerance(report));
-    std::string model = "–", error = "–";
+    Html model = "–", error = "–";
     if (best) {
       model = model_key(report, best->model) +
-              (best->valid ? "" : "<small>outside its validity</small>");
-      error =
-          fmt::format("<span class=\"{}\">{}</span><small>{} at {}</small>",
-                      best->score.error > tolerance(report) ? "beyond"
-                      : best->valid                         ? "within"
-                                                            : "",
-                      percent(best->score.error), best->score.quantity, newton(best->score.load_N));
+              (best->valid ? Html("") : "<small>outside its validity</small>");
+      error = html("<span class=\"{}\">{}</span><small>{} at {}</small>",
+                   best->score.error > tolerance(report) ? "beyond"
+                   : best->valid                         ? "within"
+                                                         : "",
+                   percent(best->score.error), best->score.quantity, newton(best->score.load_N));
     }
-    rows += fmt::format(
+    rows += html(
         "<tr data-filtered=\"{}\"><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
         "<td class=\"words\">{}<span>{}</span></td><td class=\"words\" data-label=\"best "
         "model\">{}</td>"
         "<td data-label=\"its worst error\">{}</td></tr>\n",
-        escape(searched_text(report_case)), escape(case_anchor(report_case)),
-        escape(text(report_case, "id")), escape(text(report_case, "question")),
-        verdict_badge(report_case), escape(text(report_case, "verdict")), model, error);
+        searched_text(report_case), case_anchor(report_case), text(report_case, "id"),
+        text(report_case, "question"), verdict_badge(report_case), text(report_case, "verdict"),
+        model, error);
   }
   return "<table class=\"overview\"><thead><tr><th scope=\"col\">case and question</th>"
          "<th scope=\"col\">verdict</th><th scope=\"col\">best model</th>"
@@ -113,17 +112,17 @@ std::string overview_table(const Json& report) {
          rows + "</tbody></table>\n";
 }
 
-std::string usability_table(const Json& report) {
-  std::string rows;
+Html usability_table(const Json& report) {
+  Html rows;
   for (const judgement::Usability& use : usability(report)) {
     if (use.compared == 0) continue;
-    rows += fmt::format(
+    rows += html(
         "<tr><th scope=\"row\">{}</th><td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td{}>{}</td><td>{}</td></tr>\n",
         model_key(report, use.model), use.usable, use.compared,
         range(use.smallest_s, use.largest_s), input_range(use.smallest_nu, use.largest_nu),
         percent(use.median), percent(use.worst), use.valid,
-        use.broken_claims ? " class=\"beyond\"" : "", use.broken_claims, use.accidents);
+        use.broken_claims ? Html(" class=\"beyond\"") : "", use.broken_claims, use.accidents);
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
          "<th scope=\"col\">usable at</th><th scope=\"col\">there, s = √(ab)/h</th>"
@@ -134,7 +133,7 @@ std::string usability_table(const Json& report) {
          rows + "</tbody></table></div>\n";
 }
 
-std::string overview_charts() {
+Html overview_charts() {
   return R"(<div class="charts">
 <figure data-chart="cost"><figcaption><b>Speed against accuracy.</b> Small marks: one prediction each (hollow where the model’s assumptions fail); large marks: medians. The line joins those for which no other is both faster and more accurate. FEM is shown with the error that it states itself.</figcaption><div class="plot"></div></figure>
 <figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model. Hollow: none is usable; the colour is that of the most accurate one.</figcaption><div class="plot"></div></figure>
@@ -144,27 +143,27 @@ std::string overview_charts() {
 
 /// A simulator's constant is right at one load only. The table gives a constant for all loads of a
 /// case and its error.
-std::string simulator_table(const Json& report) {
-  std::string rows;
+Html simulator_table(const Json& report) {
+  Html rows;
   for (const Json& report_case : child(report, "cases")) {
     const auto friction = number(report_case, "friction_coefficient");
     std::vector<double> arms;
-    std::vector<std::string> at_loads;
+    std::vector<Html> at_loads;
     for (const Json& load : child(report_case, "loads")) {
       const auto force = number(load, "load_N");
       const auto torque = number(child(load, "fem"), "max_torque_Nm");
       if (!force || !torque || *force <= 0 || *torque <= 0) continue;
       arms.push_back(*torque / *force);
-      at_loads.push_back(fmt::format("{:.4g} at {}", arms.back(), newton(*force)));
+      at_loads.push_back(html("{:.4g} at {}", arms.back(), newton(*force)));
     }
     if (arms.empty() || !friction) continue;
     const auto [low, high] = std::minmax_element(arms.begin(), arms.end());
-    rows += fmt::format(
+    const exporting::BestConstant best = exporting::best_constant(*low, *high);
+    rows += html(
         "<tr><th scope=\"row\"><a href=\"#{}\">{}</a></th><td>{:g}</td><td class=\"words\">{}</td>"
         "<td><b>{:.4g}</b></td><td>{}</td></tr>\n",
-        escape(case_anchor(report_case)), escape(text(report_case, "id")), *friction,
-        fmt::join(at_loads, "<br>"), std::sqrt(*low * *high),
-        arms.size() > 1 ? "±\u00a0" + percent(std::sqrt(*high / *low) - 1) : "one load only");
+        case_anchor(report_case), text(report_case, "id"), *friction, joined(at_loads, "<br>"),
+        best.value, arms.size() > 1 ? "±\u00a0" + percent(best.worst_error) : "one load only");
   }
   if (rows.empty()) return "";
   return "<h2 id=\"simulator\">What to type into a simulator</h2>\n"
@@ -173,9 +172,9 @@ std::string simulator_table(const Json& report) {
          "divided by the load, e<sub>n</sub>·μ, in metres. Write <code>friction=\"μ friction[1] "
          "0.0001\"</code> on the geom and <code>&lt;option cone=\"elliptic\"/&gt;</code>; of two "
          "geoms in contact the larger value counts. The right value grows with the load, but a "
-         "simulator keeps it constant: the last columns give one constant for all loads of the "
-         "case "
-         "and the error that it makes.</p>\n"
+         "simulator keeps it constant: the last columns give the one constant whose largest "
+         "relative error over the loads of the case is smallest, 2/(1/least + 1/largest), and that "
+         "error. <code>softfinger export --fit range</code> uses the same rule.</p>\n"
          "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">case</th>"
          "<th scope=\"col\">friction[0]</th><th scope=\"col\">friction[1] by FEM <span "
          "class=\"unit\">m"
@@ -184,8 +183,8 @@ std::string simulator_table(const Json& report) {
          rows + "</tbody></table></div>\n";
 }
 
-std::string how_to_read(const Json& report) {
-  return fmt::format(
+Html how_to_read(const Json& report) {
+  return html(
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
 <li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
@@ -198,26 +197,26 @@ std::string how_to_read(const Json& report) {
       plain(tolerance(report), 100) + " %");
 }
 
-std::string model_cards(const Json& report) {
+Html model_cards(const Json& report) {
   const Json& cards = child(report, "models");
   if (!cards.is_array() || cards.empty()) return "";
-  std::string out = "<h2 id=\"models\">The models</h2>\n<div class=\"cards\">\n";
+  Html out = "<h2 id=\"models\">The models</h2>\n<div class=\"cards\">\n";
   for (const Json& card : cards) {
-    out += fmt::format("<article><h3>{}</h3><p>{}</p><dl>", model_key(report, text(card, "name")),
-                       escape(text(card, "title")));
+    out += html("<article><h3>{}</h3><p>{}</p><dl>", model_key(report, text(card, "name")),
+                text(card, "title"));
     for (const char* key : {"assumptions", "equations", "validity", "cost", "source"})
       if (const std::string value = text(card, key); !value.empty())
-        out += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
+        out += html("<dt>{}</dt><dd>{}</dd>", key, value);
     out += "</dl></article>\n";
   }
   return out + "</div>\n";
 }
 
-std::string provenance(const Json& report) {
+Html provenance(const Json& report) {
   const Json& source = child(report, "provenance");
-  std::string rows;
-  const auto row = [&](const char* name, const std::string& value) {
-    if (!value.empty()) rows += fmt::format("<dt>{}</dt><dd>{}</dd>", name, value);
+  Html rows;
+  const auto row = [&](const char* name, const Html& value) {
+    if (!value.empty()) rows += html("<dt>{}</dt><dd>{}</dd>", name, value);
   };
   row("version", escape(text(source, "version")));
   row("date", escape(text(source, "date")));
@@ -225,7 +224,7 @@ std::string provenance(const Json& report) {
   row("build", escape(text(source, "build_type")));
   row("machine", escape(text(source, "machine")));
   row("cores", escape(text(source, "cores")));
-  if (const auto wall = number(source, "wall_s")) row("time", duration(*wall));
+  if (const auto wall = number(source, "wall_s")) row("time", escape(duration(*wall)));
   if (const auto memory = number(source, "peak_memory_MB"))
     row("peak memory", significant(*memory, 3) + " MB (largest FEM process)");
   return provenance_section(rows + atlas_provenance(report), text(source, "command"),
@@ -234,28 +233,29 @@ std::string provenance(const Json& report) {
 }
 
 /// Long lists are searched, not read.
-std::string case_filter(const Json& report) {
+Html case_filter(const Json& report) {
   if (child(report, "cases").size() < 4) return "";
   return "<p class=\"filter\" hidden><label>Show cases with <input type=\"search\" data-filter "
          "placeholder=\"e.g. seed, silicone, partly\"></label></p>\n";
 }
 
-std::string body(const Json& report) {
-  const std::string simulator = simulator_table(report), cards = model_cards(report);
-  const std::string speed = speed_accuracy_section(report);
-  const std::string finite_strain = finite_strain_section(report);
+Html body(const Json& report) {
+  const Html simulator = simulator_table(report), cards = model_cards(report);
+  const Html speed = speed_accuracy_section(report);
+  const Html finite_strain = finite_strain_section(report);
   const bool atlas = !speed.empty();
-  std::string out =
+  Html out =
       "<header><h1>Soft-finger contact: which model holds?</h1>\n"
       "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared with "
       "finite elements</p>\n" +
       summary(report) + "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
-      (simulator.empty() ? "" : "<a href=\"#simulator\">For a simulator</a> ") +
-      (atlas ? "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> "
-             : "") +
-      (finite_strain.empty() ? "" : "<a href=\"#finite-strain\">Large deformation</a> ") +
+      (simulator.empty() ? Html("") : "<a href=\"#simulator\">For a simulator</a> ") +
+      (atlas
+           ? Html("<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> ")
+           : "") +
+      (finite_strain.empty() ? Html("") : "<a href=\"#finite-strain\">Large deformation</a> ") +
       "<a href=\"#reading\">How to read</a> " +
-      (cards.empty() ? "" : "<a href=\"#models\">Models</a> ") +
+      (cards.empty() ? Html("") : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
   out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) + overview_table(report) +
          overview_charts() + usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
@@ -269,13 +269,11 @@ std::string body(const Json& report) {
 std::string render_report(const nlohmann::json& report) {
   if (!child(report, "cases").is_array())
     throw std::invalid_argument("report: no array \"cases\"; see comparisons/report/README.md");
-  const std::string data = script_json(chart_data(report));
-  const std::string content = body(report);
   return render_page(
       {"Soft-finger contact: models against finite elements",
        {embedded::report_css},
-       content,
-       data,
+       body(report),
+       chart_data(report),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }
 

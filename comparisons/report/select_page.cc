@@ -1,7 +1,5 @@
 #include "comparisons/report/select_page.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <set>
@@ -10,7 +8,6 @@
 
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
-#include "comparisons/report/chart_data.h"
 #include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
@@ -51,22 +48,22 @@ std::string time_of(const Json& candidate) {
 }
 
 /// `Bonded layer: within 3.1 %, 0.4 µs`
-std::string described(const Json& report, const Json& choice, const std::string& model) {
+Html described(const Json& report, const Json& choice, const std::string& model) {
   if (model.empty()) return "none";
   const Json& candidate = candidate_named(choice, model);
-  return fmt::format("{}<small>within {} at {}</small>", model_key(report, model),
-                     percent(worst_of(candidate)), time_of(candidate));
+  return html("{}<small>within {} at {}</small>", model_key(report, model),
+              percent(worst_of(candidate)), time_of(candidate));
 }
 
-std::string lead(const Json& selection) {
+Html lead(const Json& selection) {
   const Json& choices = child(selection, "choices");
   const std::string within = tolerance_text(selection);
   std::set<std::string> chosen;
   for (const Json& choice : choices) chosen.insert(text(choice, "model"));
-  std::string sentence;
+  Html sentence;
   if (chosen.size() == 1 && chosen.count("")) {
-    sentence = "No allowed model is known to be within " + within +
-               (choices.size() > 1 ? " at any of the loads." : ".");
+    sentence = html("No allowed model is known to be within {}{}", within,
+                    choices.size() > 1 ? " at any of the loads." : ".");
   } else if (chosen.size() == 1) {
     double worst = 0, slowest_us = 0;
     for (const Json& choice : choices) {
@@ -74,36 +71,34 @@ std::string lead(const Json& selection) {
       worst = std::fmax(worst, worst_of(candidate));
       slowest_us = std::fmax(slowest_us, number(candidate, "cost_us").value_or(0));
     }
-    sentence = fmt::format(
+    sentence = html(
         "<b>{}</b> is the cheapest model that is accurate enough{}: its stated error is at most "
         "{}, an "
         "answer takes {}.",
-        escape(label(*chosen.begin())), choices.size() > 1 ? " at every load" : "", percent(worst),
+        label(*chosen.begin()), choices.size() > 1 ? " at every load" : "", percent(worst),
         duration(1e-6 * slowest_us));
   } else {
-    sentence = "The cheapest model that is accurate enough depends on the load: ";
-    bool first = true;
+    std::vector<Html> loads;
     for (const Json& choice : choices) {
       const std::string model = text(choice, "model");
-      sentence += fmt::format("{}<b>{}</b> at {}", first ? "" : ", ",
-                              model.empty() ? "none" : escape(label(model)),
-                              newton(number(choice, "load_N").value_or(NAN)));
-      first = false;
+      loads.push_back(html("<b>{}</b> at {}", model.empty() ? "none" : label(model),
+                           newton(number(choice, "load_N").value_or(NAN))));
     }
-    sentence += ".";
+    sentence = html("The cheapest model that is accurate enough depends on the load: {}.",
+                    joined(loads, ", "));
   }
   return "<p class=\"lead\">" + sentence + "</p>\n";
 }
 
-std::string overview(const Json& selection) {
-  std::string rows;
+Html overview(const Json& selection) {
+  Html rows;
   for (const Json& choice : child(selection, "choices")) {
     const std::string model = text(choice, "model");
-    rows += fmt::format(
+    rows += html(
         "<tr><th scope=\"row\">{}</th><td class=\"words\">{} {}</td><td class=\"words\">{}</td>"
         "<td class=\"words\">{}</td><td>{}</td></tr>\n",
         newton(number(choice, "load_N").value_or(NAN)),
-        model.empty() ? "<span class=\"badge bad\">✕ none</span>"
+        model.empty() ? Html("<span class=\"badge bad\">✕ none</span>")
                       : "<span class=\"badge good\">✓ enough</span>",
         described(selection, choice, model),
         described(selection, choice, text(choice, "next_cheaper")),
@@ -117,82 +112,80 @@ std::string overview(const Json& selection) {
          rows + "</tbody></table></div>\n";
 }
 
-std::string chooser(const Json& choices) {
+Html chooser(const Json& choices) {
   if (choices.size() < 2) return "";
-  std::string out =
+  Html out =
       "<div class=\"loads sticky\" role=\"group\" aria-label=\"Load\" hidden><span>Load</span>";
   for (std::size_t i = 0; i < choices.size(); ++i)
-    out += fmt::format("<button type=\"button\" data-load=\"{}\">{}</button>", i,
-                       newton(number(choices[i], "load_N").value_or(NAN)));
-  return out + fmt::format(
+    out += html("<button type=\"button\" data-load=\"{}\">{}</button>", i,
+                newton(number(choices[i], "load_N").value_or(NAN)));
+  return out + html(
                    "<input type=\"range\" data-loads min=\"0\" max=\"{}\" step=\"1\" "
                    "aria-label=\"Load\"></div>\n",
                    choices.size() - 1);
 }
 
-std::string candidates_table(const Json& selection, const Json& choice) {
-  std::string head = "<th scope=\"col\">model</th><th scope=\"col\">time of one answer</th>";
-  for (const auto& column : kColumns)
-    head += fmt::format("<th scope=\"col\">{}</th>", column.second);
+Html candidates_table(const Json& selection, const Json& choice) {
+  Html head = "<th scope=\"col\">model</th><th scope=\"col\">time of one answer</th>";
+  for (const auto& column : kColumns) head += html("<th scope=\"col\">{}</th>", column.second);
   head += "<th scope=\"col\" class=\"words\">so</th>";
   const double limit = tolerance(selection);
   const std::string chosen = text(choice, "model");
-  std::string rows;
+  Html rows;
   for (const Json& candidate : child(choice, "candidates")) {
     const std::string name = text(candidate, "model");
     const Json& bound = child(candidate, "error_estimate");
-    rows += fmt::format("<tr{}><th scope=\"row\">{}</th><td>{}</td>",
-                        name == chosen ? " class=\"fem\"" : "", model_key(selection, name),
-                        time_of(candidate));
+    rows += html("<tr{}><th scope=\"row\">{}</th><td>{}</td>",
+                 name == chosen ? Html(" class=\"fem\"") : "", model_key(selection, name),
+                 time_of(candidate));
     if (bound.is_null()) {
-      rows += fmt::format("<td colspan=\"{}\" class=\"words\">{}</td></tr>\n", kColumns.size() + 1,
-                          escape("no stated error: " + text(candidate, "remark")));
+      rows += html("<td colspan=\"{}\" class=\"words\">no stated error: {}</td></tr>\n",
+                   kColumns.size() + 1, text(candidate, "remark"));
       continue;
     }
     for (const auto& column : kColumns) {
       const auto error = number(bound, column.first);
-      rows += error ? fmt::format("<td><span class=\"{}\">{}</span></td>",
-                                  *error <= limit ? "within" : "beyond", percent(*error))
+      rows += error ? html("<td><span class=\"{}\">{}</span></td>",
+                           *error <= limit ? "within" : "beyond", percent(*error))
                     : "<td>–</td>";
     }
-    rows += fmt::format("<td class=\"words\">{}</td></tr>\n",
-                        name == chosen                   ? "<b>the choice</b>"
-                        : !flag(candidate, "accurate")   ? "not accurate enough"
-                        : !flag(candidate, "affordable") ? "too slow"
-                                                         : "enough, but slower");
+    rows += html("<td class=\"words\">{}</td></tr>\n",
+                 name == chosen                   ? Html("<b>the choice</b>")
+                 : !flag(candidate, "accurate")   ? Html("not accurate enough")
+                 : !flag(candidate, "affordable") ? Html("too slow")
+                                                  : "enough, but slower");
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\"><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-std::string causes_of_case(const Json& selection, const Json& choice) {
+Html causes_of_case(const Json& selection, const Json& choice) {
   const Json& causes = child(choice, "causes");
   const Json& models = child(causes, "models");
   if (!models.is_array() || models.empty()) return "";
-  std::string rows;
+  Html rows;
   for (const Json& cause : models) {
     rows += "<tr><th scope=\"row\">" + model_key(selection, text(cause, "model")) + "</th>";
     for (const char* key : {"geometry_fit", "ellipse", "pressure", "circle_rule", "max_torque"}) {
       const auto value = number(cause, key);
-      rows += "<td>" +
-              (!value                                    ? "–"
-               : std::string_view(key) == "geometry_fit" ? "±\u00a0" + percent(*value)
-                                                         : signed_percent(*value)) +
-              "</td>";
+      rows += html("<td>{}</td>", !value ? "–"
+                                  : std::string_view(key) == "geometry_fit"
+                                      ? "±\u00a0" + percent(*value)
+                                      : signed_percent(*value));
     }
     rows += "</tr>\n";
   }
   const Json& run = child(causes, "nearest_run");
-  return fmt::format(
+  return html(
              "<h4>This torque’s error by cause</h4>\n<p class=\"facts\">From the nearest "
              "finite-element run of the atlas: ν {}, R′/R″ {}, s {}. Ellipse times pressure is "
              "the torque’s error by the exact rule.{}</p>\n",
              plain(number(run, "poisson_ratio")), plain(number(run, "radii_ratio")),
              plain(number(run, "s")),
              number(causes, "ellipsoid")
-                 ? fmt::format(" The friction ellipsoid is off by up to {} from the exact limit "
-                               "surface of this contact.",
-                               percent(*number(causes, "ellipsoid")))
+                 ? html(" The friction ellipsoid is off by up to {} from the exact limit "
+                        "surface of this contact.",
+                        percent(*number(causes, "ellipsoid")))
                  : "") +
          "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
          "<th scope=\"col\">geometry fit</th><th scope=\"col\">ellipse</th><th "
@@ -219,34 +212,33 @@ Json selection_chart_data(const Json& selection) {
           {"cases", {{{"id", text(selection, "case")}, {"loads", loads}}}}};
 }
 
-std::string body(const Json& selection) {
+Html body(const Json& selection) {
   const Json& choices = child(selection, "choices");
   const std::string question = text(selection, "question");
-  const std::string speed = speed_accuracy_section(selection);
-  std::string out = fmt::format(
+  const Html speed = speed_accuracy_section(selection);
+  Html out = html(
       "<header><h1>Which model is enough for {} within {}?</h1>\n<p class=\"subtitle\">{}</p>\n",
-      escape(text(selection, "case")), tolerance_text(selection),
-      escape(question.empty() ? text(selection, "description") : question));
+      text(selection, "case"), tolerance_text(selection),
+      question.empty() ? text(selection, "description") : question);
   out += lead(selection);
-  if (!question.empty())
-    out += "<p class=\"facts\">" + escape(text(selection, "description")) + "</p>\n";
+  if (!question.empty()) out += html("<p class=\"facts\">{}</p>\n", text(selection, "description"));
   if (const std::string limits = text(selection, "limits"); !limits.empty())
-    out += "<p class=\"facts\">" + escape(limits) + "</p>\n";
-  out += std::string("<nav><a href=\"#choice\">The choice</a> ") +
-         (speed.empty() ? ""
+    out += html("<p class=\"facts\">{}</p>\n", limits);
+  out += Html("<nav><a href=\"#choice\">The choice</a> ") +
+         (speed.empty() ? Html("")
                         : "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity "
                           "maps</a> <a href=\"#causes\">Causes</a> ") +
          "<a href=\"#provenance\">Provenance</a></nav></header>\n";
-  out += "<section data-case=\"" + escape(text(selection, "case")) + "\">\n";
+  out += html("<section data-case=\"{}\">\n", text(selection, "case"));
   out +=
       "<h2 id=\"choice\">The choice, load by load</h2>\n" + overview(selection) + chooser(choices);
   std::size_t index = 0;
   for (const Json& choice : choices)
-    out += fmt::format(
+    out += html(
                "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n<p "
                "class=\"verdict\">{}</p>\n",
                index++, newton(number(choice, "load_N").value_or(NAN)),
-               escape(sentence(text(choice, "reason")))) +
+               sentence(text(choice, "reason"))) +
            candidates_table(selection, choice) + causes_of_case(selection, choice) + "</div>\n";
   out +=
       "<p class=\"facts\">Stated errors are bounds: |error| interpolated between the "
@@ -263,15 +255,15 @@ std::string body(const Json& selection) {
         "<div class=\"plot\"></div></figure></div>\n";
   out += speed + validity_map_section(selection) + "</section>\n" + error_causes_section(selection);
   if (!text(selection, "case_toml").empty())
-    out += fmt::format(
+    out += html(
         "<h2 id=\"case\">The case</h2>\n<details><summary>Case file "
         "<code>{}</code></summary>\n<pre>{}</pre></details>\n",
-        escape(text(selection, "file")), escape(text(selection, "case_toml")));
+        text(selection, "file"), text(selection, "case_toml"));
   const Json& source = child(selection, "provenance");
-  std::string rows;
+  Html rows;
   for (const char* key : {"version", "date"})
     if (const std::string value = text(source, key); !value.empty())
-      rows += fmt::format("<dt>{}</dt><dd>{}</dd>", key, escape(value));
+      rows += html("<dt>{}</dt><dd>{}</dd>", key, value);
   return out + provenance_section(rows + atlas_provenance(selection), text(source, "command"),
                                   "<p>The choices in full precision are in "
                                   "<code>select.json</code> beside this page, in SI units.</p>\n");
@@ -284,10 +276,10 @@ std::string render_selection(const nlohmann::json& selection) {
     throw std::invalid_argument(
         "selection: no array \"choices\"; see comparisons/report/README.md");
   return render_page(
-      {"Which model is enough for " + escape(text(selection, "case")) + "?",
+      {html("Which model is enough for {}?", text(selection, "case")),
        {embedded::report_css},
        body(selection),
-       script_json(selection_chart_data(selection)),
+       selection_chart_data(selection),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::select_js}});
 }
 

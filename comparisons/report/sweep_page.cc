@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "comparisons/report/atlas_sections.h"
-#include "comparisons/report/chart_data.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/style.h"
@@ -20,7 +19,7 @@
 namespace softfinger::report {
 namespace {
 
-constexpr const char* kSpace = "\u00a0";
+constexpr char kSpace[] = "\u00a0";
 constexpr std::size_t kRowsOfTable = 50, kReasons = 10;
 
 struct Quantity {
@@ -39,20 +38,20 @@ constexpr std::array<Quantity, 6> kQuantities{
      {"max_torque", "max_torque_Nm", "largest torque", "mN·m", 1e3}}};
 constexpr std::size_t kArea = 4, kTorque = 5;
 
-std::string with_unit(const std::string& number, const std::string& unit) {
-  return unit.empty() ? number : number + kSpace + unit;
+Html with_unit(const Html& number, const std::string& unit) {
+  return unit.empty() ? number : html("{}{}{}", number, kSpace, unit);
 }
 
 /// "1 to 3 mm", or "1 mm" where nothing varies.
-std::string range_text(double least, double largest, const std::string& unit) {
-  const std::string from = significant(least, 3), to = significant(largest, 3);
+Html range_text(double least, double largest, const std::string& unit) {
+  const Html from = significant(least, 3), to = significant(largest, 3);
   return with_unit(from == to ? from : from + " to " + to, unit);
 }
 
-std::string listed(const std::vector<std::string>& parts) {
-  std::string out;
+Html listed(const std::vector<Html>& parts) {
+  Html out;
   for (std::size_t i = 0; i < parts.size(); ++i)
-    out += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+    out += (i == 0 ? Html("") : i + 1 == parts.size() ? Html(" and ") : ", ") + parts[i];
   return out;
 }
 
@@ -306,7 +305,7 @@ std::size_t rows_with_fem(const Table& table) {
   return count;
 }
 
-std::string finding_with_fem(const Table& table) {
+Html finding_with_fem(const Table& table) {
   const std::size_t compared = rows_with_fem(table);
   const Source* best = nullptr;
   Deviations of_best;
@@ -329,14 +328,14 @@ std::string finding_with_fem(const Table& table) {
     least = median;
   }
   if (!best) return "";
-  return fmt::format(
+  return html(
       "Closest to the finite elements is {}: area and torque are off by {} in the median and {} at "
       "worst (over {} of the {} with finite elements).",
-      escape(label(best->name)), percent(of_best.median), percent(of_best.worst),
+      label(best->name), percent(of_best.median), percent(of_best.worst),
       grouped(double(of_best.count)), count_text(double(compared), "row", "rows"));
 }
 
-std::string finding_of_models(const Table& table) {
+Html finding_of_models(const Table& table) {
   const Source* model = first_usable(table);
   if (!model) return "No model has an answer.";
   std::size_t answered = 0, valid = 0;
@@ -345,17 +344,16 @@ std::string finding_of_models(const Table& table) {
       ++answered;
       valid += model->valid[row];
     }
-  std::vector<std::string> parts;
+  std::vector<Html> parts;
   for (std::size_t i = 0; i < kQuantities.size(); ++i)
     if (const Range range = range_of(model->values[i]); range.count > 0)
-      parts.push_back(std::string(kQuantities[i].words) + " " +
-                      range_text(range.least, range.largest, kQuantities[i].unit));
-  return fmt::format("By {}: {}. Its assumptions hold in {} of {}.", escape(label(model->name)),
-                     listed(parts), grouped(double(valid)),
-                     count_text(double(answered), "row", "rows"));
+      parts.push_back(html("{} {}", kQuantities[i].words,
+                           range_text(range.least, range.largest, kQuantities[i].unit)));
+  return html("By {}: {}. Its assumptions hold in {} of {}.", label(model->name), listed(parts),
+              grouped(double(valid)), count_text(double(answered), "row", "rows"));
 }
 
-std::string loads_text(const Json& sweep) {
+Html loads_text(const Json& sweep) {
   const Json& loads = child(sweep, "loads_N");
   std::vector<double> known;
   for (std::size_t i = 0; i < loads.size(); ++i)
@@ -363,35 +361,35 @@ std::string loads_text(const Json& sweep) {
   if (known.empty() || sweeps_load(sweep)) return "";
   if (known.size() > 5) {
     const auto [least, largest] = std::minmax_element(known.begin(), known.end());
-    return fmt::format(" at {} loads from {} to {}", known.size(), plain(*least), newton(*largest));
+    return html(" at {} loads from {} to {}", known.size(), plain(*least), newton(*largest));
   }
-  std::vector<std::string> parts;
-  for (const double load : known) parts.push_back(plain(load));
+  std::vector<Html> parts;
+  for (const double load : known) parts.push_back(escape(plain(load)));
   return " at " + listed(parts) + kSpace + "N";
 }
 
-std::string lead(const Json& sweep, const Table& table) {
-  std::vector<std::string> swept;
+Html lead(const Json& sweep, const Table& table) {
+  std::vector<Html> swept;
   const double points = number(sweep, "points").value_or(0);
   const bool single = child(sweep, "keys").size() == 1;
   for (const Variable& variable : table.variables) {
     if (variable.key == "load_N") continue;
-    std::string part = escape(variable.words);
+    Html part = escape(variable.words);
     if (std::isfinite(variable.least) && std::isfinite(variable.largest)) {
       const std::string least = plain(variable.least), largest = plain(variable.largest);
       part += " " +
-              with_unit(least == largest ? least : least + " to " + largest, escape(variable.unit));
+              with_unit(escape(least == largest ? least : least + " to " + largest), variable.unit);
     }
     // Keys that change together or at random have a different value at every point. Their number of
     // values is that of the points and is left out.
     if (variable.count > 1 && (single || variable.count != points))
-      part += fmt::format(" ({}{})", count_text(variable.count, "value", "values"),
-                          variable.log ? ", log" : "");
+      part += html(" ({}{})", count_text(variable.count, "value", "values"),
+                   variable.log ? ", log" : "");
     swept.push_back(part);
   }
   const double all = number(sweep, "all_rows").value_or(double(table.rows));
   const double failed = number(sweep, "failed").value_or(0);
-  std::string out = fmt::format(
+  Html out = html(
       "<p class=\"lead\"><span class=\"badge {}\">{}</span> {} {}{}: {}, {}; {} {} an answer, "
       "{} failed.",
       failed > 0 ? "mixed" : "good",
@@ -400,41 +398,40 @@ std::string lead(const Json& sweep, const Table& table) {
       count_text(points, "point", "points"), count_text(all, "row", "rows"),
       count_text(std::max(0., all - failed), "row", "rows"), all - failed == 1 ? "has" : "have",
       grouped(failed));
-  const std::string against_fem = table.fem.empty() ? "" : finding_with_fem(table);
+  const Html against_fem = table.fem.empty() ? "" : finding_with_fem(table);
   out += " " + (against_fem.empty() ? finding_of_models(table) : against_fem) + "</p>\n";
   if (double(table.rows) < all)
-    out += fmt::format(
+    out += html(
         "<p class=\"facts\">{} of {}, evenly spaced, are drawn; all are in "
         "<code>results.csv</code>. The sentence above and the tables use only those drawn.</p>\n",
         grouped(double(table.rows)), count_text(all, "row", "rows"));
   return out;
 }
 
-std::string head_cell(const Quantity& quantity, const std::string& source = "") {
-  return fmt::format("<th scope=\"col\">{}<span class=\"unit\">{}</span>{}</th>", quantity.words,
-                     quantity.unit, source.empty() ? "" : "<small>" + source + "</small>");
+Html head_cell(const Quantity& quantity, const std::string& source = "") {
+  return html("<th scope=\"col\">{}<span class=\"unit\">{}</span>{}</th>", quantity.words,
+              quantity.unit, source.empty() ? "" : html("<small>{}</small>", source));
 }
 
-std::string scrolled(const std::string& head, const std::string& rows) {
+Html scrolled(const Html& head, const Html& rows) {
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
 }
 
-std::string name_cell(const Source& source) {
+Html name_cell(const Source& source) {
   const std::string name = label(source.name);
-  return "<th scope=\"row\">" + escape(name) +
-         (source.title.empty() || source.title == name
-              ? ""
-              : "<small class=\"about\">" + escape(source.title) + "</small>") +
-         "</th>";
+  return html("<th scope=\"row\">{}{}</th>", name,
+              source.title.empty() || source.title == name
+                  ? ""
+                  : html("<small class=\"about\">{}</small>", source.title));
 }
 
-std::string ranges_section(const Table& table) {
-  std::string head =
+Html ranges_section(const Table& table) {
+  Html head =
       "<th scope=\"col\">model</th><th scope=\"col\">rows with an answer</th><th "
       "scope=\"col\">of these valid</th>";
   for (const Quantity& quantity : kQuantities) head += head_cell(quantity);
-  std::string rows;
+  Html rows;
   const auto add = [&](const Source& source, bool is_fem) {
     std::size_t answered = 0, valid = 0;
     for (std::size_t row = 0; row < table.rows; ++row)
@@ -442,14 +439,13 @@ std::string ranges_section(const Table& table) {
         ++answered;
         valid += source.valid[row];
       }
-    rows += (is_fem ? "<tr class=\"fem\">" : "<tr>") + name_cell(source) +
-            fmt::format("<td>{}</td><td>{}</td>", grouped(double(answered)),
-                        is_fem ? "" : grouped(double(valid)));
+    rows += (is_fem ? Html("<tr class=\"fem\">") : "<tr>") + name_cell(source) +
+            html("<td>{}</td><td>{}</td>", grouped(double(answered)),
+                 is_fem ? "" : grouped(double(valid)));
     for (const std::vector<double>& values : source.values) {
       const Range range = range_of(values);
-      rows += "<td>" +
-              (range.count == 0 ? "–" : range_text(range.least, range.largest, std::string())) +
-              "</td>";
+      rows += html("<td>{}</td>",
+                   range.count == 0 ? "–" : range_text(range.least, range.largest, std::string()));
     }
     rows += "</tr>\n";
   };
@@ -458,14 +454,14 @@ std::string ranges_section(const Table& table) {
   return "<h2 id=\"ranges\">How far each quantity varies</h2>\n" + scrolled(head, rows);
 }
 
-std::string deviations_table(const Table& table, bool where_valid) {
-  std::string head = "<th scope=\"col\">model</th><th scope=\"col\">rows compared</th>";
+Html deviations_table(const Table& table, bool where_valid) {
+  Html head = "<th scope=\"col\">model</th><th scope=\"col\">rows compared</th>";
   for (const Quantity& quantity : kQuantities)
-    head += fmt::format("<th scope=\"col\">{}</th>", quantity.words);
-  std::string rows;
+    head += html("<th scope=\"col\">{}</th>", quantity.words);
+  Html rows;
   for (const Source& model : table.models) {
     std::size_t compared = 0;
-    std::string cells;
+    Html cells;
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       std::vector<double> errors;
       for (std::size_t row = 0; row < table.rows; ++row)
@@ -473,16 +469,16 @@ std::string deviations_table(const Table& table, bool where_valid) {
       const Deviations found = deviations_of(std::move(errors));
       compared = std::max(compared, found.count);
       cells += found.count == 0 ? "<td>–</td>"
-                                : "<td>" + percent(found.median) + "<small>" +
-                                      percent(found.worst) + "</small></td>";
+                                : html("<td>{}<small>{}</small></td>", percent(found.median),
+                                       percent(found.worst));
     }
-    rows += "<tr>" + name_cell(model) + fmt::format("<td>{}</td>", grouped(double(compared))) +
-            cells + "</tr>\n";
+    rows += "<tr>" + name_cell(model) + html("<td>{}</td>", grouped(double(compared))) + cells +
+            "</tr>\n";
   }
   return scrolled(head, rows);
 }
 
-std::string deviations_section(const Table& table) {
+Html deviations_section(const Table& table) {
   if (table.fem.empty()) return "";
   return "<h2 id=\"deviations\">How far the models are from the finite elements</h2>\n"
          "<p class=\"facts\">|model − FEM| / FEM over the rows: the median, below it the "
@@ -491,7 +487,7 @@ std::string deviations_section(const Table& table) {
          deviations_table(table, false);
 }
 
-std::string failures_section(const Table& table) {
+Html failures_section(const Table& table) {
   std::map<std::string, int> counts;
   for (const std::string& failure : table.failures)
     if (!failure.empty()) ++counts[failure];
@@ -499,17 +495,17 @@ std::string failures_section(const Table& table) {
   std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
   std::stable_sort(reasons.begin(), reasons.end(),
                    [](const auto& one, const auto& other) { return one.second > other.second; });
-  std::string items;
+  Html items;
   for (std::size_t i = 0; i < std::min(kReasons, reasons.size()); ++i)
-    items += "<li>" + count_text(reasons[i].second, "row", "rows") + ": " +
-             escape(reasons[i].first) + "</li>\n";
+    items +=
+        html("<li>{}: {}</li>\n", count_text(reasons[i].second, "row", "rows"), reasons[i].first);
   if (reasons.size() > kReasons)
-    items += fmt::format("<li>and {} other reasons, in <code>results.csv</code></li>\n",
-                         reasons.size() - kReasons);
+    items += html("<li>and {} other reasons, in <code>results.csv</code></li>\n",
+                  reasons.size() - kReasons);
   return "<h2 id=\"failures\">Why rows failed</h2>\n<ul>" + items + "</ul>\n";
 }
 
-std::string rows_section(const Table& table) {
+Html rows_section(const Table& table) {
   const std::size_t shown = std::min(kRowsOfTable, table.rows);
   const bool any_failure =
       std::any_of(table.failures.begin(), table.failures.begin() + std::ptrdiff_t(shown),
@@ -517,36 +513,35 @@ std::string rows_section(const Table& table) {
   std::vector<const Source*> sources;
   for (const Source& fem : table.fem) sources.push_back(&fem);
   for (const Source& model : table.models) sources.push_back(&model);
-  std::string head = "<th scope=\"col\">point</th>", rows;
+  Html head = "<th scope=\"col\">point</th>", rows;
   for (const Variable& variable : table.variables)
-    head += "<th scope=\"col\">" + escape(variable.words) + "<span class=\"unit\">" +
-            escape(variable.unit) + "</span></th>";
+    head += html("<th scope=\"col\">{}<span class=\"unit\">{}</span></th>", variable.words,
+                 variable.unit);
   for (const Source* source : sources) {
-    const std::string name = escape(label(source->name));
+    const std::string name = label(source->name);
     for (const Quantity& quantity : kQuantities) head += head_cell(quantity, name);
-    if (source->name != "fem") head += "<th scope=\"col\">valid<small>" + name + "</small></th>";
+    if (source->name != "fem") head += html("<th scope=\"col\">valid<small>{}</small></th>", name);
   }
   if (any_failure) head += "<th scope=\"col\" class=\"words\">failure</th>";
   for (std::size_t row = 0; row < shown; ++row) {
-    rows += "<tr><th scope=\"row\">" +
-            (std::isfinite(table.points[row]) ? fmt::format("{:.0f}", table.points[row]) : "–") +
-            "</th>";
+    rows += html("<tr><th scope=\"row\">{}</th>",
+                 std::isfinite(table.points[row]) ? fmt::format("{:.0f}", table.points[row]) : "–");
     for (const Variable& variable : table.variables)
-      rows += "<td>" + (std::isfinite(variable.values[row]) ? plain(variable.values[row]) : "–") +
-              "</td>";
+      rows += html("<td>{}</td>",
+                   std::isfinite(variable.values[row]) ? plain(variable.values[row]) : "–");
     for (const Source* source : sources) {
       for (const std::vector<double>& values : source->values)
         rows += "<td>" + significant(values[row]) + "</td>";
       if (source->name != "fem")
-        rows += !source->answers(row) ? "<td>–</td>"
-                : source->valid[row]  ? "<td>yes</td>"
-                                      : "<td>no</td>";
+        rows += html("<td>{}</td>", !source->answers(row) ? "–"
+                                    : source->valid[row]  ? "yes"
+                                                          : "no");
     }
-    if (any_failure) rows += "<td class=\"words\">" + escape(table.failures[row]) + "</td>";
+    if (any_failure) rows += html("<td class=\"words\">{}</td>", table.failures[row]);
     rows += "</tr>\n";
   }
-  return "<h2 id=\"rows\">" +
-         (shown < table.rows ? fmt::format("The first {} rows", shown) : "The rows") + "</h2>\n" +
+  return html("<h2 id=\"rows\">{}</h2>\n",
+              shown < table.rows ? fmt::format("The first {} rows", shown) : "The rows") +
          scrolled(head, rows);
 }
 
@@ -598,26 +593,26 @@ Json sweep_chart_data(const Json& sweep, const Table& table) {
       {"quantities", quantities},      {"sources", sources}, {"first", first ? first->name : ""}};
 }
 
-std::string body(const Json& sweep, const Table& table) {
-  const std::string failures = failures_section(table);
-  std::string out = "<header><h1>" + escape(text(sweep, "id")) + "</h1>\n<p class=\"subtitle\">" +
-                    escape(text(sweep, "question")) + "</p>\n" + lead(sweep, table) +
-                    "<nav><a href=\"#picture\">Picture</a> <a href=\"#ranges\">Ranges</a> " +
-                    (table.fem.empty() ? "" : "<a href=\"#deviations\">Against FEM</a> ") +
-                    (failures.empty() ? "" : "<a href=\"#failures\">Failures</a> ") +
-                    "<a href=\"#rows\">Rows</a> <a href=\"#file\">Sweep file</a> <a "
-                    "href=\"#provenance\">Provenance</a></nav></header>\n"
-                    "<h2 id=\"picture\">The picture</h2>\n<noscript><p class=\"facts\">The picture "
-                    "needs JavaScript; the numbers are below.</p></noscript>\n"
-                    "<div id=\"controls\"></div>\n"
-                    "<figure data-chart=\"sweep\"><figcaption id=\"said\"></figcaption><div "
-                    "class=\"plot\"></div></figure>\n" +
-                    ranges_section(table) + deviations_section(table) + failures +
-                    rows_section(table) + "<h2 id=\"file\">The sweep file</h2>\n<pre>" +
-                    escape(text(sweep, "sweep_toml")) + "</pre>\n";
-  std::string facts;
+Html body(const Json& sweep, const Table& table) {
+  const Html failures = failures_section(table);
+  Html out =
+      html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n", text(sweep, "id"),
+           text(sweep, "question")) +
+      lead(sweep, table) + "<nav><a href=\"#picture\">Picture</a> <a href=\"#ranges\">Ranges</a> " +
+      (table.fem.empty() ? Html("") : "<a href=\"#deviations\">Against FEM</a> ") +
+      (failures.empty() ? Html("") : "<a href=\"#failures\">Failures</a> ") +
+      "<a href=\"#rows\">Rows</a> <a href=\"#file\">Sweep file</a> <a "
+      "href=\"#provenance\">Provenance</a></nav></header>\n"
+      "<h2 id=\"picture\">The picture</h2>\n<noscript><p class=\"facts\">The picture "
+      "needs JavaScript; the numbers are below.</p></noscript>\n"
+      "<div id=\"controls\"></div>\n"
+      "<figure data-chart=\"sweep\"><figcaption id=\"said\"></figcaption><div "
+      "class=\"plot\"></div></figure>\n" +
+      ranges_section(table) + deviations_section(table) + failures + rows_section(table) +
+      html("<h2 id=\"file\">The sweep file</h2>\n<pre>{}</pre>\n", text(sweep, "sweep_toml"));
+  Html facts;
   if (const std::string version = text(sweep, "version"); !version.empty())
-    facts = "<dt>version</dt><dd>" + escape(version) + "</dd>";
+    facts = html("<dt>version</dt><dd>{}</dd>", version);
   return out + provenance_section(facts, text(sweep, "command"),
                                   "<p>All rows in full precision are in <code>results.csv</code> "
                                   "beside this page, in SI units.</p>\n");
@@ -633,7 +628,7 @@ std::string render_sweep(const nlohmann::json& sweep) {
       {escape(text(sweep, "id")),
        {embedded::report_css},
        body(sweep, table),
-       script_json(sweep_chart_data(sweep, table)),
+       sweep_chart_data(sweep, table),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::sweep_js}});
 }
 

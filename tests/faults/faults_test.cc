@@ -50,10 +50,17 @@ std::vector<Command> commands() {
           {"sweep", {"sweep", "sweep.toml", "--output", "out", "--jobs", "2"}}};
 }
 
-/// Results without the times that were measured on the way, alone or in sentences.
+/// Results without the times that were measured on the way, alone or in sentences, and without what
+/// follows from measured times: candidates are sorted by their cost.
 nlohmann::json without_times(nlohmann::json value) {
-  if (value.is_object())
-    for (const char* key : {"cost_ns", "cost_us", "wall_s", "reason"}) value.erase(key);
+  if (value.is_object()) {
+    for (const char* key :
+         {"cost_ns", "cost_us", "wall_s", "reason", "next_better", "next_cheaper"})
+      value.erase(key);
+    if (value.contains("candidates"))
+      std::sort(value["candidates"].begin(), value["candidates"].end(),
+                [](const auto& one, const auto& other) { return one["model"] < other["model"]; });
+  }
   if (value.is_structured())
     for (nlohmann::json& entry : value) entry = without_times(entry);
   return value;

@@ -12,6 +12,7 @@
 
 #include "comparisons/report/motion_data.h"
 #include "from_base64.h"
+#include "page_text.h"
 #include "sample_motion.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/math/pi.h"
@@ -20,22 +21,9 @@ namespace softfinger::report {
 namespace {
 
 using simulation::Recording;
+using tests::contains;
 using tests::from_base64;
-
-/// The page as a browser without JavaScript has it.
-std::string without_scripts(std::string page) {
-  for (const std::string element : {"script", "style"})
-    for (std::size_t from; (from = page.find("<" + element)) != std::string::npos;) {
-      const std::size_t to = page.find("</" + element + ">", from);
-      if (to == std::string::npos) throw std::runtime_error("unclosed " + element);
-      page.erase(from, to + element.size() + 3 - from);
-    }
-  return page;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
+using tests::without_scripts;
 
 TEST(MotionPage, SaysWithoutScriptsWhatMovedAndWhatTouchesAtTheEnd) {
   MotionPageOptions options;

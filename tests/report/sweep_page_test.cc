@@ -5,62 +5,33 @@
 #include <algorithm>
 #include <cmath>
 #include <regex>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "from_base64.h"
+#include "page_text.h"
 #include "sample_sweep.h"
 
 namespace softfinger::report {
 namespace {
 
 using Json = nlohmann::json;
+using tests::contains;
+using tests::without_scripts;
 
-void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
+std::string text_of(const Json& sweep) {
+  return tests::in_one_line(tests::visible_text(without_scripts(render_sweep(sweep))));
 }
 
-/// The page as a browser without JavaScript has it.
-std::string without_scripts(std::string page) {
-  for (const std::string element : {"script", "style"})
-    for (std::size_t from; (from = page.find("<" + element)) != std::string::npos;) {
-      const std::size_t to = page.find("</" + element + ">", from);
-      if (to == std::string::npos) throw std::runtime_error("unclosed " + element);
-      page.erase(from, to + element.size() + 3 - from);
-    }
-  return page;
-}
-
-/// What is readable of it: no tags, no-break spaces as spaces.
-std::string visible_text(const Json& sweep) {
-  std::string text = without_scripts(render_sweep(sweep));
-  text = std::regex_replace(text, std::regex("<[^>]*>"), " ");
-  replace_all(text, "\u00a0", " ");
-  return std::regex_replace(text, std::regex("\\s+"), " ");
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-Json chart_data(const Json& sweep) {
-  const std::string page = render_sweep(sweep), open = "id=\"data\">";
-  const std::size_t from = page.find(open) + open.size();
-  return Json::parse(page.substr(from, page.find("</script>", from) - from));
-}
+Json chart_data(const Json& sweep) { return tests::chart_data_of(render_sweep(sweep)); }
 
 std::size_t rows_of_table(const std::string& page, const std::string& id) {
   const std::size_t from = page.find("<tbody>", page.find("id=\"" + id + "\""));
-  const std::string table = page.substr(from, page.find("</tbody>", from) - from);
-  std::size_t rows = 0;
-  for (std::size_t at = 0; (at = table.find("<tr", at)) != std::string::npos; ++at) ++rows;
-  return rows;
+  return tests::occurrences(page.substr(from, page.find("</tbody>", from) - from), "<tr");
 }
 
 TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
-  const std::string text = visible_text(tests::sweep_of_one_key());
+  const std::string text = text_of(tests::sweep_of_one_key());
   for (const char* part :
        {"Swept were thickness 0.5 to 5 mm (10 values, log) at 1, 2 and 5 N: 10 points, 30 rows; "
         "30 rows have an answer, 0 failed.",
@@ -79,7 +50,7 @@ TEST(SweepPage, SaysHowFarTheClosestModelIsFromTheFiniteElements) {
     errors.push_back(std::abs(factor * factor - 1));
   }
   std::sort(errors.begin(), errors.end());
-  const std::string text = visible_text(tests::sweep_of_one_key_with_fem());
+  const std::string text = text_of(tests::sweep_of_one_key_with_fem());
   std::smatch found;
   ASSERT_TRUE(std::regex_search(
       text, found,
@@ -103,15 +74,15 @@ TEST(SweepPage, DoesNotPreferAModelThatAnswersOnlyTheEasyRows) {
           std::find(columns.begin(), columns.end(), "fem_" + name.substr(6)) - columns.begin();
       sweep["rows"][row][column] = row == 0 ? sweep["rows"][row][fem] : Json();
     }
-  EXPECT_TRUE(contains(visible_text(sweep), "Closest to the finite elements is Bonded layer"));
+  EXPECT_TRUE(contains(text_of(sweep), "Closest to the finite elements is Bonded layer"));
 }
 
 TEST(SweepPage, SaysHowManyRowsFailedAndWhy) {
-  const std::string text = visible_text(tests::sweep_with_fem());
+  const std::string text = text_of(tests::sweep_with_fem());
   for (const char* part : {"12 rows failed", "276 rows have an answer, 12 failed",
-                           "12 rows: the active set did not settle: &lt;level 3&gt;"})
+                           "12 rows: the active set did not settle: <level 3>"})
     EXPECT_TRUE(contains(text, part)) << part;
-  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "Why rows failed"));
+  EXPECT_FALSE(contains(text_of(tests::sweep_of_one_key()), "Why rows failed"));
 }
 
 TEST(SweepPage, ShowsFirstRowsSweepFileCommandAndVersionWithoutScripts) {
@@ -123,16 +94,16 @@ TEST(SweepPage, ShowsFirstRowsSweepFileCommandAndVersionWithoutScripts) {
     EXPECT_TRUE(contains(page, part)) << part;
   // 2 mN·m 0.5^(1/2) (1.3 - 0.2)/0.85 at 1 N, in the page's units and four digits.
   EXPECT_TRUE(contains(page, "<td>1.830</td>"));
-  EXPECT_TRUE(contains(visible_text(sweep), "largest torque mN·m Bonded layer"));
+  EXPECT_TRUE(contains(text_of(sweep), "largest torque mN·m Bonded layer"));
 }
 
 TEST(SweepPage, SaysWhenNotAllRowsAreDrawn) {
   const Json sweep = tests::sweep_at_random();
-  const std::string text = visible_text(sweep);
+  const std::string text = text_of(sweep);
   EXPECT_TRUE(contains(text,
                        "20,000 of 1,000,000 rows, evenly spaced, are drawn; all are in "
                        "results.csv"));
-  EXPECT_FALSE(contains(visible_text(tests::sweep_of_one_key()), "evenly spaced"));
+  EXPECT_FALSE(contains(text_of(tests::sweep_of_one_key()), "evenly spaced"));
   // 60 columns of 20,000 rows; without the chart libraries.
   EXPECT_LT(render_sweep(sweep).size(), 7'000'000u);
 }
@@ -197,7 +168,7 @@ TEST(SweepPage, HasOneLoadWhereTheLoadIsSwept) {
 }
 
 TEST(SweepPage, SurvivesRowsWithoutAnswersAndNoRows) {
-  const std::string text = visible_text(tests::sweep_without_answers());
+  const std::string text = text_of(tests::sweep_without_answers());
   EXPECT_TRUE(contains(text, "No model has an answer."));
   EXPECT_FALSE(std::regex_search(text, std::regex("\\b(nan|inf|null)\\b")));
   Json sweep = tests::sweep_of_one_key();

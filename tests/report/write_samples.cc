@@ -1,5 +1,5 @@
 // write_samples FOLDER: renders the sample reports for the browser test, each as the page itself
-// and inside a frame as narrow as a phone.
+// and in frames in which report_reader.js uses it.
 #include <iostream>
 #include <string>
 #include <utility>
@@ -13,29 +13,11 @@
 
 namespace {
 
-/// What a reader does: choose every load and setting, move the slider, search, touch every chart.
-constexpr const char* kReader = R"(
-page.querySelectorAll('.loads button').forEach((button) => button.click());
-page.querySelectorAll('input').forEach((input) => {
-  input.value = input.type === 'range' ? '1' : 'seed';
-  input.dispatchEvent(new Event('input', {bubbles: true}));
-  if (input.type === 'search') {
-    input.value = '';
-    input.dispatchEvent(new Event('input', {bubbles: true}));
-  }
-});
-page.querySelectorAll('.plot svg').forEach((chart) => {
-  const box = chart.getBoundingClientRect();
-  chart.dispatchEvent(new PointerEvent('pointermove', {bubbles: true, pointerType: 'mouse',
-    clientX: box.x + box.width / 2, clientY: box.y + box.height / 2}));
-});
-)";
-
 /// A page into which a text has slipped without having been escaped.
 std::string injected_page() {
   softfinger::report::Page page;
   page.title = "Injected";
-  page.data = "{}";
+  page.data = softfinger::report::Json::object();
   page.body =
       "<script>document.documentElement.dataset.injected = 'yes';</script>"
       "<img src=\"https://example.org/a.png\" alt=\"\">"
@@ -65,10 +47,8 @@ int main(int argc, char** argv) try {
                                    std::pair{"large", render_report(large_report(20))},
                                    std::pair{"selection", render_selection(sample_selection())},
                                    std::pair{"extremes", render_extremes(sample_survey())},
-                                   std::pair{"injected", injected_page()}}) {
-    write_page(folder + "/" + name + "_desktop.html", page);
-    write_page(folder + "/" + name + "_phone.html", framed_page(page, 390, 844, kReader));
-  }
+                                   std::pair{"injected", injected_page()}})
+    write_framed(folder, name, page, "report_reader.js");
   return 0;
 } catch (const std::exception& error) {
   std::cerr << "write_samples: " << error.what() << '\n';

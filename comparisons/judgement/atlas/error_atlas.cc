@@ -288,7 +288,7 @@ ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const Contac
   const auto columns = atlas_.errors.find(model);
   const bool finite_elements = model == "fem";
   if (!finite_elements && columns == atlas_.errors.end()) {
-    result.outside = "the error atlas does not judge this model";
+    result.outside = "the error atlas has no errors of this model";
     return result;
   }
   if (problem.has_object_layer()) {
