@@ -75,6 +75,8 @@ class LinearContact : public ContactPhysics {
   void press(const LayerDiscretisation& mesh, int level) override {
     level_ = level;
     pressed_.model.reset();
+    // The last trial mesh, too, goes before the next one is made: a layer takes most of the memory.
+    if (!shares_meshes_ && is_kept_level()) meshes_.models[place()].reset();
     std::shared_ptr<const LayerModel> model;
     if (shares_meshes_)
       model = meshes_.models[place()];
