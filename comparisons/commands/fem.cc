@@ -116,115 +116,162 @@ nlohmann::json to_json(const reference::ReferenceResult& result) {
   return object;
 }
 
-int run(const Options& options) {
-  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
-  const prediction::GeometryResolver resolver(contact_case);
-  for (const std::string& line : resolver.remarks()) remark(line);
-  const std::string program = system::fem_program().string();
-  const int level = options.level > 0 ? options.level : contact_case.fem_level;
+/// The loads of a case as the program is to solve them.
+struct Plan {
+  input::Case contact_case;
+  /// With a given approach the load is a result. The first load then only chooses the size of the
+  /// patch on which the radii of a mesh are fitted.
+  double approach_mm = 0;
+  std::vector<double> loads_N;
+  std::vector<prediction::LocalGeometry> geometries;  ///< of each load
+  std::vector<std::size_t> order;                     ///< of solving: places in loads_N
+  int level = 0;
 
-  // With a given approach the load is a result. The first load then only chooses the size of the
-  // patch on which the radii of a mesh are fitted.
-  std::vector<double> loads_N = contact_case.loads_N;
-  const bool by_approach = options.approach_mm != 0;
+  bool by_approach() const { return approach_mm != 0; }
+  bool finite_strain() const { return contact_case.fem_finite.has_value(); }
+  std::string title(std::size_t load) const {
+    return by_approach() ? fmt::format("{} {} mm: ", contact_case.id, approach_mm)
+                         : fmt::format("{} {} N: ", contact_case.id, loads_N[load]);
+  }
+};
+
+void check(const Options& options, const Plan& plan) {
   if (!std::isfinite(options.approach_mm))
     throw InputError("--approach-mm", "approach", fmt::format("{}", options.approach_mm),
                      "a finite number > 0 (mm)");
-  if (by_approach) loads_N.resize(1);
-  std::vector<prediction::LocalGeometry> geometries;
-  for (double load_N : loads_N) geometries.push_back(resolver.resolve(load_N));
+  if (!options.compliance.empty() && plan.loads_N.size() > 1)
+    throw InputError(
+        "--export-compliance", "load_N", fmt::format("{} loads", plan.loads_N.size()),
+        "a case with one load: the mesh, and with it the compliance, fits its contact");
+}
+
+Plan plan_loads(const Options& options) {
+  Plan plan;
+  plan.contact_case = input::read_case(system::find_case_file(options.case_file));
+  const prediction::GeometryResolver resolver(plan.contact_case);
+  for (const std::string& line : resolver.remarks()) remark(line);
+  plan.level = options.level > 0 ? options.level : plan.contact_case.fem_level;
+  plan.approach_mm = options.approach_mm;
+  plan.loads_N = plan.contact_case.loads_N;
+  if (plan.by_approach()) plan.loads_N.resize(1);
+  check(options, plan);
+  for (const double load_N : plan.loads_N) plan.geometries.push_back(resolver.resolve(load_N));
   // One process solves all loads. The largest contact comes first, because smaller ones can use its
   // mesh. At finite strain the smallest comes first: each load has its own meshes there, and the
   // largest load may be one for which there is no solution.
-  const bool finite = contact_case.fem_finite.has_value();
-  std::vector<std::size_t> order(loads_N.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
-    return finite ? loads_N[left] < loads_N[right] : loads_N[left] > loads_N[right];
+  plan.order.resize(plan.loads_N.size());
+  std::iota(plan.order.begin(), plan.order.end(), 0);
+  std::stable_sort(plan.order.begin(), plan.order.end(), [&](std::size_t left, std::size_t right) {
+    return plan.finite_strain() ? plan.loads_N[left] < plan.loads_N[right]
+                                : plan.loads_N[left] > plan.loads_N[right];
   });
-  std::optional<system::OutputFolder> output;
-  if (!options.output.empty()) output.emplace(options.output);
+  return plan;
+}
+
+/// Makes the load's folder where one is asked for.
+nlohmann::json problem_of(const Options& options, const Plan& plan, std::size_t load) {
+  const input::Case& contact_case = plan.contact_case;
+  const double load_N = plan.loads_N[load];
+  nlohmann::json problem =
+      reference::fem_problem(contact_case, plan.geometries[load], load_N, plan.level);
+  if (plan.by_approach()) problem["approach_m"] = 1e-3 * plan.approach_mm;
+  problem["friction"] = friction_request(options);
+  if (!options.compliance.empty())
+    problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
+  if (!options.output.empty()) {
+    const auto folder =
+        std::filesystem::path(options.output) /
+        (plan.by_approach() ? fmt::format("{}_{:g}mm", contact_case.id, plan.approach_mm)
+                            : reference::load_folder(contact_case.id, load_N));
+    system::make_writable_folder(folder);
+    problem["output_directory"] = folder.string();
+  }
+  return problem;
+}
+
+/// What the program answered until it ended, failed or was interrupted.
+struct Solved {
+  std::vector<std::optional<reference::ReferenceResult>> of_load;
+  int interrupted = 0;    ///< by this signal
+  int failed_status = 0;  ///< exit status of the load that failed
+
+  bool is_empty() const {
+    return std::none_of(of_load.begin(), of_load.end(),
+                        [](const auto& result) { return result.has_value(); });
+  }
+};
+
+Solved solve(const Options& options, const Plan& plan, system::Progress& progress) {
   reference::FemBatch batch;
   batch.limits = options.limits;
   // Threads speed up large factorisations only. In small ones they wait for each other longer than
   // they save.
-  batch.single_thread = level <= 2;
-  for (const std::size_t i : order) {
-    const double load_N = loads_N[i];
-    nlohmann::json problem = reference::fem_problem(contact_case, geometries[i], load_N, level);
-    if (by_approach) problem["approach_m"] = 1e-3 * options.approach_mm;
-    problem["friction"] = friction_request(options);
-    if (!options.output.empty()) {
-      const auto folder =
-          std::filesystem::path(options.output) /
-          (by_approach ? fmt::format("{}_{:g}mm", contact_case.id, options.approach_mm)
-                       : reference::load_folder(contact_case.id, load_N));
-      system::make_writable_folder(folder);
-      problem["output_directory"] = folder.string();
-    }
-    if (!options.compliance.empty()) {
-      if (loads_N.size() > 1)
-        throw InputError(
-            "--export-compliance", "load_N", fmt::format("{} loads", loads_N.size()),
-            "a case with one load: the mesh, and with it the compliance, fits its contact");
-      problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
-    }
-    batch.problems.push_back(std::move(problem));
-  }
-
-  system::Progress progress;
-  const auto title = [&](std::size_t load) {
-    return by_approach ? fmt::format("{} {} mm: ", contact_case.id, options.approach_mm)
-                       : fmt::format("{} {} N: ", contact_case.id, loads_N[load]);
-  };
+  batch.single_thread = plan.level <= 2;
+  for (const std::size_t load : plan.order)
+    batch.problems.push_back(problem_of(options, plan, load));
+  Solved solved;
+  solved.of_load.resize(plan.loads_N.size());
   struct Failed {
     int exit_status;
     std::string message;
   };
-  std::vector<std::optional<reference::ReferenceResult>> result_of_load(loads_N.size());
   reference::FemCallbacks callbacks;
   callbacks.on_line = [&](reference::FemIndex index, const std::string& line) {
-    progress.say(title(order[index.problem]) + line);
+    progress.say(plan.title(plan.order[index.problem]) + line);
   };
   callbacks.on_answer = [&](reference::FemIndex index, reference::FemAnswer answer) {
-    const std::size_t load = order[index.problem];
-    // A failure ends the remaining loads. At finite strain the results before it are kept.
-    if (!answer.result) throw Failed{answer.exit_status, title(load) + answer.failure};
+    const std::size_t load = plan.order[index.problem];
+    // A failure ends the remaining loads; an exception is how the process is stopped.
+    if (!answer.result) throw Failed{answer.exit_status, plan.title(load) + answer.failure};
     // As asked for: the program's own load has gone through units and back.
-    if (!by_approach) answer.result->load_N = loads_N[load];
-    result_of_load[load] = std::move(answer.result);
+    if (!plan.by_approach()) answer.result->load_N = plan.loads_N[load];
+    solved.of_load[load] = std::move(answer.result);
   };
-  int interrupted = 0, failed_status = 0;
   try {
     // An interrupted finite-element program returns its last finished level as the result.
-    interrupted = reference::run_fem(program, {batch}, 1, callbacks, system::OnInterrupt::finish);
+    solved.interrupted = reference::run_fem(system::fem_program().string(), {batch}, 1, callbacks,
+                                            system::OnInterrupt::finish);
   } catch (const Failed& failed) {
     progress.say("softfinger: error: " + failed.message);
-    failed_status = failed.exit_status;
-    const bool nothing = std::all_of(result_of_load.begin(), result_of_load.end(),
-                                     [](const auto& result) { return !result; });
-    if (!finite || nothing) return failed_status;
+    solved.failed_status = failed.exit_status;
   }
+  return solved;
+}
+
+void print(const Options& options, const Plan& plan, const Solved& solved) {
   nlohmann::json results = nlohmann::json::array();
-  std::string text = prediction::describe(contact_case) + "\n";
-  for (std::size_t load = 0; load < loads_N.size(); ++load) {
-    if (!result_of_load[load]) continue;  // interrupted before this load
-    const reference::ReferenceResult& result = *result_of_load[load];
-    text += fmt::format("\n{:g} N: {}\n", result.load_N, prediction::describe(geometries[load])) +
-            table_row(result) + friction_table(result);
+  std::string text = prediction::describe(plan.contact_case) + "\n";
+  for (std::size_t load = 0; load < plan.loads_N.size(); ++load) {
+    if (!solved.of_load[load]) continue;  // interrupted, or failed, before this load
+    const reference::ReferenceResult& result = *solved.of_load[load];
+    text +=
+        fmt::format("\n{:g} N: {}\n", result.load_N, prediction::describe(plan.geometries[load])) +
+        table_row(result) + friction_table(result);
     if (result.coarse) text += "  (interrupted: the result of a coarser level than requested)\n";
     results.push_back(to_json(result));
   }
-  if (interrupted != 0) {
-    progress.say("softfinger: interrupted");
-    if (results.empty()) return 128 + interrupted;
-  }
   if (options.json)
     system::write_to_stdout(
-        nlohmann::json({{"case", contact_case.id}, {"results", results}}).dump(2) + "\n");
+        nlohmann::json({{"case", plan.contact_case.id}, {"results", results}}).dump(2) + "\n");
   else
     system::write_text_to_stdout(text);
-  return interrupted != 0 ? 128 + interrupted : failed_status;
+}
+
+int run(const Options& options) {
+  const Plan plan = plan_loads(options);
+  system::fem_program();  // refuses before anything is written
+  std::optional<system::OutputFolder> output;
+  if (!options.output.empty()) output.emplace(options.output);
+  system::Progress progress;
+  const Solved solved = solve(options, plan, progress);
+  if (solved.interrupted != 0) progress.say("softfinger: interrupted");
+  // At finite strain the results before a failure are worth having.
+  const bool failed = solved.failed_status != 0;
+  if (failed ? !plan.finite_strain() || solved.is_empty()
+             : solved.interrupted != 0 && solved.is_empty())
+    return failed ? solved.failed_status : 128 + solved.interrupted;
+  print(options, plan, solved);
+  return solved.interrupted != 0 ? 128 + solved.interrupted : solved.failed_status;
 }
 
 }  // namespace

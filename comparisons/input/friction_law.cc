@@ -32,9 +32,9 @@ const FrictionLaw kFacetsLaw = {
     "the polytope of `vertices` points of the ellipsoid, inside it (Ciocarlie et al. 2007, eq. 2)",
     FrictionRule::facets, nullptr};
 
-const std::array<const FrictionLaw*, 4>& all_friction_laws() {
-  static const std::array<const FrictionLaw*, 4> laws = {&kEllipsoidLaw, &kSixPatchesLaw,
-                                                         &kLimitSurfaceLaw, &kFacetsLaw};
+const std::vector<const FrictionLaw*>& all_friction_laws() {
+  static const std::vector<const FrictionLaw*> laws = {&kEllipsoidLaw, &kSixPatchesLaw,
+                                                       &kLimitSurfaceLaw, &kFacetsLaw};
   return laws;
 }
 

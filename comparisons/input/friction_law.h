@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "softfinger/dynamics/contact_lcp.h"
 #include "softfinger/friction/friction_shape.h"
@@ -24,6 +24,6 @@ struct FrictionLaw {
 extern const FrictionLaw kEllipsoidLaw, kSixPatchesLaw, kLimitSurfaceLaw, kFacetsLaw;
 
 /// From the cheapest to the most exact, facets last.
-const std::array<const FrictionLaw*, 4>& all_friction_laws();
+const std::vector<const FrictionLaw*>& all_friction_laws();
 
 }  // namespace softfinger::input

@@ -5,6 +5,9 @@
 #include <utility>
 
 namespace softfinger::judgement {
+
+using prediction::Quantity;
+
 namespace {
 
 double median(std::vector<double> values) {
@@ -48,7 +51,7 @@ std::optional<Score> score(const LoadErrors& load, const ModelError& model) {
   if (!load.fem_finished || !model.has_answer) return std::nullopt;
   std::optional<Score> worst;
   for (const auto& [quantity, error] :
-       {std::pair("area", model.area), std::pair("torque", model.max_torque)})
+       {std::pair(Quantity::area, model.area), std::pair(Quantity::max_torque, model.max_torque)})
     if (!std::isnan(error) && (!worst || std::abs(error) > worst->error))
       worst = Score{std::abs(error), quantity, load.load_N};
   return worst;

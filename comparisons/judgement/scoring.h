@@ -6,6 +6,7 @@
 
 #include "comparisons/judgement/judgement.h"
 #include "comparisons/judgement/model_errors.h"
+#include "comparisons/prediction/quantity.h"
 
 /// Summaries of errors over loads, cases and the whole suite, as reports state them.
 namespace softfinger::judgement {
@@ -14,7 +15,7 @@ namespace softfinger::judgement {
 /// compared. Nothing when the model has no answer or the finite elements failed.
 struct Score {
   double error = 0;
-  std::string quantity;  ///< "area" or "torque"
+  prediction::Quantity quantity = prediction::Quantity::area;  ///< or max_torque
   double load_N = 0;
 };
 std::optional<Score> score(const LoadErrors& load, const ModelError& model);

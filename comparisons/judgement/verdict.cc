@@ -139,6 +139,20 @@ std::string others(const std::vector<Record>& records, const Loads& all) {
 
 }  // namespace
 
+const char* name_of(VerdictClass verdict_class) {
+  switch (verdict_class) {
+    case VerdictClass::good:
+      return "good";
+    case VerdictClass::mixed:
+      return "mixed";
+    case VerdictClass::bad:
+      return "bad";
+    case VerdictClass::failed:
+      break;
+  }
+  return "failed";
+}
+
 std::string load_list(const std::vector<double>& loads_N) {
   std::vector<double> sorted = loads_N;
   std::sort(sorted.begin(), sorted.end());
@@ -166,7 +180,7 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
   }
   if (finished.empty())
     return {fmt::format("No verdict: FEM failed at {} ({}).", load_list(failed_N), failure),
-            "failed"};
+            VerdictClass::failed};
   const auto in_words = [&](const Loads& some) {
     std::vector<double> loads_N;
     for (std::size_t load : some) loads_N.push_back(finished[load]->load_N);
@@ -177,7 +191,7 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
   Verdict verdict;
   const Record* const best = most_usable(records, all);
   if (best && best->among(all, Judgement::usable).size() == all.size()) {
-    verdict.verdict_class = "good";
+    verdict.verdict_class = VerdictClass::good;
     verdict.sentence = fmt::format("Use {} ({} of FEM)", best->name, agreement(worst(*best, all)));
     // A second fast model is a choice; a slow one beside a fast one is none.
     std::vector<Record> rest;
@@ -204,7 +218,7 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
       verdict.sentence += fmt::format("{} model can be relied on at {}: {}",
                                       verdict.sentence.empty() ? "No" : "; no", in_words(open),
                                       nearest(records, open, by_accident));
-    verdict.verdict_class = best || by_accident ? "mixed" : "bad";
+    verdict.verdict_class = best || by_accident ? VerdictClass::mixed : VerdictClass::bad;
   }
   if (!doubtful_N.empty())
     verdict.sentence +=

@@ -7,21 +7,29 @@
 
 namespace softfinger::judgement {
 
-struct Verdict {
-  std::string sentence;
-  std::string verdict_class;  ///< good, mixed, bad, failed
+/// What a case's comparison comes to. Usable is defined at `Judgement`.
+enum class VerdictClass {
+  /// One model is usable at all loads. The sentence names the most accurate such model of the hot
+  /// path and at most one more. It names a slower model only if no model of the hot path is usable
+  /// at all loads.
+  good,
+  /// Models are usable at some of the loads only, or one agrees outside its validity. The sentence
+  /// says which model is usable at which loads, and gives the smallest error at the other loads.
+  mixed,
+  bad,    ///< no model is usable at any load
+  failed  ///< the finite elements finished at no load
 };
 
-/// One sentence that answers which model can be used, with numbers. Usable is defined at
-/// `Judgement`. The classes are:
-///   good    One model is usable at all loads. The sentence names the most accurate such model of
-///           the hot path and at most one more. It names a slower model only if no model of the hot
-///           path is usable at all loads.
-///   mixed   Models are usable at some of the loads only, or one agrees outside its validity. The
-///           sentence says which model is usable at which loads, and gives the smallest error at
-///           the other loads.
-///   bad     No model is usable at any load.
-///   failed  The finite elements finished at no load.
+/// "good", "mixed", "bad" or "failed".
+const char* name_of(VerdictClass verdict_class);
+
+struct Verdict {
+  std::string sentence;
+  VerdictClass verdict_class = VerdictClass::failed;
+};
+
+/// One sentence that answers which model can be used, with numbers.
+/// @param tolerance  relative, in area and torque
 Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance);
 
 /// "0.5 N", "1, 2 and 5 N", "0.5 to 10 N"

@@ -95,7 +95,9 @@ Html overview_table(const Json& report) {
                    best->score.error > tolerance(report) ? "beyond"
                    : best->valid                         ? "within"
                                                          : "",
-                   percent(best->score.error), best->score.quantity, newton(best->score.load_N));
+                   percent(best->score.error),
+                   best->score.quantity == prediction::Quantity::area ? "area" : "torque",
+                   newton(best->score.load_N));
     }
     rows += html(
         "<tr data-filtered=\"{}\"><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"

@@ -111,7 +111,7 @@ json to_json(const CaseComparison& compared) {
   return {{"id", contact_case.id},
           {"question", contact_case.question},
           {"verdict", compared.verdict.sentence},
-          {"verdict_class", compared.verdict.verdict_class},
+          {"verdict_class", judgement::name_of(compared.verdict.verdict_class)},
           {"file", contact_case.file.filename().string()},
           {"case_toml", contact_case.text},
           {"layer", input::layer_json(contact_case.layer)},

@@ -360,10 +360,10 @@ TEST(Scoring, TakesTheLargerOfTheTwoErrors) {
   load.fem_finished = true;
   judgement::ModelError one{"hertz", true, true, -0.04, 0.02};
   EXPECT_DOUBLE_EQ(judgement::score(load, one)->error, 0.04);
-  EXPECT_EQ(judgement::score(load, one)->quantity, "area");
+  EXPECT_EQ(judgement::score(load, one)->quantity, prediction::Quantity::area);
   EXPECT_EQ(judgement::score(load, one)->load_N, 3);
   one.max_torque = -0.05;
-  EXPECT_EQ(judgement::score(load, one)->quantity, "torque");
+  EXPECT_EQ(judgement::score(load, one)->quantity, prediction::Quantity::max_torque);
   EXPECT_DOUBLE_EQ(one.larger(), 0.05);
   one.area = NAN;
   EXPECT_TRUE(std::isnan(one.larger()));

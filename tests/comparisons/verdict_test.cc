@@ -22,7 +22,7 @@ TEST(Verdict, NamesTheModelThatHoldsAtAllLoads) {
       {load(1, {{"hertz", true, true, 0.01, -0.02}, {"winkler", true, false, 0.5, 0.4}}),
        load(2, {{"hertz", true, true, 0.04, 0.01}, {"winkler", true, false, 0.7, 0.3}})},
       kTolerance);
-  EXPECT_EQ(verdict.verdict_class, "good");
+  EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::good);
   EXPECT_EQ(verdict.sentence,
             "Use Hertz (area within 4.0 %, torque within 2.0 % of FEM) at 1 and 2 N; Winkler is "
             "off by +70 % in area, +40 % in torque.");
@@ -33,7 +33,7 @@ TEST(Verdict, SaysAtWhichLoadsAModelHoldsAndWhatIsNearestElsewhere) {
       {load(0.5, {{"hertz", true, true, 0.01, 0.02}, {"winkler", true, false, 0.5, 0.4}}),
        load(5, {{"hertz", true, false, 0.3, 0.2}, {"winkler", true, true, -0.2, 0.1}})},
       kTolerance);
-  EXPECT_EQ(verdict.verdict_class, "mixed");
+  EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::mixed);
   EXPECT_EQ(verdict.sentence,
             "Use Hertz at 0.5 N (area within 1.0 %, torque within 2.0 %); no model can be relied "
             "on at 5 N: nearest is Winkler, off by -20 % in area, +10.0 % in torque.");
@@ -44,7 +44,7 @@ TEST(Verdict, PutsModelsTogetherThatHoldAtDifferentLoads) {
       {load(0.5, {{"hertz", true, true, 0.01, 0.02}, {"winkler", false, false, 0, 0}}),
        load(5, {{"hertz", true, false, 0.3, 0.2}, {"winkler", true, true, 0.05, 0.04}})},
       kTolerance);
-  EXPECT_EQ(verdict.verdict_class, "mixed");
+  EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::mixed);
   EXPECT_EQ(verdict.sentence,
             "Use Hertz at 0.5 N (area within 1.0 %, torque within 2.0 %), Winkler at 5 N (area "
             "within 5.0 %, torque within 4.0 %).");
@@ -56,7 +56,7 @@ TEST(Verdict, SaysThatNoneHoldsAndHowNearTheNearestComes) {
                                            {"layer", true, true, 0.104, 0.02},
                                            {"winkler", false, false, 0, 0}})},
                                  kTolerance);
-  EXPECT_EQ(verdict.verdict_class, "bad");
+  EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::bad);
   EXPECT_EQ(verdict.sentence,
             "No model can be relied on at 5 N: nearest is Layer, off by +10.4 % in area, +2.0 % in "
             "torque.");
@@ -68,7 +68,7 @@ TEST(Verdict, SaysThatNoneHoldsAndHowNearTheNearestComes) {
 TEST(Verdict, DoesNotTrustAnErrorThatCrossesZeroOutsideTheAssumptions) {
   const judgement::Verdict verdict =
       judgement::compose_verdict({load(5, {{"winkler", true, false, 0.02, -0.01}})}, kTolerance);
-  EXPECT_EQ(verdict.verdict_class, "mixed");
+  EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::mixed);
   EXPECT_EQ(verdict.sentence,
             "No model can be relied on at 5 N: Winkler agrees (area within 2.0 %, torque within "
             "1.0 %) outside its stated validity, which counts for little.");
@@ -76,11 +76,12 @@ TEST(Verdict, DoesNotTrustAnErrorThatCrossesZeroOutsideTheAssumptions) {
 
 TEST(Verdict, TellsWhenTheReferenceFailedOrIsDoubtful) {
   judgement::LoadErrors failed{5, false, false, "no convergence", {{"hertz", true, true, 0, 0}}};
-  EXPECT_EQ(judgement::compose_verdict({failed}, kTolerance).verdict_class, "failed");
+  EXPECT_EQ(judgement::compose_verdict({failed}, kTolerance).verdict_class,
+            judgement::VerdictClass::failed);
   judgement::LoadErrors doubtful = load(2, {{"hertz", true, true, 0.01, 0.01}});
   doubtful.fem_trusted = false;
   const judgement::Verdict verdict = judgement::compose_verdict({doubtful, failed}, kTolerance);
-  EXPECT_EQ(verdict.verdict_class, "good");
+  EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::good);
   EXPECT_TRUE(contains(verdict.sentence, "own error is too large at 2 N")) << verdict.sentence;
   EXPECT_TRUE(contains(verdict.sentence, "FEM failed at 5 N")) << verdict.sentence;
 }
@@ -116,6 +117,14 @@ TEST(Verdict, NamesASlowModelWhenNoOtherWillDo) {
           kTolerance)
           .sentence;
   EXPECT_FALSE(contains(mixed, "fft")) << mixed;
+}
+
+TEST(Verdict, ClassesHaveTheNamesOfTheReport) {
+  using judgement::VerdictClass;
+  EXPECT_STREQ(judgement::name_of(VerdictClass::good), "good");
+  EXPECT_STREQ(judgement::name_of(VerdictClass::mixed), "mixed");
+  EXPECT_STREQ(judgement::name_of(VerdictClass::bad), "bad");
+  EXPECT_STREQ(judgement::name_of(VerdictClass::failed), "failed");
 }
 
 }  // namespace softfinger

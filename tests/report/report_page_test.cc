@@ -345,7 +345,7 @@ TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   ASSERT_TRUE(best);
   EXPECT_EQ(best->model, "hertz");
   EXPECT_EQ(best->score.error, 0.05);
-  EXPECT_EQ(best->score.quantity, "torque");
+  EXPECT_EQ(best->score.quantity, prediction::Quantity::max_torque);
   EXPECT_EQ(best->score.load_N, 2);
   EXPECT_FALSE(best->valid);
 }
