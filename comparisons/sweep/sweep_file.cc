@@ -11,6 +11,7 @@
 
 #include "comparisons/input/case_table.h"
 #include "comparisons/system/files.h"
+#include "comparisons/text/hash.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -111,9 +112,7 @@ void read_range(const input::TomlReader& reader, const toml::table& table, Swept
   }
   // std::uniform_real_distribution would give different numbers with different standard libraries.
   // The key's name enters the seed, so that two keys with the same seed get different numbers.
-  std::uint64_t name = 14695981039346656037u;  // FNV-1a
-  for (const char byte : key) name = (name ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  std::mt19937_64 generator(seed ^ name);
+  std::mt19937_64 generator(seed ^ text::hash_of(key));
   for (std::size_t i = 0; i < count; ++i)
     swept.values.push_back(between(double(generator() >> 11) * 0x1p-53));
 }
@@ -141,6 +140,104 @@ bool is_whole(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double value) {
     return value == std::floor(value) && std::abs(value) < 1e15;
   });
+}
+
+/// An entry of [sweep], and where its key stands.
+struct Entry {
+  std::string key;
+  const toml::node* node;
+  toml::source_position place;
+};
+
+/// In the order of the file: the library sorts keys by name.
+std::vector<Entry> entries_in_order(const toml::table& sweep) {
+  std::vector<Entry> entries;
+  for (const auto& [key, node] : sweep)
+    entries.push_back({std::string(key.str()), &node, key.source().begin});
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& left, const Entry& right) { return left.place < right.place; });
+  return entries;
+}
+
+std::vector<std::string> read_models(const input::TomlReader& reader, const toml::node& node) {
+  const toml::array* names = node.as_array();
+  if (!names || names->empty()) reader.refuse(node, "models", "a list of model names");
+  std::vector<std::string> models;
+  for (const toml::node& name : *names) models.push_back(reader.text(name, "models"));
+  return models;
+}
+
+/// One axis in place of those of the keys that `zip` lets change together.
+void join_axes(const input::TomlReader& reader, const toml::node& zip,
+               const std::vector<SweptKey>& keys, std::vector<std::vector<std::size_t>>& axes) {
+  const std::string allowed = "a list of lists of swept keys: [[\"a\", \"b\"], ...]";
+  const toml::array* groups = zip.as_array();
+  if (!groups) reader.refuse(zip, "zip", allowed);
+  for (const toml::node& group : *groups) {
+    const toml::array* names = group.as_array();
+    if (!names || names->size() < 2) reader.refuse(zip, "zip", allowed);
+    std::vector<std::size_t> together;
+    for (const toml::node& name : *names) {
+      const std::string key = reader.text(name, "zip");
+      const auto found = std::find_if(keys.begin(), keys.end(),
+                                      [&](const SweptKey& swept) { return swept.key == key; });
+      if (found == keys.end()) reader.refuse(name, "zip", "keys of [sweep]");
+      const std::size_t index = std::size_t(found - keys.begin());
+      const auto axis = std::find(axes.begin(), axes.end(), std::vector<std::size_t>{index});
+      if (axis == axes.end()) reader.refuse(name, "zip", "each key once");
+      axes.erase(axis);
+      if (!together.empty() && found->values.size() != keys[together[0]].values.size())
+        reader.say(name, fmt::format("zip pairs values one by one: \"{}\" has {}, \"{}\" has {}",
+                                     keys[together[0]].key, keys[together[0]].values.size(), key,
+                                     found->values.size()));
+      together.push_back(index);
+    }
+    axes.push_back(together);
+  }
+  std::sort(axes.begin(), axes.end());
+}
+
+/// Makes the swept numbers floating-point ones where a value is none of the integers. The others
+/// stay integers, because some keys, the level for one, must be.
+void make_settable(toml::table& root, const std::vector<SweptKey>& keys) {
+  for (const SweptKey& swept : keys) {
+    toml::node& node = *find_number(root, swept.key);
+    if (node.is_integer() && is_whole(swept.values)) continue;
+    const double value = swept.values.front();
+    const std::vector<std::string> steps = steps_of(swept.key);
+    toml::node* parent = &root;
+    for (std::size_t i = 0; i + 1 < steps.size(); ++i) parent = find_entry(*parent, steps[i]);
+    if (toml::array* array = parent->as_array())
+      array->replace(array->cbegin() + std::ptrdiff_t(place_of(steps.back())), value);
+    else
+      parent->as_table()->insert_or_assign(steps.back(), value);
+  }
+}
+
+/// Checks the extreme values of a key now, so that a value out of range is not found hours later.
+/// @returns the case with the last of them
+input::Case try_extreme_values(const toml::table& root, const std::string& text,
+                               const fs::path& path, const SweptKey& swept,
+                               const std::string& where) {
+  const std::vector<double>& values = swept.values;
+  const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
+  input::Case last;
+  for (const double value : {values.front(), values.back(), *smallest, *largest}) {
+    toml::table tried = root;
+    toml::node& node = *find_number(tried, swept.key);
+    if (node.is_integer())
+      *node.as_integer() = std::int64_t(value);
+    else
+      *node.as_floating_point() = value;
+    try {
+      last = input::case_of(tried, text, path);
+    } catch (const InputError& error) {
+      throw InputError(where,
+                       fmt::format("[sweep] \"{}\" = {}: {}", swept.key, value, error.field()),
+                       error.value(), error.allowed());
+    }
+  }
+  return last;
 }
 
 }  // namespace
@@ -174,119 +271,47 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   root.erase("sweep");
   base_ = input::case_of(root, text, path);
 
-  // The library sorts keys by name.
-  std::vector<std::pair<std::string, const toml::node*>> entries;
-  std::vector<toml::source_position> places;
-  for (const auto& [key, node] : sweep) {
-    entries.emplace_back(std::string(key.str()), &node);
-    places.push_back(key.source().begin);
-  }
-  std::vector<std::size_t> order(entries.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
-    return places[left] < places[right];
-  });
-
+  const std::vector<Entry> entries = entries_in_order(sweep);
   std::vector<std::string> known;
   collect_keys(root, "", known);
   known.push_back("contact.load_N");
-  for (const std::size_t i : order) {
-    const auto& [key, node] = entries[i];
-    if (key == "fem") {
-      if (!node->is_boolean()) reader.refuse(*node, "fem", "true or false");
-      fem_ = node->as_boolean()->get();
-    } else if (key == "models") {
-      const toml::array* names = node->as_array();
-      if (!names || names->empty()) reader.refuse(*node, "models", "a list of model names");
-      for (const toml::node& name : *names) models_.push_back(reader.text(name, "models"));
-    } else if (key != "zip") {
+  for (const Entry& entry : entries) {
+    if (entry.key == "fem") {
+      if (!entry.node->is_boolean()) reader.refuse(*entry.node, "fem", "true or false");
+      fem_ = entry.node->as_boolean()->get();
+    } else if (entry.key == "models") {
+      models_ = read_models(reader, *entry.node);
+    } else if (entry.key != "zip") {
       // A list of loads is replaced by a single number that can be swept.
-      if (key == "contact.load_N")
+      if (entry.key == "contact.load_N")
         root["contact"].as_table()->insert_or_assign("load_N", base_.loads_N.front());
-      if (!find_number(root, key))
+      if (!find_number(root, entry.key))
         throw InputError(
-            fmt::format("{}:{}", path.string(), places[i].line),
-            fmt::format("[sweep] \"{}\" is not a number of this case, did you mean \"{}\"?", key,
-                        text::nearest_name(key, known)),
+            fmt::format("{}:{}", path.string(), entry.place.line),
+            fmt::format("[sweep] \"{}\" is not a number of this case, did you mean \"{}\"?",
+                        entry.key, text::nearest_name(entry.key, known)),
             "", text::joined(known));
-      keys_.push_back(read_key(reader, key, *node));
+      keys_.push_back(read_key(reader, entry.key, *entry.node));
       axes_.push_back({keys_.size() - 1});
     }
   }
   if (keys_.empty()) reader.say(sweep, "[sweep] names no number of the case");
+  if (const toml::node* zip = sweep.get("zip")) join_axes(reader, *zip, keys_, axes_);
 
-  if (const toml::node* zip = sweep.get("zip")) {
-    const std::string allowed = "a list of lists of swept keys: [[\"a\", \"b\"], ...]";
-    const toml::array* groups = zip->as_array();
-    if (!groups) reader.refuse(*zip, "zip", allowed);
-    for (const toml::node& group : *groups) {
-      const toml::array* names = group.as_array();
-      if (!names || names->size() < 2) reader.refuse(*zip, "zip", allowed);
-      std::vector<std::size_t> together;
-      for (const toml::node& name : *names) {
-        const std::string key = reader.text(name, "zip");
-        const auto found = std::find_if(keys_.begin(), keys_.end(),
-                                        [&](const SweptKey& swept) { return swept.key == key; });
-        if (found == keys_.end()) reader.refuse(name, "zip", "keys of [sweep]");
-        const std::size_t index = std::size_t(found - keys_.begin());
-        const auto axis = std::find(axes_.begin(), axes_.end(), std::vector<std::size_t>{index});
-        if (axis == axes_.end()) reader.refuse(name, "zip", "each key once");
-        axes_.erase(axis);
-        if (!together.empty() && found->values.size() != keys_[together[0]].values.size())
-          reader.say(name, fmt::format("zip pairs values one by one: \"{}\" has {}, \"{}\" has {}",
-                                       keys_[together[0]].key, keys_[together[0]].values.size(),
-                                       key, found->values.size()));
-        together.push_back(index);
-      }
-      axes_.push_back(together);
-    }
-    std::sort(axes_.begin(), axes_.end());
-  }
-  const std::size_t most = (fem_ ? kMostSweepFemJobs : kMostSweepRows);
+  const std::size_t most = fem_ ? kMostSweepFemJobs : kMostSweepRows;
+  const std::string allowed =
+      fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : "");
   for (const auto& axis : axes_) {
     points_ *= keys_[axis[0]].values.size();
     if (points_ > most)
       throw InputError(path.string(), "[sweep]", "more than " + std::to_string(points_) + " points",
-                       fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : ""));
+                       allowed);
   }
-
-  // Whole numbers stay integers, because some keys, the level for one, must be integers.
+  make_settable(root, keys_);
   for (const SweptKey& swept : keys_) {
-    toml::node& node = *find_number(root, swept.key);
-    if (node.is_integer() && is_whole(swept.values)) continue;
-    const double value = swept.values.front();
-    const std::vector<std::string> steps = steps_of(swept.key);
-    toml::node* parent = &root;
-    for (std::size_t i = 0; i + 1 < steps.size(); ++i) parent = find_entry(*parent, steps[i]);
-    if (toml::array* array = parent->as_array())
-      array->replace(array->cbegin() + std::ptrdiff_t(place_of(steps.back())), value);
-    else
-      parent->as_table()->insert_or_assign(steps.back(), value);
-  }
-
-  // Checks the extreme values of each key now, so that a value out of range is not found hours
-  // later.
-  for (std::size_t k = 0; k < keys_.size(); ++k) {
-    const std::vector<double>& values = keys_[k].values;
-    const auto [smallest, largest] = std::minmax_element(values.begin(), values.end());
-    for (const double value : {values.front(), values.back(), *smallest, *largest}) {
-      toml::table tried = root;
-      toml::node& node = *find_number(tried, keys_[k].key);
-      if (node.is_integer())
-        *node.as_integer() = std::int64_t(value);
-      else
-        *node.as_floating_point() = value;
-      try {
-        base_ = input::case_of(tried, text, path);
-      } catch (const InputError& error) {
-        const auto entry = std::find_if(entries.begin(), entries.end(), [&](const auto& candidate) {
-          return candidate.first == keys_[k].key;
-        });
-        throw InputError(reader.where(*entry->second),
-                         fmt::format("[sweep] \"{}\" = {}: {}", keys_[k].key, value, error.field()),
-                         error.value(), error.allowed());
-      }
-    }
+    const auto entry = std::find_if(entries.begin(), entries.end(),
+                                    [&](const Entry& one) { return one.key == swept.key; });
+    base_ = try_extreme_values(root, text, path, swept, reader.where(*entry->node));
   }
   Cases first(*this);
   try {
@@ -295,8 +320,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
     // These values do not fit together: the row of this point will say so.
   }
   if (rows() > most)
-    throw InputError(path.string(), "[sweep]", fmt::format("{} rows", rows()),
-                     fmt::format("at most {} rows{}", most, fem_ ? " with fem = true" : ""));
+    throw InputError(path.string(), "[sweep]", fmt::format("{} rows", rows()), allowed);
 }
 
 void Sweep::values_at(std::size_t point, std::vector<double>& values) const {

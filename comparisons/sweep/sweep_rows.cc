@@ -11,6 +11,7 @@
 
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/csv.h"
+#include "comparisons/text/hash.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
@@ -53,20 +54,16 @@ void append_reference(const reference::ReferenceResult& result, std::string& tex
 }
 
 std::string hash_of(const json& problem) {
-  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
-  for (const char byte : problem.dump())
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return fmt::format("{:016x}", hash);
+  return fmt::format("{:016x}", text::hash_of(problem.dump()));
 }
 
-/// A rough estimate of a job's cost. Finite strain, contacts without symmetry and fine levels cost
+/// Of a job, see FemRequest. Finite strain, contacts without symmetry and fine levels cost
 /// most.
-double weight_of(const json& problem) {
-  const double ratio = problem["radii_m"][0].get<double>() / problem["radii_m"][1].get<double>();
-  const double level = std::pow(4., problem["level"].get<int>());
-  const bool finite = problem.contains("kinematics");
-  const bool whole = problem.contains("fingertip") || problem.contains("layer_mesh");
-  return level * std::sqrt(ratio) * (finite ? 8 : 1) * (whole ? 4 : 1);
+double weight_of(const input::Case& contact_case, const RelativeRadii& radii) {
+  const double level = std::pow(4., contact_case.fem_level);
+  const bool whole = contact_case.fem_curved || !contact_case.fem_mesh.empty();
+  return level * std::sqrt(radii.major_m / radii.minor_m) * (contact_case.fem_finite ? 8 : 1) *
+         (whole ? 4 : 1);
 }
 
 }  // namespace
@@ -180,20 +177,22 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
   }
 }
 
-std::vector<json> SweepRows::fem_problems(std::size_t point) {
-  std::vector<json> problems(sweep_.base().loads_N.size());
+std::vector<SweepRows::FemRequest> SweepRows::fem_requests(std::size_t point) {
+  std::vector<FemRequest> requests(sweep_.base().loads_N.size());
   try {
     const input::Case contact_case = cases_.at(point);
     const prediction::GeometryResolver resolver(contact_case, &geometry_);
-    for (std::size_t load = 0; load < problems.size(); ++load) {
+    for (std::size_t load = 0; load < requests.size(); ++load) {
       const double load_N = contact_case.loads_N[load];
-      problems[load] = reference::fem_problem(contact_case, resolver.resolve(load_N), load_N,
-                                              contact_case.fem_level);
+      const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+      requests[load] = {
+          reference::fem_problem(contact_case, geometry, load_N, contact_case.fem_level),
+          weight_of(contact_case, geometry.radii)};
     }
   } catch (const InputError&) {
     // The rows of this point say why.
   }
-  return problems;
+  return requests;
 }
 
 SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
@@ -202,22 +201,23 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
   std::unordered_map<std::string, long> known;
   const auto& loads_N = sweep.base().loads_N;
   for (std::size_t point = 0; point < sweep.points(); ++point) {
-    const std::vector<json> problems = rows.fem_problems(point);
-    for (std::size_t load = 0; load < problems.size(); ++load) {
-      if (problems[load].is_null()) {
+    const std::vector<SweepRows::FemRequest> requests = rows.fem_requests(point);
+    for (std::size_t load = 0; load < requests.size(); ++load) {
+      const auto& [problem, weight] = requests[load];
+      if (problem.is_null()) {
         all.job_of_row.push_back(-1);
         continue;
       }
-      const std::string name = hash_of(problems[load]);
+      const std::string name = hash_of(problem);
       const auto [entry, is_new] = known.emplace(name, long(all.jobs.size()));
       all.job_of_row.push_back(entry->second);
       if (!is_new) continue;
       reference::FemJob job;
       job.title = fmt::format("{} point {}", sweep.base().id, point);
       if (loads_N.size() > 1) job.title += fmt::format(", {} N", loads_N[load]);
-      job.problem = problems[load];
+      job.problem = problem;
       job.file = folder / (name + ".json");
-      job.weight = weight_of(problems[load]);
+      job.weight = weight;
       // Each job has a process of its own. In a shared process it would use the mesh of another
       // contact, and its numbers would differ in the last digits.
       job.group = all.jobs.size();

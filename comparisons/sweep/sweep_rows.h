@@ -44,8 +44,13 @@ class SweepRows {
     append(point, &fem, failures, text);
   }
 
-  /// The finite-element problems of a point, one per load; null where the bodies make no contact.
-  std::vector<nlohmann::json> fem_problems(std::size_t point);
+  /// What the finite-element program is asked for one load.
+  struct FemRequest {
+    nlohmann::json problem;  ///< null where the bodies make no contact
+    double weight = 0;       ///< a rough estimate of the cost
+  };
+  /// The requests of a point, one per load.
+  std::vector<FemRequest> fem_requests(std::size_t point);
 
  private:
   void append(std::size_t point, const SweepFemJobs* fem, const std::vector<std::string>& failures,

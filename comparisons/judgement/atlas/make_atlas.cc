@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "comparisons/input/case.h"
+#include "comparisons/judgement/median.h"
 #include "comparisons/reference/fem_process.h"
+#include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -42,6 +43,10 @@ double radius_scale(const AtlasRun& run, const ContactProblem& unit) {
   return run.kind == "curved" ? 1 / run.thickness_over_radius / unit.radii.major_m : 1;
 }
 
+double load_of(const ContactProblem& unit, double scale) {
+  return unit.load.normal_force_N / scale * kModulus_Pa * kThickness_m * kThickness_m;
+}
+
 bool is_on_curved_layer(const AtlasRun& run) {
   return run.kind == "curved" || run.kind == "linear_curved" || run.kind == "finite_curved";
 }
@@ -63,7 +68,7 @@ json fem_problem_of(const AtlasRun& run) {
        {{"thickness_m", kThickness_m},
         {"youngs_modulus_Pa", kModulus_Pa * unit.layer.youngs_modulus_Pa},
         {"poisson_ratio", run.poisson_ratio}}},
-      {"load_N", unit.load.normal_force_N / scale * kModulus_Pa * kThickness_m * kThickness_m},
+      {"load_N", load_of(unit, scale)},
       {"friction_coefficient", unit.load.friction_coefficient},
       {"level", 2}};
   if (is_on_sphere(run)) problem["sphere_radius_m"] = kThickness_m / run.thickness_over_radius;
@@ -93,13 +98,14 @@ json fem_problem_of(const AtlasRun& run) {
 }
 
 /// Without units, as AtlasRun wants them.
-void take_answer(const json& problem, const reference::ReferenceResult& result, AtlasRun& run) {
+void take_answer(const reference::ReferenceResult& result, AtlasRun& run) {
   const auto or_nan = [](const std::optional<double>& error) {
     return error.value_or(std::numeric_limits<double>::quiet_NaN());
   };
-  const double scale = radius_scale(run, problem_of(run));
-  const double h = kThickness_m, load_N = problem["load_N"].get<double>();
-  const double mu = problem["friction_coefficient"].get<double>();
+  const ContactProblem unit = problem_of(run);
+  const double scale = radius_scale(run, unit);
+  const double h = kThickness_m, load_N = load_of(unit, scale);
+  const double mu = unit.load.friction_coefficient;
   run.answer = {result.a_m / h,
                 result.b_m / h,
                 scale * result.indentation_m / h,
@@ -124,8 +130,7 @@ void take_answer(const json& problem, const reference::ReferenceResult& result, 
                       or_nan(error.max_torque)};
   if (!result.twist) return;
   const double nu = run.poisson_ratio;
-  const double shear_modulus_Pa =
-      problem["layer"]["youngs_modulus_Pa"].get<double>() / (2 * (1 + nu));
+  const double shear_modulus_Pa = kModulus_Pa * unit.layer.youngs_modulus_Pa / (2 * (1 + nu));
   run.stiffness = result.twist->stiffness_Nm_per_rad / (shear_modulus_Pa * h * h * h);
   run.stiffness_error = or_nan(error.torsional_stiffness);
   run.full_slip = result.twist->full_slip_torque_Nm / (mu * load_N * h);
@@ -254,7 +259,7 @@ std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
   for (std::size_t run = 0; run < runs.size(); ++run) {
     const auto result = reference::finished_result(jobs[run], settings).result;
     if (result)
-      take_answer(jobs[run].problem, *result, atlas.runs[run]);
+      take_answer(*result, atlas.runs[run]);
     else
       ++missing;
   }
@@ -263,10 +268,9 @@ std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
                                        missing, runs.size()));
     return std::nullopt;
   }
-  const std::time_t now = std::time(nullptr);
-  char date[32] = "";
-  std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
-  atlas.provenance = {{"version", system::program_version()}, {"date", date}, {"command", command}};
+  atlas.provenance = {{"version", system::program_version()},
+                      {"date", system::utc_now("%Y-%m-%d")},
+                      {"command", command}};
   judge_models(atlas);
   return atlas;
 }
@@ -296,16 +300,9 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
 
 namespace {
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 /// Adds the errors of the linear finite elements, relative to those at finite strain on the same
 /// contacts.
 void judge_linear_theory(AtlasFile& atlas) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   auto& errors = atlas.errors["fem_linear"];
   for (const AtlasRun& run : atlas.runs) {
     errors.emplace_back().fill(is_finite_strain(run) ? kNaN : 0);
