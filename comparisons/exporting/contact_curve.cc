@@ -38,8 +38,7 @@ LoadPoint ask(const input::Case& contact_case, const RelativeRadii& radii,
 
 LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice& choice) {
   if (choice.nominal_N && !is_load(*choice.nominal_N))
-    throw InputError("command line", "--load", fmt::format("{:g}", *choice.nominal_N),
-                     "a number > 0, in N");
+    throw InputError("command line", "--load", *choice.nominal_N, "a number > 0, in N");
   LoadRange loads;
   loads.nominal_N = choice.nominal_N.value_or(middle_of(case_loads_N));
   if (choice.range_N) {
@@ -52,7 +51,7 @@ LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice
     loads.highest_N = range_N[1];
     const bool inside = loads.lowest_N <= loads.nominal_N && loads.nominal_N <= loads.highest_N;
     if (!inside && choice.nominal_N)
-      throw InputError("command line", "--load", fmt::format("{:g}", loads.nominal_N),
+      throw InputError("command line", "--load", loads.nominal_N,
                        fmt::format("a load within --load-range, {:g} to {:g} N", loads.lowest_N,
                                    loads.highest_N));
     if (!inside) loads.nominal_N = middle_of(range_N);

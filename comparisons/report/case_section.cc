@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "comparisons/exporting/mujoco_friction.h"
 #include "comparisons/report/compared_cases.h"
 #include "comparisons/report/style.h"
 
@@ -36,10 +37,6 @@ const std::array<Column, 9> kColumns{{
 
 Html scrolling(const Html& table) {
   return "<div class=\"scroll\" tabindex=\"0\">" + table + "</div>\n";
-}
-
-Html details(const Html& summary, const Html& body) {
-  return html("<details><summary>{}</summary>\n{}</details>\n", summary, body);
 }
 
 Html cell(const HtmlArgument& value) { return html("<td>{}</td>", value); }
@@ -268,10 +265,8 @@ Html simulator_line(const Json& report_case, const Json& load) {
   const auto torque = number(child(load, "fem"), "max_torque_Nm");
   const auto friction = number(report_case, "friction_coefficient");
   if (!force || !torque || !friction || *force <= 0) return "";
-  return html(
-      "<p class=\"simulator\">MuJoCo at this load: <code>condim=\"4\" friction=\"{:g} "
-      "{:.4g} 0.0001\"</code></p>\n",
-      *friction, *torque / *force);
+  return html("<p class=\"simulator\">MuJoCo at this load: <code>condim=\"4\" {}</code></p>\n",
+              exporting::mujoco_friction(*friction, *torque / *force));
 }
 
 Html load_section(const Json& report, const Json& report_case, const Json& load,

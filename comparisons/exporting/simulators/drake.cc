@@ -6,7 +6,7 @@
 
 #include "comparisons/exporting/simulator.h"
 #include "softfinger/friction/max_torque.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 /// Drake's hydroelastic contact (its user guide, and Elandt et al., A pressure field model, IROS
 /// 2019). The pressure in a compliant body is p = E e, where the extent e grows from 0 at the

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "comparisons/exporting/simulator.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 /// Gazebo Classic with ODE (tutorial "Torsional friction", ODE's contact joint). The torque about
 /// the normal is at most (3 pi/16) a mu_t N, that of a circular Hertz contact of radius a. A patch

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "comparisons/exporting/mujoco_friction.h"
 #include "comparisons/exporting/simulator.h"
 
 /// MuJoCo's manual, "Computation", on friction cones: an elliptic cone with coefficients mu_i
@@ -20,10 +21,11 @@ Lines lines(const SoftContact& contact) {
           "<option cone=\"elliptic\" impratio=\"10\" noslip_iterations=\"5\"/>\n"
           "<default>\n"
           "  <default class=\"soft_finger\">\n"
-          "    <geom condim=\"4\" priority=\"1\" friction=\"{mu:.6g} {spin:.6g} 0.0001\"/>\n"
+          "    <geom condim=\"4\" priority=\"1\" {friction}/>\n"
           "  </default>\n"
           "</default>\n"
           "<!-- then, on the fingertip's geom: class=\"soft_finger\" -->\n",
+          fmt::arg("friction", mujoco_friction(contact.friction_coefficient, spin_m)),
           fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
           fmt::arg("spin", spin_m)),
       {{"sliding_friction", contact.friction_coefficient}, {"spinning_friction_m", spin_m}}};
