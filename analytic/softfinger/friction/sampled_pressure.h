@@ -42,8 +42,6 @@ class SampledPressure {
 
   /// Moves the point about which torques are taken and whose velocity a twist gives.
   void set_reference(double x_m, double y_m) noexcept;
-  double reference_x_m() const noexcept { return reference_x_m_; }
-  double reference_y_m() const noexcept { return reference_y_m_; }
 
   /// e_n about the reference: (sum F |r - reference|) / sum F.
   double eccentricity_m() const noexcept { return eccentricity_m_; }

@@ -13,15 +13,14 @@
 #include <vector>
 
 #include "softfinger/geometry/quadric_fit_internal.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kUnknowns = 6;  // A, B, C, two tilts, offset
 // Quantile of the normal distribution: a value lies within it with probability sqrt(0.95), and two
 // independent ones both do with 0.95.
@@ -158,7 +157,9 @@ class Facets {
   Coefficients solve(const Eigen::Matrix3d& frame) const {
     const Eigen::VectorXd root_weights = region_.weights_m2.cwiseSqrt();
     const auto [qr, norms] = scaled_qr(root_weights.asDiagonal() * terms(frame));
-    return qr.solve(root_weights.asDiagonal() * depths(frame)).array() / norms.transpose().array();
+    const Eigen::VectorXd right = root_weights.cwiseProduct(depths(frame));
+    const Eigen::VectorXd scaled = qr.solve(right);
+    return scaled.cwiseQuotient(norms.transpose());
   }
 
   /// The same from the normal equations: half the digits, a tenth of the time.
@@ -181,7 +182,8 @@ class Facets {
       right[i] = integral(column, z.data());
     }
     h = norms.cwiseInverse().asDiagonal() * h * norms.cwiseInverse().asDiagonal();
-    return h.ldlt().solve(right.cwiseQuotient(norms)).cwiseQuotient(norms);
+    const Coefficients scaled = h.ldlt().solve(Eigen::MatrixXd(right.cwiseQuotient(norms)));
+    return scaled.cwiseQuotient(norms);
   }
 
  private:
@@ -445,76 +447,71 @@ double radius_std_m(double curvature_per_m, double std_per_m) {
   return relative / std::max(1 - 2 * relative, 0.1) / std::abs(curvature_per_m);
 }
 
-QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
+namespace {
+
+void check_radius(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
   if (!(region_radius_m > 0) || !std::isfinite(region_radius_m))
-    throw InputError("surface", "radius", internal::millimetres(region_radius_m),
-                     "positive and finite");
+    throw InputError("surface", "radius", millimetres(region_radius_m), "positive and finite");
   if (neighbourhood.distance_m() > region_radius_m) {
-    throw InputError("surface", "radius", internal::millimetres(region_radius_m),
-                     "at least " + internal::millimetres(neighbourhood.distance_m()) +
+    throw InputError("surface", "radius", millimetres(region_radius_m),
+                     "at least " + millimetres(neighbourhood.distance_m()) +
                          ", the distance from the point to the nearest triangle");
   }
-  const SurfaceRegion region = neighbourhood.region(region_radius_m);
+}
+
+/// Checks the vertices alone: samples of their flat facets would seem to determine a quadric even
+/// where the vertices lie on a conic.
+void check_determined(const SurfaceRegion& region, const Eigen::Matrix3Xd& vertices,
+                      double region_radius_m) {
   const int n = region.vertices_within;
-  const std::string field =
-      "vertices within " + internal::millimetres(region_radius_m) + " of the point";
+  const std::string field = "vertices within " + millimetres(region_radius_m) + " of the point";
   if (n < kUnknowns) {
     throw InputError("surface", field, std::to_string(n),
                      "at least 6 (choose a larger radius or a finer mesh)");
   }
-
-  // Depths are measured from the given point. The origin is its foot on the fitted surface.
-  const Vector3d to_point = neighbourhood.point_m() - neighbourhood.centre_m();
-  const Eigen::Matrix3Xd vertices = region.vertices_m.colwise() - to_point;
   const Eigen::Matrix3d frame = frame_along(region.mean_normal);
-  // Checked with the vertices alone: samples of their flat facets would seem to determine a quadric
-  // even where the vertices lie on a conic.
   if (scaled_qr(quadric_columns(frame, vertices.leftCols(n), region_radius_m)).first.rank() <
       kUnknowns) {
     throw InputError("surface", field, std::to_string(n),
                      "vertices that determine a quadric: these lie on a line or a conic (choose a "
                      "larger radius or a finer mesh)");
   }
-  Facets facets(region, vertices, region_radius_m);
-  TangentFit fit = fit_tangent(facets, region.mean_normal);
-  Residuals scatter = residuals(facets, fit, 0);
+}
+
+/// A fit, its residuals, and the number of vertices that it leaves out.
+struct RobustFit {
+  TangentFit fit;
+  Residuals scatter;
   int outliers = 0;
-  // A spike is moved onto the quadric, so that neither its facets' chords nor their depths count.
-  for (const int most = (scatter.freedom + kUnknowns) / 20; outliers < most; ++outliers) {
-    const Eigen::Index v = spike(facets, scatter);
+};
+
+/// Moves each spike onto the quadric, so that neither its facets' chords nor their depths count.
+RobustFit fit_without_spikes(Facets& facets, const SurfaceRegion& region) {
+  RobustFit found;
+  found.fit = fit_tangent(facets, region.mean_normal);
+  found.scatter = residuals(facets, found.fit, 0);
+  const int most = (found.scatter.freedom + kUnknowns) / 20;
+  for (; found.outliers < most; ++found.outliers) {
+    const Eigen::Index v = spike(facets, found.scatter);
     if (v < 0) break;
     // Iterates to the fit without this vertex. Each step multiplies the distance to that fit by the
     // vertex's leverage, which is less than 1.
     for (int step = 0; step < 8; ++step) {
-      facets.move(v, scatter.of_vertices[v] * region_radius_m * fit.normal);
-      fit = fit_tangent(facets, fit.normal);
-      scatter = residuals(facets, fit, outliers + 1);
+      facets.move(v, found.scatter.of_vertices[v] * facets.scale() * found.fit.normal);
+      found.fit = fit_tangent(facets, found.fit.normal);
+      found.scatter = residuals(facets, found.fit, found.outliers + 1);
     }
   }
-  Eigen::Vector3d other_reading = Eigen::Vector3d::Zero();
-  const double chords = chord_share(facets, fit);
-  if (chords < 1) {
-    other_reading = fit.coefficients.head<3>();
-    facets.take_as_chords(chords);
-    fit = fit_tangent(facets, fit.normal);
-    scatter = residuals(facets, fit, outliers);
-    other_reading -= fit.coefficients.head<3>();
-  }
+  return found;
+}
 
-  QuadricFit result;
-  const double per_metre = 1 / region_radius_m;
-  result.quadric = {fit.coefficients[0] * per_metre, fit.coefficients[1] * per_metre,
-                    fit.coefficients[2] * per_metre};
-  // The share of chords is an estimate. Where it is less than 1, the difference to the fit that
-  // reads all facets as chords is taken for two standard deviations and added.
-  result.covariance_per_m2 =
-      (covariance(scatter) + other_reading * other_reading.transpose() / 4) * per_metre * per_metre;
-  const auto curvatures = internal::principal_curvatures_per_m(result.quadric);
-  const double axis = principal_axis(result.quadric);
+/// The principal radii, their axis and standard deviations, from the quadric and its covariance.
+void set_radii(QuadricFit& result, double per_metre) {
+  const auto curvatures = principal_curvatures_per_m(result.quadric);
   const Eigen::Matrix2d curvature_covariance =
-      internal::principal_curvature_covariance_per_m2(result.quadric, result.covariance_per_m2);
+      principal_curvature_covariance_per_m2(result.quadric, result.covariance_per_m2);
   const double largest = std::max(std::abs(curvatures[0]), std::abs(curvatures[1]));
-  result.principal.axis_rad = axis;
+  result.principal.axis_rad = principal_axis(result.quadric);
   for (int i = 0; i < 2; ++i) {
     const double std = std::sqrt(curvature_covariance(i, i));
     // A direction counts as flat (infinite radius) if its sagitta is at most a millionth of the
@@ -524,9 +521,42 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
     const double noise = std::min(3 * std, 1e-2 * largest);
     const double radius = radius_from_curvature(curvatures[i], std::max(2e-6 * per_metre, noise));
     result.principal.radii_m[i] = radius;
-    result.radii_std_m[i] =
-        std::isinf(radius) ? kInfinity : internal::radius_std_m(curvatures[i], std);
+    result.radii_std_m[i] = std::isinf(radius) ? kInfinity : radius_std_m(curvatures[i], std);
   }
+}
+
+}  // namespace
+
+QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
+  check_radius(neighbourhood, region_radius_m);
+  const SurfaceRegion region = neighbourhood.region(region_radius_m);
+  // Depths are measured from the given point. The origin is its foot on the fitted surface.
+  const Vector3d to_point = neighbourhood.point_m() - neighbourhood.centre_m();
+  const Eigen::Matrix3Xd vertices = region.vertices_m.colwise() - to_point;
+  check_determined(region, vertices, region_radius_m);
+  Facets facets(region, vertices, region_radius_m);
+  RobustFit found = fit_without_spikes(facets, region);
+  Eigen::Vector3d other_reading = Eigen::Vector3d::Zero();
+  const double chords = chord_share(facets, found.fit);
+  if (chords < 1) {
+    other_reading = found.fit.coefficients.head<3>();
+    facets.take_as_chords(chords);
+    found.fit = fit_tangent(facets, found.fit.normal);
+    found.scatter = residuals(facets, found.fit, found.outliers);
+    other_reading -= found.fit.coefficients.head<3>();
+  }
+  const TangentFit& fit = found.fit;
+
+  QuadricFit result;
+  const double per_metre = 1 / region_radius_m;
+  result.quadric = {fit.coefficients[0] * per_metre, fit.coefficients[1] * per_metre,
+                    fit.coefficients[2] * per_metre};
+  // The share of chords is an estimate. Where it is less than 1, the difference to the fit that
+  // reads all facets as chords is taken for two standard deviations and added.
+  result.covariance_per_m2 =
+      (covariance(found.scatter) + other_reading * other_reading.transpose() / 4) * per_metre *
+      per_metre;
+  set_radii(result, per_metre);
   result.normal = fit.normal;
   result.x_axis = fit.frame.col(0);
   result.origin_m = neighbourhood.point_m() - fit.coefficients[5] * region_radius_m * fit.normal;
@@ -537,8 +567,8 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   result.residual_rms_m =
       region_radius_m * std::sqrt(region.weights_m2.dot(distances.cwiseAbs2()) / result.area_m2);
   result.region_radius_m = region_radius_m;
-  result.points = n;
-  result.outliers = outliers;
+  result.points = region.vertices_within;
+  result.outliers = found.outliers;
   result.sharpest_kink_rad = region.sharp_kink_rad;
   // A coarse or noisy mesh has kinks everywhere: an edge is one that exceeds them clearly.
   const double sharp = 35 * kPi / 180;
