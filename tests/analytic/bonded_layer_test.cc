@@ -10,9 +10,9 @@
 #include <string>
 
 #include "layer_reference.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/layer/elliptic_contact.h"
 #include "softfinger/layer/layer_limits.h"
-#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {

@@ -6,12 +6,10 @@
 #include <limits>
 
 #include "quadrature.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger {
 namespace {
-
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 TEST(EllipticIntegrals, AgreeWithQuadratureFromCircleToNeedle) {
   for (const double q :

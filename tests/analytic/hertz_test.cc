@@ -4,7 +4,7 @@
 #include <string>
 
 #include "quadrature.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {

@@ -11,8 +11,8 @@
 #include "softfinger/fft/influence.h"
 #include "softfinger/fft/layer_contact.h"
 #include "softfinger/fft/sampled_gap.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {

@@ -13,7 +13,7 @@
 namespace softfinger {
 namespace {
 
-const PressureModel& model() { return *find_pressure_model("layer_fredholm"); }
+const PressureModel& fredholm() { return *find_pressure_model("layer_fredholm"); }
 
 /// E* = E / (1 - nu²) in pascals, R, h: none of them one, so that no unit is forgotten.
 constexpr double kModulus_Pa = 3e5, kThickness_m = 2e-3, kRadius_m = 0.3;
@@ -50,7 +50,7 @@ TEST(LayerFredholm, EqualsPublishedSolutions) {
     const double a = row.s * kThickness_m;
     const double P = row.load * kModulus_Pa * a * a * a / kRadius_m;
     const ContactProblem problem = round_contact(row.nu, P);
-    const Prediction prediction = model().predict(problem);
+    const Prediction prediction = fredholm().predict(problem);
     ASSERT_TRUE(prediction.has_answer);
     const double errors[] = {
         prediction.a_m / a - 1,
@@ -58,7 +58,7 @@ TEST(LayerFredholm, EqualsPublishedSolutions) {
         prediction.indentation_m / (row.indentation * a * a / kRadius_m) - 1,
         prediction.torque_arm_exact_m / (row.arm * a) - 1,
         prediction.peak_pressure_Pa / (row.peak * kModulus_Pa * a / kRadius_m) - 1,
-        model().pressure_Pa(problem, prediction, 0.3 * a, 0.4 * a) /
+        fredholm().pressure_Pa(problem, prediction, 0.3 * a, 0.4 * a) /
                 (row.at_half * kModulus_Pa * a / kRadius_m) -
             1};
     for (const double error : errors) {
@@ -86,7 +86,7 @@ TEST(LayerFredholm, TwoLikeLayersAreOneWithHalfOfTheGap) {
   two.object_layer = two.layer;
   ContactProblem one = round_contact(0.4, 2);
   one.radii = {2 * kRadius_m, 2 * kRadius_m};
-  const Prediction of_two = model().predict(two), of_one = model().predict(one);
+  const Prediction of_two = fredholm().predict(two), of_one = fredholm().predict(one);
   EXPECT_NEAR(of_two.a_m / of_one.a_m, 1, 1e-12);  // the tolerance of the load, 1e-13, and rounding
   EXPECT_NEAR(of_two.indentation_m / (2 * of_one.indentation_m), 1, 1e-12);
   EXPECT_NEAR(of_two.peak_pressure_Pa / of_one.peak_pressure_Pa, 1, 1e-12);
@@ -100,7 +100,7 @@ TEST(LayerFredholm, AThickLayerOnTheObjectIsAHalfSpaceInSeries) {
   const double compliance = 1 / problem.layer.plane_strain_modulus_Pa() +
                             1 / problem.object_layer.plane_strain_modulus_Pa();
   const double a = std::cbrt(0.75 * compliance * kRadius_m);
-  const Prediction prediction = model().predict(problem);
+  const Prediction prediction = fredholm().predict(problem);
   // The indentation feels the base to first order in a/h.
   EXPECT_NEAR(prediction.a_m / a, 1, 1e-12);
   EXPECT_NEAR(prediction.indentation_m / (a * a / kRadius_m), 1, 3 * a / 1e3);
@@ -109,12 +109,12 @@ TEST(LayerFredholm, AThickLayerOnTheObjectIsAHalfSpaceInSeries) {
 TEST(LayerFredholm, RefusesInWordsWhatItCannotSolve) {
   ContactProblem problem = round_contact(0.4, 2);
   problem.radii.major_m *= 1.01;
-  const Prediction elliptic = model().predict(problem);
+  const Prediction elliptic = fredholm().predict(problem);
   EXPECT_FALSE(elliptic.has_answer);
   EXPECT_EQ(std::string(elliptic.validity.begin()->check), "round");
   problem = round_contact(0.4, 2);
   problem.layer.thickness_m = 1e-6;
-  const Prediction thin = model().predict(problem);
+  const Prediction thin = fredholm().predict(problem);
   EXPECT_FALSE(thin.has_answer);
   EXPECT_EQ(std::string(thin.validity.begin()->check), "solvable");
 }

@@ -14,7 +14,7 @@
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/six_patch_surface.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "tests/allocation_counter.h"
 
 namespace softfinger {

@@ -14,6 +14,7 @@
 
 #include "finite_prediction.h"
 #include "quadrature.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -237,7 +238,9 @@ TEST(ModelInvariants, ApproachTheCircleContinuously) {
     ContactProblem circle{{0.01, 0.01}, {0.002, 3e5, 0.3}, {1, 0.8}};
     circle.options.power_law = {0.003, 0.3, 2.5};
     const Prediction limit = model->predict(circle);
-    EXPECT_NEAR(limit.a_m / limit.b_m, 1, 4e-16);
+    // Two axes that are computed apart differ by a few roundings, which depend on the processor:
+    // the C library has several versions of sin and cos.
+    EXPECT_NEAR(limit.a_m / limit.b_m, 1, 4 * kEpsilon);
     EXPECT_NEAR(limit.torque_arm_exact_m / limit.torque_arm_paper_m, 1, 1e-15);
     for (double excess = 1e-15; excess < 1e-2; excess *= 2) {
       ContactProblem problem = circle;

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "quadrature.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "softfinger/pressure/power_law_fit.h"
 #include "softfinger/pressure/pressure_model.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "quadrature.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -19,7 +19,7 @@ ContactProblem thin_problem(double R1_m, double R2_m, double load_N) {
   return {{R1_m, R2_m}, {1e-4, 3e5, 0.5}, {load_N, 0.5}};
 }
 
-const ValidityCheck* find_check(const Prediction& prediction, const std::string& name) {
+const ValidityCheck* find_thin_check(const Prediction& prediction, const std::string& name) {
   for (const ValidityCheck& check : prediction.validity)
     if (check.check == name) return &check;
   return nullptr;
@@ -101,21 +101,21 @@ TEST(ThinIncompressible, IsValidWhereTheLayerFlowsOnly) {
   const double s = contact.a_m / wide.layer.thickness_m;
   ASSERT_GT(s, 30);
   EXPECT_TRUE(contact.valid());
-  EXPECT_EQ(find_check(contact, "incompressible")->value, 0);
+  EXPECT_EQ(find_thin_check(contact, "incompressible")->value, 0);
 
   ContactProblem compressible = wide;
   compressible.layer.poisson_ratio = 0.45;
   const Prediction wrong = thin_incompressible(compressible);
   EXPECT_TRUE(wrong.has_answer);
   EXPECT_FALSE(wrong.valid());
-  const ValidityCheck& check = *find_check(wrong, "incompressible");
+  const ValidityCheck& check = *find_thin_check(wrong, "incompressible");
   const double G_over_M = 0.1 / (2 * 0.55);
   EXPECT_NEAR(check.value / (3 * std::pow(wrong.a_m / 1e-4, 2) * G_over_M), 1, 1e-12);
   EXPECT_NE(std::string(check.message).find("compressible"), std::string::npos);
 
   const Prediction thick = thin_incompressible(thin_problem(0.01, 0.01, 0.01));
   EXPECT_TRUE(thick.has_answer);
-  EXPECT_FALSE(find_check(thick, "thin_for_flow")->holds());
+  EXPECT_FALSE(find_thin_check(thick, "thin_for_flow")->holds());
 }
 
 TEST(ThinIncompressible, AddsTheFlowOfACompliantObjectsLayer) {
@@ -128,7 +128,7 @@ TEST(ThinIncompressible, AddsTheFlowOfACompliantObjectsLayer) {
   problem.object_layer.thickness_m *= 2;
   problem.object_layer.youngs_modulus_Pa *= 8;
   EXPECT_NEAR(thin_incompressible(problem).a_m / two.a_m, 1, 1e-15);
-  EXPECT_EQ(find_check(thin_incompressible(problem), "thin_for_flow")->value,
+  EXPECT_EQ(find_thin_check(thin_incompressible(problem), "thin_for_flow")->value,
             std::sqrt(two.a_m) * std::sqrt(two.b_m) / problem.object_layer.thickness_m);
 }
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {

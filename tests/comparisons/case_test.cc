@@ -10,7 +10,7 @@
 namespace softfinger {
 namespace {
 
-const char* const kGood = R"(id = "example"
+const char* const kGoodCase = R"(id = "example"
 question = "Does it?"
 [geometry]
 relative_radii_mm = [20.0, 5.0]
@@ -28,7 +28,7 @@ kinematics = "linear"
 )";
 
 std::string replaced(const std::string& old_text, const std::string& new_text) {
-  std::string text = kGood;
+  std::string text = kGoodCase;
   const std::size_t position = text.find(old_text);
   EXPECT_NE(position, std::string::npos) << old_text;
   return text.replace(position, old_text.size(), new_text);
@@ -45,7 +45,7 @@ std::string repeated(const std::string& text, int times) {
 }  // namespace
 
 TEST(Case, IsReadInSiUnits) {
-  const input::Case result = input::parse_case(kGood, "folder/example.toml");
+  const input::Case result = input::parse_case(kGoodCase, "folder/example.toml");
   EXPECT_EQ(result.id, "example");
   EXPECT_EQ(result.question, "Does it?");
   const auto& radii = std::get<RelativeRadii>(result.geometry);
@@ -90,7 +90,7 @@ std::string finite_case(const std::string& layer_keys,
 }
 
 TEST(Case, TakesAHyperelasticMaterial) {
-  EXPECT_FALSE(input::parse_case(kGood, "x.toml").fem_finite.has_value());
+  EXPECT_FALSE(input::parse_case(kGoodCase, "x.toml").fem_finite.has_value());
   const auto plain = input::parse_case(finite_case(""), "x.toml").fem_finite;
   ASSERT_TRUE(plain.has_value());
   EXPECT_EQ(plain->material, "neo_hookean");
@@ -283,7 +283,7 @@ TEST(Case, TakesAPowerLawOrTheDataToFitOne) {
   EXPECT_NEAR(fitted.options.power_law.radius_exponent, 1.0 / 3, 1e-15);
   EXPECT_NEAR(fitted.options.power_law.radius_coefficient, 0.002, 1e-17);
   EXPECT_EQ(fitted.problem({0.02, 0.01}, 1).options.power_law.pressure_exponent, 3);
-  EXPECT_EQ(input::parse_case(kGood, "x.toml").options.power_law.radius_coefficient, 0)
+  EXPECT_EQ(input::parse_case(kGoodCase, "x.toml").options.power_law.radius_coefficient, 0)
       << "none given";
 }
 

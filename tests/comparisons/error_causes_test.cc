@@ -6,7 +6,7 @@
 
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "softfinger/friction/max_torque.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger {
 namespace {

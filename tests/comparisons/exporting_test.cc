@@ -7,8 +7,8 @@
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/exporting/simulators/drake.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "tests/comparisons/run_program.h"
 
 namespace softfinger::exporting {

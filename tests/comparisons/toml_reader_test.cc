@@ -10,7 +10,7 @@
 namespace softfinger {
 namespace {
 
-std::string repeated(const std::string& text, int times) {
+std::string repeated_text(const std::string& text, int times) {
   std::string all;
   for (int i = 0; i < times; ++i) all += text;
   return all;
@@ -38,14 +38,14 @@ TEST(TomlReader, RefusesDeepNestingBeforeTheParserRecurses) {
   constexpr int kDeep = 300000;
   const std::string brackets = "x.toml:2: brackets in brackets: allowed: at most 16 levels";
   const std::string dots = "x.toml:2: dotted key: allowed: at most 16 parts";
-  expect_words("\na = " + repeated("[", kDeep), brackets);
-  expect_words("\na = " + repeated("{a=", kDeep), brackets);
-  expect_words("\n" + repeated("[", kDeep), brackets);
-  expect_words("\nid" + repeated(".a", kDeep) + " = 1", dots);
-  expect_words("\nid" + repeated(" . \"a\"", kDeep) + " = 1", dots);
-  expect_words("\n[layer" + repeated(".'a'", kDeep) + "]", dots);
-  expect_words("\na = { b" + repeated(".a", kDeep) + " = 1 }", dots);
-  const std::string scene = "id = 'x'\n[simulation" + repeated(".a", kDeep) + "]";
+  expect_words("\na = " + repeated_text("[", kDeep), brackets);
+  expect_words("\na = " + repeated_text("{a=", kDeep), brackets);
+  expect_words("\n" + repeated_text("[", kDeep), brackets);
+  expect_words("\nid" + repeated_text(".a", kDeep) + " = 1", dots);
+  expect_words("\nid" + repeated_text(" . \"a\"", kDeep) + " = 1", dots);
+  expect_words("\n[layer" + repeated_text(".'a'", kDeep) + "]", dots);
+  expect_words("\na = { b" + repeated_text(".a", kDeep) + " = 1 }", dots);
+  const std::string scene = "id = 'x'\n[simulation" + repeated_text(".a", kDeep) + "]";
   EXPECT_THROW(input::parse_scene(scene, "x.toml"), InputError);
 }
 
@@ -67,14 +67,14 @@ TEST(TomlReader, NamesATableThatStandsWhereATextShould) {
 }
 
 TEST(TomlReader, TakesNestingUpToItsLimit) {
-  expect_words("a = " + repeated("[", 16) + repeated("]", 16), "unknown key \"a\"");
-  expect_words("a = " + repeated("[", 17) + repeated("]", 17), "at most 16 levels");
-  expect_words("a" + repeated(".a", 15) + " = 1", "unknown key \"a\"");
-  expect_words("a" + repeated(".a", 16) + " = 1", "at most 16 parts");
+  expect_words("a = " + repeated_text("[", 16) + repeated_text("]", 16), "unknown key \"a\"");
+  expect_words("a = " + repeated_text("[", 17) + repeated_text("]", 17), "at most 16 levels");
+  expect_words("a" + repeated_text(".a", 15) + " = 1", "unknown key \"a\"");
+  expect_words("a" + repeated_text(".a", 16) + " = 1", "at most 16 parts");
 }
 
 TEST(TomlReader, CountsNoBracketsInStringsAndComments) {
-  const std::string deep = repeated("[{.", 40);
+  const std::string deep = repeated_text("[{.", 40);
   const std::string three = R"(""")";
   for (const std::string& quoted :
        {"\"" + deep + "\"", R"("\")" + deep + R"(\\")", "'" + deep + "'", "'" + deep + "\\'",
@@ -84,7 +84,7 @@ TEST(TomlReader, CountsNoBracketsInStringsAndComments) {
 }
 
 TEST(TomlReader, CountsTheBracketsBehindStringsAndComments) {
-  const std::string after = "\nb = " + repeated("[", 17);
+  const std::string after = "\nb = " + repeated_text("[", 17);
   for (const char* before : {"''", "\"\"", "''''''", R"("""""")", "'#'", "\"#\"", "'\\'", "1 # '"})
     expect_words("a = " + std::string(before) + after, "x.toml:2: brackets in brackets");
 }
@@ -93,7 +93,7 @@ TEST(TomlReader, ShortensWhatItRepeats) {
   const std::string endless(1000000, 'x');
   for (const std::string& text :
        {endless + " = 1", "id = \"" + endless + "\"", "id = [\"" + endless + "\"]",
-        "id = [" + repeated("1,", 1000000) + "]", "id = " + endless,
+        "id = [" + repeated_text("1,", 1000000) + "]", "id = " + endless,
         "id = \"x\"\nquestion = \"" + endless + "\""}) {
     EXPECT_GT(message(text).size(), 0u);
     EXPECT_LT(message(text).size(), 600u);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sample_motion.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::simulation {
 namespace {

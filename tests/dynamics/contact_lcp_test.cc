@@ -7,14 +7,14 @@
 #include <cmath>
 #include <limits>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "tests/dynamics/random_scene.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kRoundOff = 1e-12;
+constexpr double kLcpRoundOff = 1e-12;
 
 /// `contacts` times the same contact of a body with the floor: mass 2 kg, inertia such that a spin
 /// is felt as 0.5 kg m² about the normal, no arms.
@@ -40,8 +40,8 @@ TEST(ContactLcp, StopsAFallingBlock) {
   ContactSolution solution;
   const LcpResult result = solve(block_on_floor(1, {-0.3, 0, 0, 0}, 0.7, 0.01), solution);
   EXPECT_EQ(result.status, LcpStatus::solved);
-  EXPECT_NEAR(solution.impulse[0], 0.6, kRoundOff);
-  EXPECT_LE(solution.velocity.norm(), kRoundOff);
+  EXPECT_NEAR(solution.impulse[0], 0.6, kLcpRoundOff);
+  EXPECT_LE(solution.velocity.norm(), kLcpRoundOff);
 }
 
 // Found by fuzzing: vertices of 1e150 made velocities that are no numbers, with a residual of 0.
@@ -65,16 +65,16 @@ TEST(ContactLcp, LetsASeparatingBlockGo) {
   const LcpResult result = solve(block_on_floor(1, {0.1, 1, 0, 3}, 0.7, 0.01), solution);
   EXPECT_EQ(result.status, LcpStatus::solved);
   EXPECT_EQ(solution.impulse, Eigen::Vector4d::Zero());
-  EXPECT_LE(result.residual, kRoundOff);
+  EXPECT_LE(result.residual, kLcpRoundOff);
 }
 
 TEST(ContactLcp, SticksWhenFrictionSuffices) {
   ContactSolution solution;
   const LcpResult result = solve(block_on_floor(1, {-0.3, 0.05, -0.02, 0}, 0.7, 0.01), solution);
   EXPECT_EQ(result.status, LcpStatus::solved);
-  EXPECT_LE(solution.velocity.norm(), kRoundOff);
-  EXPECT_NEAR(solution.impulse[1], -2 * 0.05, kRoundOff);
-  EXPECT_NEAR(solution.impulse[2], 2 * 0.02, kRoundOff);
+  EXPECT_LE(solution.velocity.norm(), kLcpRoundOff);
+  EXPECT_NEAR(solution.impulse[1], -2 * 0.05, kLcpRoundOff);
+  EXPECT_NEAR(solution.impulse[2], 2 * 0.02, kLcpRoundOff);
 }
 
 TEST(ContactLcp, GivesAllTorqueToAPureSpin) {
@@ -82,8 +82,8 @@ TEST(ContactLcp, GivesAllTorqueToAPureSpin) {
   ContactSolution solution;
   const LcpResult result = solve(block_on_floor(1, {-0.3, 0, 0, 1}, 0.7, 0.01), solution);
   EXPECT_EQ(result.status, LcpStatus::solved);
-  EXPECT_NEAR(solution.impulse[3], -0.01 * 0.7 * 0.6, kRoundOff);
-  EXPECT_NEAR(solution.velocity[3], 1 - 2 * 0.01 * 0.7 * 0.6, kRoundOff);
+  EXPECT_NEAR(solution.impulse[3], -0.01 * 0.7 * 0.6, kLcpRoundOff);
+  EXPECT_NEAR(solution.velocity[3], 1 - 2 * 0.01 * 0.7 * 0.6, kLcpRoundOff);
 }
 
 TEST(ContactLcp, SharesALoadAmongTheSameContactManyTimes) {
@@ -92,10 +92,10 @@ TEST(ContactLcp, SharesALoadAmongTheSameContactManyTimes) {
     const LcpResult result =
         solve(block_on_floor(contacts, {-0.3, 0.8, 0.1, 2}, 0.7, 0.01), solution);
     ASSERT_EQ(result.status, LcpStatus::solved) << contacts;
-    EXPECT_LE(result.residual, kRoundOff) << contacts;
+    EXPECT_LE(result.residual, kLcpRoundOff) << contacts;
     double sum = 0;
     for (int i = 0; i < contacts; ++i) sum += solution.impulse[4 * i];
-    EXPECT_NEAR(sum, 0.6, kRoundOff) << contacts;
+    EXPECT_NEAR(sum, 0.6, kLcpRoundOff) << contacts;
   }
 }
 
@@ -110,7 +110,7 @@ TEST(ContactLcp, ProvesThatClosingWallsCannotBeWithstood) {
   const LcpResult result = solve(problem, solution);
   ASSERT_EQ(result.status, LcpStatus::infeasible_or_ray);
   EXPECT_EQ(result.proof, RayProof::infeasible);
-  EXPECT_LE((problem.delassus * solution.ray).norm(), kRoundOff * solution.ray.norm());
+  EXPECT_LE((problem.delassus * solution.ray).norm(), kLcpRoundOff * solution.ray.norm());
   EXPECT_LT(solution.ray.dot(problem.free_velocity), 0);
   // The same walls, opening as fast as the other closes, are no problem.
   problem.free_velocity[4] = 1;
@@ -164,13 +164,13 @@ TEST(ContactLcp, TakesNoPivotsForContactsWithoutLoad) {
   ASSERT_EQ(all.status, LcpStatus::solved);
   ASSERT_EQ(few.status, LcpStatus::solved);
   EXPECT_EQ(all.pivots, few.pivots);
-  EXPECT_LE((of_all.impulse.head(n) - of_first.impulse).norm(), kRoundOff);
+  EXPECT_LE((of_all.impulse.head(n) - of_first.impulse).norm(), kLcpRoundOff);
   EXPECT_TRUE(of_all.impulse.tail(n).isZero(0));
   // Their lambda is nevertheless what (3) asks for.
   for (int i = loaded; i < 2 * loaded; ++i) {
     const Eigen::Vector3d arms(1, 1, problem.eccentricity_m[i]);
     const Eigen::Vector3d slip = arms.cwiseProduct(of_all.velocity.segment<3>(4 * i + 1));
-    EXPECT_NEAR(of_all.slip[i], -(slip.transpose() * problem.vertices).minCoeff(), kRoundOff);
+    EXPECT_NEAR(of_all.slip[i], -(slip.transpose() * problem.vertices).minCoeff(), kLcpRoundOff);
   }
 }
 
@@ -193,17 +193,17 @@ TEST(ContactLcp, SaysThatFrictionJamsWhatCouldEscapeWithoutIt) {
     ASSERT_EQ(result.status, LcpStatus::infeasible_or_ray);
     EXPECT_EQ(result.proof, RayProof::ray_only);
     const Eigen::VectorXd& ray = solution.ray;
-    EXPECT_LE((problem.delassus * ray).norm(), kRoundOff * ray.norm());
+    EXPECT_LE((problem.delassus * ray).norm(), kLcpRoundOff * ray.norm());
     EXPECT_LT(ray.dot(problem.free_velocity), 0);
     EXPECT_GT(ray[0], 0);
-    EXPECT_LE(std::hypot(ray[1], ray[2], ray[3] / 0.01), ray[0] * (1 + kRoundOff));
+    EXPECT_LE(std::hypot(ray[1], ray[2], ray[3] / 0.01), ray[0] * (1 + kLcpRoundOff));
     // Slippery enough: v_t = 0.1 tan 60 and m x = P (cos - mu sin), x = 0.1/cos.
     problem.friction_coefficient.setConstant(1, 0.25);
     ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
-    EXPECT_NEAR(solution.velocity[1], 0.1 * std::tan(angle), kRoundOff);
+    EXPECT_NEAR(solution.velocity[1], 0.1 * std::tan(angle), kLcpRoundOff);
     if (rule == FrictionRule::facets) continue;
     EXPECT_NEAR(solution.impulse[0] * (std::cos(angle) - 0.25 * std::sin(angle)),
-                mass_kg * 0.1 / std::cos(angle), kRoundOff);
+                mass_kg * 0.1 / std::cos(angle), kLcpRoundOff);
   }
 }
 

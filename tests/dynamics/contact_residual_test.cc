@@ -10,7 +10,7 @@
 namespace softfinger {
 namespace {
 
-constexpr double kRoundOff = 1e-15;
+constexpr double kOneRoundOff = 1e-15;
 
 /// Both directions of each axis: forces along the tangents, torques about the normal.
 Eigen::Matrix3Xd axes() {
@@ -58,61 +58,61 @@ double exact_residual(const ContactLcp& problem, const Eigen::Vector4d& impulse)
 TEST(ContactResidual, IsZeroForASolutionByHand) {
   // Free slip 2 m/s along x: friction of 1 N s against it leaves 1.5 m/s.
   const ContactLcp slides = block({-1, 2, 0, 0});
-  EXPECT_LE(contact_residual(slides, with(slides, 2, {{0, 3, 1}}, 1.5)), kRoundOff);
+  EXPECT_LE(contact_residual(slides, with(slides, 2, {{0, 3, 1}}, 1.5)), kOneRoundOff);
   const ContactLcp sticks = block({-1, 0.25, 0, 0});
-  EXPECT_LE(contact_residual(sticks, with(sticks, 2, {{0, 3, 0.5}}, 0)), kRoundOff);
+  EXPECT_LE(contact_residual(sticks, with(sticks, 2, {{0, 3, 0.5}}, 0)), kOneRoundOff);
   // Turns at 2 rad/s, e_n omega = 1 m/s: 0.5 N m s against it leave 0.5 m/s.
   const ContactLcp turns = block({-1, 0, 0, 2});
-  EXPECT_LE(contact_residual(turns, with(turns, 2, {{0, 5, 1}}, 0.5)), kRoundOff);
+  EXPECT_LE(contact_residual(turns, with(turns, 2, {{0, 5, 1}}, 0.5)), kOneRoundOff);
 }
 
 TEST(ContactResidual, HasNoUnit) {
   for (const double scale : {1e-6, 1e6}) {
     const ContactLcp still = block({-scale, 0, 0, 0});
-    EXPECT_NEAR(contact_residual(still, with(still, scale, {}, 0)), 0.5, kRoundOff);
+    EXPECT_NEAR(contact_residual(still, with(still, scale, {}, 0)), 0.5, kOneRoundOff);
     const ContactLcp slips = block({-scale, 0.5 * scale, 0, 0});
-    EXPECT_NEAR(contact_residual(slips, with(slips, 2 * scale, {}, 0)), 0.5, kRoundOff);
+    EXPECT_NEAR(contact_residual(slips, with(slips, 2 * scale, {}, 0)), 0.5, kOneRoundOff);
     const ContactLcp exact = block({-scale, scale, 0, 0}, FrictionRule::ellipsoid);
-    EXPECT_NEAR(exact_residual(exact, {2 * scale, 0, 0, 0}), 0.5, kRoundOff);
-    EXPECT_NEAR(exact_residual(exact, {scale, -scale / 2, 0, 0}), 0.5, kRoundOff);
+    EXPECT_NEAR(exact_residual(exact, {2 * scale, 0, 0, 0}), 0.5, kOneRoundOff);
+    EXPECT_NEAR(exact_residual(exact, {scale, -scale / 2, 0, 0}), 0.5, kOneRoundOff);
   }
 }
 
 TEST(ContactResidual, SeesThatBodiesApproachOrPull) {
   const ContactLcp still = block({-1, 0, 0, 0});
   // 0.5 m/s of approach are left.
-  EXPECT_NEAR(contact_residual(still, with(still, 1, {}, 0)), 0.5, kRoundOff);
+  EXPECT_NEAR(contact_residual(still, with(still, 1, {}, 0)), 0.5, kOneRoundOff);
   // Pushed although they separate: 0.5 m/s.
-  EXPECT_NEAR(contact_residual(still, with(still, 3, {}, 0)), 0.5, kRoundOff);
+  EXPECT_NEAR(contact_residual(still, with(still, 3, {}, 0)), 0.5, kOneRoundOff);
   // Pulled: W P = -1 m/s, and the cone of a negative load holds nothing.
   ContactLcp frictionless = block({1, 0, 0, 0});
   frictionless.friction_coefficient.setZero();
-  EXPECT_NEAR(contact_residual(frictionless, with(frictionless, -2, {}, 0)), 1, kRoundOff);
+  EXPECT_NEAR(contact_residual(frictionless, with(frictionless, -2, {}, 0)), 1, kOneRoundOff);
 }
 
 TEST(ContactResidual, SeesSlipWithFrictionLeft) {
   // lambda = 1 m/s beside 1 of 2 N s that friction has left; the vertices leave it free to be so.
   const ContactLcp problem = block({-1, 0, 0, 0});
-  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {}, 1)), 0.5, kRoundOff);
+  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {}, 1)), 0.5, kOneRoundOff);
 }
 
 TEST(ContactResidual, SeesFrictionBeyondTheCone) {
   // 1.5 N s where 1 N s may be carried, at rest: a quarter of the largest impulse too much.
   const ContactLcp problem = block({-1, 0.75, 0, 0});
-  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {{0, 3, 1.5}}, 0)), 0.25, kRoundOff);
+  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {{0, 3, 1.5}}, 0)), 0.25, kOneRoundOff);
 }
 
 TEST(ContactResidual, SeesSlipThatNoFrictionActsAgainst) {
   // Slips at 0.5 m/s, lambda = 0 denies it, no vertex has a weight.
   const ContactLcp problem = block({-1, 0.5, 0, 0});
-  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {}, 0)), 0.5, kRoundOff);
+  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {}, 0)), 0.5, kOneRoundOff);
 }
 
 TEST(ContactResidual, SeesFrictionThatIsNotAgainstTheSlip) {
   // Slides along x at 2 m/s, friction of 1 N s is along y: there W beta = 0.5 m/s is the smaller of
   // the pair; v_free has 2 m/s.
   const ContactLcp problem = block({-1, 2, -0.5, 0});
-  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {{0, 1, 1}}, 2)), 0.25, kRoundOff);
+  EXPECT_NEAR(contact_residual(problem, with(problem, 2, {{0, 1, 1}}, 2)), 0.25, kOneRoundOff);
 }
 
 TEST(ContactResidual, SeesNegativeWeights) {
@@ -120,7 +120,7 @@ TEST(ContactResidual, SeesNegativeWeights) {
   // -0.5 m/s of 1 m/s. A second weight keeps the sum within the cone.
   const ContactLcp problem = block({-1, 0, 0, 0});
   EXPECT_NEAR(contact_residual(problem, with(problem, 2, {{0, 3, -1}, {0, 0, -1}}, 0)), 0.5,
-              kRoundOff);
+              kOneRoundOff);
 }
 
 TEST(ContactResidual, SeesVelocitiesAndImpulsesThatDoNotBelongToTheWeights) {
@@ -151,30 +151,30 @@ TEST(ContactResidual, SeesWhatIsNoNumber) {
 
 TEST(ExactContactResidual, IsZeroForASolutionByHand) {
   const ContactLcp slides = block({-1, 2, 0, 0}, FrictionRule::ellipsoid);
-  EXPECT_LE(exact_residual(slides, {2, -1, 0, 0}), kRoundOff);
+  EXPECT_LE(exact_residual(slides, {2, -1, 0, 0}), kOneRoundOff);
   const ContactLcp sticks = block({-1, 0.25, 0, 0}, FrictionRule::ellipsoid);
-  EXPECT_LE(exact_residual(sticks, {2, -0.5, 0, 0}), kRoundOff);
+  EXPECT_LE(exact_residual(sticks, {2, -0.5, 0, 0}), kOneRoundOff);
   const ContactLcp turns = block({-1, 0, 0, 2}, FrictionRule::ellipsoid);
-  EXPECT_LE(exact_residual(turns, {2, 0, 0, -0.5}), kRoundOff);
+  EXPECT_LE(exact_residual(turns, {2, 0, 0, -0.5}), kOneRoundOff);
 }
 
 TEST(ExactContactResidual, SeesThatBodiesApproachOrPull) {
   const ContactLcp still = block({-1, 0, 0, 0}, FrictionRule::ellipsoid);
-  EXPECT_NEAR(exact_residual(still, {1, 0, 0, 0}), 0.5, kRoundOff);
-  EXPECT_NEAR(exact_residual(still, {3, 0, 0, 0}), 0.5, kRoundOff);
+  EXPECT_NEAR(exact_residual(still, {1, 0, 0, 0}), 0.5, kOneRoundOff);
+  EXPECT_NEAR(exact_residual(still, {3, 0, 0, 0}), 0.5, kOneRoundOff);
   const ContactLcp apart = block({1, 0, 0, 0}, FrictionRule::ellipsoid);
-  EXPECT_NEAR(exact_residual(apart, {-2, 0, 0, 0}), 1, kRoundOff);
+  EXPECT_NEAR(exact_residual(apart, {-2, 0, 0, 0}), 1, kOneRoundOff);
 }
 
 TEST(ExactContactResidual, SeesFrictionBeyondTheLimit) {
   // Slides on at 0.1 m/s against 1.1 N s of friction; the largest impulse is 2 N s. As velocities
   // the excess is smaller: 0.05 m/s of 1.
   ContactLcp problem = block({-1, 0.65, 0, 0}, FrictionRule::ellipsoid);
-  EXPECT_NEAR(exact_residual(problem, {2, -1.1, 0, 0}), 0.05, kRoundOff);
+  EXPECT_NEAR(exact_residual(problem, {2, -1.1, 0, 0}), 0.05, kOneRoundOff);
   // The velocity unit is now so large that only the excess over the largest impulse is seen.
   problem.delassus *= 1e-6;
   problem.free_velocity = Eigen::Vector4d(-1e-6, 1, 0, 0);
-  EXPECT_NEAR(exact_residual(problem, {2, -1.1, 0, 0}), 0.05, kRoundOff);
+  EXPECT_NEAR(exact_residual(problem, {2, -1.1, 0, 0}), 0.05, kOneRoundOff);
 }
 
 TEST(ExactContactResidual, SeesFrictionThatIsNotAgainstTheSlip) {
@@ -183,13 +183,13 @@ TEST(ExactContactResidual, SeesFrictionThatIsNotAgainstTheSlip) {
   EXPECT_GE(exact_residual(problem, {2, -1, 0, 0}), 0.2);
   // Slips without any friction: it could move by W s = 0.5 m/s of 1 m/s.
   const ContactLcp free = block({-1, 1, 0, 0}, FrictionRule::ellipsoid);
-  EXPECT_NEAR(exact_residual(free, {2, 0, 0, 0}), 0.5, kRoundOff);
+  EXPECT_NEAR(exact_residual(free, {2, 0, 0, 0}), 0.5, kOneRoundOff);
 }
 
 TEST(ExactContactResidual, SeesATorqueWithoutAnArm) {
   ContactLcp problem = block({-1, 0, 0, 0}, FrictionRule::ellipsoid);
   problem.eccentricity_m.setZero();
-  EXPECT_NEAR(exact_residual(problem, {2, 0, 0, 0.5}), 0.25, kRoundOff);
+  EXPECT_NEAR(exact_residual(problem, {2, 0, 0, 0.5}), 0.25, kOneRoundOff);
 }
 
 TEST(ExactContactResidual, SeesWhatIsNoNumber) {

@@ -9,9 +9,9 @@
 namespace softfinger {
 namespace {
 
-constexpr double kRoundOff = 1e-12;
+constexpr double kExactRoundOff = 1e-12;
 
-LcpResult solve(const ContactLcp& problem, ContactSolution& solution) {
+LcpResult solve_exactly(const ContactLcp& problem, ContactSolution& solution) {
   return ContactLcpSolver(problem.contacts(), 0).solve(problem, solution);
 }
 
@@ -63,24 +63,24 @@ TEST(ExactFriction, SlidesAgainstTheVelocityOfASingleContact) {
   // Isotropic in the scaled space: e² 2 = 0.5 for e = 0.5 m. Friction is against the free slip.
   const Eigen::Vector3d slip(0.8, -0.6, 0.5 * 3);  // with e omega
   ContactSolution solution;
-  const LcpResult result = solve(block_on_floor({-0.3, 0.8, -0.6, 3}, 0.7, 0.5), solution);
+  const LcpResult result = solve_exactly(block_on_floor({-0.3, 0.8, -0.6, 3}, 0.7, 0.5), solution);
   ASSERT_EQ(result.status, LcpStatus::solved);
   const Eigen::Vector3d wrench = -0.7 * 0.6 * slip.normalized();
-  EXPECT_NEAR(solution.impulse[0], 0.6, kRoundOff);
-  EXPECT_NEAR(solution.impulse[1], wrench.x(), kRoundOff);
-  EXPECT_NEAR(solution.impulse[2], wrench.y(), kRoundOff);
-  EXPECT_NEAR(solution.impulse[3], 0.5 * wrench.z(), kRoundOff);
-  EXPECT_NEAR(solution.slip[0], slip.norm() - 0.5 * 0.7 * 0.6, kRoundOff);
+  EXPECT_NEAR(solution.impulse[0], 0.6, kExactRoundOff);
+  EXPECT_NEAR(solution.impulse[1], wrench.x(), kExactRoundOff);
+  EXPECT_NEAR(solution.impulse[2], wrench.y(), kExactRoundOff);
+  EXPECT_NEAR(solution.impulse[3], 0.5 * wrench.z(), kExactRoundOff);
+  EXPECT_NEAR(solution.slip[0], slip.norm() - 0.5 * 0.7 * 0.6, kExactRoundOff);
 }
 
 TEST(ExactFriction, PinchHoldsToTheLimitAndSlipsBeyondIt) {
   for (const double force : {0., 0.6, 0.8, 0.95}) {
     const Eigen::Vector3d limit(force, 0, std::sqrt(1 - force * force));
     ContactSolution solution;
-    ASSERT_EQ(solve(Pinch(0.999999 * limit).problem, solution).status, LcpStatus::solved);
+    ASSERT_EQ(solve_exactly(Pinch(0.999999 * limit).problem, solution).status, LcpStatus::solved);
     EXPECT_LE(std::abs(solution.velocity[3]), 1e-10) << force;
     EXPECT_LE(std::abs(solution.velocity[1]), 1e-12) << force;
-    ASSERT_EQ(solve(Pinch(1.000001 * limit).problem, solution).status, LcpStatus::solved);
+    ASSERT_EQ(solve_exactly(Pinch(1.000001 * limit).problem, solution).status, LcpStatus::solved);
     EXPECT_GE(solution.velocity[3], 0.1 * Pinch::spin_beyond(1e-6)) << force;
   }
 }
@@ -98,7 +98,7 @@ TEST(ExactFriction, PinchHoldsToTheLimitSurfaceGiven) {
         problem.friction_rule = FrictionRule::limit_surface;
         problem.shapes.assign(2, shape);
         ContactSolution solution;
-        ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved) << force;
+        ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved) << force;
         if (factor < 1) {
           EXPECT_LE(std::abs(solution.velocity[3]), 1e-10) << force;
         } else {
@@ -116,7 +116,7 @@ TEST(ExactFriction, SlidesByTheRuleOfTheSurfaceGiven) {
   problem.friction_rule = FrictionRule::limit_surface;
   problem.shapes = {&shape};
   ContactSolution solution;
-  ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
+  ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved);
   const Twist twist{solution.velocity[1], solution.velocity[2], solution.velocity[3]};
   const LimitWrench wrench = surface.wrench_for_twist(twist);
   const double limit = 0.7 * solution.impulse[0];
@@ -134,7 +134,7 @@ TEST(ExactFriction, IsTheLimitOfManyFacets) {
     ContactLcp problem = tests::separate_contacts(scenes, 6);
     ContactSolution exact, facets;
     problem.friction_rule = FrictionRule::ellipsoid;
-    ASSERT_EQ(solve(problem, exact).status, LcpStatus::solved);
+    ASSERT_EQ(solve_exactly(problem, exact).status, LcpStatus::solved);
     double last = 1;
     for (const int count : {16, 1000}) {
       problem.vertices = tests::friction_vertices(count);
@@ -151,12 +151,12 @@ TEST(ExactFriction, IsTheLimitOfManyFacets) {
 
 TEST(ExactFriction, CarriesNoTorqueWithoutAnArm) {
   ContactSolution solution;
-  ASSERT_EQ(solve(block_on_floor({-0.3, 0.8, -0.6, 3}, 0.7, 0), solution).status,
+  ASSERT_EQ(solve_exactly(block_on_floor({-0.3, 0.8, -0.6, 3}, 0.7, 0), solution).status,
             LcpStatus::solved);
-  EXPECT_NEAR(solution.impulse[1], -0.42 * 0.8, kRoundOff);
-  EXPECT_NEAR(solution.impulse[2], 0.42 * 0.6, kRoundOff);
+  EXPECT_NEAR(solution.impulse[1], -0.42 * 0.8, kExactRoundOff);
+  EXPECT_NEAR(solution.impulse[2], 0.42 * 0.6, kExactRoundOff);
   EXPECT_EQ(solution.impulse[3], 0);
-  EXPECT_NEAR(solution.velocity[3], 3, kRoundOff);
+  EXPECT_NEAR(solution.velocity[3], 3, kExactRoundOff);
 }
 
 TEST(ExactFriction, TakesFrictionlessRowsUnderEveryRule) {
@@ -180,10 +180,10 @@ TEST(ExactFriction, TakesFrictionlessRowsUnderEveryRule) {
       ContactLcpSolver solver(2, 16);
       const LcpResult result = solver.solve(problem, solution);
       ASSERT_EQ(result.status, LcpStatus::solved);
-      EXPECT_LE(result.residual, kRoundOff);
+      EXPECT_LE(result.residual, kExactRoundOff);
       // The limit stops the block; friction and limit share what that takes, 1.6 N s.
-      EXPECT_NEAR(solution.velocity[4], 0, kRoundOff);
-      EXPECT_NEAR(solution.impulse[1] + solution.impulse[4], 1.6, kRoundOff);
+      EXPECT_NEAR(solution.velocity[4], 0, kExactRoundOff);
+      EXPECT_NEAR(solution.impulse[1] + solution.impulse[4], 1.6, kExactRoundOff);
       EXPECT_EQ(solution.impulse.tail<3>(), Eigen::Vector3d::Zero());
     }
 }
@@ -194,7 +194,7 @@ TEST(ExactFriction, NeverGainsEnergyAndKeepsWithinTheLimit) {
     ContactLcp problem = scenes.next(1 + trial % 10, 16);
     problem.friction_rule = FrictionRule::ellipsoid;
     ContactSolution solution;
-    ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
+    ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved);
     const double work = 0.5 * solution.impulse.dot(solution.velocity + problem.free_velocity);
     const double natural = solution.impulse.cwiseAbs().dot(problem.free_velocity.cwiseAbs());
     EXPECT_LE(work, 1e-10 * natural) << trial;
@@ -213,13 +213,13 @@ TEST(ExactFriction, DoesNotDependOnUnitsOfMassAndTime) {
     ContactLcp problem = tests::separate_contacts(scenes, 5);
     problem.friction_rule = FrictionRule::ellipsoid;
     ContactSolution solution, other;
-    ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
+    ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved);
     for (const double of_mass : {1e-6, 1e6})
       for (const double of_velocity : {1e-6, 1e6}) {
         ContactLcp scaled = problem;
         scaled.delassus /= of_mass;
         scaled.free_velocity *= of_velocity;
-        ASSERT_EQ(solve(scaled, other).status, LcpStatus::solved);
+        ASSERT_EQ(solve_exactly(scaled, other).status, LcpStatus::solved);
         EXPECT_LE((other.velocity / of_velocity - solution.velocity).norm(),
                   1e-9 * problem.free_velocity.norm());
       }
@@ -229,8 +229,8 @@ TEST(ExactFriction, DoesNotDependOnUnitsOfMassAndTime) {
 TEST(ExactFriction, CertificateSeesEveryKindOfError) {
   ContactSolution solution;
   const ContactLcp problem = block_on_floor({-0.3, 0.8, -0.6, 3}, 0.7, 0.5);
-  ASSERT_EQ(solve(problem, solution).status, LcpStatus::solved);
-  EXPECT_LE(exact_contact_residual(problem, solution), kRoundOff);
+  ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved);
+  EXPECT_LE(exact_contact_residual(problem, solution), kExactRoundOff);
   for (int row = 0; row < 4; ++row)
     for (const double factor : {0.999, 1.001}) {
       ContactSolution wrong = solution;

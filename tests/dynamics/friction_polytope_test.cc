@@ -16,7 +16,7 @@ namespace {
 
 using internal::FrictionPolytope;
 
-constexpr double kRoundOff = 1e-11;  // of inverses of facets down to 1e-2 wide
+constexpr double kFacetRoundOff = 1e-11;  // of inverses of facets down to 1e-2 wide
 /// Vertices are moved along their own direction; weights of a unit direction, and a facet's normal
 /// in multiples of its distance, are below 10 for those of 6 vertices and more.
 constexpr double kMoved = 10 * FrictionPolytope::kMoved;
@@ -84,9 +84,9 @@ TEST(FrictionPolytope, VertexBeyondIsTheFarthestOne) {
       const Eigen::Vector3d direction = random_direction(random);
       int farthest = 0;
       const double most = (direction.transpose() * vertices).maxCoeff(&farthest);
-      EXPECT_NEAR(polytope.farthest(direction), most, kRoundOff);
-      EXPECT_EQ(polytope.beyond(direction, most - kRoundOff), farthest);
-      EXPECT_EQ(polytope.beyond(direction, most + kRoundOff), -1);
+      EXPECT_NEAR(polytope.farthest(direction), most, kFacetRoundOff);
+      EXPECT_EQ(polytope.beyond(direction, most - kFacetRoundOff), farthest);
+      EXPECT_EQ(polytope.beyond(direction, most + kFacetRoundOff), -1);
     }
   }
 }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <functional>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger {
@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-constexpr double kRoundOff = 64 * std::numeric_limits<double>::epsilon();
+constexpr double kMassRoundOff = 64 * std::numeric_limits<double>::epsilon();
 
 void expect_near(const Matrix3d& value, const Matrix3d& expected, double relative) {
   EXPECT_LE((value - expected).norm(), relative * expected.norm()) << value << "\nexpected\n"
@@ -57,16 +57,16 @@ TEST(MassProperties, OfPrimitivesAreTheTextbooks) {
   expect_near(
       box.inertia_kg_m2,
       Vector3d((y * y + z * z) / 12, (x * x + z * z) / 12, (x * x + y * y) / 12).asDiagonal(),
-      kRoundOff);
+      kMassRoundOff);
   expect_near(unit_mass_of_ellipsoid({x, x, x}).inertia_kg_m2, 0.4 * x * x * Matrix3d::Identity(),
-              kRoundOff);
+              kMassRoundOff);
   expect_near(unit_mass_of_ellipsoid({x, y, z}).inertia_kg_m2,
               Vector3d((y * y + z * z) / 5, (x * x + z * z) / 5, (x * x + y * y) / 5).asDiagonal(),
-              kRoundOff);
+              kMassRoundOff);
   const double thin = 1e-9;
   expect_near(unit_mass_of_cylinder(thin, z).inertia_kg_m2.topLeftCorner<2, 2>().norm() *
                   Matrix3d::Identity(),
-              std::sqrt(2.) * z * z / 12 * Matrix3d::Identity(), kRoundOff);
+              std::sqrt(2.) * z * z / 12 * Matrix3d::Identity(), kMassRoundOff);
   expect_near(unit_mass_of_cylinder(x, thin).inertia_kg_m2,
               Vector3d(x * x / 4, x * x / 4, x * x / 2).asDiagonal(), thin);
 }
@@ -96,7 +96,7 @@ TEST(MassProperties, OfAMeshedBoxAreExactAnywhere) {
     const MassProperties mass =
         unit_mass_of_closed_surface(box_mesh(size, center), "box", &volume_m3);
     // Coordinates have absolute round-off of the distance, which the smallest size magnifies.
-    const double round_off = kRoundOff * (1 + center.norm() / size.minCoeff());
+    const double round_off = kMassRoundOff * (1 + center.norm() / size.minCoeff());
     EXPECT_NEAR(volume_m3, size.prod(), round_off * size.prod());
     EXPECT_LE((mass.center_m - center).norm(), round_off * size.norm());
     expect_near(mass.inertia_kg_m2, unit_mass_of_box(size).inertia_kg_m2, round_off);
@@ -111,7 +111,7 @@ TEST(MassProperties, OfAMeshConvergeToThoseOfTheEllipsoid) {
     double volume_m3 = 0;
     const MassProperties mass = unit_mass_of_closed_surface(
         meshes::triangulated_ellipsoid(axes, center, n), "ellipsoid", &volume_m3);
-    EXPECT_LE((mass.center_m - center).norm(), kRoundOff * center.norm());
+    EXPECT_LE((mass.center_m - center).norm(), kMassRoundOff * center.norm());
     const double error = (mass.inertia_kg_m2 - exact.inertia_kg_m2).norm();
     EXPECT_LT(volume_m3, 4 * kPi / 3 * axes.prod()) << "inscribed";
     // Facets lie below the surface by the square of their edge: order 2, pre-asymptotic at n = 8.
@@ -129,9 +129,9 @@ TEST(MassProperties, TurnWithTheMesh) {
   TriangleSurface mesh = box_mesh(size, center);
   for (Vector3d& vertex : mesh.vertices_m) vertex = turn * vertex;
   const MassProperties mass = unit_mass_of_closed_surface(mesh, "box");
-  EXPECT_LE((mass.center_m - turn * center).norm(), kRoundOff * size.norm());
+  EXPECT_LE((mass.center_m - turn * center).norm(), kMassRoundOff * size.norm());
   expect_near(mass.inertia_kg_m2, turn * unit_mass_of_box(size).inertia_kg_m2 * turn.transpose(),
-              4 * kRoundOff);
+              4 * kMassRoundOff);
 }
 
 TEST(MassProperties, ScaleWithUnitsAndMass) {
@@ -142,12 +142,12 @@ TEST(MassProperties, ScaleWithUnitsAndMass) {
     TriangleSurface scaled = mesh;
     for (Vector3d& vertex : scaled.vertices_m) vertex *= scale;
     const MassProperties other = unit_mass_of_closed_surface(scaled, "mesh");
-    expect_near(other.inertia_kg_m2 / (scale * scale), metres.inertia_kg_m2, kRoundOff);
+    expect_near(other.inertia_kg_m2 / (scale * scale), metres.inertia_kg_m2, kMassRoundOff);
   }
   const MassProperties heavy = with_mass(with_mass(metres, 3), 250);
   EXPECT_EQ(heavy.mass_kg, 250);
   EXPECT_EQ(heavy.center_m, metres.center_m);
-  expect_near(heavy.inertia_kg_m2, 250 * metres.inertia_kg_m2, kRoundOff);
+  expect_near(heavy.inertia_kg_m2, 250 * metres.inertia_kg_m2, kMassRoundOff);
 }
 
 TEST(MassProperties, OfAHollowBodyLeaveOutTheHole) {
@@ -158,9 +158,9 @@ TEST(MassProperties, OfAHollowBodyLeaveOutTheHole) {
   double volume_m3 = 0;
   const MassProperties mass = unit_mass_of_closed_surface(mesh, "shell", &volume_m3);
   const double whole = 1e-3, missing = 6.4e-5;
-  EXPECT_NEAR(volume_m3, whole - missing, kRoundOff * whole);
+  EXPECT_NEAR(volume_m3, whole - missing, kMassRoundOff * whole);
   const double moment = (whole * 0.01 - missing * 0.0016) / 6 / (whole - missing);
-  expect_near(mass.inertia_kg_m2, moment * Matrix3d::Identity(), 4 * kRoundOff);
+  expect_near(mass.inertia_kg_m2, moment * Matrix3d::Identity(), 4 * kMassRoundOff);
 }
 
 TEST(MassProperties, RefuseWhatIsNotClosedOrInsideOut) {

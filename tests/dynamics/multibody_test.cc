@@ -9,8 +9,8 @@
 #include <functional>
 #include <random>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
@@ -20,7 +20,6 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kRoundOff = 1e3 * kEpsilon;
 
 class Random {

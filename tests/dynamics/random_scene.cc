@@ -4,7 +4,7 @@
 #include <map>
 
 #include "softfinger/friction/linearised_friction.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::tests {
 namespace {

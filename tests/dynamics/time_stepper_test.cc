@@ -9,8 +9,8 @@
 #include <numeric>
 #include <random>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "tests/dynamics/simple_contacts.h"
 
 namespace softfinger {
@@ -21,7 +21,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using tests::SimpleContacts;
 using Kind = SimpleContacts::Pair::Kind;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kGravity = 9.81;
 /// Residual of the contact solver in a step, relative to the largest velocity of the problem.
 constexpr double kSolver = 1e-10;
@@ -454,7 +453,6 @@ struct Carriage {
   double speed() const { return stepper.bodies().velocity()[0]; }
   StepResult step() { return stepper.step(nothing); }
 
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   SimpleContacts nothing;
   TimeStepper stepper;
 };

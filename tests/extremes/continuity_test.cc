@@ -13,7 +13,7 @@
 #include "comparisons/extremes/jumps.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/six_patch_surface.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "tests/extremes/extreme_problem.h"
 
 namespace softfinger {

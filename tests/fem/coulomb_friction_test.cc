@@ -10,7 +10,7 @@ namespace {
 using Eigen::Index;
 
 /// Random positive definite with a condition of about 1e2 to 1e3.
-Eigen::MatrixXd random_compliance(Index points, std::mt19937_64& random) {
+Eigen::MatrixXd random_plane_compliance(Index points, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(
       2 * points, 2 * points, [&](Index, Index) { return normal(random); });
@@ -19,7 +19,7 @@ Eigen::MatrixXd random_compliance(Index points, std::mt19937_64& random) {
 
 TEST(CoulombFriction, SticksBelowItsLimit) {
   std::mt19937_64 random(1);
-  const Eigen::MatrixXd compliance = random_compliance(5, random);
+  const Eigen::MatrixXd compliance = random_plane_compliance(5, random);
   const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(10, -1, 2);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(10);
   solve_friction(compliance, Eigen::VectorXd::Constant(5, 1e6), target, force);
@@ -39,7 +39,7 @@ TEST(CoulombFriction, ObeysTheLawAtEveryPoint) {
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int trial = 0; trial < 30; ++trial) {
     const Index points = 2 + trial;
-    const Eigen::MatrixXd compliance = random_compliance(points, random);
+    const Eigen::MatrixXd compliance = random_plane_compliance(points, random);
     const Eigen::VectorXd limit =
         Eigen::VectorXd::NullaryExpr(points, [&](Index) { return 0.1 * uniform(random); });
     const Eigen::VectorXd target =
@@ -65,7 +65,7 @@ TEST(CoulombFriction, ObeysTheLawAtEveryPoint) {
 
 TEST(CoulombFriction, DoesNotDependOnTheFirstGuess) {
   std::mt19937_64 random(3);
-  const Eigen::MatrixXd compliance = random_compliance(12, random);
+  const Eigen::MatrixXd compliance = random_plane_compliance(12, random);
   const Eigen::VectorXd limit = Eigen::VectorXd::LinSpaced(12, 0.01, 0.1);
   const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(24, -1, 3);
   Eigen::VectorXd first = Eigen::VectorXd::Zero(24), second = Eigen::VectorXd::Constant(24, 0.05);
@@ -80,7 +80,7 @@ TEST(CoulombFriction, HasNoForceWhereNothingPresses) {
   Eigen::VectorXd limit = Eigen::VectorXd::Constant(4, 0.1);
   limit[2] = 0;
   Eigen::VectorXd force = Eigen::VectorXd::Ones(8);
-  solve_friction(random_compliance(4, random), limit, Eigen::VectorXd::Ones(8), force);
+  solve_friction(random_plane_compliance(4, random), limit, Eigen::VectorXd::Ones(8), force);
   EXPECT_EQ(force.segment<2>(4).norm(), 0);
 }
 

@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "sample_surfaces.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A Winkler-like prediction: area = 2 pi d sqrt(R' R''), for a given indentation.
 std::function<double(const RelativeRadii&)> area_at(double indentation_m) {

@@ -7,13 +7,13 @@
 #include <random>
 
 #include "sample_surfaces.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The facets of a smooth surface are chords: the radii they show differ by about (edge/R)².
 double chord_bias(double edge, double radius) { return edge * edge / (radius * radius); }

@@ -7,13 +7,12 @@
 #include <limits>
 #include <random>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger {
 namespace {
 
 using Eigen::Matrix3d;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 
 RelativeCurvature exact(const Quadric& finger, const Quadric& object, double angle = 0) {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <map>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/triangle_surface.h"
-#include "softfinger/math/pi.h"
 
 /// Small triangulated surfaces whose curvature is known.
 namespace softfinger::samples {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "triangulated_ellipsoid.h"
 
@@ -15,8 +16,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 struct Case {
   std::string name;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "triangulated_ellipsoid.h"
 
@@ -12,8 +13,6 @@ namespace softfinger::meshes {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 TEST(ObjectSurface, HeightsFollowTheirClosedForms) {
   EXPECT_EQ(*plane_object()->height(3, -7), 0);

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "triangulated_ellipsoid.h"
 
@@ -16,8 +17,6 @@ namespace softfinger::meshes {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 struct NamedPad {
   std::string name;

@@ -10,13 +10,13 @@
 
 #include "meshes/io/read_surface.h"
 #include "softfinger/geometry/quadric_fit.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = 3.14159265358979323846;
 
 double volume(const TriangleSurface& s) {
   double sum = 0;

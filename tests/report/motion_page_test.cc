@@ -15,7 +15,7 @@
 #include "page_text.h"
 #include "sample_motion.h"
 #include "softfinger/friction/limit_surface.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::report {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "softfinger/friction/limit_surface.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::tests {
 namespace {

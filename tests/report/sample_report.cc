@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/input/constants.h"
+
 namespace softfinger::tests {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double kPi = 3.14159265358979323846;
 
 struct Layer {
   double thickness_m, youngs_modulus_Pa, poisson_ratio;

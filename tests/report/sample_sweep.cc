@@ -6,11 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "softfinger/input/constants.h"
+
 namespace softfinger::tests {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double kPi = 3.14159265358979323846;
 
 struct Key {
   const char* key;

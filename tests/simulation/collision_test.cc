@@ -10,8 +10,8 @@
 #include <fstream>
 #include <random>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger::simulation {
@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 struct BodyText {
   std::string shape;  ///< "sphere_radius_mm = 10"

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "comparisons/input/scene.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "tests/comparisons/run_program.h"
 
 namespace softfinger::tests {

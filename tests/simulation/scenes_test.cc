@@ -7,7 +7,7 @@
 
 #include "comparisons/simulation/simulate.h"
 #include "softfinger/friction/friction_shape.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::simulation {
 namespace {

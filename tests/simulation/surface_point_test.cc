@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "softfinger/input/constants.h"
 #include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger::simulation {
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 class Random {
  public:
