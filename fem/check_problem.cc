@@ -19,14 +19,13 @@ bool agree(double one, double other) { return std::abs(one / other - 1) < agreem
 
 void require_positive(const Problem& problem, double value, const char* field) {
   if (!(value > 0) || !std::isfinite(value))
-    throw InputError(problem.name, field, formatted("%g", value), "> 0 and finite");
+    throw InputError(problem.name, field, value, "> 0 and finite");
 }
 
 void require_range(const Problem& problem, int value, int least, int largest, const char* field,
                    const char* unit = "") {
   if (value < least || value > largest)
-    throw InputError(problem.name, field, std::to_string(value),
-                     formatted("%d to %d%s", least, largest, unit));
+    throw InputError(problem.name, field, value, formatted("%d to %d%s", least, largest, unit));
 }
 
 void check_material(const Problem& problem, const ElasticLayer& layer, const std::string& owner) {
@@ -50,10 +49,10 @@ void check_radii(const Problem& problem) {
   require_positive(problem, radii.major_m, "R'");
   require_positive(problem, radii.minor_m, "R''");
   if (radii.major_m < radii.minor_m)
-    throw InputError(problem.name, "R'", formatted("%g", radii.major_m), "R' >= R''");
+    throw InputError(problem.name, "R'", radii.major_m, "R' >= R''");
   const double ratio = radii.major_m / radii.minor_m;
   if (ratio > largest_ratio_of_radii * (1 + agreement))
-    throw InputError(problem.name, "R'/R''", formatted("%g", ratio),
+    throw InputError(problem.name, "R'/R''", ratio,
                      formatted("at most %g for finite elements; longer contacts need a plane model",
                                largest_ratio_of_radii));
   if (std::isfinite(problem.sphere_radius_m) && !(agree(problem.sphere_radius_m, radii.major_m) &&
@@ -117,7 +116,7 @@ void check_finite_strain(const Problem& problem) {
     throw InputError(problem.name, "twist_axis_m", "",
                      "[0, 0] with finite strain: a twist about the contact's centre");
   if (problem.approach_m >= problem.contact.layer.thickness_m)
-    throw InputError(problem.name, "approach_m", formatted("%g", problem.approach_m),
+    throw InputError(problem.name, "approach_m", problem.approach_m,
                      "less than the layer's thickness, which would be pressed through");
 }
 
@@ -136,8 +135,7 @@ void check_problem(const Problem& problem) {
 }
 
 InputError too_much(const Problem& problem, const std::string& allowed) {
-  if (problem.approach_m > 0)
-    return {problem.name, "approach_m", formatted("%g", problem.approach_m), allowed};
+  if (problem.approach_m > 0) return {problem.name, "approach_m", problem.approach_m, allowed};
   return {problem.name, "load_N", formatted("%g", problem.contact.load.normal_force_N), allowed};
 }
 

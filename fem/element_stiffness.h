@@ -8,6 +8,8 @@
 #include <array>
 #include <map>
 
+#include "fem/dimension.h"
+
 namespace softfinger::fem {
 
 /// Stiffness of one Q2 element with E = 1: 2 G eps:eps + lambda (P div u)², P the L2 projection on
@@ -15,8 +17,6 @@ namespace softfinger::fem {
 /// in proportion to their size: computed once.
 class ElementStiffness {
  public:
-  static constexpr int dim = 3;
-
   /// @param element        three components of FE_Q(2)
   /// @param poisson_ratio  0 <= nu < 1/2
   /// @param bent           no two elements of a bent layer are similar: each is integrated

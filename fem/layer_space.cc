@@ -21,7 +21,6 @@ namespace softfinger::fem {
 namespace {
 
 using dealii::types::global_dof_index;
-constexpr int dim = LayerSpace::dim;
 
 bool at(double coordinate, double plane) { return std::abs(coordinate - plane) < 1e-9; }
 
@@ -489,7 +488,7 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh
         "a surface at the origin of the mesh's coordinates, where the load acts along z");
 }
 
-std::vector<dealii::Point<LayerSpace::dim>> LayerSpace::support_points() const {
+std::vector<dealii::Point<dim>> LayerSpace::support_points() const {
   std::vector<dealii::Point<dim>> support(dofs.n_dofs());
   dealii::DoFTools::map_dofs_to_support_points(dealii::MappingQ1<dim>(), dofs, support);
   return support;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "fem/cholesky.h"
+#include "fem/dimension.h"
 #include "fem/layer_model.h"
 
 namespace softfinger::fem {
@@ -32,7 +33,6 @@ struct Unknowns {
 /// surface: what linear and finite strain share. Lengths in h. Internal to `fem`: only the files
 /// that include this header see types of the finite-element library.
 struct LayerSpace {
-  static constexpr int dim = 3;
   using Dof = dealii::types::global_dof_index;
 
   /// @param bent  null: flat

@@ -11,7 +11,7 @@
 namespace softfinger::fem {
 namespace {
 
-constexpr double kilobytes_per_MB = 1024, bytes_per_MB = 1024 * 1024;
+constexpr double kKilobytesPerMB = 1024;
 
 /// The number after `key` in one of the system's lists, in its own unit.
 double entry(const char* path, const std::string& key) {
@@ -30,25 +30,25 @@ double number_in(const char* path) {
 }  // namespace
 
 double available_memory_MB() {
-  double available = entry("/proc/meminfo", "MemAvailable:") / kilobytes_per_MB;
-  const double group_limit = number_in("/sys/fs/cgroup/memory.max") / bytes_per_MB;
-  const double group_use = number_in("/sys/fs/cgroup/memory.current") / bytes_per_MB;
+  double available = entry("/proc/meminfo", "MemAvailable:") / kKilobytesPerMB;
+  const double group_limit = number_in("/sys/fs/cgroup/memory.max") / kBytesPerMB;
+  const double group_use = number_in("/sys/fs/cgroup/memory.current") / kBytesPerMB;
   if (std::isfinite(group_limit) && std::isfinite(group_use)) {
     // The group's use counts cached files, which give way.
-    const double cached = entry("/sys/fs/cgroup/memory.stat", "inactive_file") / bytes_per_MB;
+    const double cached = entry("/sys/fs/cgroup/memory.stat", "inactive_file") / kBytesPerMB;
     available = std::min(available, group_limit - group_use + (std::isfinite(cached) ? cached : 0));
   }
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-    available = std::min(available, static_cast<double>(limit.rlim_cur) / bytes_per_MB -
-                                        entry("/proc/self/status", "VmSize:") / kilobytes_per_MB);
+    available = std::min(available, static_cast<double>(limit.rlim_cur) / kBytesPerMB -
+                                        entry("/proc/self/status", "VmSize:") / kKilobytesPerMB);
   return available;
 }
 
 double peak_memory_MB() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / kilobytes_per_MB;
+  return static_cast<double>(usage.ru_maxrss) / kKilobytesPerMB;
 }
 
 }  // namespace softfinger::fem

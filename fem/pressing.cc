@@ -155,7 +155,7 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
     cosine[i] = node.normal.z();
     constexpr double steepest = 0.2;
     if (cosine[i] < steepest)
-      throw InputError("contact", "slope of the finger's surface", std::to_string(cosine[i]),
+      throw InputError("contact", "slope of the finger's surface", cosine[i],
                        "a contact that does not wrap around the finger (cosine of the slope at "
                        "least 0.2)");
   }

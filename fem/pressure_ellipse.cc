@@ -69,14 +69,13 @@ Eigen::VectorXd least_squares(const Eigen::MatrixXd& matrix, const Eigen::Vector
   return matrix.householderQr().solve(target);
 }
 
-/// The number of terms is fixed at compile time, because sums over a hundred thousand points run
-/// over them.
-template <int degree>
 class Fit {
  public:
-  Fit(const std::vector<SurfaceNode>& nodes, const std::vector<SurfaceFace>& faces,
+  /// @param degree  of the polynomial, 2 or 3
+  Fit(int degree, const std::vector<SurfaceNode>& nodes, const std::vector<SurfaceFace>& faces,
       const Eigen::VectorXd& force, const SurfaceDeformation* deformation)
-      : faces_(faces),
+      : degree_(degree),
+        faces_(faces),
         grid_(faces),
         deformation_(deformation),
         root_weight_(static_cast<Eigen::Index>(nodes.size())) {
@@ -87,8 +86,8 @@ class Fit {
 
   /// Residual with the best polynomial for these semi-axes.
   Eigen::VectorXd residual(double a, double b, double diamond) {
-    const Eigen::MatrixXd model =
-        root_weight_.cwiseInverse().asDiagonal() * moments(a, b, diamond).transpose();
+    Eigen::MatrixXd model = degree_ == 2 ? moments<2>(a, b, diamond) : moments<3>(a, b, diamond);
+    for (Eigen::Index k = 0; k < model.cols(); ++k) model.col(k).array() /= root_weight_.array();
     coefficients_ = least_squares(model, target_);
     return target_ - model * coefficients_;
   }
@@ -97,20 +96,21 @@ class Fit {
   bool left_patch() const { return left_patch_; }
 
  private:
-  static constexpr int terms = terms_of(degree);
-  using Moments = Eigen::Matrix<double, terms, Eigen::Dynamic>;
-
-  /// Moments of root times polynomial (rows) with every shape function (columns). With the edge at
+  /// Moments of root times polynomial (columns) with every shape function (rows). With the edge at
   /// g(v) in scaled polar coordinates and r = g sin t the root is cos t: dA = a b g² sin t cos t dt
-  /// dv.
-  Moments moments(double a, double b, double diamond) {
+  /// dv. The number of terms is fixed at compile time, because sums over a hundred thousand points
+  /// run over them.
+  template <int degree>
+  Eigen::MatrixXd moments(double a, double b, double diamond) {
+    constexpr int terms = terms_of(degree);
     left_patch_ = false;
     const int steps = grid_.points_per_quarter();
     const double step = M_PI / 2 / steps;
     const Eigen::ArrayXd angle = step * (Eigen::ArrayXd::LinSpaced(steps, 0, steps - 1) + 0.5);
     const Eigen::ArrayXd sine = angle.sin(), cosine = angle.cos();
     const Eigen::ArrayXd edge = 1 + diamond * (4 * angle).cos();
-    Moments result = Moments::Zero(terms, target_.size());
+    Eigen::Matrix<double, terms, Eigen::Dynamic> result;
+    result.setZero(terms, target_.size());
     // Distance of each ray's end from the centre on a deformed surface, x in units of a and y of b.
     Eigen::ArrayXd deformed_edge = Eigen::ArrayXd::Ones(steps);
     const auto deformed_radius = [&](const Eigen::Vector3d& position) {
@@ -152,7 +152,7 @@ class Fit {
             result.col(face->node[static_cast<std::size_t>(k)]) +=
                 along_x[k % 3] * along_y[k / 3] * values;
       }
-    return result;
+    return result.transpose();
   }
 
   SurfaceDeformation::Point point_of(const SurfaceFace& face, double x, double y) const {
@@ -160,19 +160,18 @@ class Fit {
                             (x - face.x) / face.size_x, (y - face.y) / face.size_y);
   }
 
+  int degree_;
   const std::vector<SurfaceFace>& faces_;
   const FaceGrid grid_;
   const SurfaceDeformation* deformation_;
-  Eigen::VectorXd root_weight_, target_;
-  Eigen::Matrix<double, terms, 1> coefficients_;
+  Eigen::VectorXd root_weight_, target_, coefficients_;
   bool left_patch_ = false;
 };
 
-template <int degree>
-PressureEllipse fit_of_degree(const std::vector<SurfaceNode>& nodes,
+PressureEllipse fit_of_degree(int degree, const std::vector<SurfaceNode>& nodes,
                               const std::vector<SurfaceFace>& faces, const Eigen::VectorXd& force,
                               double a, double b, const SurfaceDeformation* deformation) {
-  Fit<degree> fit(nodes, faces, force, deformation);
+  Fit fit(degree, nodes, faces, force, deformation);
   Eigen::Vector3d unknown(std::log(a), std::log(b), 0);
   const auto residual = [&](const Eigen::Vector3d& u) {
     return fit.residual(std::exp(u[0]), std::exp(u[1]), u[2]);
@@ -191,7 +190,8 @@ PressureEllipse fit_of_degree(const std::vector<SurfaceNode>& nodes,
     }
     Eigen::Matrix3d normal = jacobian.transpose() * jacobian;
     normal.diagonal() *= 1 + damping;
-    Eigen::Vector3d step = -normal.ldlt().solve(jacobian.transpose() * current);
+    const Eigen::Vector3d descent = jacobian.transpose() * current;
+    Eigen::Vector3d step = -normal.ldlt().solve(descent);
     step = step.cwiseMax(-0.1).cwiseMin(0.1);
     const Eigen::VectorXd next = residual(unknown + step);
     const bool better = next.squaredNorm() <= current.squaredNorm();
@@ -231,8 +231,7 @@ PressureEllipse fit_pressure_ellipse(const std::vector<SurfaceNode>& nodes,
                                      const SurfaceDeformation* deformation) {
   // The thinner the layer, the flatter the pressure inside and the steeper at the edge (lengths are
   // in units of the thickness).
-  return std::min(a, b) < 4 ? fit_of_degree<2>(nodes, faces, force, a, b, deformation)
-                            : fit_of_degree<3>(nodes, faces, force, a, b, deformation);
+  return fit_of_degree(std::min(a, b) < 4 ? 2 : 3, nodes, faces, force, a, b, deformation);
 }
 
 }  // namespace softfinger::fem

@@ -10,6 +10,7 @@
 
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/nesting.h"
 
@@ -17,8 +18,6 @@ namespace softfinger::fem {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The solver refuses sublayers thinner than 2 % of all of them.
 constexpr std::size_t kMostSublayers = 50;

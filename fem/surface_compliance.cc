@@ -47,9 +47,9 @@ Eigen::Vector3d signs(Image image, Parity parity) {
 /// Refuses a contact whose compliance does not fit in memory: its blocks (7 matrices of points x
 /// points) and the factors that friction computes from them.
 void require_memory(std::size_t points) {
-  constexpr double bytes_per_MB = 1024 * 1024, matrices = 16;  // of points x points
+  constexpr double matrices = 16;  // of points x points
   const auto count = static_cast<double>(points);
-  const double needed_MB = matrices * 8 * count * count / bytes_per_MB;
+  const double needed_MB = matrices * 8 * count * count / kBytesPerMB;
   const double available_MB = available_memory_MB();
   if (needed_MB <= available_MB) return;
   const auto text = [](double value) { return std::to_string(std::lround(value)); };

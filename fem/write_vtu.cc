@@ -12,7 +12,6 @@
 namespace softfinger::fem {
 namespace {
 
-constexpr int dim = 3;
 using Cell = dealii::DoFHandler<dim>::active_cell_iterator;
 
 /// Divergence of the displacement, projected on linear functions per element: the only volumetric

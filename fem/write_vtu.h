@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/dimension.h"
 #include "fem/layer_model.h"
 
 namespace softfinger::fem {

@@ -20,9 +20,9 @@
 #include <thread>
 #include <vector>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/layer/bonded_layer_table.h"
 #include "softfinger/layer/elliptic_contact.h"
-#include "softfinger/math/pi.h"
 
 namespace {
 

@@ -14,7 +14,7 @@
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct AtlasOptions {
   std::string folder = "softfinger-atlas", output, command_line;
   int jobs = suite::default_job_count(), random = 0;
   unsigned seed = 1;
@@ -58,7 +58,7 @@ std::string test_bounds(const judgement::AtlasFile& unseen) {
                             ratios_all[ratios_all.size() / 2]);
 }
 
-int run(const Options& options) {
+int run_atlas(const AtlasOptions& options) {
   require_single_process("softfinger-sweep --atlas FILE.csv --output FOLDER");
   if (options.models_only) {
     judgement::AtlasFile atlas =
@@ -87,7 +87,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AtlasOptions>();
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "atlas",
@@ -129,7 +129,7 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
       "  softfinger atlas --output error_atlas.csv --jobs 2\n"
       "  softfinger atlas --finite-strain --output finite_strain.csv\n"
       "  softfinger atlas --random 200 --seed 7 --folder unseen");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] { action = [options] { return run_atlas(*options); }; });
 }
 
 }  // namespace softfinger::commands

@@ -26,7 +26,7 @@ using exporting::LoadPoint;
 using exporting::Simulator;
 using exporting::SoftContact;
 
-struct Options {
+struct ExportOptions {
   std::string case_file, to, model = "bonded_layer", load, load_range, fit = "nominal";
   bool json = false;
 };
@@ -64,7 +64,7 @@ std::vector<double> numbers(const std::string& flag, const std::string& text) {
   return values;
 }
 
-exporting::LoadChoice load_choice(const Options& options) {
+exporting::LoadChoice load_choice(const ExportOptions& options) {
   exporting::LoadChoice choice;
   if (!options.load.empty()) {
     const auto values = numbers("--load", options.load);
@@ -164,7 +164,7 @@ std::string to_text(const Export& made) {
   return text;
 }
 
-int run(const Options& options) {
+int run_export(const ExportOptions& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const PressureModel& model = model_by_name(options.model);
   const auto choice = load_choice(options);
@@ -191,7 +191,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand(
       "export",
       "What to type into a simulator, and the error of its constants over a range of loads");
@@ -226,7 +226,7 @@ void add_export(CLI::App& app, Action& action) {
       "  softfinger export silicone_pad_2mm --to mujoco\n"
       "  softfinger export seed_thumb --to drake --load 2 --load-range 0.5,8\n"
       "  softfinger export hertz_circle --to gazebo --model hertz --fit range --json");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] { action = [options] { return run_export(*options); }; });
 }
 
 }  // namespace softfinger::commands

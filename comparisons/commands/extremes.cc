@@ -1,4 +1,3 @@
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -6,6 +5,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/extremes/survey.h"
 #include "comparisons/report/extremes_page.h"
+#include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
@@ -13,23 +13,21 @@
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct ExtremesOptions {
   extremes::SurveyOptions survey;
   std::string output, command_line;
   bool json = false, write_page = false;
 };
 
-int run(const Options& options) {
+int run_extremes(const ExtremesOptions& options) {
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
   std::optional<system::OutputFolder> output;
   if (options.write_page) output.emplace(options.output);
   nlohmann::json report = extremes::survey(options.survey);
-  const std::time_t now = std::time(nullptr);
-  char date[32] = "";
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  report["provenance"] = {
-      {"version", system::program_version()}, {"date", date}, {"command", options.command_line}};
+  report["provenance"] = {{"version", system::program_version()},
+                          {"date", system::utc_now()},
+                          {"command", options.command_line}};
   // A command line may contain bytes that are not UTF-8.
   const std::string text =
       report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -49,7 +47,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_extremes(CLI::App& app, Action& action, const std::string& command_line) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExtremesOptions>();
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "extremes",
@@ -81,7 +79,7 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
       "  softfinger extremes --points 1000 --slow-points 2 --output extremes_report --json");
   command->callback([options, output, &action] {
     options->write_page = output->count() > 0;
-    action = [options] { return run(*options); };
+    action = [options] { return run_extremes(*options); };
   });
 }
 

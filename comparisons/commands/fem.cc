@@ -19,7 +19,7 @@
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct FemOptions {
   std::string case_file, output;
   std::string compliance;
   std::vector<double> twist_axis_mm;
@@ -30,7 +30,7 @@ struct Options {
 };
 
 /// What the finite-element program is asked for besides the normal contact.
-nlohmann::json friction_request(const Options& options) {
+nlohmann::json friction_request(const FemOptions& options) {
   nlohmann::json request = {{"torsion", options.torsion},
                             {"increments", options.increments},
                             {"limit_surface", options.limit_surface},
@@ -135,17 +135,16 @@ struct Plan {
   }
 };
 
-void check(const Options& options, const Plan& plan) {
+void check(const FemOptions& options, const Plan& plan) {
   if (!std::isfinite(options.approach_mm))
-    throw InputError("--approach-mm", "approach", fmt::format("{}", options.approach_mm),
-                     "a finite number > 0 (mm)");
+    throw InputError("--approach-mm", "approach", options.approach_mm, "a finite number > 0 (mm)");
   if (!options.compliance.empty() && plan.loads_N.size() > 1)
     throw InputError(
         "--export-compliance", "load_N", fmt::format("{} loads", plan.loads_N.size()),
         "a case with one load: the mesh, and with it the compliance, fits its contact");
 }
 
-Plan plan_loads(const Options& options) {
+Plan plan_loads(const FemOptions& options) {
   Plan plan;
   plan.contact_case = input::read_case(system::find_case_file(options.case_file));
   const prediction::GeometryResolver resolver(plan.contact_case);
@@ -169,7 +168,7 @@ Plan plan_loads(const Options& options) {
 }
 
 /// Makes the load's folder where one is asked for.
-nlohmann::json problem_of(const Options& options, const Plan& plan, std::size_t load) {
+nlohmann::json problem_of(const FemOptions& options, const Plan& plan, std::size_t load) {
   const input::Case& contact_case = plan.contact_case;
   const double load_N = plan.loads_N[load];
   nlohmann::json problem =
@@ -190,7 +189,7 @@ nlohmann::json problem_of(const Options& options, const Plan& plan, std::size_t 
 }
 
 /// What the program answered until it ended, failed or was interrupted.
-struct Solved {
+struct SolvedLoads {
   std::vector<std::optional<reference::ReferenceResult>> of_load;
   int interrupted = 0;    ///< by this signal
   int failed_status = 0;  ///< exit status of the load that failed
@@ -201,7 +200,7 @@ struct Solved {
   }
 };
 
-Solved solve(const Options& options, const Plan& plan, system::Progress& progress) {
+SolvedLoads solve(const FemOptions& options, const Plan& plan, system::Progress& progress) {
   reference::FemBatch batch;
   batch.limits = options.limits;
   // Threads speed up large factorisations only. In small ones they wait for each other longer than
@@ -209,7 +208,7 @@ Solved solve(const Options& options, const Plan& plan, system::Progress& progres
   batch.single_thread = plan.level <= 2;
   for (const std::size_t load : plan.order)
     batch.problems.push_back(problem_of(options, plan, load));
-  Solved solved;
+  SolvedLoads solved;
   solved.of_load.resize(plan.loads_N.size());
   struct Failed {
     int exit_status;
@@ -238,7 +237,7 @@ Solved solve(const Options& options, const Plan& plan, system::Progress& progres
   return solved;
 }
 
-void print(const Options& options, const Plan& plan, const Solved& solved) {
+void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solved) {
   nlohmann::json results = nlohmann::json::array();
   std::string text = prediction::describe(plan.contact_case) + "\n";
   for (std::size_t load = 0; load < plan.loads_N.size(); ++load) {
@@ -257,13 +256,13 @@ void print(const Options& options, const Plan& plan, const Solved& solved) {
     system::write_text_to_stdout(text);
 }
 
-int run(const Options& options) {
+int run_fem(const FemOptions& options) {
   const Plan plan = plan_loads(options);
   system::fem_program();  // refuses before anything is written
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   system::Progress progress;
-  const Solved solved = solve(options, plan, progress);
+  const SolvedLoads solved = solve(options, plan, progress);
   if (solved.interrupted != 0) progress.say("softfinger: interrupted");
   // At finite strain the results before a failure are worth having.
   const bool failed = solved.failed_status != 0;
@@ -277,7 +276,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_fem(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FemOptions>();
   CLI::App* command = app.add_subcommand(
       "fem",
       "The finite-element reference with its own error estimate, per load; seconds to minutes");
@@ -333,7 +332,7 @@ void add_fem(CLI::App& app, Action& action) {
       "  softfinger fem hertz_circle --level 1\n"
       "  softfinger fem pad_on_sphere --level 1 --torsion --limit-surface 8\n"
       "  softfinger fem hertz_circle --level 1 --output hertz_vtu --json");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] { action = [options] { return run_fem(*options); }; });
 }
 
 }  // namespace softfinger::commands

@@ -13,13 +13,13 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 #include "meshes/io/read_surface.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct FitOptions {
   std::string mesh, point, normal, unit = "mm";
   double radius_mm = 0;
   bool radius_given = false, json = false;
@@ -68,7 +68,7 @@ std::string plus_minus(double std_m) {
   return std::isfinite(std_m) ? "± " + prediction::millimetres(std_m) : "uncertainty unknown";
 }
 
-int run(const Options& options) {
+int run_fit(const FitOptions& options) {
   const double metres_per_unit = options.unit == "m" ? 1 : 1e-3;
   const Eigen::Vector3d point_m =
       metres_per_unit *
@@ -82,7 +82,7 @@ int run(const Options& options) {
     normal->normalize();
   }
   if (options.radius_given && !(options.radius_mm > 0 && std::isfinite(options.radius_mm)))
-    throw InputError("command line", "--radius-mm", fmt::format("{}", options.radius_mm),
+    throw InputError("command line", "--radius-mm", options.radius_mm,
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
@@ -149,7 +149,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_fit(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitOptions>();
   CLI::App* command = app.add_subcommand(
       "fit",
       "Local quadric of an STL or OBJ surface: A, B, C, principal radii, directions, residual");
@@ -177,7 +177,7 @@ void add_fit(CLI::App& app, Action& action) {
       "  softfinger fit sphere.stl --point 0,0,20 --normal 0,0,1 --unit mm --json");
   command->callback([options, radius, &action] {
     options->radius_given = radius->count() > 0;
-    action = [options] { return run(*options); };
+    action = [options] { return run_fit(*options); };
   });
 }
 

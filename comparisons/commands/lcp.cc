@@ -13,7 +13,7 @@
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct LcpOptions {
   std::vector<std::string> files;
   std::string solver = "lemke";
   std::string friction = "facets";
@@ -48,15 +48,15 @@ std::vector<double> values(const Eigen::VectorXd& vector) {
   return std::vector<double>(vector.data(), vector.data() + vector.size());
 }
 
-struct Solved {
+struct SolvedProblem {
   LcpResult result;
   ContactSolution solution;
   double solve_us = 0;
 };
 
-Solved solve(const ContactLcp& problem) {
+SolvedProblem solve(const ContactLcp& problem) {
   ContactLcpSolver solver(problem.contacts(), int(problem.vertices.cols()));
-  Solved solved;
+  SolvedProblem solved;
   solved.solution.resize(problem.contacts());
   const auto start = std::chrono::steady_clock::now();
   solved.result = solver.solve(problem, solved.solution);
@@ -65,7 +65,7 @@ Solved solve(const ContactLcp& problem) {
   return solved;
 }
 
-nlohmann::json to_json(const std::string& file, const Solved& solved) {
+nlohmann::json to_json(const std::string& file, const SolvedProblem& solved) {
   const LcpResult& result = solved.result;
   nlohmann::json object{{"file", file},
                         {"status", name_of(result.status)},
@@ -84,14 +84,14 @@ nlohmann::json to_json(const std::string& file, const Solved& solved) {
   return object;
 }
 
-int run(const Options& options) {
+int run_lcp(const LcpOptions& options) {
   nlohmann::json results = nlohmann::json::array();
   std::string table;
   bool limit = false;
   for (const std::string& file : options.files) {
     ContactLcp problem = input::read_recorded_contacts(file);
     if (options.friction == "ellipsoid") problem.friction_rule = FrictionRule::ellipsoid;
-    const Solved solved = solve(problem);
+    const SolvedProblem solved = solve(problem);
     const LcpResult& result = solved.result;
     if (result.status == LcpStatus::iteration_limit) {
       limit = true;
@@ -123,7 +123,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_lcp(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LcpOptions>();
   CLI::App* command =
       app.add_subcommand("lcp",
                          "Solve recorded contact problems: impulses, velocities, residual\n"
@@ -149,7 +149,7 @@ void add_lcp(CLI::App& app, Action& action) {
       "  softfinger lcp step_0001.txt step_0002.txt\n"
       "  softfinger lcp step_0001.txt --solver lemke --json\n"
       "  softfinger lcp step_0001.txt --friction ellipsoid");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] { action = [options] { return run_lcp(*options); }; });
 }
 
 }  // namespace softfinger::commands

@@ -19,7 +19,7 @@
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct PredictOptions {
   std::string case_file, models = "all", torque_rule = "exact", gap = "quadric";
   int limit_surface = 0;
   bool json = false;
@@ -29,7 +29,7 @@ struct Options {
 constexpr double kCostBudget_ns = 1.5e6;
 
 /// The requested models; with a sampled gap also layer_fft, which is the one that uses it.
-std::vector<const PressureModel*> chosen_models(const Options& options) {
+std::vector<const PressureModel*> chosen_models(const PredictOptions& options) {
   auto models = prediction::models_by_name(options.models);
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
@@ -43,7 +43,7 @@ std::vector<const PressureModel*> chosen_models(const Options& options) {
 }
 
 /// Limits the points of all loads and models together, so that the text stays below a gigabyte.
-void check_limit_surface(const Options& options, std::size_t answers) {
+void check_limit_surface(const PredictOptions& options, std::size_t answers) {
   constexpr std::size_t kMostPoints = 1000000;
   if (answers * std::size_t(options.limit_surface) > kMostPoints)
     throw InputError("command line", "--limit-surface", std::to_string(options.limit_surface),
@@ -63,7 +63,7 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
     answer.no_bound = found.outside;
 }
 
-int run(const Options& options) {
+int run_predict(const PredictOptions& options) {
   const auto models = chosen_models(options);
   const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
@@ -142,7 +142,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_predict(CLI::App& app, Action& action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
   command
@@ -186,7 +186,7 @@ void add_predict(CLI::App& app, Action& action) {
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
       "  softfinger predict pad_on_plane --gap sampled");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] { action = [options] { return run_predict(*options); }; });
 }
 
 }  // namespace softfinger::commands

@@ -20,7 +20,7 @@
 namespace softfinger::commands {
 namespace {
 
-struct Options {
+struct SelectOptions {
   std::string file, models, quantities, output, command_line;
   judgement::SelectionOptions selection;
   bool json = false, write_page = false;
@@ -91,7 +91,7 @@ std::filesystem::path scene_file(const std::string& typed) {
   return input::is_scene(typed) ? std::filesystem::path(typed) : std::filesystem::path();
 }
 
-int run_scene(const std::filesystem::path& file, const Options& options) {
+int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   if (!options.models.empty() || !options.quantities.empty() || options.write_page ||
       options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us, --output", "",
@@ -113,7 +113,7 @@ void refuse_nan(double value, const char* option, const char* allowed) {
   if (std::isnan(value)) throw InputError("command line", option, "nan", allowed);
 }
 
-int run(Options options) {
+int run_select(SelectOptions options) {
   refuse_nan(options.selection.tolerance, "--tolerance", "1e-6 to 10");
   refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");
   if (options.write_page && options.output.empty())
@@ -157,7 +157,7 @@ int run(Options options) {
 }  // namespace
 
 void add_select(CLI::App& app, Action& action, const std::string& command_line) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SelectOptions>();
   CLI::App* command = app.add_subcommand(
       "select",
       "The cheapest model whose stated error meets a tolerance, or a clear \"none\", and why");
@@ -203,7 +203,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "  softfinger select hertz_ratio_4 --tolerance 0.05 --models hertz,winkler --json");
   command->callback([options, output, &action] {
     options->write_page = output->count() > 0;
-    action = [options] { return run(*options); };
+    action = [options] { return run_select(*options); };
   });
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 using namespace simulation;
 
-struct Options {
+struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
   int vtu_every = 0;
   bool json = false;
@@ -110,7 +110,8 @@ std::string summary(const nlohmann::json& result) {
   return text;
 }
 
-void write_results(const Options& options, const input::Scene& scene, const Simulation& run) {
+void write_results(const SimulateOptions& options, const input::Scene& scene,
+                   const Simulation& run) {
   const std::filesystem::path folder = options.output;
   write_trajectory(run.recording, folder);
   const int every = options.vtu_every > 0 ? options.vtu_every
@@ -126,7 +127,7 @@ void write_results(const Options& options, const input::Scene& scene, const Simu
          ": motion.html, trajectory.csv, contacts.csv, trajectory.json, motion.pvd");
 }
 
-int run(const Options& options) {
+int run_simulate(const SimulateOptions& options) {
   const input::Scene scene = input::read_scene(system::find_scene_file(options.scene_file));
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
@@ -162,7 +163,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_simulate(CLI::App& app, Action& action, const std::string& command_line) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "simulate",
@@ -199,7 +200,7 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "  softfinger list scenes\n"
       "  softfinger simulate pinch\n"
       "  softfinger simulate lift_box --output results/lift_box --json");
-  command->callback([options, &action] { action = [options] { return run(*options); }; });
+  command->callback([options, &action] { action = [options] { return run_simulate(*options); }; });
 }
 
 }  // namespace softfinger::commands

@@ -23,7 +23,8 @@ namespace {
 /// Limits of a file. W is dense and takes 128 MB for this many contacts, its solution several times
 /// as much. Everything else takes memory in proportion to the size of the file.
 constexpr std::size_t kLargestFile = 64 << 20;  // bytes
-constexpr int kMostContacts = 1000, kMostVertices = 1024, kMostBodies = 100000;
+constexpr int kMostRecordedContacts = 1000, kMostRecordedVertices = 1024,
+              kMostRecordedBodies = 100000;
 
 class Reader {
  public:
@@ -38,11 +39,11 @@ class Reader {
     while (next_line()) {
       const std::string key(key_);
       if (key == "nc")
-        contacts_ = once(key, integer(key, 1, kMostContacts));
+        contacts_ = once(key, integer(key, 1, kMostRecordedContacts));
       else if (key == "u")
-        vertices_ = once(key, integer(key, 0, kMostVertices));
+        vertices_ = once(key, integer(key, 0, kMostRecordedVertices));
       else if (key == "nb")
-        bodies_ = once(key, integer(key, 1, kMostBodies));
+        bodies_ = once(key, integer(key, 1, kMostRecordedBodies));
       else if (key == "J")
         jacobian_ = once(key, read_jacobian());
       else if (key == "mu" || key == "en" || key == "V" || key == "minv" || key == "q4")

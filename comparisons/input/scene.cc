@@ -12,8 +12,8 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "meshes/io/read_surface.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::input {

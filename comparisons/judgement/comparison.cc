@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "softfinger/input/constants.h"
+
 namespace softfinger::judgement {
 namespace {
 
@@ -99,7 +101,6 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
 }
 
 LoadErrors errors_of(const Comparison& comparison) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   LoadErrors errors;
   errors.load_N = comparison.load_N;
   errors.fem_finished = comparison.reference.has_value();

@@ -4,18 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "comparisons/judgement/median.h"
+
 namespace softfinger::judgement {
 
 using prediction::Quantity;
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
 
 const ModelError* find_model(const LoadErrors& load, const std::string& name) {
   const auto found = std::find_if(load.models.begin(), load.models.end(),
@@ -113,7 +108,7 @@ std::vector<Usability> usability(const std::vector<CaseErrors>& cases,
         widen(use.smallest_nu, use.largest_nu, one.poisson_ratio);
       }
     use.worst = errors.empty() ? 0 : *std::max_element(errors.begin(), errors.end());
-    use.median = median(errors);
+    use.median = errors.empty() ? 0 : median(errors);
     all.push_back(use);
   }
   return all;
@@ -138,7 +133,7 @@ ReferenceSummary reference_summary(const std::vector<CaseErrors>& cases, double 
         ++sum.without_usable_model;
     }
   }
-  sum.median_torque_error = median(torque_errors);
+  sum.median_torque_error = torque_errors.empty() ? 0 : median(torque_errors);
   for (const double error : torque_errors)
     sum.worst_torque_error = std::max(sum.worst_torque_error, error);
   return sum;

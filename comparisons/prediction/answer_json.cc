@@ -6,7 +6,7 @@
 #include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/limit_surface.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::prediction {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::prediction {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/hash.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
@@ -14,10 +15,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 std::string program_identity(const fs::path& program) {
-  std::uint64_t hash = 14695981039346656037u;  // FNV-1a
-  for (const char byte : system::read_text_file(program))
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 1099511628211u;
-  return fmt::format("{} {:016x}", system::program_version(), hash);
+  return fmt::format("{} {:016x}", system::program_version(),
+                     text::hash_of(system::read_text_file(program)));
 }
 
 FinishedResult parse_finished_result(const std::string& text, const std::string& program,

@@ -26,13 +26,6 @@ bool has_atlas(const Json& report) {
   return models.is_array() && !models.empty();
 }
 
-Html table(const Html& head, const Html& rows) {
-  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
-         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
-}
-
-Html heading(const HtmlArgument& words) { return html("<th scope=\"col\">{}</th>", words); }
-
 /// `1.2 % · 8.4 % · 31 %`: median, 95 %, worst.
 Html spread(const Json& quantiles) {
   const auto median = number(quantiles, "median"), worst = number(quantiles, "worst"),
@@ -71,8 +64,9 @@ std::size_t usual_ratio(const Json& atlas) {
 }
 
 Html quantile_table(const Json& report) {
-  Html head = heading("model") + heading("time of one answer") + heading("contacts");
-  for (const NamedQuantity& quantity : kQuantities) head += heading(quantity.name);
+  Html head =
+      column_heading("model") + column_heading("time of one answer") + column_heading("contacts");
+  for (const NamedQuantity& quantity : kQuantities) head += column_heading(quantity.name);
   Html rows;
   for (const Json& model : child(child(report, "atlas"), "models")) {
     const std::string name = text(model, "model");
@@ -93,7 +87,7 @@ Html quantile_table(const Json& report) {
           "rule</span></th><td></td><td>{}</td>{}<td colspan=\"5\" class=\"words\"></td></tr>\n",
           plain(number(paper, "count")), spread(paper));
   }
-  return table(head, rows);
+  return scrolling_table(head, rows);
 }
 
 Html law_table(const Json& report) {
@@ -103,9 +97,9 @@ Html law_table(const Json& report) {
                  text(law, "name"), duration(1e-9 * number(law, "cost_ns").value_or(NAN)),
                  percent(number(child(law, "error"), "median").value_or(NAN)),
                  percent(number(child(law, "error"), "worst").value_or(NAN)));
-  return table(heading("friction limit") + heading("time of one answer") + heading("median error") +
-                   heading("worst error"),
-               rows);
+  return scrolling_table(column_heading("friction limit") + column_heading("time of one answer") +
+                             column_heading("median error") + column_heading("worst error"),
+                         rows);
 }
 
 /// Parts of the grid on which a model is within each limit.
@@ -138,13 +132,10 @@ Html share_table(const Json& report) {
       rows += "</tr>\n";
     }
   }
-  return table(heading("model") + heading("R′/R″") + heading("within 1 %") + heading("5 %") +
-                   heading("10 %") + heading("25 %"),
-               rows);
-}
-
-Html details(const Html& summary, const Html& body) {
-  return "<details><summary>" + summary + "</summary>\n" + body + "</details>\n";
+  return scrolling_table(column_heading("model") + column_heading("R′/R″") +
+                             column_heading("within 1 %") + column_heading("5 %") +
+                             column_heading("10 %") + column_heading("25 %"),
+                         rows);
 }
 
 Html figure(const Html& attributes, const Html& caption) {
@@ -242,9 +233,10 @@ Html validity_map_section(const Json& report) {
                  share_table(report)) +
          (marks.empty() ? ""
                         : details("The marked contacts",
-                                  table(heading("case") + heading("load") + heading("s") +
-                                            heading("ν") + heading("R′/R″"),
-                                        marks)));
+                                  scrolling_table(column_heading("case") + column_heading("load") +
+                                                      column_heading("s") + column_heading("ν") +
+                                                      column_heading("R′/R″"),
+                                                  marks)));
 }
 
 Html error_causes_section(const Json& report) {
@@ -283,9 +275,11 @@ Html error_causes_section(const Json& report) {
          "b; "
          "<i>pressure</i>: the error from its pressure distribution over the true ellipse. Errors "
          "may cancel each other. Median, 95 % and worst, flat layers.</p>\n" +
-         table(heading("model") + heading("ellipse") + heading("pressure") +
-                   heading("√(ab) rule instead of the exact one") + heading("torque, exact rule"),
-               rows) +
+         scrolling_table(column_heading("model") + column_heading("ellipse") +
+                             column_heading("pressure") +
+                             column_heading("√(ab) rule instead of the exact one") +
+                             column_heading("torque, exact rule"),
+                         rows) +
          "<p>Further errors, which are the same for every model:</p>\n<ul>" + common + "</ul>\n";
 }
 
@@ -320,9 +314,9 @@ Html finite_strain_section(const Json& report) {
         rows += "</tr>\n";
       }
     }
-    Html head = heading("contacts") + heading("model");
-    for (const NamedQuantity& quantity : kJudged) head += heading(quantity.name);
-    return table(head, rows);
+    Html head = column_heading("contacts") + column_heading("model");
+    for (const NamedQuantity& quantity : kJudged) head += column_heading(quantity.name);
+    return scrolling_table(head, rows);
   };
   // The last group has the largest nu and indentation: a silicone fingertip in a hard grip.
   Html answer;

@@ -34,7 +34,7 @@ int times_broken(const Json& model, const std::string& promise) {
   return 0;
 }
 
-Html lead(const Json& survey) {
+Html extremes_lead(const Json& survey) {
   int models = 0, keeping = 0;
   double asked = 0;
   for (const Json& model : child(survey, "models")) {
@@ -191,7 +191,7 @@ Html pictures(const Json& survey) {
          figures + "</div>\n";
 }
 
-Html body(const Json& survey) {
+Html extremes_body(const Json& survey) {
   const Json& source = child(survey, "provenance");
   Html rows;
   for (const char* key : {"version", "date"})
@@ -200,7 +200,7 @@ Html body(const Json& survey) {
   rows += html("<dt>seed</dt><dd>{}</dd>", plain(number(survey, "seed")));
   return "<header><h1>How far can the models be pushed?</h1>\n<p class=\"subtitle\">Random "
          "problems over the whole allowed range of input, and beyond it</p>\n" +
-         lead(survey) +
+         extremes_lead(survey) +
          "<nav><a href=\"#answers\">Answers</a> <a href=\"#promises\">Invariants</a> <a "
          "href=\"#ranges\">What was tried</a> <a href=\"#refusals\">Refusals</a> <a "
          "href=\"#provenance\">Provenance</a></nav></header>\n"
@@ -234,7 +234,7 @@ std::string render_extremes(const nlohmann::json& survey) {
   return render_page(
       {"How far can the models be pushed?",
        {embedded::report_css},
-       body(survey),
+       extremes_body(survey),
        drawn,
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::extremes_js}});
 }

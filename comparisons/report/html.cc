@@ -72,6 +72,20 @@ Html joined(const std::vector<Html>& parts, const Html& separator) {
   return out;
 }
 
+Html details(const Html& summary, const Html& body) {
+  return "<details><summary>" + summary + "</summary>\n" + body + "</details>\n";
+}
+
+Html scrolling_table(const Html& head, const Html& rows) {
+  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
+         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
+}
+
+Html column_heading(const HtmlArgument& words, const Html& unit) {
+  return html("<th scope=\"col\">{}{}</th>", words,
+              unit.empty() ? "" : html(" <span class=\"unit\">{}</span>", unit));
+}
+
 Html significant(double value, int digits) {
   if (!std::isfinite(value)) return kDash;
   if (value == 0) return "0";

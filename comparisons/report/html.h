@@ -97,6 +97,13 @@ Html html(const char (&format)[size], const Arguments&... arguments) {
 /// The parts with `separator` between them.
 Html joined(const std::vector<Html>& parts, const Html& separator);
 
+/// `<details>`, closed at first.
+Html details(const Html& summary, const Html& body);
+/// A table that scrolls sideways where the window is narrower.
+Html scrolling_table(const Html& head, const Html& rows);
+/// A heading of such a table, with the unit behind it.
+Html column_heading(const HtmlArgument& words, const Html& unit = "");
+
 /// `digits` significant digits in plain decimal notation (`0.001706`, `12.30`, `48213`), powers of
 /// ten (`1.2·10<sup>−7</sup>`) only outside 1e-4 to 1e7, a true minus sign. Not finite: a dash.
 Html significant(double value, int digits = 4);

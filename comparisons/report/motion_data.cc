@@ -13,7 +13,7 @@
 #include "comparisons/simulation/triangulate.h"
 #include "comparisons/text/base64.h"
 #include "softfinger/friction/limit_surface.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::report {
 namespace {

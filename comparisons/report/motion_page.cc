@@ -71,7 +71,7 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 <div class="selected of_contacts" aria-live="off">
 <h2 id="selected"></h2>
 <p class="facts" id="state"></p>
-<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force; thin: the path up to now.</figcaption><div class="plot"></div></figure>
+<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force, both whatever the law of the contact is; thin: the path up to now.</figcaption><div class="plot"></div></figure>
 <figure data-chart="normal"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="tangential"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="torque"><figcaption></figcaption><div class="plot"></div></figure>
@@ -80,16 +80,6 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 </section>
 <noscript><p>The motion in 3-D and the charts need JavaScript; the tables below do not.</p></noscript>
 )";
-
-Html table(const Html& head, const Html& rows) {
-  return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>" + head +
-         "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";
-}
-
-Html heading(const Html& name, const Html& unit = "") {
-  return html("<th scope=\"col\">{}{}</th>", name,
-              unit.empty() ? "" : html(" <span class=\"unit\">{}</span>", unit));
-}
 
 Html final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks) {
   Html out = "<h2 id=\"final\">Contacts at the end</h2>\n";
@@ -123,15 +113,16 @@ Html final_contacts(const Recording& recording, const std::vector<ContactTrack>&
          "limit a contact uses, 1 at the limit: by the friction law in the last column with the "
          "e<sub>n</sub> of the table (facets by the ellipsoid around them), and by the exact "
          "limit surface of the ellipse.</p>\n" +
-         table(heading("contact") + heading("normal force P", "N") +
-                   heading("tangential force", "N") + heading("torque", "mN·m") +
-                   heading("a", "mm") + heading("b", "mm") + heading("μ") +
-                   heading("e<sub>n</sub>", "mm") + heading("utilisation") +
-                   heading("exact utilisation") +
-                   "<th scope=\"col\" class=\"words\">state</th>"
-                   "<th scope=\"col\" class=\"words\">pressure model</th>"
-                   "<th scope=\"col\" class=\"words\">friction law</th>",
-               rows);
+         scrolling_table(column_heading("contact") + column_heading("normal force P", "N") +
+                             column_heading("tangential force", "N") +
+                             column_heading("torque", "mN·m") + column_heading("a", "mm") +
+                             column_heading("b", "mm") + column_heading("μ") +
+                             column_heading("e<sub>n</sub>", "mm") + column_heading("utilisation") +
+                             column_heading("exact utilisation") +
+                             "<th scope=\"col\" class=\"words\">state</th>"
+                             "<th scope=\"col\" class=\"words\">pressure model</th>"
+                             "<th scope=\"col\" class=\"words\">friction law</th>",
+                         rows);
 }
 
 Html contacts_over_time(const Recording& recording, const std::vector<ContactTrack>& tracks) {
@@ -161,11 +152,12 @@ Html contacts_over_time(const Recording& recording, const std::vector<ContactTra
         significant(largest_use_s));
   }
   return "<h2 id=\"contacts-over-time\">Contacts over the whole motion</h2>\n" +
-         table(heading("contact") + heading("first", "s") + heading("last", "s") +
-                   heading("instants in contact") + heading("of these sliding") +
-                   heading("largest normal force", "N") + heading("largest utilisation") +
-                   heading("at", "s"),
-               rows);
+         scrolling_table(column_heading("contact") + column_heading("first", "s") +
+                             column_heading("last", "s") + column_heading("instants in contact") +
+                             column_heading("of these sliding") +
+                             column_heading("largest normal force", "N") +
+                             column_heading("largest utilisation") + column_heading("at", "s"),
+                         rows);
 }
 
 Html provenance(const Recording& recording, const MotionPageOptions& options) {

@@ -241,7 +241,7 @@ Html case_filter(const Json& report) {
          "placeholder=\"e.g. seed, silicone, partly\"></label></p>\n";
 }
 
-Html body(const Json& report) {
+Html report_body(const Json& report) {
   const Html simulator = simulator_table(report), cards = model_cards(report);
   const Html speed = speed_accuracy_section(report);
   const Html finite_strain = finite_strain_section(report);
@@ -274,7 +274,7 @@ std::string render_report(const nlohmann::json& report) {
   return render_page(
       {"Soft-finger contact: models against finite elements",
        {embedded::report_css},
-       body(report),
+       report_body(report),
        chart_data(report),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }

@@ -16,7 +16,7 @@
 namespace softfinger::report {
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 6> kColumns{
+constexpr std::array<std::pair<const char*, const char*>, 6> kErrorColumns{
     {{"a", "a"},
      {"b", "b"},
      {"area", "area"},
@@ -55,7 +55,7 @@ Html described(const Json& report, const Json& choice, const std::string& model)
               percent(worst_of(candidate)), time_of(candidate));
 }
 
-Html lead(const Json& selection) {
+Html select_lead(const Json& selection) {
   const Json& choices = child(selection, "choices");
   const std::string within = tolerance_text(selection);
   std::set<std::string> chosen;
@@ -127,7 +127,7 @@ Html chooser(const Json& choices) {
 
 Html candidates_table(const Json& selection, const Json& choice) {
   Html head = "<th scope=\"col\">model</th><th scope=\"col\">time of one answer</th>";
-  for (const auto& column : kColumns) head += html("<th scope=\"col\">{}</th>", column.second);
+  for (const auto& column : kErrorColumns) head += html("<th scope=\"col\">{}</th>", column.second);
   head += "<th scope=\"col\" class=\"words\">so</th>";
   const double limit = tolerance(selection);
   const std::string chosen = text(choice, "model");
@@ -140,10 +140,10 @@ Html candidates_table(const Json& selection, const Json& choice) {
                  time_of(candidate));
     if (bound.is_null()) {
       rows += html("<td colspan=\"{}\" class=\"words\">no stated error: {}</td></tr>\n",
-                   kColumns.size() + 1, text(candidate, "remark"));
+                   kErrorColumns.size() + 1, text(candidate, "remark"));
       continue;
     }
-    for (const auto& column : kColumns) {
+    for (const auto& column : kErrorColumns) {
       const auto error = number(bound, column.first);
       rows += error ? html("<td><span class=\"{}\">{}</span></td>",
                            *error <= limit ? "within" : "beyond", percent(*error))
@@ -212,7 +212,7 @@ Json selection_chart_data(const Json& selection) {
           {"cases", {{{"id", text(selection, "case")}, {"loads", loads}}}}};
 }
 
-Html body(const Json& selection) {
+Html select_body(const Json& selection) {
   const Json& choices = child(selection, "choices");
   const std::string question = text(selection, "question");
   const Html speed = speed_accuracy_section(selection);
@@ -220,7 +220,7 @@ Html body(const Json& selection) {
       "<header><h1>Which model is enough for {} within {}?</h1>\n<p class=\"subtitle\">{}</p>\n",
       text(selection, "case"), tolerance_text(selection),
       question.empty() ? text(selection, "description") : question);
-  out += lead(selection);
+  out += select_lead(selection);
   if (!question.empty()) out += html("<p class=\"facts\">{}</p>\n", text(selection, "description"));
   if (const std::string limits = text(selection, "limits"); !limits.empty())
     out += html("<p class=\"facts\">{}</p>\n", limits);
@@ -278,7 +278,7 @@ std::string render_selection(const nlohmann::json& selection) {
   return render_page(
       {html("Which model is enough for {}?", text(selection, "case")),
        {embedded::report_css},
-       body(selection),
+       select_body(selection),
        selection_chart_data(selection),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::select_js}});
 }

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "comparisons/judgement/median.h"
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
@@ -281,12 +282,8 @@ Deviations deviations_of(std::vector<double> errors) {
                errors.end());
   out.count = errors.size();
   if (errors.empty()) return out;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  out.median = *middle;
-  if (errors.size() % 2 == 0)
-    out.median = (out.median + *std::max_element(errors.begin(), middle)) / 2;
-  out.worst = *std::max_element(middle, errors.end());
+  out.worst = *std::max_element(errors.begin(), errors.end());
+  out.median = judgement::median(std::move(errors));
   return out;
 }
 
@@ -368,7 +365,7 @@ Html loads_text(const Json& sweep) {
   return " at " + listed(parts) + kSpace + "N";
 }
 
-Html lead(const Json& sweep, const Table& table) {
+Html sweep_lead(const Json& sweep, const Table& table) {
   std::vector<Html> swept;
   const double points = number(sweep, "points").value_or(0);
   const bool single = child(sweep, "keys").size() == 1;
@@ -593,12 +590,13 @@ Json sweep_chart_data(const Json& sweep, const Table& table) {
       {"quantities", quantities},      {"sources", sources}, {"first", first ? first->name : ""}};
 }
 
-Html body(const Json& sweep, const Table& table) {
+Html sweep_body(const Json& sweep, const Table& table) {
   const Html failures = failures_section(table);
   Html out =
       html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n", text(sweep, "id"),
            text(sweep, "question")) +
-      lead(sweep, table) + "<nav><a href=\"#picture\">Picture</a> <a href=\"#ranges\">Ranges</a> " +
+      sweep_lead(sweep, table) +
+      "<nav><a href=\"#picture\">Picture</a> <a href=\"#ranges\">Ranges</a> " +
       (table.fem.empty() ? Html("") : "<a href=\"#deviations\">Against FEM</a> ") +
       (failures.empty() ? Html("") : "<a href=\"#failures\">Failures</a> ") +
       "<a href=\"#rows\">Rows</a> <a href=\"#file\">Sweep file</a> <a "
@@ -627,7 +625,7 @@ std::string render_sweep(const nlohmann::json& sweep) {
   return render_page(
       {escape(text(sweep, "id")),
        {embedded::report_css},
-       body(sweep, table),
+       sweep_body(sweep, table),
        sweep_chart_data(sweep, table),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::sweep_js}});
 }

@@ -11,8 +11,8 @@
 #include "comparisons/simulation/elliptic_contact.h"
 #include "comparisons/simulation/flat_contact.h"
 #include "comparisons/simulation/shape_distances.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::simulation {
 namespace {

@@ -15,7 +15,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/text/base64.h"
 #include "comparisons/text/csv.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::simulation {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <variant>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::simulation {
 namespace {

@@ -4,7 +4,6 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -13,6 +12,7 @@
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/reference/fem_process.h"
+#include "comparisons/system/clock.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/csv.h"
 #include "comparisons/text/json_text.h"
@@ -149,18 +149,15 @@ std::string machine_name() {
 }
 
 json provenance(const SuiteComparison& suite) {
-  const std::time_t now = std::time(nullptr);
-  char date[32] = "";
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   std::optional<double> peak_memory_MB;
   for (const CaseComparison& compared : suite.cases)
     for (const Comparison& load : compared.loads)
       if (load.reference && load.reference->peak_memory_MB)
         peak_memory_MB = std::max(peak_memory_MB.value_or(0), *load.reference->peak_memory_MB);
   return {{"version", system::program_version()},
-          {"date", date},
-          {"compiler", SOFTFINGER_COMPILER},
-          {"build_type", SOFTFINGER_BUILD_TYPE},
+          {"date", system::utc_now()},
+          {"compiler", system::compiler()},
+          {"build_type", system::build_type()},
           {"machine", machine_name()},
           {"cores", suite.cores},
           {"command", suite.command},

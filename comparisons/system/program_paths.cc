@@ -11,8 +11,6 @@
 namespace softfinger::system {
 namespace fs = std::filesystem;
 
-std::string program_version() { return SOFTFINGER_VERSION; }
-
 fs::path program_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);

@@ -8,6 +8,10 @@ namespace softfinger::system {
 
 /// "0.1.0"
 std::string program_version();
+/// "GNU 12.2.0"
+std::string compiler();
+/// "Release"
+std::string build_type();
 
 /// The folder of the running program, from /proc/self/exe: data and the FEM program are found
 /// relative to it, the same way in the build tree and when installed.

@@ -21,7 +21,6 @@ namespace softfinger::fem::finite {
 namespace {
 
 using Dof = LayerSpace::Dof;
-constexpr int dim = LayerSpace::dim;
 
 /// The diagonal entry, which is the first of its column.
 double& diagonal(SparseSymmetricMatrix& matrix, int unknown) {

@@ -184,7 +184,7 @@ std::unique_ptr<const Material> make_material(const MaterialChoice& choice, doub
   const double G = youngs_modulus / (2 * (1 + poisson_ratio));
   const double k = youngs_modulus / (3 * (1 - 2 * poisson_ratio));
   const VolumetricPart bulk(choice.volumetric, k);
-  char what[120];
+  char what[120] = "";
   std::unique_ptr<const Material> material;
   switch (choice.name) {
     case MaterialName::neo_hookean:

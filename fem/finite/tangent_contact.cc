@@ -27,7 +27,8 @@ TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eige
     if (!free.empty()) {
       Eigen::MatrixXd right = -(stiffness(free, touching) * prescribed);
       right.col(1) += response.force(free);
-      released = stiffness(free, free).partialPivLu().solve(right);
+      const Eigen::MatrixXd of_free = stiffness(free, free);
+      released = of_free.partialPivLu().solve(right);
       forces += stiffness(touching, free) * released;
     }
     forces.col(1) -= response.force(touching);

@@ -24,18 +24,18 @@
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
 #include "fem/verification/groups.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::fem::verification {
 namespace {
 
 constexpr int dim = 3;
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-const char* const group = "element";
+const char* const element_group = "element";
 
 using Point = dealii::Point<dim>;
 using Field = std::function<double(const Point&, unsigned int component)>;
 
-std::string named(const char* text, double nu) {
+std::string named_element(const char* text, double nu) {
   char buffer[80];
   std::snprintf(buffer, sizeof buffer, "%s, nu %.5g", text, nu);
   return buffer;
@@ -136,13 +136,13 @@ Check patch_test(double nu) {
   const auto displacement = body.solve(linear, [](const Point&, unsigned int) { return 0.0; });
   dealii::Vector<double> exact(displacement);
   dealii::VectorTools::interpolate(body.mapping, body.dofs, VectorField(linear), exact);
-  Check check{group, named("patch test, distorted, hanging nodes", nu), "largest error / largest u",
-              0};
+  Check check{element_group, named_element("patch test, distorted, hanging nodes", nu),
+              "largest error / largest u", 0};
   const double largest = exact.linfty_norm();
   exact -= displacement;
   check.measured = exact.linfty_norm() / largest;
   // Condition: (elements per side)² times the ratio of the two moduli.
-  check.tolerance = 100 * epsilon * 36 / (1 - 2 * nu);
+  check.tolerance = 100 * kEpsilon * 36 / (1 - 2 * nu);
   check.reason = "round-off x condition, 36/(1 - 2 nu)";
   return check;
 }
@@ -168,9 +168,9 @@ Checks rigid_motions(double nu) {
   const double stretch = force_of([](const Point& p, unsigned int c) { return c == 0 ? p[0] : 0; });
   Checks checks;
   const auto add = [&](const char* motion, const Field& field) {
-    Check check{group, named(motion, nu), "force / that of a stretch", 0,
+    Check check{element_group, named_element(motion, nu), "force / that of a stretch", 0,
                 force_of(field) / stretch};
-    check.tolerance = 81 * epsilon * 10;
+    check.tolerance = 81 * kEpsilon * 10;
     check.reason = "round-off of 81 terms, each up to 10 times their sum";
     checks.push_back(check);
   };
@@ -214,9 +214,9 @@ Check turned_element(double nu) {
   for (Eigen::Index i = 0; i < plain.rows(); i += 3)
     for (Eigen::Index j = 0; j < plain.cols(); j += 3)
       expected.block<3, 3>(i, j) = turn * plain.block<3, 3>(i, j) * turn.transpose();
-  Check check{group, named("element turned by 40 degrees", nu), "change of the stiffness", 0,
-              (turned - expected).norm() / expected.norm()};
-  check.tolerance = 81 * epsilon * 10;
+  Check check{element_group, named_element("element turned by 40 degrees", nu),
+              "change of the stiffness", 0, (turned - expected).norm() / expected.norm()};
+  check.tolerance = 81 * kEpsilon * 10;
   check.reason = "round-off of 81 terms, each up to 10 times their sum";
   return check;
 }
@@ -301,7 +301,7 @@ Checks convergence(int cells, double nu, const std::array<double, 3>& amplitude,
     const double first = std::log2(errors[0].*norm / errors[1].*norm);
     const double second = std::log2(errors[1].*norm / errors[2].*norm);
     const double correction = (second - first) / 3;
-    Check check{group, named(what, nu), quantity, order, second + correction};
+    Check check{element_group, named_element(what, nu), quantity, order, second + correction};
     check.tolerance = std::abs(correction) / order;
     check.reason = "as much as the extrapolation to h = 0 corrects the last observed order";
     if (!isochoric) {

@@ -14,7 +14,7 @@
 namespace softfinger::fem::verification {
 namespace {
 
-const char* const group = "friction";
+const char* const friction_group = "friction";
 constexpr double thickness_m = 2e-3, youngs_modulus_Pa = 3e5, friction_coefficient = 0.1;
 constexpr double half_space = 0.05;  ///< a/h of what stands for a half-space
 constexpr double zeta_3 = 1.2020569031595942;
@@ -22,7 +22,7 @@ constexpr double zeta_3 = 1.2020569031595942;
 /// stiffness, half of (a/h)³ in pressure. This bounds both.
 const double base_effect = std::pow(half_space, 3);
 
-std::string named(const char* format, double first, double second) {
+std::string named_friction(const char* format, double first, double second) {
   char buffer[80];
   std::snprintf(buffer, sizeof buffer, format, first, second);
   return buffer;
@@ -79,11 +79,11 @@ Checks check_twist(const std::string& name, Problem problem, double a_m,
   const Torsion& torsion = *result.torsion;
   Checks checks;
   const auto add = [&](const std::string& quantity, double value, double measured, double stated) {
-    checks.push_back(stated_check(group, name, quantity, value, measured, stated,
+    checks.push_back(stated_check(friction_group, name, quantity, value, measured, stated,
                                   expected.reference_error, expected.reference));
   };
   for (std::size_t i = 0; i < expected.angle.size(); ++i)
-    add(named("torque / full slip at G a² angle/(mu P) %.4g", expected.angle[i], 0),
+    add(named_friction("torque / full slip at G a² angle/(mu P) %.4g", expected.angle[i], 0),
         expected.torque[i] / expected.full_slip,
         torsion.increments[i].wrench.torque_Nm / (force_N * a_m * expected.full_slip),
         torsion.curve_error * expected.full_slip / expected.torque[i]);
@@ -107,8 +107,8 @@ Checks check_layer_twist(const LayerTwist& layer) {
     expected.torque.push_back(layer.torque[i]);
   }
   const Problem problem = circular_problem(circular_layer(layer.nu, layer.s));
-  return check_twist(named("twist on a layer, nu %.4g, a/h %.3g", layer.nu, layer.s), problem,
-                     layer.s * problem.contact.layer.thickness_m, expected);
+  return check_twist(named_friction("twist on a layer, nu %.4g, a/h %.3g", layer.nu, layer.s),
+                     problem, layer.s * problem.contact.layer.thickness_m, expected);
 }
 
 Checks check_lubkin(double nu) {
@@ -120,8 +120,8 @@ Checks check_lubkin(double nu) {
                          base_effect,
                          "(a/h)³ of the base"};
   for (const double stick : {0.9, 0.5, 0.1}) expected.angle.push_back(Lubkin::angle(stick));
-  return check_twist(named("Lubkin's twist on a half-space, nu %.4g", nu, 0), contact.problem,
-                     contact.a_m, expected);
+  return check_twist(named_friction("Lubkin's twist on a half-space, nu %.4g", nu, 0),
+                     contact.problem, contact.a_m, expected);
 }
 
 /// A disc that sticks: the start of any twist.
@@ -132,7 +132,8 @@ Checks check_stuck_disc(double s, double ratio) {
   const Result result = friction_of(problem, a, a, [](FrictionPlan& plan) {
     plan.twist.push_back({0, 0, 1e-6});
   });
-  return {stated_check(group, named("stuck disc, a/h %.3g", s, 0), "stiffness / (16 G a³/3)", ratio,
+  return {stated_check(friction_group, named_friction("stuck disc, a/h %.3g", s, 0),
+                       "stiffness / (16 G a³/3)", ratio,
                        result.torsion->stiffness_Nm_per_rad /
                            (16.0 / 3 * problem.contact.layer.shear_modulus_Pa() * a * a * a),
                        result.torsion->stiffness_error, 1e-7, "1e-7 of the integral equation")};
@@ -152,7 +153,8 @@ Checks check_stuck_ellipse(double aspect) {
   const double B = (E - (1 - m) * K) / m, D = (K - E) / m, C = ((2 - m) * K - 2 * E) / (m * m);
   const double expected = 2 * M_PI / 3 * (E - 4 * nu * (1 - m) * C) / (B * D - nu * E * C);
   return {stated_check(
-      group, named("stuck ellipse, a/b %.3g, nu %.4g", aspect, nu), "stiffness / (G a³)", expected,
+      friction_group, named_friction("stuck ellipse, a/b %.3g, nu %.4g", aspect, nu),
+      "stiffness / (G a³)", expected,
       result.torsion->stiffness_Nm_per_rad /
           (contact.problem.contact.layer.shear_modulus_Pa() * std::pow(contact.a_m, 3)),
       result.torsion->stiffness_error, base_effect, "(a/h)³ of the base")};
@@ -188,12 +190,13 @@ Checks check_limit_surface(double aspect) {
   const double force_N = force_limit_N(contact.problem);
   Checks checks;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::string name = named("full slip, a/b %.3g", aspect, 0) +
-                             named(", centre at %.3g, %.3g b", rows[i].centre_x, rows[i].centre_y);
+    const std::string name =
+        named_friction("full slip, a/b %.3g", aspect, 0) +
+        named_friction(", centre at %.3g, %.3g b", rows[i].centre_x, rows[i].centre_y);
     const Wrench& wrench = result.limit_surface[i].wrench;
     const auto add = [&](const char* quantity, double value, double measured, double scale) {
       if (value == 0) return;
-      checks.push_back(stated_check(group, name, quantity, value, measured,
+      checks.push_back(stated_check(friction_group, name, quantity, value, measured,
                                     result.limit_surface_error * scale / std::abs(value),
                                     base_effect, "(a/h)³ of the base"));
     };
@@ -250,7 +253,8 @@ Checks check_mindlin() {
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const double coarse = unit_N * states[0][i].wrench.force_x / force_N;
     const double fine = unit_N * states[1][i].wrench.force_x / force_N;
-    Check check{group, "Mindlin's shift of a sphere, nu 0.5", "Q / (mu P)", shares[i], fine};
+    Check check{friction_group, "Mindlin's shift of a sphere, nu 0.5", "Q / (mu P)", shares[i],
+                fine};
     const double transverse = nu / (4 - 2 * nu);
     check.tolerance = std::abs(fine - coarse) / shares[i] + transverse * transverse;
     check.reason = "level 2 - level 1, and (nu/(4 - 2 nu))²: Mindlin leaves out transverse slip";
@@ -280,10 +284,10 @@ Checks check_bent_half_space() {
   const std::string name = "curved layer, h/R 1/3, a/h 0.05";
   const double neglected = base_effect + slope * slope;
   const std::string reference = "(a/h)³ of the base, (a/R)²";
-  return {stated_check(group, name, "stiffness / (16 G a³/3)", 1,
+  return {stated_check(friction_group, name, "stiffness / (16 G a³/3)", 1,
                        torsion.stiffness_Nm_per_rad / (16.0 / 3 * shear_Pa * a * a * a),
                        torsion.stiffness_error, 3 * neglected, reference),
-          stated_check(group, name, "full slip / (mu P a)", 3 * M_PI / 16,
+          stated_check(friction_group, name, "full slip / (mu P a)", 3 * M_PI / 16,
                        torsion.full_slip_Nm / (force_limit_N(problem) * a), torsion.full_slip_error,
                        neglected, reference)};
 }
@@ -300,10 +304,11 @@ Checks check_bent_slightly() {
   const Result of_flat = solve_quietly(flat), of_bent = solve_quietly(bent);
   const std::string name = "curved layer, h/R 0.01, against the flat one";
   const std::string reference = "stated of the flat one, 2 h/R";
-  return {stated_check(group, name, "stiffness, N m/rad", of_flat.torsion->stiffness_Nm_per_rad,
-                       of_bent.torsion->stiffness_Nm_per_rad, of_bent.torsion->stiffness_error,
+  return {stated_check(friction_group, name, "stiffness, N m/rad",
+                       of_flat.torsion->stiffness_Nm_per_rad, of_bent.torsion->stiffness_Nm_per_rad,
+                       of_bent.torsion->stiffness_error,
                        of_flat.torsion->stiffness_error + 2 * bending, reference),
-          stated_check(group, name, "full slip, N m", of_flat.torsion->full_slip_Nm,
+          stated_check(friction_group, name, "full slip, N m", of_flat.torsion->full_slip_Nm,
                        of_bent.torsion->full_slip_Nm, of_bent.torsion->full_slip_error,
                        of_flat.torsion->full_slip_error + 2 * bending, reference)};
 }
@@ -321,7 +326,7 @@ Checks check_bent_levels() {
   const std::string name = "curved layer, h/R 1/4, nu 0.49, ellipsoid on a plane";
   // Measured on flat layers to 0.5 %; nearly incompressible ones have less.
   constexpr double coupling = 5e-3;
-  Checks checks{stated_check(group, name, "full slip / int mu p r dA", 1,
+  Checks checks{stated_check(friction_group, name, "full slip / int mu p r dA", 1,
                              result.torsion->full_slip_Nm / result.finest.max_torque_Nm,
                              result.torsion->full_slip_error + result.error.max_torque, coupling,
                              "shear moves the pressure")};
@@ -329,7 +334,7 @@ Checks check_bent_levels() {
   for (const LimitPoint& point : result.limit_surface)
     largest = std::max(largest, std::hypot(point.wrench.force_x_N, point.wrench.force_y_N) /
                                     force_limit_N(problem));
-  Check bound{group, name, "largest tangential force / (mu P)", 1, largest};
+  Check bound{friction_group, name, "largest tangential force / (mu P)", 1, largest};
   bound.expected = 1 + result.limit_surface_error;
   bound.relation = Relation::at_most;
   bound.reason = "Coulomb's law";

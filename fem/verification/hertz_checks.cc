@@ -11,7 +11,7 @@
 namespace softfinger::fem::verification {
 namespace {
 
-const char* const group = "Hertz";
+const char* const hertz_group = "Hertz";
 
 double missing_compliance(double nu) {
   const double kappa = 3 - 4 * nu;
@@ -53,7 +53,7 @@ Checks check(const Hertz& hertz, double nu) {
   expected.reference = "(a/h)³ of the base";
   char name[96];
   std::snprintf(name, sizeof name, "%s, nu %.4g", hertz.name, nu);
-  return compare(group, name, problem, expected);
+  return compare(hertz_group, name, problem, expected);
 }
 
 Hertz circular(const char* name, double radius_m, double modulus_Pa, double load_N) {

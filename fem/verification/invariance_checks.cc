@@ -8,12 +8,12 @@
 #include "fem/verification/groups.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::fem::verification {
 namespace {
 
-const char* const group = "invariance";
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
+const char* const invariance_group = "invariance";
 /// Condition number of the stiffness of a coarse contact: (elements along the layer)² times the
 /// ratios of moduli and of cell sizes, about 1e5 at nu = 0.4.
 constexpr double condition = 1e5;
@@ -26,8 +26,8 @@ Problem oblong() {
 }
 
 Check same(const char* name, const char* quantity, double expected, double measured) {
-  Check check{group, name, quantity, expected, measured};
-  check.tolerance = 10 * epsilon * condition;
+  Check check{invariance_group, name, quantity, expected, measured};
+  check.tolerance = 10 * kEpsilon * condition;
   check.reason = "round-off x condition, 1e5";
   return check;
 }
@@ -81,8 +81,8 @@ Checks check_turned_quadric() {
   const Result turned = solve_quietly(with_turned_quadric(0.5));
   Checks checks;
   const auto add = [&](const char* quantity, double expected, double measured, double stated) {
-    Check check{group, "quadric turned by 0.5 rad on the whole layer", quantity, expected,
-                measured};
+    Check check{invariance_group, "quadric turned by 0.5 rad on the whole layer", quantity,
+                expected, measured};
     check.tolerance = stated;
     check.reason = "stated errors of both, level 1";
     checks.push_back(check);
@@ -93,8 +93,8 @@ Checks check_turned_quadric() {
       straight.error.max_torque + turned.error.max_torque);
   add("a, m", straight.finest.a_m, turned.finest.a_m, straight.error.a + turned.error.a);
   add("b, m", straight.finest.b_m, turned.finest.b_m, straight.error.b + turned.error.b);
-  Check angle{group, "quadric turned by 0.5 rad on the whole layer", "long axis, rad", 0.5,
-              turned.finest.turn_rad};
+  Check angle{invariance_group, "quadric turned by 0.5 rad on the whole layer", "long axis, rad",
+              0.5, turned.finest.turn_rad};
   // An angle t changes the second moments' off-diagonal by (a² - b²) t.
   const double aspect2 = std::pow(turned.finest.b_m / turned.finest.a_m, 2);
   angle.tolerance = (turned.error.a + turned.error.b) / (1 - aspect2) / 0.5;
@@ -129,19 +129,19 @@ Checks check_mirrors() {
     }
     return difference / pressed.normal_force.maxCoeff();
   };
-  using Point = std::pair<double, double>;
+  using PlacePair = std::pair<double, double>;
   checks.push_back(
       same("whole layer mirrored in x", "change of nodal forces / largest", 0,
-           largest_difference(whole, [](double x, double y) { return Point(-x, y); })));
+           largest_difference(whole, [](double x, double y) { return PlacePair(-x, y); })));
   checks.push_back(
       same("whole layer mirrored in y", "change of nodal forces / largest", 0,
-           largest_difference(whole, [](double x, double y) { return Point(x, -y); })));
+           largest_difference(whole, [](double x, double y) { return PlacePair(x, -y); })));
   Problem round = oblong();
   round.contact.radii.minor_m = round.contact.radii.major_m;
   const Pressed circle = press_at_level(round, b, b, 1);
   checks.push_back(
       same("circle, x and y exchanged", "change of nodal forces / largest", 0,
-           largest_difference(circle, [](double x, double y) { return Point(y, x); })));
+           largest_difference(circle, [](double x, double y) { return PlacePair(y, x); })));
   return checks;
 }
 
@@ -149,11 +149,11 @@ Checks check_equilibrium() {
   const Residuals& all = residuals_so_far();
   char name[64];
   std::snprintf(name, sizeof name, "worst of %d contacts above", all.contacts);
-  Check balance{group, name, "sum of nodal forces / P - 1", 0, all.load};
-  balance.tolerance = 1e4 * epsilon;
+  Check balance{invariance_group, name, "sum of nodal forces / P - 1", 0, all.load};
+  balance.tolerance = 1e4 * kEpsilon;
   balance.reason = "round-off of a sum of up to 1e4 nodes";
-  Check gap{group, name, "penetration / d, tension / peak", 0, all.complementarity};
-  gap.tolerance = 1e4 * epsilon * 100;
+  Check gap{invariance_group, name, "penetration / d, tension / peak", 0, all.complementarity};
+  gap.tolerance = 1e4 * kEpsilon * 100;
   gap.reason = "round-off of a product with up to 1e4 nodes, solved by Cholesky (condition 1e2)";
   return {balance, gap};
 }

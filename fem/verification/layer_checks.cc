@@ -9,7 +9,7 @@
 namespace softfinger::fem::verification {
 namespace {
 
-const char* const group = "layer";
+const char* const layer_group = "layer";
 
 std::string named(const char* format, double first, double second) {
   char buffer[80];
@@ -81,7 +81,7 @@ Checks check_reused(bool quick) {
   int contacts = 0, served = 0;
   const auto add = [&](const std::string& name, const Problem& problem, const Expected& expected) {
     const Checks more =
-        compare_reused(group, name, problem, expected, larger_loads[contacts++ % 3]);
+        compare_reused(layer_group, name, problem, expected, larger_loads[contacts++ % 3]);
     served += !more.empty();
     checks.insert(checks.end(), more.begin(), more.end());
   };
@@ -96,7 +96,7 @@ Checks check_reused(bool quick) {
     const EllipticContact contact = elliptic_contact(layer);
     add(contact.name, contact.problem, contact.expected);
   }
-  Check share{group,
+  Check share{layer_group,
               "meshes of " + std::to_string(contacts) + " larger contacts, loads 1.3 to 3.5 times",
               "share of the contacts that they serve", 0.5, static_cast<double>(served) / contacts};
   share.relation = Relation::at_least;
@@ -117,7 +117,7 @@ Check nearly_incompressible() {
   const double incompressible = solve_quietly(problem).finest.indentation_m;
   problem.contact.layer.poisson_ratio = 0.4999;
   const Result nearly = solve_quietly(problem);
-  Check check{group, "nu 0.4999 against 1/2, a/h 1", "ratio of d", 1 + slope * 2e-4,
+  Check check{layer_group, "nu 0.4999 against 1/2, a/h 1", "ratio of d", 1 + slope * 2e-4,
               nearly.finest.indentation_m / incompressible};
   check.tolerance = 0.5 * slope * 2e-4;
   check.reason = "half the difference itself: its slope is taken over 0.1 in 1 - 2 nu";
@@ -142,8 +142,8 @@ Check thin_incompressible() {
   problem.contact.load.normal_force_N /= 45;  // P grows with a^5.5 there
   const Measured thick = measure();
   const double distance = thin.s - thick.s, limit = 0.25;
-  Check check{group, "thin incompressible, a/h 10 and 20", "d R/a², extrapolated in h/a", limit,
-              (thin.s * thin.ratio - thick.s * thick.ratio) / distance};
+  Check check{layer_group, "thin incompressible, a/h 10 and 20", "d R/a², extrapolated in h/a",
+              limit, (thin.s * thin.ratio - thick.s * thick.ratio) / distance};
   const double first_order = thin.ratio / limit - 1;
   check.tolerance =
       first_order * first_order * thin.s / thick.s +
@@ -164,13 +164,13 @@ Checks check_layer(bool quick) {
     const bool skipped = layer.s == 0.05 || layer.s == 0.2;
     const bool chosen = layer.s == 1 && (layer.nu == 0.3 || layer.nu == 0.5);
     if (quick ? chosen : !skipped)
-      add(compare(group, named("circular, nu %.4g, a/h %.3g", layer.nu, layer.s),
+      add(compare(layer_group, named("circular, nu %.4g, a/h %.3g", layer.nu, layer.s),
                   circular_problem(layer), expected_of(layer)));
   }
   for (const EllipticLayer& layer : elliptic_layers) {
     if (quick && !(layer.nu == 0.3 && layer.ratio == 2)) continue;
     const EllipticContact contact = elliptic_contact(layer);
-    add(compare(group, contact.name, contact.problem, contact.expected));
+    add(compare(layer_group, contact.name, contact.problem, contact.expected));
   }
   add(check_reused(quick));
   if (quick) return checks;

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -15,7 +16,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLargestTurn = 75 * kPi / 180;
 constexpr double kCosLargestSlope = 0.5;  // 60 degrees between surface and reference
 constexpr double kThickest = 0.9;         // in smallest radii
@@ -72,10 +72,10 @@ struct FingertipLayer::Finding {
 FingertipLayer::FingertipLayer(std::shared_ptr<const PadSurface> pad, double thickness)
     : pad_(std::move(pad)), thickness_(thickness) {
   if (!(thickness > 0 && std::isfinite(thickness)))
-    throw InputError("fingertip layer", "thickness", text(thickness), "> 0 and finite");
+    throw InputError("fingertip layer", "thickness", thickness, "> 0 and finite");
   const double smallest = pad_->smallest_radius();
   if (!(thickness < kThickest * smallest)) {
-    throw InputError("fingertip layer", "thickness", text(thickness),
+    throw InputError("fingertip layer", "thickness", thickness,
                      "less than " + text(kThickest) + " times the fingertip's smallest radius, " +
                          text(smallest) + ": a core must be left");
   }

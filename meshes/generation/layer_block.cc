@@ -26,7 +26,7 @@ Division divide(double inner, double length, double cell, double growth) {
   division.uniform = std::max(1, static_cast<int>(std::ceil(inner / cell - 1e-9)));
   division.inner = division.uniform * cell;
   if (!(division.inner < length))
-    throw InputError("layer block", "length", std::to_string(length),
+    throw InputError("layer block", "length", length,
                      "> the refined part, " + std::to_string(division.inner));
   // Cells cell*r, cell*r², ... fill what is left: take the count that growth asks for, then the
   // ratio that fits it exactly, so that the first graded cell matches its uniform neighbour.
@@ -54,8 +54,7 @@ HexahedralMesh mesh_layer_block(const LayerBlock& block) {
                                  block.cell_x,  block.cell_y,  block.growth - 1};
   for (const BlockSublayer& sublayer : block.sublayers) lengths.push_back(sublayer.thickness);
   for (const double length : lengths)
-    if (!(length > 0))
-      throw InputError("layer block", "length", std::to_string(length), "> 0 (and growth > 1)");
+    if (!(length > 0)) throw InputError("layer block", "length", length, "> 0 (and growth > 1)");
   const Division x = divide(block.inner_x, block.length_x, block.cell_x, block.growth);
   const Division y = divide(block.inner_y, block.length_y, block.cell_y, block.growth);
   // gmsh's extrusion goes up from the core.

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "softfinger/input/errors.h"
 
@@ -11,19 +10,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::string text(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
-
 void require_angle(const char* shape, double angle_rad) {
-  if (!std::isfinite(angle_rad)) throw InputError(shape, "angle", text(angle_rad), "finite");
+  if (!std::isfinite(angle_rad)) throw InputError(shape, "angle", angle_rad, "finite");
 }
 
 void require_finite_radius(const char* shape, double radius) {
   if (!(radius != 0 && std::isfinite(radius)))
-    throw InputError(shape, "radius", text(radius), "finite and not 0; negative where concave");
+    throw InputError(shape, "radius", radius, "finite and not 0; negative where concave");
 }
 
 /// R - sqrt(R² - d²) from d², without cancellation near the contact.
@@ -99,7 +92,7 @@ std::unique_ptr<const ObjectSurface> quadric_object(double radius_u, double radi
                                                     double angle_rad) {
   for (const double radius : {radius_u, radius_v})
     if (radius == 0 || std::isnan(radius))
-      throw InputError("quadric object", "radius", text(radius), "not 0; negative where concave");
+      throw InputError("quadric object", "radius", radius, "not 0; negative where concave");
   require_angle("quadric object", angle_rad);
   return std::make_unique<QuadricObject>(radius_u, radius_v, angle_rad);
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <string>
 
 #include "softfinger/input/errors.h"
 
@@ -11,19 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::string text(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
-
 void require_positive(const char* shape, const char* field, double value) {
-  if (!(value > 0)) throw InputError(shape, field, text(value), "> 0, infinite where straight");
+  if (!(value > 0)) throw InputError(shape, field, value, "> 0, infinite where straight");
 }
 
 void require_positive_finite(const char* shape, const char* field, double value) {
-  if (!(value > 0 && std::isfinite(value)))
-    throw InputError(shape, field, text(value), "> 0 and finite");
+  if (!(value > 0 && std::isfinite(value))) throw InputError(shape, field, value, "> 0 and finite");
 }
 
 /// Radius of the normal section at `angle_rad` from the direction of `radius_u` (Euler).
@@ -152,8 +145,7 @@ std::unique_ptr<const PadSurface> paraboloid_pad(double radius_u, double radius_
                                                  double angle_rad) {
   require_positive("paraboloid pad", "radius_u", radius_u);
   require_positive("paraboloid pad", "radius_v", radius_v);
-  if (!std::isfinite(angle_rad))
-    throw InputError("paraboloid pad", "angle", text(angle_rad), "finite");
+  if (!std::isfinite(angle_rad)) throw InputError("paraboloid pad", "angle", angle_rad, "finite");
   return std::make_unique<QuadricPad>(radius_u, radius_v, std::numeric_limits<double>::infinity(),
                                       angle_rad);
 }
@@ -165,8 +157,7 @@ std::unique_ptr<const PadSurface> ellipsoid_pad(double radius_u, double radius_v
   require_positive("ellipsoid pad", "radius_v", radius_v);
   const double c = semi_axis_z.value_or(std::min(radius_u, radius_v));
   require_positive_finite("ellipsoid pad", "semi_axis_z", c);
-  if (!std::isfinite(angle_rad))
-    throw InputError("ellipsoid pad", "angle", text(angle_rad), "finite");
+  if (!std::isfinite(angle_rad)) throw InputError("ellipsoid pad", "angle", angle_rad, "finite");
   return std::make_unique<QuadricPad>(radius_u, radius_v, c, angle_rad);
 }
 
@@ -183,7 +174,7 @@ std::unique_ptr<const PadSurface> tapered_pad(double radius_x, double radius_y, 
   require_positive_finite("tapered pad", "semi_axis_z", c);
   const double limit = 1 / std::sqrt(radius_x * c);
   if (!(std::abs(taper) < limit))
-    throw InputError("tapered pad", "taper", text(taper), "|taper| < " + text(limit));
+    throw InputError("tapered pad", "taper", taper, "|taper| < " + std::to_string(limit));
   return std::make_unique<TaperedPad>(radius_x, radius_y, taper, c);
 }
 

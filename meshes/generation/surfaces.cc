@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "meshes/generation/gmsh_session.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -19,15 +20,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The modelling kernel's tolerance is absolute, 1e-7: in millimetres that is a tenth of a
 // nanometre.
 constexpr double kUnitsPerMetre = 1e3;
 
-void require_positive(const char* shape, const char* field, double value) {
+void require_length(const char* shape, const char* field, double value) {
   if (!(value > 0) || !std::isfinite(value))
-    throw InputError(shape, field, std::to_string(value), "positive and finite");
+    throw InputError(shape, field, value, "positive and finite");
 }
 
 /// Meshes the boundary of the model's only volume, outward normals, and collects its triangles.
@@ -89,17 +88,17 @@ double pad_alpha(const FingertipPad& shape) {
 }  // namespace
 
 TriangleSurface fingertip_pad(const FingertipPad& shape) {
-  require_positive("fingertip pad", "across_radius_m", shape.across_radius_m);
-  require_positive("fingertip pad", "along_radius_m", shape.along_radius_m);
-  require_positive("fingertip pad", "length_m", shape.length_m);
-  require_positive("fingertip pad", "edge_length_m", shape.edge_length_m);
+  require_length("fingertip pad", "across_radius_m", shape.across_radius_m);
+  require_length("fingertip pad", "along_radius_m", shape.along_radius_m);
+  require_length("fingertip pad", "length_m", shape.length_m);
+  require_length("fingertip pad", "edge_length_m", shape.edge_length_m);
   const double alpha = pad_alpha(shape), taper = shape.tip_to_base_width;
   if (!(alpha >= 0.3 && alpha <= 1.3)) {
-    throw InputError("fingertip pad", "length_m", std::to_string(shape.length_m),
+    throw InputError("fingertip pad", "length_m", shape.length_m,
                      "length² / (4 across_radius along_radius) between 0.3 and 1.3");
   }
   if (!(taper >= 0.5 && taper <= 1))
-    throw InputError("fingertip pad", "tip_to_base_width", std::to_string(taper), "0.5 to 1");
+    throw InputError("fingertip pad", "tip_to_base_width", taper, "0.5 to 1");
 
   const double half_length = shape.length_m / 2, r = shape.across_radius_m;
   TriangleSurface surface = mesh_model("fingertip pad", shape.edge_length_m, [&] {
@@ -129,10 +128,10 @@ SurfacePoint fingertip_pad_middle(const FingertipPad& shape) {
 
 TriangleSurface glass(double foot_radius_m, double rim_radius_m, double height_m,
                       double edge_length_m) {
-  require_positive("glass", "foot_radius_m", foot_radius_m);
-  require_positive("glass", "rim_radius_m", rim_radius_m);
-  require_positive("glass", "height_m", height_m);
-  require_positive("glass", "edge_length_m", edge_length_m);
+  require_length("glass", "foot_radius_m", foot_radius_m);
+  require_length("glass", "rim_radius_m", rim_radius_m);
+  require_length("glass", "height_m", height_m);
+  require_length("glass", "edge_length_m", edge_length_m);
   const double thickness = 0.06 * rim_radius_m, foot_rounding = 2 * thickness;
   if (!(foot_radius_m > 4 * thickness && height_m > 8 * thickness)) {
     throw InputError("glass", "foot_radius_m, height_m",
@@ -183,12 +182,11 @@ SurfacePoint glass_wall_middle(double foot_radius_m, double rim_radius_m, double
 }
 
 TriangleSurface rounded_box(double side_m, double edge_radius_m, double edge_length_m) {
-  require_positive("rounded box", "side_m", side_m);
-  require_positive("rounded box", "edge_radius_m", edge_radius_m);
-  require_positive("rounded box", "edge_length_m", edge_length_m);
+  require_length("rounded box", "side_m", side_m);
+  require_length("rounded box", "edge_radius_m", edge_radius_m);
+  require_length("rounded box", "edge_length_m", edge_length_m);
   if (!(edge_radius_m < 0.5 * side_m)) {
-    throw InputError("rounded box", "edge_radius_m", std::to_string(edge_radius_m),
-                     "less than half the side");
+    throw InputError("rounded box", "edge_radius_m", edge_radius_m, "less than half the side");
   }
   return mesh_model("rounded box", edge_length_m, [&] {
     namespace occ = gmsh::model::occ;
@@ -211,9 +209,9 @@ SurfacePoint rounded_box_edge_middle(double side_m, double edge_radius_m) {
 }
 
 TriangleSurface cylinder(double radius_m, double length_m, double edge_length_m) {
-  require_positive("cylinder", "radius_m", radius_m);
-  require_positive("cylinder", "length_m", length_m);
-  require_positive("cylinder", "edge_length_m", edge_length_m);
+  require_length("cylinder", "radius_m", radius_m);
+  require_length("cylinder", "length_m", length_m);
+  require_length("cylinder", "edge_length_m", edge_length_m);
   return mesh_model("cylinder", edge_length_m, [&] {
     gmsh::model::occ::addCylinder(0, 0, -length_m / 2 * kUnitsPerMetre, 0, 0,
                                   length_m * kUnitsPerMetre, radius_m * kUnitsPerMetre);
@@ -221,8 +219,8 @@ TriangleSurface cylinder(double radius_m, double length_m, double edge_length_m)
 }
 
 TriangleSurface sphere(double radius_m, double edge_length_m) {
-  require_positive("sphere", "radius_m", radius_m);
-  require_positive("sphere", "edge_length_m", edge_length_m);
+  require_length("sphere", "radius_m", radius_m);
+  require_length("sphere", "edge_length_m", edge_length_m);
   return mesh_model("sphere", edge_length_m,
                     [&] { gmsh::model::occ::addSphere(0, 0, 0, radius_m * kUnitsPerMetre); });
 }

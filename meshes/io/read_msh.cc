@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMostEntities = 1'000'000;
 constexpr std::string_view kBlanks = " \t\r\n\f\v";
-const char* const kAllowedFile = "a gmsh file (.msh, format 2.2 or 4.1) that can be read";
+const char* const kAllowedMsh = "a gmsh file (.msh, format 2.2 or 4.1) that can be read";
 
 // The shapes in gmsh's manual, without those of higher order, which layers do not use.
 constexpr MshShape kShapes[] = {{1, "Line 2", 1, 2},
@@ -496,7 +496,7 @@ MshFile parse_msh(std::string_view bytes, const std::string& path) {
 }
 
 MshFile read_msh(const std::string& path) {
-  return parse_msh(read_whole_file(path, "mesh of the layer", kAllowedFile, kLargestMsh_bytes),
+  return parse_msh(read_whole_file(path, "mesh of the layer", kAllowedMsh, kLargestMsh_bytes),
                    path);
 }
 

@@ -58,16 +58,16 @@ std::string across(double size_m) {
 }  // namespace
 
 SurfaceFile read_surface(const std::string& path, double metres_per_unit) {
-  return parse_surface(read_whole_file(path, "file", kAllowedFile, kLargestSurface_bytes), path,
+  return parse_surface(read_whole_file(path, "file", kAllowedSurface, kLargestSurface_bytes), path,
                        metres_per_unit);
 }
 
 SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit) {
   if (!(metres_per_unit > 0) || !std::isfinite(metres_per_unit))
-    throw InputError(path, "unit", std::to_string(metres_per_unit), "a positive length in metres");
+    throw InputError(path, "unit", metres_per_unit, "a positive length in metres");
   // Some editors write a byte-order mark before the first word.
   if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
-  if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedFile);
+  if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedSurface);
   const RawSurface raw = parse_raw_surface(path, std::move(bytes));
   double largest = 0;
   for (const Vector3d& vertex : raw.vertices)

@@ -300,7 +300,7 @@ RawSurface parse_raw_surface(const std::string& path, std::string bytes) {
                          " triangles that its binary STL header announces (truncated, or not a "
                          "mesh?)");
   }
-  throw InputError(path, "file", "not a mesh", kAllowedFile);
+  throw InputError(path, "file", "not a mesh", kAllowedSurface);
 }
 
 }  // namespace softfinger::meshes

@@ -13,7 +13,7 @@ namespace softfinger::meshes {
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
 
 /// For messages.
-constexpr const char* kAllowedFile = "a readable STL (binary or ASCII) or OBJ file";
+constexpr const char* kAllowedSurface = "a readable STL (binary or ASCII) or OBJ file";
 
 /// A file's triangles as it writes them: vertices may repeat, in the file's unit. Coordinates are
 /// rounded to single precision, as STL stores them.

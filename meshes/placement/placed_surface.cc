@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLeafTriangles = 4;
 constexpr double kSteepestTangent = 0.1;  // cosine between a vertex's normal and a line
 constexpr double kFarthest = 0.05;  // distance from point to surface, in the surface's extents
@@ -71,7 +71,7 @@ PlacedSurface::PlacedSurface(const TriangleSurface& surface, const SurfacePlacem
   if (!(placement.outward_normal.allFinite() && placement.outward_normal.norm() > 0))
     throw InputError("surface", "normal", text(placement.outward_normal), "finite and not zero");
   if (!std::isfinite(placement.angle_rad))
-    throw InputError("surface", "angle", std::to_string(placement.angle_rad), "finite");
+    throw InputError("surface", "angle", placement.angle_rad, "finite");
   const Vector3d outward = placement.outward_normal.normalized();
   const Vector3d z = body == Body::below ? outward : Vector3d(-outward);
   const Vector3d across = placement.x_axis - placement.x_axis.dot(z) * z;

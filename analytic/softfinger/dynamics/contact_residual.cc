@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "softfinger/input/constants.h"
+
 namespace softfinger {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double over(double value, double unit) { return unit > 0 ? value / unit : value; }
 

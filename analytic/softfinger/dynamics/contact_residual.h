@@ -5,6 +5,11 @@
 /// Internal: parts of the residuals that the solver shares with the public ones.
 namespace softfinger::internal {
 
+/// From this residual on a point is a solution.
+constexpr double kSolved = 1e-10;
+/// From this residual on nothing better is looked for: a few thousand roundings.
+constexpr double kGood = 1e-12;
+
 inline bool is_exact(const ContactLcp& problem) {
   return problem.friction_rule != FrictionRule::facets;
 }

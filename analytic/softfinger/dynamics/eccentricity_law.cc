@@ -84,7 +84,7 @@ ConsistentResult ConsistentContactSolver::solve(ContactLcp& problem,
   if (int(laws.size()) != nc)
     throw InputError("contact problem", "laws", std::to_string(laws.size()), "one per contact");
   if (!(time_step_s > 0 && std::isfinite(time_step_s)))
-    throw InputError("contact problem", "time step", std::to_string(time_step_s), "> 0");
+    throw InputError("contact problem", "time step", time_step_s, "> 0");
   ConsistentResult result;
   double best = std::numeric_limits<double>::infinity(), fraction = 1;
   for (;;) {

@@ -17,14 +17,12 @@ constexpr Attempt with_newton(Attempt path, int passes) {
   path.newton_passes = passes;
   return path;
 }
-/// The first attempt is cheap. The path computes its values anew only every eighth pivot, and
-/// Newton's method tries its smallest proximal term only.
-constexpr Attempt kQuick = with_newton({1e-12, 1e-9, 8}, 2);
-/// Later attempts compute the values anew after every pivot, which avoids accumulated rounding, and
-/// run all passes of Newton's method. A larger tolerance of the ratio test alternates with the
-/// usual one.
+/// The first attempt is cheap: Newton's method tries its smallest proximal term only.
+constexpr Attempt kFirst = with_newton(kQuick, 2);
+/// Later attempts run all passes of Newton's method. A larger tolerance of the ratio test
+/// alternates with the usual one.
 constexpr Attempt kTolerant = with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses);
-constexpr Attempt kCareful = with_newton({1e-12, 1e-9, 1}, ExactNewton::kMostPasses);
+constexpr Attempt kUsual = with_newton(kCareful, ExactNewton::kMostPasses);
 
 }  // namespace
 
@@ -40,8 +38,8 @@ void ExactFriction::begin(const ContactLcp& problem) {
 }
 
 const Attempt& ExactFriction::attempt(int number) const {
-  if (number == 0) return kQuick;
-  return number % 2 == 1 ? kTolerant : kCareful;
+  if (number == 0) return kFirst;
+  return number % 2 == 1 ? kTolerant : kUsual;
 }
 
 void ExactFriction::start(const ContactLcp& problem, int number) {

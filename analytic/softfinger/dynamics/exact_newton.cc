@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "softfinger/dynamics/contact_residual.h"
+
 namespace softfinger::internal {
 
 ExactNewton::ExactNewton(int contact_capacity)
@@ -189,7 +191,6 @@ double ExactNewton::descend(const ContactOperator& contacts, const Pass& pass, d
 }
 
 double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes) {
-  constexpr double kGood = 1e-12;
   // Each proximal term is tried twice, with halved steps and with full ones, because a descent of
   // |F| can stop at a kink of F that full steps jump over. Larger proximal terms bound the impulses
   // of nearly redundant contacts, which otherwise grow without limit.

@@ -7,14 +7,10 @@
 namespace softfinger::internal {
 namespace {
 
-// The attempts, each for a reason of its own. The numbers were found by trial on random scenes
-// (tests/dynamics/random_scene.h: masses over six decades, contacts repeated nearby), of which no
-// single choice solves all.
+// The attempts after the quick one, each for a reason of its own. The numbers were found by trial
+// on random scenes (tests/dynamics/random_scene.h: masses over six decades, contacts repeated
+// nearby), of which no single choice solves all.
 
-/// First: values are only advanced from pivot to pivot and computed again after every eighth.
-constexpr Attempt kQuick{1e-12, 1e-9, 8};
-/// Without the rounding that this accumulates.
-constexpr Attempt kCareful{1e-12, 1e-9, 1};
 /// A path that goes on with new vertices may end in a ray that means nothing; one that has all of
 /// them from the start does not. Ties are more frequent: a larger tolerance.
 constexpr Attempt kAllVertices{1e-11, 1e-9, 1, true};

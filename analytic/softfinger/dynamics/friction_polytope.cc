@@ -22,7 +22,7 @@ Block along(const Eigen::MatrixX3d& vertices, int first, const Eigen::Vector3d& 
 }
 
 constexpr int kCoarseVertices = 6, kMostCoarseFacets = 20;  // of 6 vertices, all triples
-constexpr double kRoundOff = 1e-12;
+constexpr double kPlaneRoundOff = 1e-12;
 
 }  // namespace
 
@@ -79,7 +79,7 @@ bool FrictionPolytope::find_facet(const Eigen::Vector3d& direction, Facet& facet
   const Eigen::Vector3d ray = direction / size + kMoved * Eigen::Vector3d(0.33, 0.77, -0.54);
   const auto end = coarse_.begin() + coarse_count_;
   const auto coarse = std::find_if(coarse_.begin(), end, [&](const CoarseFacet& other) {
-    return other.cone.least_weight(ray) >= -kRoundOff;
+    return other.cone.least_weight(ray) >= -kPlaneRoundOff;
   });
   if (coarse == end) return false;
   // A ray this close to an edge is searched for anew: a known facet might not be the one that the
@@ -107,13 +107,13 @@ bool FrictionPolytope::search(Cone& cone, const Eigen::Vector3d& ray) {
   for (std::size_t c = 0; c < 3; ++c) corners.col(Eigen::Index(c)) = moved(cone.corners[c]);
   for (int turn = 0; turn < kMostTurns; ++turn) {
     const Eigen::Vector3d normal = cone.inverse.colwise().sum().transpose();
-    const int entering = beyond(moved_, normal, 1 + kRoundOff);
+    const int entering = beyond(moved_, normal, 1 + kPlaneRoundOff);
     if (entering < 0) return true;
     const Eigen::Vector3d weights = cone.inverse * ray, slope = cone.inverse * moved(entering);
     int leaving = -1;
     double least = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 3; ++c) {
-      if (slope[c] <= kRoundOff) continue;
+      if (slope[c] <= kPlaneRoundOff) continue;
       const double ratio = std::max(weights[c], 0.) / slope[c];
       if (ratio >= least) continue;
       leaving = c;
@@ -157,7 +157,7 @@ void FrictionPolytope::choose_coarse_facets() {
         const Eigen::Vector3d normal = inverse.colwise().sum().transpose();
         bool is_outside = true;
         for (int n = 0; n < most; ++n)
-          is_outside &= moved(far_apart[std::size_t(n)]).dot(normal) <= 1 + kRoundOff;
+          is_outside &= moved(far_apart[std::size_t(n)]).dot(normal) <= 1 + kPlaneRoundOff;
         if (!is_outside) continue;
         CoarseFacet& coarse = coarse_[std::size_t(coarse_count_++)];
         coarse.cone = {facet, inverse};

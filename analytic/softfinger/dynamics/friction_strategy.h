@@ -5,15 +5,12 @@
 #include <vector>
 
 #include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/contact_residual.h"
 #include "softfinger/dynamics/contact_system.h"
 
 /// Internal: what differs between the rules of friction when a contact problem is solved.
 namespace softfinger::internal {
 
-/// From this residual on a point is a solution.
-constexpr double kSolved = 1e-10;
-/// From this residual on nothing better is looked for: a few thousand roundings.
-constexpr double kGood = 1e-12;
 /// Largest violation by the last solution, over the natural size, for which no vertex is added.
 constexpr double kToleratedViolation = 1e-13;
 
@@ -27,6 +24,10 @@ struct Attempt {
   double proximal = 0;            ///< with facets: see ContactOperator::set
   int newton_passes = 0;          ///< with exact friction: see ExactNewton::solve
 };
+/// Cheap: values are only advanced from pivot to pivot and computed again after every eighth.
+constexpr Attempt kQuick{1e-12, 1e-9, 8};
+/// Without the rounding that this accumulates.
+constexpr Attempt kCareful{1e-12, 1e-9, 1};
 constexpr int kMostAttempts = 32;
 
 /// Largest number of basic z on a path: P, lambda and four vertices per contact, z0, and two more

@@ -7,8 +7,8 @@
 #include <map>
 #include <utility>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
@@ -92,7 +92,7 @@ MassProperties unit_mass_of_closed_surface(const TriangleSurface& surface, const
     second += six_volumes / 120 * (corners * corners.transpose() + sum * sum.transpose());
   }
   if (!(volume > 0) || !std::isfinite(volume))
-    throw InputError(where, "volume of the mesh in m3", text(volume),
+    throw InputError(where, "volume of the mesh in m3", volume,
                      "> 0: a closed surface whose triangles are counter-clockwise from outside");
   if (volume_m3) *volume_m3 = volume;
   const Eigen::Vector3d center = first / volume;
@@ -112,7 +112,7 @@ MassProperties with_mass(MassProperties unit_mass, double mass_kg) {
 
 void require_physical(const MassProperties& mass, const std::string& where) {
   if (!(mass.mass_kg > 0) || !std::isfinite(mass.mass_kg))
-    throw InputError(where, "mass in kg", text(mass.mass_kg), "a finite number > 0");
+    throw InputError(where, "mass in kg", mass.mass_kg, "a finite number > 0");
   const Eigen::Matrix3d& inertia = mass.inertia_kg_m2;
   const double size = inertia.cwiseAbs().maxCoeff();
   if (!mass.center_m.allFinite())
@@ -123,10 +123,9 @@ void require_physical(const MassProperties& mass, const std::string& where) {
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(moments[0] > 0))
-    throw InputError(where, "smallest principal moment of inertia in kg m2", text(moments[0]),
-                     "> 0");
+    throw InputError(where, "smallest principal moment of inertia in kg m2", moments[0], "> 0");
   if (moments[2] > (moments[0] + moments[1]) * (1 + 1e-9))
-    throw InputError(where, "largest principal moment of inertia in kg m2", text(moments[2]),
+    throw InputError(where, "largest principal moment of inertia in kg m2", moments[2],
                      "at most the sum of the other two, " + text(moments[0] + moments[1]) +
                          ": no mass distribution has more");
 }

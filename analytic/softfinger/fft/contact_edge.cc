@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::fft {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "softfinger/fft/batch_fft.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::fft {
 namespace {

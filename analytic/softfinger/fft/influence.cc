@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/layer/gauss_legendre.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::fft {
 namespace {

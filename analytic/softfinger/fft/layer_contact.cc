@@ -320,8 +320,7 @@ LayerContact solve(const Problem& problem, const LayerContactOptions& options) {
     throw InputError("layer contact", "cells", std::to_string(cells),
                      "a power of two from 32 to 1024");
   if (!(options.tolerance >= 1e-12 && options.tolerance <= 1e-2))
-    throw InputError("layer contact", "tolerance", std::to_string(options.tolerance),
-                     "1e-12 to 1e-2");
+    throw InputError("layer contact", "tolerance", options.tolerance, "1e-12 to 1e-2");
   if (options.max_iterations < 1)
     throw InputError("layer contact", "max_iterations", std::to_string(options.max_iterations),
                      "1 or more");
@@ -453,7 +452,7 @@ void scale(LayerContact& contact, double length, double height, double pressure)
 }
 
 void require(bool condition, const char* field, double value, const char* allowed) {
-  if (!condition) throw InputError("layer contact", field, std::to_string(value), allowed);
+  if (!condition) throw InputError("layer contact", field, value, allowed);
 }
 
 bool positive(double value) { return value > 0 && std::isfinite(value); }

@@ -13,8 +13,6 @@ namespace {
 
 constexpr int kFewestSamples = 5;  // two cells inside the outermost points
 
-bool positive(double value) { return value > 0 && std::isfinite(value); }
-
 [[noreturn]] void refuse(const char* field, const std::string& value, const char* allowed) {
   throw InputError("sampled gap", field, value, allowed);
 }
@@ -42,7 +40,8 @@ SampledGap::SampledGap(const Grid& grid, Eigen::ArrayXd samples_m)
     : grid_(grid), samples_m_(std::move(samples_m)) {
   if (!std::isfinite(grid.first_x_m) || !std::isfinite(grid.first_y_m))
     refuse("first_x_m, first_y_m", place(grid.first_x_m, grid.first_y_m), "finite");
-  if (!positive(grid.spacing_x_m) || !positive(grid.spacing_y_m))
+  if (!(std::min(grid.spacing_x_m, grid.spacing_y_m) > 0 &&
+        std::isfinite(grid.spacing_x_m + grid.spacing_y_m)))
     refuse("spacing_x_m, spacing_y_m",
            std::to_string(grid.spacing_x_m) + ", " + std::to_string(grid.spacing_y_m),
            "positive and finite");

@@ -6,8 +6,8 @@
 
 #include "softfinger/friction/limit_surface_newton.h"
 #include "softfinger/friction/max_torque.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/math/elliptic_integrals.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {

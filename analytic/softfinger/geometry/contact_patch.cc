@@ -8,13 +8,12 @@
 
 #include "softfinger/geometry/quadric_fit_internal.h"
 #include "softfinger/geometry/surface_region.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Two more than a quadric has unknowns, so that the residual means something.
 constexpr int kFewestPoints = 8;
 // The first region has so many points that its radii are not noise. From the smallest region on a

@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::internal {
 namespace {

@@ -24,12 +24,23 @@ class InputError : public std::runtime_error {
         value_(value),
         allowed_(allowed) {}
 
+  /// The same with the offending value as a number, which is shown with six digits.
+  InputError(const std::string& where, const std::string& field, double value,
+             const std::string& allowed)
+      : InputError(where, field, number_text(value), allowed) {}
+
   const std::string& where() const { return where_; }
   const std::string& field() const { return field_; }
   const std::string& value() const { return value_; }
   const std::string& allowed() const { return allowed_; }
 
  private:
+  static std::string number_text(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return text;
+  }
+
   std::string where_, field_, value_, allowed_;
 };
 

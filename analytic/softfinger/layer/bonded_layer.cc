@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/layer/bonded_layer_table.h"
 #include "softfinger/math/elliptic_integrals.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/layer/gauss_legendre.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <vector>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/layer/gauss_legendre.h"
 #include "softfinger/layer/layer_limits.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/math/hertz_ellipse.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 namespace {

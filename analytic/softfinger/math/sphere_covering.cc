@@ -147,7 +147,12 @@ std::vector<Vector3d> sphere_covering(int count, bool symmetric) {
     }
   }
   // Pure torque, the pole of the scaled wrench space, is always exact.
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(best[0], Vector3d::UnitZ());
+  // As Eigen::Quaterniond::FromTwoVectors, without its case of opposite vectors, which compiles a
+  // singular value decomposition: the first point began next to the pole.
+  const double doubled_cosine = std::sqrt((1 + best[0].z()) * 2);  // of half the angle
+  Eigen::Quaterniond turn;
+  turn.vec() = best[0].cross(Vector3d::UnitZ()) * (1 / doubled_cosine);
+  turn.w() = doubled_cosine * 0.5;
   for (Vector3d& point : best) point = (turn * point).normalized();
   best[0] = Vector3d::UnitZ();
   if (symmetric)

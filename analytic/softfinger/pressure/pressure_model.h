@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/contact_problem.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger {
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "comparisons/judgement/atlas/error_causes.h"
+#include "comparisons/judgement/median.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/system/program_paths.h"
@@ -46,12 +47,6 @@ json quantiles(std::vector<double> values) {
           {"median", rounded(at(0.5))},
           {"p95", rounded(at(0.95))},
           {"worst", rounded(values.back())}};
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return NAN;
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 /// The runs that lie on the grid of the maps, nu first, then R'/R'', then s.

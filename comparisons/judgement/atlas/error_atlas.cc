@@ -13,13 +13,11 @@
 
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::judgement {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Parts of `line`, which has to outlive them.
 void split(std::string_view line, std::vector<std::string_view>& cells) {

@@ -17,7 +17,7 @@ namespace softfinger::judgement {
 namespace {
 
 /// All models together answer within the time that a user does not notice.
-constexpr double kCostBudget_ns = 2e5;
+constexpr double kShortBudget_ns = 2e5;
 
 /// A smaller stated error than that is an accident of the atlas, not a better model.
 constexpr double kBetter = 0.9;
@@ -30,7 +30,7 @@ Candidate candidate_of(const PressureModel& model, const input::Case& contact_ca
   candidate.model = std::string(model.card().name);
   bool has_answer = true;
   if (model.card().hot_path) {
-    const prediction::ModelAnswer answer = prediction::ask_model(model, problem, kCostBudget_ns);
+    const prediction::ModelAnswer answer = prediction::ask_model(model, problem, kShortBudget_ns);
     candidate.cost_us = answer.cost_ns * 1e-3;
     has_answer = answer.prediction.has_answer;
   } else {

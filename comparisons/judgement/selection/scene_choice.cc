@@ -10,8 +10,8 @@
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/friction_shape.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/math/pi.h"
 
 namespace softfinger::judgement {
 

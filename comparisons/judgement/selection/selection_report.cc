@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/error_causes.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
+#include "comparisons/system/clock.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 
@@ -180,9 +180,6 @@ json selection_report(const input::Case& contact_case, const prediction::Geometr
     marks.back()["seed"] = false;
   }
   if (atlas.is_object()) atlas["marks"] = marks;
-  const std::time_t now = std::time(nullptr);
-  char date[32] = "";
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
   json cards = json::array();
   for (const PressureModel* model : all_pressure_models())
     cards.push_back({{"name", model->card().name}, {"title", model->card().title}});
@@ -198,7 +195,9 @@ json selection_report(const input::Case& contact_case, const prediction::Geometr
           {"curves", error_curves(contact_case, resolver, options, choices)},
           {"atlas", atlas},
           {"provenance",
-           {{"version", system::program_version()}, {"date", date}, {"command", command}}}};
+           {{"version", system::program_version()},
+            {"date", system::utc_now()},
+            {"command", command}}}};
 }
 
 }  // namespace softfinger::judgement

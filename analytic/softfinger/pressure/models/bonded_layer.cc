@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "softfinger/friction/max_torque.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/math/hertz_ellipse.h"
-#include "softfinger/math/pi.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"

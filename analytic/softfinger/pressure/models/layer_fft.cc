@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "softfinger/fft/layer_contact.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/math/elliptic_integrals.h"
-#include "softfinger/math/pi.h"
 #include "softfinger/pressure/last_solution.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"

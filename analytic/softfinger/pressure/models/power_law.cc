@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "softfinger/friction/max_torque.h"
-#include "softfinger/math/pi.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
