@@ -29,14 +29,15 @@ struct FemOptions {
   reference::FemLimits limits;
 };
 
-/// What the finite-element program is asked for besides the normal contact.
-nlohmann::json friction_request(const FemOptions& options) {
-  nlohmann::json request = {{"torsion", options.torsion},
-                            {"increments", options.increments},
-                            {"limit_surface", options.limit_surface},
-                            {"increments_to_slip", options.increments_to_slip}};
+reference::FrictionRequest friction_request(const FemOptions& options) {
+  reference::FrictionRequest request;
+  request.torsion = options.torsion;
+  request.increments = options.increments;
+  request.limit_surface = options.limit_surface;
+  request.increments_to_slip = options.increments_to_slip;
   if (!options.twist_axis_mm.empty())
-    request["twist_axis_m"] = {1e-3 * options.twist_axis_mm[0], 1e-3 * options.twist_axis_mm[1]};
+    request.twist_axis_m =
+        1e-3 * Eigen::Vector2d(options.twist_axis_mm[0], options.twist_axis_mm[1]);
   return request;
 }
 
@@ -168,22 +169,22 @@ Plan plan_loads(const FemOptions& options) {
 }
 
 /// Makes the load's folder where one is asked for.
-nlohmann::json problem_of(const FemOptions& options, const Plan& plan, std::size_t load) {
+reference::FemProblem problem_of(const FemOptions& options, const Plan& plan, std::size_t load) {
   const input::Case& contact_case = plan.contact_case;
   const double load_N = plan.loads_N[load];
-  nlohmann::json problem =
+  reference::FemProblem problem =
       reference::fem_problem(contact_case, plan.geometries[load], load_N, plan.level);
-  if (plan.by_approach()) problem["approach_m"] = 1e-3 * plan.approach_mm;
-  problem["friction"] = friction_request(options);
+  if (plan.by_approach()) problem.approach_m = 1e-3 * plan.approach_mm;
+  problem.friction = friction_request(options);
   if (!options.compliance.empty())
-    problem["compliance_file"] = std::filesystem::absolute(options.compliance).string();
+    problem.compliance_file = std::filesystem::absolute(options.compliance);
   if (!options.output.empty()) {
     const auto folder =
         std::filesystem::path(options.output) /
         (plan.by_approach() ? fmt::format("{}_{:g}mm", contact_case.id, plan.approach_mm)
                             : reference::load_folder(contact_case.id, load_N));
     system::make_writable_folder(folder);
-    problem["output_directory"] = folder.string();
+    problem.output_directory = folder;
   }
   return problem;
 }

@@ -11,7 +11,7 @@ namespace softfinger::reference {
 namespace fs = std::filesystem;
 
 FinishedResult finished_result(const FemJob& job, const FemJobOptions& options) {
-  FinishedResult finished = read_finished_result(job.file, options.identity, job.problem);
+  FinishedResult finished = read_finished_result(job.file, options.identity, to_json(job.problem));
   if (!finished.result || !finished.result->vtu_file || job.output_directory.empty())
     return finished;
   std::error_code error;
@@ -62,7 +62,7 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
     batches.back().problems.push_back(job->problem);
     if (!job->output_directory.empty()) {
       system::make_writable_folder(job->output_directory);
-      batches.back().problems.back()["output_directory"] = job->output_directory.string();
+      batches.back().problems.back().output_directory = job->output_directory;
     }
     jobs_of.back().push_back(job);
   }
@@ -73,7 +73,7 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
   callbacks.on_answer = [&](FemIndex index, FemAnswer answer) {
     const FemJob& job = *jobs_of[index.batch][index.problem];
     if (answer.result)
-      write_finished_result(job.file, options.identity, job.problem, *answer.result);
+      write_finished_result(job.file, options.identity, to_json(job.problem), *answer.result);
     on_finished(job, answer);
   };
   return run_fem(options.program, batches, options.parallel, callbacks);

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,8 @@
 namespace softfinger::reference {
 
 struct FemJob {
-  std::string title;  ///< for messages
-  nlohmann::json problem;
+  std::string title;                       ///< for messages
+  FemProblem problem;                      ///< without an output directory
   std::filesystem::path file;              ///< where the finished result is kept
   std::filesystem::path output_directory;  ///< for VTU files; empty: none are written
   /// Rough share of the time. The longest jobs run first, so that the last to finish is a short

@@ -1,24 +1,17 @@
 #pragma once
 
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "comparisons/input/case.h"
-#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/fem_problem.h"
 #include "comparisons/reference/reference_result.h"
 #include "comparisons/system/process_pool.h"
 
 /// The finite-element program as seen from here: a process that takes problems and gives a result
 /// for each, all JSON (fem/README.md).
 namespace softfinger::reference {
-
-/// The problem without its output directory: what decides the answer, and nothing else.
-/// With `fem_curved` it holds finger and object in the frame of the relative radii.
-nlohmann::json fem_problem(const input::Case& contact_case,
-                           const prediction::LocalGeometry& geometry, double load_N, int level);
 
 /// What each problem may take. The defaults are far above what any contact of the suite needs.
 struct FemLimits {
@@ -28,7 +21,7 @@ struct FemLimits {
 
 /// Solved by one process, one after the other, which lets contacts share meshes: the largest first.
 struct FemBatch {
-  std::vector<nlohmann::json> problems;
+  std::vector<FemProblem> problems;
   bool single_thread = true;  ///< linear algebra on one thread: with several processes side by side
   FemLimits limits;
 };

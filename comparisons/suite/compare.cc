@@ -37,7 +37,7 @@ struct LoadRun {
   const input::Case* contact_case = nullptr;
   double load_N = 0;
   prediction::LocalGeometry geometry;
-  json problem;
+  reference::FemProblem problem;
   fs::path folder;
   std::optional<reference::ReferenceResult> reference;
   std::string failure;

@@ -177,17 +177,17 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
   }
 }
 
-std::vector<SweepRows::FemRequest> SweepRows::fem_requests(std::size_t point) {
-  std::vector<FemRequest> requests(sweep_.base().loads_N.size());
+std::vector<std::optional<SweepRows::FemRequest>> SweepRows::fem_requests(std::size_t point) {
+  std::vector<std::optional<FemRequest>> requests(sweep_.base().loads_N.size());
   try {
     const input::Case contact_case = cases_.at(point);
     const prediction::GeometryResolver resolver(contact_case, &geometry_);
     for (std::size_t load = 0; load < requests.size(); ++load) {
       const double load_N = contact_case.loads_N[load];
       const prediction::LocalGeometry geometry = resolver.resolve(load_N);
-      requests[load] = {
-          reference::fem_problem(contact_case, geometry, load_N, contact_case.fem_level),
-          weight_of(contact_case, geometry.radii)};
+      requests[load] =
+          FemRequest{reference::fem_problem(contact_case, geometry, load_N, contact_case.fem_level),
+                     weight_of(contact_case, geometry.radii)};
     }
   } catch (const InputError&) {
     // The rows of this point say why.
@@ -201,23 +201,22 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
   std::unordered_map<std::string, long> known;
   const auto& loads_N = sweep.base().loads_N;
   for (std::size_t point = 0; point < sweep.points(); ++point) {
-    const std::vector<SweepRows::FemRequest> requests = rows.fem_requests(point);
+    const auto requests = rows.fem_requests(point);
     for (std::size_t load = 0; load < requests.size(); ++load) {
-      const auto& [problem, weight] = requests[load];
-      if (problem.is_null()) {
+      if (!requests[load]) {
         all.job_of_row.push_back(-1);
         continue;
       }
-      const std::string name = hash_of(problem);
+      const std::string name = hash_of(to_json(requests[load]->problem));
       const auto [entry, is_new] = known.emplace(name, long(all.jobs.size()));
       all.job_of_row.push_back(entry->second);
       if (!is_new) continue;
       reference::FemJob job;
       job.title = fmt::format("{} point {}", sweep.base().id, point);
       if (loads_N.size() > 1) job.title += fmt::format(", {} N", loads_N[load]);
-      job.problem = problem;
+      job.problem = requests[load]->problem;
       job.file = folder / (name + ".json");
-      job.weight = weight;
+      job.weight = requests[load]->weight;
       // Each job has a process of its own. In a shared process it would use the mesh of another
       // contact, and its numbers would differ in the last digits.
       job.group = all.jobs.size();

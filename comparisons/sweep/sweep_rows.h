@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,13 +44,13 @@ class SweepRows {
     append(point, &fem, failures, text);
   }
 
-  /// What the finite-element program is asked for one load.
   struct FemRequest {
-    nlohmann::json problem;  ///< null where the bodies make no contact
-    double weight = 0;       ///< a rough estimate of the cost
+    reference::FemProblem problem;
+    double weight = 0;  ///< a rough estimate of the cost
   };
-  /// The requests of a point, one per load.
-  std::vector<FemRequest> fem_requests(std::size_t point);
+  /// What the finite elements are asked, one request per load; none where the bodies make no
+  /// contact.
+  std::vector<std::optional<FemRequest>> fem_requests(std::size_t point);
 
  private:
   void append(std::size_t point, const SweepFemJobs* fem, const std::vector<std::string>& failures,

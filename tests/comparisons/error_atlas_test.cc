@@ -24,7 +24,8 @@ double known_error(double nu, double ratio, double s) {
   return 0.1 + 0.02 * x - 0.03 * y + 0.05 * z + 0.01 * x * y;
 }
 
-judgement::AtlasRun run_at(double nu, double ratio, double s, const char* kind = "flat",
+judgement::AtlasRun run_at(double nu, double ratio, double s,
+                           judgement::AtlasKind kind = judgement::AtlasKind::flat,
                            double thickness_over_radius = 0) {
   judgement::AtlasRun run;
   run.kind = kind;
@@ -102,8 +103,10 @@ TEST(ErrorAtlas, NeverExtrapolates) {
   ContactProblem two_layers = judgement::problem_of(run_at(0.3, 2, 0.5));
   two_layers.object_layer = two_layers.layer;
   EXPECT_NE(outside(two_layers).find("two"), std::string::npos);
-  EXPECT_FALSE(
-      atlas.estimate("hertz", judgement::problem_of(run_at(0.3, 1, 0.5)), "curved", 0.1).bound)
+  EXPECT_FALSE(atlas
+                   .estimate("hertz", judgement::problem_of(run_at(0.3, 1, 0.5)),
+                             judgement::AtlasKind::curved, 0.1)
+                   .bound)
       << "no curved runs here";
 }
 
@@ -112,18 +115,21 @@ TEST(ErrorAtlas, KnowsCurvedLayersApartFromFlatOnes) {
   for (const double nu : {0.2, 0.4})
     for (const double curved : {0.1, 0.3})
       for (const double s : {0.2, 1.}) {
-        file.runs.push_back(run_at(nu, 1, s, "curved", curved));
+        file.runs.push_back(run_at(nu, 1, s, judgement::AtlasKind::curved, curved));
         judgement::QuantityErrors errors;
         errors.fill(-curved);
         file.errors["hertz"].push_back(errors);
       }
   const judgement::ErrorAtlas atlas(file);
   const ContactProblem problem = judgement::problem_of(run_at(0.3, 1, 0.5));
-  EXPECT_NEAR(atlas.estimate("hertz", problem, "curved", 0.1).mean[0], -0.1, 1e-12);
+  EXPECT_NEAR(atlas.estimate("hertz", problem, judgement::AtlasKind::curved, 0.1).mean[0], -0.1,
+              1e-12);
   EXPECT_NEAR(atlas.estimate("hertz", problem).mean[0], known_error(0.3, 1, 0.5), 1e-9);
-  EXPECT_FALSE(atlas.estimate("hertz", problem, "curved", 0.31).bound);
-  EXPECT_FALSE(
-      atlas.estimate("hertz", judgement::problem_of(run_at(0.3, 2, 0.5)), "curved", 0.1).bound);
+  EXPECT_FALSE(atlas.estimate("hertz", problem, judgement::AtlasKind::curved, 0.31).bound);
+  EXPECT_FALSE(atlas
+                   .estimate("hertz", judgement::problem_of(run_at(0.3, 2, 0.5)),
+                             judgement::AtlasKind::curved, 0.1)
+                   .bound);
 }
 
 TEST(ErrorAtlas, FiniteElementsStateTheirOwnError) {
@@ -160,6 +166,9 @@ TEST(ErrorAtlas, RefusesADamagedFile) {
   std::string word = text;
   word.replace(word.find("\nflat,0.2"), 9, "\nflat,x.2");
   EXPECT_NE(refusal(word).find("atlas.csv:"), std::string::npos);
+  std::string kind = text;
+  kind.replace(kind.find("\nflat,0.2"), 9, "\nround,0.2");
+  EXPECT_NE(refusal(kind).find("finite_pad"), std::string::npos) << "names what is allowed";
   // Found by fuzzing: a run without a place in the grid was written beside it.
   for (const char* damage : {"\nflat,,1", "\nflat", "\nflat,0.6,1", "\nflat,0.2,nan"}) {
     std::string place = text;
@@ -176,7 +185,7 @@ TEST(AtlasRuns, AreEnoughAndAllDifferent) {
   EXPECT_GE(runs.size(), 400u);
   std::set<std::string> all;
   for (const judgement::AtlasRun& run : runs)
-    all.insert(run.kind + std::to_string(run.poisson_ratio) + " " +
+    all.insert(name_of(run.kind) + std::to_string(run.poisson_ratio) + " " +
                std::to_string(run.radii_ratio) + " " + std::to_string(run.s) + " " +
                std::to_string(run.thickness_over_radius) + " " +
                std::to_string(run.friction_coefficient));
@@ -294,7 +303,7 @@ TEST(FiniteStrainLayer, IsFittedOnOneHalfOfTheRunsAndJudgedOnTheOther) {
     double worst = 0;
     int number = 0;
     for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
-      if (atlas.runs[r].kind != "finite_sphere") continue;
+      if (atlas.runs[r].kind != judgement::AtlasKind::finite_sphere) continue;
       if (number++ % 2 == 1) {
         worst = std::max(worst, std::abs(of_model[r][q]));
         continue;
@@ -329,7 +338,8 @@ TEST(FiniteStrainLayer, HoldsOnPadsThatItHasNotSeen) {
   int pads = 0;
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
     const judgement::AtlasRun& run = atlas.runs[r];
-    if (run.kind != "finite_pad" || run.poisson_ratio < 0.3) continue;  // its own limit
+    if (run.kind != judgement::AtlasKind::finite_pad || run.poisson_ratio < 0.3)
+      continue;  // its own limit
     ++pads;
     for (const judgement::Quantity quantity :
          {judgement::Quantity::a, judgement::Quantity::b, judgement::Quantity::indentation,

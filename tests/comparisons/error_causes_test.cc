@@ -57,7 +57,7 @@ TEST(AtlasOverview, KeepsTheOrderOfTheGridAndTheQuantiles) {
     for (const double ratio : {1., 4.})
       for (const double s : {0.2, 2.}) {
         judgement::AtlasRun run;
-        run.kind = "flat";
+        run.kind = judgement::AtlasKind::flat;
         run.poisson_ratio = nu;
         run.radii_ratio = ratio;
         run.s = s;

@@ -58,7 +58,7 @@ struct Grid {
 Grid grid_of(const AtlasFile& atlas) {
   std::set<double> poisson_ratio, radii_ratio, s;
   for (const AtlasRun& run : atlas.runs) {
-    if (run.kind != "flat") continue;
+    if (run.kind != AtlasKind::flat) continue;
     poisson_ratio.insert(run.poisson_ratio);
     radii_ratio.insert(run.radii_ratio);
     s.insert(run.s);
@@ -73,7 +73,7 @@ Grid grid_of(const AtlasFile& atlas) {
   };
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
     const AtlasRun& run = atlas.runs[r];
-    if (run.kind != "flat") continue;
+    if (run.kind != AtlasKind::flat) continue;
     grid.run[(place(grid.poisson_ratio, run.poisson_ratio) * radii_ratio.size() +
               place(grid.radii_ratio, run.radii_ratio)) *
                  s.size() +
@@ -117,7 +117,7 @@ double measured_cost_ns(const PressureModel& model, const std::vector<ContactPro
 json causes_of(const AtlasFile& atlas, const std::vector<QuantityErrors>& errors) {
   std::vector<double> ellipse, pressure, circle_rule, torque;
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
-    if (atlas.runs[r].kind != "flat" || !std::isfinite(errors[r][kTorque])) continue;
+    if (atlas.runs[r].kind != AtlasKind::flat || !std::isfinite(errors[r][kTorque])) continue;
     const TorqueCauses causes =
         torque_causes(contact_of(atlas.runs[r], errors[r]), contact_of(atlas.runs[r]));
     ellipse.push_back(causes.ellipse);
@@ -228,8 +228,9 @@ json friction_laws(const AtlasFile& atlas) {
 json atlas_overview(const AtlasFile& atlas) {
   const Grid grid = grid_of(atlas);
   if (grid.run.empty()) return nullptr;
-  json runs = json::object(), provenance = json::object();
-  for (const AtlasRun& run : atlas.runs) runs[run.kind] = runs.value(run.kind, 0) + 1;
+  std::map<std::string, int> counts;
+  json provenance = json::object();
+  for (const AtlasRun& run : atlas.runs) ++counts[name_of(run.kind)];
   for (const auto& [key, value] : atlas.provenance) provenance[key] = value;
   const ErrorAtlas known(atlas);
 
@@ -286,7 +287,7 @@ json atlas_overview(const AtlasFile& atlas) {
   add_finite_elements("fem", cost_s, stated);
   return {
       {"provenance", provenance},
-      {"runs", runs},
+      {"runs", counts},
       {"grid",
        {{"poisson_ratio", grid.poisson_ratio}, {"radii_ratio", grid.radii_ratio}, {"s", grid.s}}},
       {"models", models},
@@ -300,7 +301,8 @@ json finite_strain_overview(const AtlasFile& atlas) {
   std::set<double> poisson_ratios;
   for (const AtlasRun& run : atlas.runs) poisson_ratios.insert(run.poisson_ratio);
   json groups = json::array();
-  for (const char* kind : {"finite_sphere", "finite_curved", "finite_pad"})
+  for (const AtlasKind kind :
+       {AtlasKind::finite_sphere, AtlasKind::finite_curved, AtlasKind::finite_pad})
     for (const double nu : poisson_ratios)
       for (const auto& [from, to] : depths) {
         std::vector<std::size_t> chosen;
@@ -323,7 +325,7 @@ json finite_strain_overview(const AtlasFile& atlas) {
           if (by_quantity[kQuantityNames[0]].is_null()) continue;
           models.push_back({{"model", name}, {"quantiles", by_quantity}});
         }
-        groups.push_back({{"kind", kind},
+        groups.push_back({{"kind", name_of(kind)},
                           {"poisson_ratio", nu},
                           {"indentation_over_thickness", {from, to}},
                           {"largest_a_over_R", rounded(largest_a_over_R)},

@@ -52,9 +52,9 @@ ErrorAtlas::Estimate estimate_at_finite_strain(const std::string& model,
     return outside(
         "at finite strain the error atlas knows spheres on flat layers and round fingers on "
         "planes only");
-  return finite_strain_atlas().estimate(model, problem,
-                                        contact_case.fem_curved ? "finite_curved" : "finite_sphere",
-                                        problem.layer.thickness_m / *radius_m);
+  return finite_strain_atlas().estimate(
+      model, problem, contact_case.fem_curved ? AtlasKind::finite_curved : AtlasKind::finite_sphere,
+      problem.layer.thickness_m / *radius_m);
 }
 
 }  // namespace
@@ -70,7 +70,8 @@ ErrorAtlas::Estimate estimate_error(const std::string& model, const input::Case&
   const auto radius_m = radius_of_round_finger_m(contact_case);
   if (!radius_m)
     return outside("the error atlas knows curved layers on round fingers pressed on planes only");
-  return error_atlas().estimate(model, problem, "curved", problem.layer.thickness_m / *radius_m);
+  return error_atlas().estimate(model, problem, AtlasKind::curved,
+                                problem.layer.thickness_m / *radius_m);
 }
 
 QuantityErrors with_torque_rule(const ErrorAtlas::Estimate& estimate, const Prediction& prediction,

@@ -53,8 +53,14 @@ double contact_size(const ContactProblem& problem) {
   return std::sqrt(prediction.a_m * prediction.b_m) / problem.layer.thickness_m;
 }
 
+bool is_finite_strain(AtlasKind kind) {
+  return kind == AtlasKind::finite_sphere || kind == AtlasKind::finite_curved ||
+         kind == AtlasKind::finite_pad;
+}
+
 bool has_own_radius(const AtlasRun& run) {
-  return run.kind.rfind("finite_", 0) == 0 || run.kind.rfind("linear_", 0) == 0;
+  return run.kind != AtlasKind::flat && run.kind != AtlasKind::curved &&
+         run.kind != AtlasKind::friction;
 }
 
 ContactProblem problem_of(const AtlasRun& run) {
@@ -107,13 +113,13 @@ std::string to_csv(const AtlasFile& atlas) {
   };
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
     const AtlasRun& run = atlas.runs[r];
-    text += run.kind;
+    text += name_of(run.kind);
     for (const double value : {run.poisson_ratio, run.radii_ratio, run.s, run.thickness_over_radius,
                                run.friction_coefficient})
       text += cell(value, 6);
     for (const double value : run.answer) text += cell(value, 7);
     for (const double value : run.stated_error) text += cell(value, 3);
-    const bool friction = run.kind == "friction";
+    const bool friction = run.kind == AtlasKind::friction;
     for (const auto& [value, digits] : {std::pair(run.stiffness, 6),
                                         {run.stiffness_error, 3},
                                         {run.full_slip, 7},
@@ -177,7 +183,11 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
       return parsed;
     };
     AtlasRun run;
-    run.kind = cells[0];
+    const auto kind = std::find(kAtlasKindNames.begin(), kAtlasKindNames.end(), cells[0]);
+    if (kind == kAtlasKindNames.end())
+      throw InputError(fmt::format("{}:{}", file, number), header[0], std::string(cells[0]),
+                       fmt::format("{}", fmt::join(kAtlasKindNames, ", ")));
+    run.kind = AtlasKind(kind - kAtlasKindNames.begin());
     run.poisson_ratio = number_of(1, 0, 0.5);
     run.radii_ratio = number_of(2, 1, 1e6);
     run.s = number_of(3, 1e-6, 1e6);
@@ -204,12 +214,13 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
 }
 
 ErrorAtlas::ErrorAtlas(AtlasFile atlas) : atlas_(std::move(atlas)) {
-  grids_["flat"] = grid_of("flat", &AtlasRun::radii_ratio);
-  for (const char* kind : {"curved", "finite_sphere", "finite_curved"})
+  grids_[AtlasKind::flat] = grid_of(AtlasKind::flat, &AtlasRun::radii_ratio);
+  for (const AtlasKind kind :
+       {AtlasKind::curved, AtlasKind::finite_sphere, AtlasKind::finite_curved})
     grids_[kind] = grid_of(kind, &AtlasRun::thickness_over_radius);
 }
 
-ErrorAtlas::Grid ErrorAtlas::grid_of(const std::string& kind, double AtlasRun::*second) const {
+ErrorAtlas::Grid ErrorAtlas::grid_of(AtlasKind kind, double AtlasRun::*second) const {
   const std::array<double AtlasRun::*, 3> coordinates = {&AtlasRun::poisson_ratio, second,
                                                          &AtlasRun::s};
   Grid grid;
@@ -224,8 +235,8 @@ ErrorAtlas::Grid ErrorAtlas::grid_of(const std::string& kind, double AtlasRun::*
   // Runs that lie on no grid would make a sparse one, of the cube of their number.
   constexpr std::size_t kMostPlaces = 1'000'000;
   if (size > kMostPlaces)
-    throw InputError("error atlas", "grid of kind \"" + kind + "\"", fmt::format("{} places", size),
-                     fmt::format("at most {}", kMostPlaces));
+    throw InputError("error atlas", fmt::format("grid of kind \"{}\"", name_of(kind)),
+                     fmt::format("{} places", size), fmt::format("at most {}", kMostPlaces));
   grid.run.assign(size, -1);
   for (std::size_t r = 0; r < atlas_.runs.size(); ++r) {
     if (atlas_.runs[r].kind != kind) continue;
@@ -280,8 +291,7 @@ double logarithm(double value) { return std::log(value); }
 }  // namespace
 
 ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const ContactProblem& problem,
-                                          const std::string& kind,
-                                          double thickness_over_radius) const {
+                                          AtlasKind kind, double thickness_over_radius) const {
   Estimate result;
   const auto columns = atlas_.errors.find(model);
   const bool finite_elements = model == "fem";
@@ -293,11 +303,11 @@ ErrorAtlas::Estimate ErrorAtlas::estimate(const std::string& model, const Contac
     result.outside = "the error atlas knows one elastic layer, not two";
     return result;
   }
-  const bool flat = kind == "flat";
+  const bool flat = kind == AtlasKind::flat;
   const Grid& grid = grids_.at(kind);
   const double ratio = std::max(1., problem.radii.major_m / problem.radii.minor_m);
   if (!flat && ratio > 1 + 1e-6) {
-    result.outside = kind == "curved"
+    result.outside = kind == AtlasKind::curved
                          ? "the error atlas knows curved layers on round fingers only"
                          : "the error atlas knows round contacts only at finite strain";
     return result;

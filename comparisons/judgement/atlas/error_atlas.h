@@ -20,13 +20,28 @@ using prediction::kQuantityNames;
 using prediction::Quantity;
 using prediction::QuantityErrors;
 
+/// What a run of the finite elements solves.
+enum class AtlasKind {
+  flat,           ///< a paraboloid on a flat layer, linear
+  curved,         ///< a plane on a round finger's layer, linear
+  friction,       ///< a twist to full slip on a flat layer, linear
+  finite_sphere,  ///< a sphere on a flat layer, finite strain
+  finite_curved,  ///< a plane on a round finger's layer, finite strain
+  finite_pad,     ///< a paraboloid on a flat layer, finite strain
+  linear_sphere,  ///< the contacts of the three above, linear
+  linear_curved,
+  linear_pad
+};
+constexpr std::array<const char*, 9> kAtlasKindNames = {
+    "flat",       "curved",        "friction",      "finite_sphere", "finite_curved",
+    "finite_pad", "linear_sphere", "linear_curved", "linear_pad"};
+inline const char* name_of(AtlasKind kind) { return kAtlasKindNames[std::size_t(kind)]; }
+bool is_finite_strain(AtlasKind kind);
+
 /// A run of the finite elements. A contact on a flat layer depends on three numbers only: nu,
 /// R'/R'' and s = sqrt(ab)/h. s is computed by the model bonded_layer.
 struct AtlasRun {
-  /// "flat", "curved" or "friction"; at finite strain "finite_sphere" on a flat layer,
-  /// "finite_curved" or "finite_pad" (a paraboloid on a flat layer), and the same contacts with
-  /// linear elasticity, "linear_sphere", "linear_curved" and "linear_pad".
-  std::string kind;
+  AtlasKind kind = AtlasKind::flat;
   double poisson_ratio = 0, radii_ratio = 1, s = 0;
   double thickness_over_radius =
       0;  ///< h/R of a curved finger, sphere or pad, R = sqrt(R' R''); else 0
@@ -78,10 +93,10 @@ class ErrorAtlas {
   /// 1/2: |interpolated error| + half the spread of the corners' errors + a quarter of the finite
   /// elements' own stated error there. Never extrapolates.
   /// @param model  its name, or "fem": what the finite elements state of themselves at level 2
-  /// @param kind  of the runs: "flat", "curved", "finite_sphere" or "finite_curved"
+  /// @param kind  of the runs: flat, curved, finite_sphere or finite_curved
   /// @param thickness_over_radius  h/R, of all kinds but flat ones
   Estimate estimate(const std::string& model, const ContactProblem& problem,
-                    const std::string& kind = "flat", double thickness_over_radius = 0) const;
+                    AtlasKind kind = AtlasKind::flat, double thickness_over_radius = 0) const;
 
   /// The time of one answer as it was when the atlas was made, in ns; NaN for unknown models.
   double cost_ns(const std::string& model) const;
@@ -94,10 +109,10 @@ class ErrorAtlas {
     std::array<std::vector<double>, 3> values;
     std::vector<int> run;  ///< the last coordinate fastest; -1: missing
   };
-  Grid grid_of(const std::string& kind, double AtlasRun::*second) const;
+  Grid grid_of(AtlasKind kind, double AtlasRun::*second) const;
 
   AtlasFile atlas_;
-  std::map<std::string, Grid> grids_;  ///< of flat ones (nu, R'/R'', s), of others (nu, h/R, s)
+  std::map<AtlasKind, Grid> grids_;  ///< of flat ones (nu, R'/R'', s), of others (nu, h/R, s)
 };
 
 /// s = sqrt(ab)/h by the model bonded_layer. Runs and new contacts are placed on the grid by this

@@ -6,13 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "comparisons/input/case.h"
 #include "comparisons/judgement/median.h"
-#include "comparisons/reference/fem_process.h"
+#include "comparisons/reference/fem_problem.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -21,8 +19,6 @@
 
 namespace softfinger::judgement {
 namespace {
-
-using nlohmann::json;
 
 const std::vector<double> kPoissonRatios = {0, 0.15, 0.3, 0.4, 0.45, 0.475, 0.49, 0.4999, 0.5};
 const std::vector<double> kRadiiRatios = {1, 2, 4, 10};
@@ -33,14 +29,15 @@ const std::vector<double> kSizes = {0.06, 0.1, 0.17, 0.28, 0.45, 0.75, 1.25, 2, 
 constexpr double kThickness_m = 1e-3, kModulus_Pa = 1e6;
 
 std::string name_of(const AtlasRun& run) {
-  return fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", run.kind, run.poisson_ratio,
-                     run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
+  return fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind),
+                     run.poisson_ratio, run.radii_ratio, run.s, run.thickness_over_radius,
+                     run.friction_coefficient);
 }
 
 /// A linear curved finger's own radius over the one of `problem_of`. s stays with the load times
 /// the radius, indentation and pressure then go with the load.
 double radius_scale(const AtlasRun& run, const ContactProblem& unit) {
-  return run.kind == "curved" ? 1 / run.thickness_over_radius / unit.radii.major_m : 1;
+  return run.kind == AtlasKind::curved ? 1 / run.thickness_over_radius / unit.radii.major_m : 1;
 }
 
 double load_of(const ContactProblem& unit, double scale) {
@@ -48,60 +45,38 @@ double load_of(const ContactProblem& unit, double scale) {
 }
 
 bool is_on_curved_layer(const AtlasRun& run) {
-  return run.kind == "curved" || run.kind == "linear_curved" || run.kind == "finite_curved";
+  return run.kind == AtlasKind::curved || run.kind == AtlasKind::linear_curved ||
+         run.kind == AtlasKind::finite_curved;
 }
 bool is_on_sphere(const AtlasRun& run) {
-  return run.kind == "linear_sphere" || run.kind == "finite_sphere";
+  return run.kind == AtlasKind::linear_sphere || run.kind == AtlasKind::finite_sphere;
 }
-bool is_finite_strain(const AtlasRun& run) { return run.kind.rfind("finite_", 0) == 0; }
 
-json fem_problem_of(const AtlasRun& run) {
+reference::FemProblem fem_problem_of(const AtlasRun& run) {
   const ContactProblem unit = problem_of(run);
   const double scale = radius_scale(run, unit);
-  json problem = {
-      {"name", name_of(run)},
-      {"radii_m",
-       {kThickness_m * scale * unit.radii.major_m, kThickness_m * scale * unit.radii.minor_m}},
-      {"axis_rad", 0},
-      {"sphere_radius_m", nullptr},
-      {"layer",
-       {{"thickness_m", kThickness_m},
-        {"youngs_modulus_Pa", kModulus_Pa * unit.layer.youngs_modulus_Pa},
-        {"poisson_ratio", run.poisson_ratio}}},
-      {"load_N", load_of(unit, scale)},
-      {"friction_coefficient", unit.load.friction_coefficient},
-      {"level", 2}};
-  if (is_on_sphere(run)) problem["sphere_radius_m"] = kThickness_m / run.thickness_over_radius;
-  if (is_finite_strain(run)) {
-    problem["kinematics"] = "finite";
-    problem["layer"]["material"] = "neo_hookean";
-    problem["layer"]["volumetric"] = "quadratic";
-    problem["layer"]["mooney_rivlin_share"] = 0;
-  }
+  reference::FemProblem problem;
+  problem.name = name_of(run);
+  problem.radii = {kThickness_m * scale * unit.radii.major_m,
+                   kThickness_m * scale * unit.radii.minor_m, 0};
+  problem.layer = {kThickness_m, kModulus_Pa * unit.layer.youngs_modulus_Pa, run.poisson_ratio};
+  problem.load_N = load_of(unit, scale);
+  problem.friction_coefficient = unit.load.friction_coefficient;
+  if (is_finite_strain(run.kind)) problem.finite_strain.emplace();
+  const double radius_m = kThickness_m / run.thickness_over_radius;
+  if (is_on_sphere(run)) problem.sphere_radius_m = radius_m;
   if (is_on_curved_layer(run)) {
-    const double radius_m = kThickness_m / run.thickness_over_radius;
-    problem["fingertip"] = {{"pad",
-                             {{"shape", "ellipsoid"},
-                              {"radii_m", {radius_m, radius_m}},
-                              {"taper_per_m", 0},
-                              {"turn_rad", 0}}},
-                            {"object",
-                             {{"shape", "paraboloid"},
-                              {"radii_m", {nullptr, nullptr}},
-                              {"taper_per_m", 0},
-                              {"turn_rad", 0}}}};
+    const input::QuadricBody finger{radius_m, radius_m, input::FingerShape::ellipsoid, 0};
+    const input::QuadricBody plane{kInfinity, kInfinity, input::FingerShape::paraboloid, 0};
+    problem.bodies = {{finger, 0}, {plane, 0}};
   }
-  if (run.kind == "friction")
-    problem["friction"] = {
-        {"torsion", true}, {"increments", 20}, {"limit_surface", 0}, {"increments_to_slip", 0}};
+  if (run.kind == AtlasKind::friction) problem.friction.emplace().torsion = true;
   return problem;
 }
 
 /// Without units, as AtlasRun wants them.
 void take_answer(const reference::ReferenceResult& result, AtlasRun& run) {
-  const auto or_nan = [](const std::optional<double>& error) {
-    return error.value_or(std::numeric_limits<double>::quiet_NaN());
-  };
+  const auto or_nan = [](const std::optional<double>& error) { return error.value_or(kNaN); };
   const ContactProblem unit = problem_of(run);
   const double scale = radius_scale(run, unit);
   const double h = kThickness_m, load_N = load_of(unit, scale);
@@ -141,7 +116,7 @@ void take_answer(const reference::ReferenceResult& result, AtlasRun& run) {
 
 std::vector<AtlasRun> designed_runs() {
   std::vector<AtlasRun> runs;
-  const auto add = [&runs](const char* kind, double nu, double ratio, double s, double curved,
+  const auto add = [&runs](AtlasKind kind, double nu, double ratio, double s, double curved,
                            double mu) {
     AtlasRun run;
     run.kind = kind;
@@ -154,22 +129,22 @@ std::vector<AtlasRun> designed_runs() {
   };
   for (const double ratio : kRadiiRatios)
     for (const double nu : kPoissonRatios)
-      for (const double s : kSizes) add("flat", nu, ratio, s, 0, 0.5);
+      for (const double s : kSizes) add(AtlasKind::flat, nu, ratio, s, 0, 0.5);
   for (const double curved : {0.05, 0.15, 0.3})
     for (const double nu : {0.3, 0.45, 0.49})
       for (const double s : {0.3, 0.6, 1., 1.6}) {
         // a/R beyond 0.6 is no fingertip any more.
-        if (s * curved <= 0.45) add("curved", nu, 1, s, curved, 0.5);
+        if (s * curved <= 0.45) add(AtlasKind::curved, nu, 1, s, curved, 0.5);
       }
   for (const double mu : {0.2, 0.8, 1.5})
     for (const double nu : {0.3, 0.45, 0.4999})
-      for (const double s : {0.2, 1., 3.2}) add("friction", nu, 1, s, 0, mu);
+      for (const double s : {0.2, 1., 3.2}) add(AtlasKind::friction, nu, 1, s, 0, mu);
   return runs;
 }
 
 /// The suite's silicone pads and the fingers of Ciocarlie et al. by their relative radii, from a
 /// touch to a hard grip.
-void add_pads(const char* kind, std::vector<AtlasRun>& runs) {
+void add_pads(AtlasKind kind, std::vector<AtlasRun>& runs) {
   for (const char* name :
        {"silicone_pad_1mm", "silicone_pad_2mm", "silicone_pad_3mm", "seed_thumb_silicone",
         "seed_thumb", "seed_ring_finger", "nearly_incompressible"}) {
@@ -193,7 +168,8 @@ void add_pads(const char* kind, std::vector<AtlasRun>& runs) {
 
 std::vector<AtlasRun> finite_strain_runs() {
   std::vector<AtlasRun> runs;
-  for (const char* kind : {"finite_sphere", "finite_curved", "linear_sphere", "linear_curved"})
+  for (const AtlasKind kind : {AtlasKind::finite_sphere, AtlasKind::finite_curved,
+                               AtlasKind::linear_sphere, AtlasKind::linear_curved})
     for (const double curved : {0.05, 0.15, 0.3})
       for (const double nu : {0.3, 0.45, 0.49})
         for (const double s : {0.3, 0.6, 1., 1.6, 2.5, 4.}) {
@@ -209,7 +185,7 @@ std::vector<AtlasRun> finite_strain_runs() {
           run.friction_coefficient = 0.5;
           runs.push_back(run);
         }
-  for (const char* kind : {"finite_pad", "linear_pad"}) add_pads(kind, runs);
+  for (const AtlasKind kind : {AtlasKind::finite_pad, AtlasKind::linear_pad}) add_pads(kind, runs);
   return runs;
 }
 
@@ -222,7 +198,7 @@ std::vector<AtlasRun> random_runs(int count, unsigned seed) {
   std::vector<AtlasRun> runs;
   for (int i = 0; i < count; ++i) {
     AtlasRun run;
-    run.kind = "flat";
+    run.kind = AtlasKind::flat;
     run.poisson_ratio = 0.501 - std::exp(draw(std::log(0.501 - kPoissonRatios.back()),
                                               std::log(0.501 - kPoissonRatios.front())));
     run.radii_ratio = std::exp(draw(std::log(kRadiiRatios.front()), std::log(kRadiiRatios.back())));
@@ -241,7 +217,8 @@ std::vector<reference::FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
     job.title = name_of(run);
     job.problem = fem_problem_of(run);
     job.file = folder / (job.title + ".json");
-    job.weight = run.radii_ratio + (is_finite_strain(run) ? 100 * run.thickness_over_radius : 0);
+    job.weight =
+        run.radii_ratio + (is_finite_strain(run.kind) ? 100 * run.thickness_over_radius : 0);
     // A process per run: on a larger contact's meshes errors would be stated larger.
     job.group = jobs.size();
     jobs.push_back(std::move(job));
@@ -300,14 +277,20 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
 
 namespace {
 
+/// The kind of the same contacts in linear elasticity.
+AtlasKind linear_counterpart(AtlasKind kind) {
+  if (kind == AtlasKind::finite_sphere) return AtlasKind::linear_sphere;
+  return kind == AtlasKind::finite_curved ? AtlasKind::linear_curved : AtlasKind::linear_pad;
+}
+
 /// Adds the errors of the linear finite elements, relative to those at finite strain on the same
 /// contacts.
 void judge_linear_theory(AtlasFile& atlas) {
   auto& errors = atlas.errors["fem_linear"];
   for (const AtlasRun& run : atlas.runs) {
-    errors.emplace_back().fill(is_finite_strain(run) ? kNaN : 0);
-    if (!is_finite_strain(run)) continue;
-    const std::string kind = "linear_" + run.kind.substr(std::string("finite_").size());
+    errors.emplace_back().fill(is_finite_strain(run.kind) ? kNaN : 0);
+    if (!is_finite_strain(run.kind)) continue;
+    const AtlasKind kind = linear_counterpart(run.kind);
     for (const AtlasRun& linear : atlas.runs)
       if (linear.kind == kind && linear.poisson_ratio == run.poisson_ratio && linear.s == run.s &&
           linear.radii_ratio == run.radii_ratio &&
@@ -320,7 +303,9 @@ void judge_linear_theory(AtlasFile& atlas) {
 }  // namespace
 
 void judge_models(AtlasFile& atlas) {
-  const bool finite_strain = std::any_of(atlas.runs.begin(), atlas.runs.end(), is_finite_strain);
+  const bool finite_strain =
+      std::any_of(atlas.runs.begin(), atlas.runs.end(),
+                  [](const AtlasRun& run) { return is_finite_strain(run.kind); });
   atlas.errors.clear();
   if (finite_strain) judge_linear_theory(atlas);
   auto& provenance = atlas.provenance;
@@ -330,7 +315,7 @@ void judge_models(AtlasFile& atlas) {
       provenance.end());
   std::vector<double> costs_ns;
   for (const AtlasRun& run : atlas.runs)
-    if ((run.kind == "flat" || is_finite_strain(run)) && std::isfinite(run.cost_s))
+    if ((run.kind == AtlasKind::flat || is_finite_strain(run.kind)) && std::isfinite(run.cost_s))
       costs_ns.push_back(1e9 * run.cost_s);
   if (!costs_ns.empty())
     provenance.emplace_back("cost_ns fem", fmt::format("{:.3g}", median(costs_ns)));

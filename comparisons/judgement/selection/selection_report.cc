@@ -83,7 +83,7 @@ const AtlasRun* nearest_run(const AtlasFile& atlas, const ContactProblem& proble
   const AtlasRun* found = nullptr;
   for (std::size_t r = 0; r < atlas.runs.size(); ++r) {
     const AtlasRun& run = atlas.runs[r];
-    if (run.kind != "flat") continue;
+    if (run.kind != AtlasKind::flat) continue;
     const double distance =
         std::hypot(std::log(run.s / s), std::log(run.radii_ratio / ratio),
                    stiffening(run.poisson_ratio) - stiffening(problem.layer.poisson_ratio));

@@ -1,0 +1,165 @@
+#include "comparisons/reference/fem_problem.h"
+
+#include <cmath>
+#include <utility>
+
+#include "comparisons/input/layer_json.h"
+#include "comparisons/text/json_text.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::reference {
+namespace {
+
+using nlohmann::json;
+
+json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+json or_null(const std::optional<double>& value) { return value ? json(*value) : json(); }
+
+json body_json(const PlacedBody& placed) {
+  if (const auto* quadric = std::get_if<input::QuadricBody>(&placed.body)) {
+    const char* shape[] = {"paraboloid", "ellipsoid", "tapered"};
+    return {
+        {"shape", shape[static_cast<int>(quadric->shape)]},
+        {"radii_m",
+         {text::finite_or_null(quadric->radius_x_m), text::finite_or_null(quadric->radius_y_m)}},
+        {"taper_per_m", quadric->taper_per_m},
+        {"turn_rad", placed.turn_rad}};
+  }
+  if (const auto* sphere = std::get_if<input::SphereBody>(&placed.body))
+    return {{"shape", "sphere"}, {"radii_m", {sphere->radius_m, sphere->radius_m}}};
+  const auto& mesh = std::get<PlacedMesh>(placed.body);
+  return {{"shape", "mesh"},
+          {"mesh", std::filesystem::absolute(mesh.mesh.path).string()},
+          {"metres_per_unit", mesh.mesh.metres_per_unit},
+          {"point_m", list(mesh.mesh.point_m)},
+          {"outward_normal", list(mesh.outward_normal)},
+          {"x_axis", list(mesh.x_axis)},
+          {"radii_m", {or_null(mesh.radius_x_m), or_null(mesh.radius_y_m)}},
+          {"turn_rad", placed.turn_rad}};
+}
+
+void add_material(const input::FiniteStrain& material, json& layer) {
+  layer["material"] = material.material;
+  layer["volumetric"] = material.volumetric;
+  layer["mooney_rivlin_share"] = material.mooney_rivlin_share;
+  if (!material.yeoh_ratios.empty()) layer["yeoh_ratios"] = material.yeoh_ratios;
+}
+
+json friction_json(const FrictionRequest& request) {
+  json object = {{"torsion", request.torsion},
+                 {"increments", request.increments},
+                 {"limit_surface", request.limit_surface},
+                 {"increments_to_slip", request.increments_to_slip}};
+  if (request.twist_axis_m)
+    object["twist_axis_m"] = {request.twist_axis_m->x(), request.twist_axis_m->y()};
+  return object;
+}
+
+/// @param fit       of a mesh
+/// @param turn_rad  from the x of the relative radii's frame to the body's own
+PlacedBody placed_body(const input::CaseBody& body, const std::optional<QuadricFit>& fit,
+                       double turn_rad) {
+  if (const auto* quadric = std::get_if<input::QuadricBody>(&body)) {
+    input::QuadricBody turned = *quadric;
+    // Quarter turns without rounding: they keep the symmetry that saves three quarters of the work.
+    const double quarters = turn_rad / (M_PI / 2);
+    if (quadric->shape != input::FingerShape::tapered &&
+        std::abs(quarters - std::round(quarters)) < 1e-9) {
+      if (std::lround(quarters) % 2 != 0) std::swap(turned.radius_x_m, turned.radius_y_m);
+      turn_rad = 0;
+    }
+    return {turned, turn_rad};
+  }
+  if (const auto* sphere = std::get_if<input::SphereBody>(&body)) return {*sphere, 0};
+  // Radii of the surface's sections along the frame's axes: the layer's map starts from a torus.
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  const auto section = [&](double x, double y) -> std::optional<double> {
+    const double curvature = 2 * (fit->quadric.A_per_m * x * x + fit->quadric.B_per_m * y * y +
+                                  fit->quadric.C_per_m * x * y);
+    if (!(curvature > 0)) return std::nullopt;
+    return 1 / curvature;
+  };
+  return {PlacedMesh{std::get<input::MeshBody>(body), fit->normal, fit->x_axis, section(c, -s),
+                     section(s, c)},
+          turn_rad};
+}
+
+FemProblem::Bodies placed_bodies(const input::BodyPair& pair,
+                                 const std::optional<ContactPatch>& patch, double axis_rad) {
+  const std::optional<QuadricFit> none;
+  return {placed_body(pair.finger, patch ? patch->finger_fit : none, -axis_rad),
+          placed_body(pair.object, patch ? patch->object_fit : none, pair.angle_rad - axis_rad)};
+}
+
+}  // namespace
+
+json to_json(const FemProblem& problem) {
+  json object = {{"name", problem.name},
+                 {"radii_m", {problem.radii.major_m, problem.radii.minor_m}},
+                 {"axis_rad", problem.radii.axis_rad},
+                 {"sphere_radius_m", text::finite_or_null(problem.sphere_radius_m)},
+                 {"layer", input::layer_json(problem.layer)},
+                 {"load_N", problem.load_N},
+                 {"friction_coefficient", problem.friction_coefficient},
+                 {"level", problem.level}};
+  if (problem.approach_m) object["approach_m"] = *problem.approach_m;
+  if (problem.finite_strain) {
+    object["kinematics"] = "finite";
+    add_material(*problem.finite_strain, object["layer"]);
+  }
+  for (const input::Sublayer& sublayer : problem.sublayers) {
+    json entry = input::layer_json(sublayer.layer);
+    entry["name"] = sublayer.name;
+    if (problem.finite_strain) add_material(sublayer.material, entry);
+    object["layer"]["sublayers"].push_back(entry);
+  }
+  if (problem.layer_mesh)
+    object["layer_mesh"] = {{"mesh", problem.layer_mesh->file.string()},
+                            {"metres_per_unit", problem.layer_mesh->metres_per_unit},
+                            {"written", problem.layer_mesh->written}};
+  if (problem.bodies)
+    object["fingertip"] = {{"pad", body_json(problem.bodies->pad)},
+                           {"object", body_json(problem.bodies->object)}};
+  if (problem.friction) object["friction"] = friction_json(*problem.friction);
+  if (!problem.compliance_file.empty())
+    object["compliance_file"] = problem.compliance_file.string();
+  if (!problem.output_directory.empty())
+    object["output_directory"] = problem.output_directory.string();
+  return object;
+}
+
+FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                       double load_N, int level) {
+  if (contact_case.object_layer.thickness_m > 0)
+    throw InputError(contact_case.file.string(), "[object_layer]", "",
+                     "one layer, [layer] or [object_layer], for finite elements; the models take "
+                     "both (softfinger predict)");
+  FemProblem problem;
+  problem.name = contact_case.id;
+  problem.radii = geometry.radii;
+  problem.sphere_radius_m = geometry.sphere_radius_m;
+  problem.layer = contact_case.layer;
+  problem.sublayers = contact_case.sublayers;
+  problem.finite_strain = contact_case.fem_finite;
+  problem.load_N = load_N;
+  problem.friction_coefficient = contact_case.friction_coefficient;
+  problem.level = level;
+  if (!contact_case.fem_mesh.empty()) {
+    std::error_code ignored;
+    const auto written = std::filesystem::last_write_time(contact_case.fem_mesh, ignored);
+    problem.layer_mesh = {std::filesystem::absolute(contact_case.fem_mesh),
+                          contact_case.fem_mesh_metres_per_unit,
+                          written.time_since_epoch().count()};
+  }
+  if (contact_case.fem_curved) {
+    const auto& pair = std::get<input::BodyPair>(contact_case.geometry);
+    // A tapered finger tapers along its own x, wherever the contact's long axis lies.
+    const auto* finger = std::get_if<input::QuadricBody>(&pair.finger);
+    if (finger && finger->shape == input::FingerShape::tapered) problem.radii.axis_rad = 0;
+    problem.bodies = placed_bodies(pair, geometry.patch, problem.radii.axis_rad);
+  }
+  return problem;
+}
+
+}  // namespace softfinger::reference

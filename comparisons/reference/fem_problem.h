@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/local_geometry.h"
+
+namespace softfinger::reference {
+
+/// A point of a triangulated body and the frame there.
+struct PlacedMesh {
+  input::MeshBody mesh;
+  Eigen::Vector3d outward_normal, x_axis;  ///< in the file's coordinates
+  /// Of the surface's sections along the frame's axes; none where a section is flat or hollow.
+  std::optional<double> radius_x_m, radius_y_m;
+};
+
+/// A body with its own shape, in the frame of the relative radii.
+struct PlacedBody {
+  std::variant<input::QuadricBody, input::SphereBody, PlacedMesh> body;
+  double turn_rad = 0;  ///< from that frame's x to the body's own
+};
+
+/// The layer is a user's own mesh.
+struct LayerMesh {
+  std::filesystem::path file;  ///< absolute
+  double metres_per_unit = 1e-3;
+  std::int64_t written = 0;  ///< when: a mesh that was written anew is another problem
+};
+
+/// What else than the normal contact is computed.
+struct FrictionRequest {
+  bool torsion = false;        ///< twist to full slip
+  int increments = 20;         ///< of the twist
+  int limit_surface = 0;       ///< points of it
+  int increments_to_slip = 0;  ///< of a push to full slip
+  std::optional<Eigen::Vector2d> twist_axis_m;
+};
+
+/// A problem for the finite-element program, in the frame of the relative radii.
+struct FemProblem {
+  std::string name;
+  RelativeRadii radii;
+  /// A flat layer is then pressed by the sphere itself, not by its paraboloid.
+  double sphere_radius_m = std::numeric_limits<double>::infinity();
+  ElasticLayer layer;
+  std::vector<input::Sublayer> sublayers;            ///< empty: a homogeneous layer
+  std::optional<input::FiniteStrain> finite_strain;  ///< none: linear elasticity
+  double load_N = 0;
+  std::optional<double> approach_m;  ///< the load is then a result
+  double friction_coefficient = 0;
+  int level = 2;
+  std::optional<LayerMesh> layer_mesh;
+  struct Bodies {
+    PlacedBody pad, object;
+  };
+  std::optional<Bodies> bodies;  ///< none: a flat layer under the quadric gap
+  std::optional<FrictionRequest> friction;
+  // Where files go. They decide nothing about the answer.
+  std::filesystem::path output_directory, compliance_file;  ///< empty: none are written
+};
+
+/// As the program reads it (fem/README.md). Equal problems give equal objects.
+nlohmann::json to_json(const FemProblem& problem);
+
+/// The problem of one load of a case.
+/// @throws InputError where finite elements cannot solve the case
+FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                       double load_N, int level);
+
+}  // namespace softfinger::reference
