@@ -16,7 +16,9 @@ bool read(std::string_view bytes) {
         const ContactProblem problem = {
             {0.02, 0.02, 0}, {0.002, 3e5, poisson_ratio}, {load_N, 0.5}, {}, {}};
         for (const char* model : {"hertz", "bonded_layer", "fem"})
-          for (const char* kind : {"flat", "curved", "finite_sphere"})
+          for (const judgement::AtlasKind kind :
+               {judgement::AtlasKind::flat, judgement::AtlasKind::curved,
+                judgement::AtlasKind::finite_sphere})
             atlas.estimate(model, problem, kind, 0.1);
       }
     atlas.cost_ns("fem");

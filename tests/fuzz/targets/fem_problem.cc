@@ -1,10 +1,11 @@
 // What the finite-element program reads.
 
+#include "comparisons/reference/fem_problem.h"
+
 #include <memory>
 
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "comparisons/reference/fem_process.h"
 #include "fem/read_problem.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
@@ -52,7 +53,7 @@ std::vector<std::string> seeds() {
     const double load_N = contact_case.loads_N.front();
     const prediction::LocalGeometry geometry =
         prediction::GeometryResolver(contact_case).resolve(load_N);
-    texts.push_back(reference::fem_problem(contact_case, geometry, load_N, 2).dump(1));
+    texts.push_back(to_json(reference::fem_problem(contact_case, geometry, load_N, 2)).dump(1));
   }
   const std::string mesh =
       "{\"shape\": \"mesh\", \"mesh\": \"tip.stl\", \"metres_per_unit\": 0.001,\n\"point_m\": [0, "
