@@ -124,7 +124,7 @@ class LemkePath {
   /// error. Where the old inverse does not get to rounding, a new one is made.
   void refine() {
     constexpr int kMostCorrections = 6;
-    constexpr double kGood = 1e-15;
+    constexpr double kRounding = 1e-15;
     const int k = basis_.size();
     for (const bool again : {false, true}) {
       if (again && !invert_again(k)) return;
@@ -141,7 +141,7 @@ class LemkePath {
         z_.head(k) -= second_.head(k);
         system_->set_state(columns_.data(), z_.data(), k);
       }
-      if (last <= kGood * std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>())) return;
+      if (last <= kRounding * std::max(1., z_.head(k).template lpNorm<Eigen::Infinity>())) return;
     }
   }
 
