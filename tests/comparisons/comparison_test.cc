@@ -184,6 +184,12 @@ TEST(Comparison, ErrorsCarryWhatVerdictsNeed) {
   }
 }
 
+TEST(Comparison, DoesNotTrustAReferenceOfLargeStatedError) {
+  Comparison load = compared(2);
+  load.reference->error.max_torque = 0.2;
+  EXPECT_FALSE(judgement::errors_of(load).fem_trusted);
+}
+
 TEST(ReferenceResult, ReadsEachNumberFromItsKey) {
   const Prediction layer = bonded_layer(1);
   const ReferenceResult result = reference_near(layer, 1);

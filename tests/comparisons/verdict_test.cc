@@ -86,6 +86,15 @@ TEST(Verdict, TellsWhenTheReferenceFailedOrIsDoubtful) {
   EXPECT_TRUE(contains(verdict.sentence, "FEM failed at 5 N")) << verdict.sentence;
 }
 
+TEST(Verdict, IsSilentOnAModelThatTheCaseGivesNoDataFor) {
+  judgement::ModelError without_data{"power_law", true, true, 0.9, 0.8};
+  without_data.applicable = false;
+  EXPECT_EQ(judgement::compose_verdict({load(1, {{"hertz", true, true, 0.01, 0.01}, without_data})},
+                                       kTolerance)
+                .sentence,
+            "Use Hertz (area within 1.0 %, torque within 1.0 % of FEM) at 1 N.");
+}
+
 TEST(Verdict, LeadsWithTheMostAccurateFastModelAndNamesOneMore) {
   std::vector<judgement::ModelError> models = {
       {"bonded_layer", true, true, 0.002, 0.001},

@@ -19,11 +19,14 @@ mkdir -p "$work"
 cd "$work/tree"
 git fetch -q origin
 git checkout -q -f "$(git -C "$root" rev-parse HEAD)"
+# The clone's own list, which nobody edits meanwhile.
+mutations=$work/mutations.txt
+cp "$here/mutations.txt" "$mutations"
 # One source is compiled anew for each, not the unit of many.
 cmake --preset release -DSOFTFINGER_BUILD_TESTS=ON -DCMAKE_UNITY_BUILD=OFF >/dev/null
 
 # A test that fails anyway would notice every mutation.
-for program in $(awk 'NR % 5 == 4' "$here/mutations.txt" | sort -u); do
+for program in $(awk 'NR % 5 == 4' "$mutations" | sort -u); do
   cmake --build --preset release --target "$program" >"$work/build.log"
   "build/release/bin/$program" --gtest_brief=1 >"$work/test.log" ||
     { echo "$program fails without a mutation: $work/test.log" >&2; exit 1; }
@@ -51,7 +54,7 @@ while IFS= read -r file && IFS= read -r old && IFS= read -r new && IFS= read -r 
   fi
   printf '%-10s %s: %s -> %s\n' "$outcome" "$file" "$old" "$new"
   [ "$outcome" = noticed ] || left+=("$file: $old -> $new ($outcome)")
-done <"$here/mutations.txt"
+done <"$mutations"
 
 echo "$noticed of $count mutations were noticed"
 [ ${#left[@]} -eq 0 ] || { printf '  %s\n' "${left[@]}"; exit 1; }
