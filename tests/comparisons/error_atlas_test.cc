@@ -356,6 +356,22 @@ input::Case simple_case() {
   return contact_case;
 }
 
+TEST(CaseEstimate, HasNoBoundForLayersThatTheAtlasDoesNotKnow) {
+  const ContactProblem problem = judgement::problem_of(run_at(0.3, 2, 1));
+  const auto outside = [&](const input::Case& contact_case) {
+    const auto estimate = judgement::estimate_error("hertz", contact_case, problem);
+    EXPECT_FALSE(estimate.bound);
+    return estimate.outside;
+  };
+  ASSERT_TRUE(judgement::estimate_error("hertz", simple_case(), problem).bound);
+  input::Case stack = simple_case();
+  stack.sublayers.resize(2);
+  EXPECT_NE(outside(stack).find("homogeneous"), std::string::npos);
+  input::Case own_mesh = simple_case();
+  own_mesh.fem_mesh = "layer.msh";
+  EXPECT_NE(outside(own_mesh).find("mesh"), std::string::npos);
+}
+
 TEST(ModelChoice, ClosedFormsAreRefusedInWordsWhereNoneHolds) {
   judgement::SelectionOptions options;
   options.tolerance = 0.05;

@@ -28,6 +28,12 @@ TEST(Verdict, NamesTheModelThatHoldsAtAllLoads) {
             "off by +70 % in area, +40 % in torque.");
 }
 
+TEST(Verdict, ClaimsNoBetterBoundThanATenthOfAPerCent) {
+  EXPECT_EQ(judgement::compose_verdict({load(1, {{"hertz", true, true, 1e-6, -1e-5}})}, kTolerance)
+                .sentence,
+            "Use Hertz (area within 0.1 %, torque within 0.1 % of FEM) at 1 N.");
+}
+
 TEST(Verdict, SaysAtWhichLoadsAModelHoldsAndWhatIsNearestElsewhere) {
   const judgement::Verdict verdict = judgement::compose_verdict(
       {load(0.5, {{"hertz", true, true, 0.01, 0.02}, {"winkler", true, false, 0.5, 0.4}}),

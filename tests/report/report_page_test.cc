@@ -339,6 +339,18 @@ TEST(Scoring, CountsAgreementOutsideTheModelsValidityAsAnAccident) {
       2);
 }
 
+TEST(Scoring, ReadsTheReferencesErrorsAndWhetherItIsTrusted) {
+  Json report = one_case({{0.02, true}, {0.02, true}});
+  Json& fem = report["cases"][0]["loads"][1]["fem"];
+  fem["trusted"] = false;
+  fem["error"]["max_torque"] = 0.05;
+  const judgement::ReferenceSummary summary =
+      judgement::reference_summary(compared_cases(report), tolerance(report));
+  EXPECT_EQ(summary.solved, 2);
+  EXPECT_EQ(summary.trusted, 1);
+  EXPECT_EQ(summary.worst_torque_error, 0.05);
+}
+
 TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   const Json report = one_case({{0.02, true}, {-0.05, false}});
   const auto best = judgement::best_model(compared_case(report["cases"][0]), tolerance(report));

@@ -1,0 +1,70 @@
+#include "comparisons/prediction/local_geometry.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger {
+namespace {
+
+/// A paraboloid of radius 20 mm over |x|, |y| <= 9 mm, edges of 0.5 mm, as a file.
+std::filesystem::path paraboloid_file() {
+  const auto path = std::filesystem::temp_directory_path() / "softfinger_paraboloid.obj";
+  std::ofstream file(path);
+  constexpr int kHalf = 18;
+  constexpr int kRow = 2 * kHalf + 1;
+  for (int j = -kHalf; j <= kHalf; ++j)
+    for (int i = -kHalf; i <= kHalf; ++i) {
+      const double x = 0.5 * i, y = 0.5 * j;
+      file << fmt::format("v {} {} {}\n", x, y, -(x * x + y * y) / 40);
+    }
+  for (int j = 0; j + 1 < kRow; ++j)
+    for (int i = 0; i + 1 < kRow; ++i) {
+      const int corner = 1 + i + kRow * j;
+      file << fmt::format("f {} {} {}\nf {} {} {}\n", corner, corner + 1, corner + kRow, corner + 1,
+                          corner + kRow + 1, corner + kRow);
+    }
+  return path;
+}
+
+input::Case pressed_mesh() {
+  return input::parse_case(fmt::format(R"(
+id = "paraboloid"
+[geometry]
+finger = {{ mesh = "{}", point_mm = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}
+object = {{ radii_mm = [inf, inf] }}
+[layer]
+thickness_mm = 2.0
+youngs_modulus_kPa = 100.0
+poisson_ratio = 0.45
+[contact]
+load_N = [0.1, 4.0]
+friction_coefficient = 0.5
+)",
+                                       paraboloid_file().string()),
+                           "paraboloid.toml");
+}
+
+}  // namespace
+
+TEST(LocalGeometry, FitsAMeshWithAModelThatHoldsThere) {
+  const input::Case contact_case = pressed_mesh();
+  const prediction::GeometryResolver resolver(contact_case);
+  for (const double load_N : contact_case.loads_N) {
+    const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+    ASSERT_TRUE(geometry.patch);
+    // Facets of 0.5 mm on a radius of 20 mm.
+    EXPECT_NEAR(geometry.radii.major_m, 20e-3, 0.2e-3);
+    EXPECT_NEAR(geometry.radii.minor_m, 20e-3, 0.2e-3);
+    const ContactProblem problem = contact_case.problem(geometry.radii, load_N);
+    EXPECT_TRUE(find_pressure_model(geometry.patch_model)->predict(problem).valid()) << load_N;
+  }
+  EXPECT_EQ(resolver.resolve(0.1).patch_model, "bonded_layer");
+  EXPECT_NE(resolver.resolve(4).patch_model, "bonded_layer") << "its strain is too large there";
+}
+
+}  // namespace softfinger
