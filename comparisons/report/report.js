@@ -234,10 +234,12 @@
       const ranked = d3.sort(load.models.filter((m) => present(m.score)), (m) => !m.usable, (m) => m.score);
       if (!ranked.length || !(load.s > 0) || !present(c.poisson_ratio)) return null;
       const best = ranked[0];
+      // A mean over sublayers has all the digits of a double.
+      const poissonRatio = String(Number(c.poisson_ratio.toPrecision(4)));
       return {
-        x: load.s, y: String(c.poisson_ratio), colour: styleOf(best.model).colour, label: styleOf(best.model).label,
+        x: load.s, y: poissonRatio, colour: styleOf(best.model).colour, label: styleOf(best.model).label,
         usable: best.usable,
-        title: () => [`${c.id}, ${number(load.load_N)} N`, `s ${number(load.s)}, ν ${c.poisson_ratio}`,
+        title: () => [`${c.id}, ${number(load.load_N)} N`, `s ${number(load.s)}, ν ${poissonRatio}`,
           ...ranked.map((m) => `${styleOf(m.model).label}: off by ${percent(m.score).replace("+", "")}${m.valid ? "" : ", outside its validity"}`)].join("\n"),
       };
     })).filter(present);
