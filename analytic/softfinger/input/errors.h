@@ -7,6 +7,17 @@
 
 namespace softfinger {
 
+namespace internal {
+
+/// A number in a message.
+inline std::string number_text(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+}  // namespace internal
+
 /// A value from outside that cannot be used. `what()` is the one line that the user reads:
 /// "<where>: <field> = <value>: allowed: <allowed>".
 class InputError : public std::runtime_error {
@@ -27,7 +38,7 @@ class InputError : public std::runtime_error {
   /// The same with the offending value as a number, which is shown with six digits.
   InputError(const std::string& where, const std::string& field, double value,
              const std::string& allowed)
-      : InputError(where, field, number_text(value), allowed) {}
+      : InputError(where, field, internal::number_text(value, 6), allowed) {}
 
   const std::string& where() const { return where_; }
   const std::string& field() const { return field_; }
@@ -35,12 +46,6 @@ class InputError : public std::runtime_error {
   const std::string& allowed() const { return allowed_; }
 
  private:
-  static std::string number_text(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", value);
-    return text;
-  }
-
   std::string where_, field_, value_, allowed_;
 };
 
@@ -50,7 +55,7 @@ class ConvergenceError : public std::runtime_error {
   ConvergenceError(const std::string& stage, int iteration, double residual,
                    const std::string& hint)
       : std::runtime_error(stage + " did not converge: iteration " + std::to_string(iteration) +
-                           ", residual " + short_text(residual) + "; hint: " + hint),
+                           ", residual " + internal::number_text(residual, 3) + "; hint: " + hint),
         iteration_(iteration),
         residual_(residual) {}
 
@@ -58,12 +63,6 @@ class ConvergenceError : public std::runtime_error {
   double residual() const { return residual_; }
 
  private:
-  static std::string short_text(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", value);
-    return text;
-  }
-
   int iteration_;
   double residual_;
 };
