@@ -36,6 +36,10 @@ struct Measurement {
   double residual = 0;              ///< worst of the equilibrium's and the contact's, relative
 };
 
+/// Sets what the result takes from the shape of the contact.
+void set_shape(const ContactShape& shape, double thickness_m, double youngs_modulus_Pa,
+               LevelResult& result);
+
 /// The pressure at a surface node, in units of E; lengths in h.
 struct PressurePoint {
   double block_x = 0, block_y = 0;  ///< of the node in the undeformed block

@@ -14,7 +14,7 @@ constexpr double load_per_approach = 2;
 
 double relative_difference(double coarse, double fine) { return std::abs(coarse / fine - 1); }
 
-void add_without_symmetry(const WithoutSymmetry& missed, int elements_per_semi_axis,
+void add_without_fit(const WithoutFit& missed, int elements_per_semi_axis,
                           RelativeError& error) {
   const double of_edge = missed.cells / elements_per_semi_axis;
   error.a += of_edge + missed.axes;
@@ -52,10 +52,10 @@ double unresolved_edge(const LevelResult& fine, double thickness_m, double weigh
   return weight * cell * cell * cell / b;
 }
 
-double cells_away(const LevelResult& fine, double thickness_m, double largest) {
+double cells_away(const LevelResult& fine, double thickness_m, bool layered, double largest) {
   constexpr double longest_circle = 1.02, small = 0.1;
   const double s = std::sqrt(fine.a_m * fine.b_m) / thickness_m;
-  return fine.a_m > longest_circle * fine.b_m ? largest * std::min(1.0, small / s) : 0;
+  return layered || fine.a_m > longest_circle * fine.b_m ? largest * std::min(1.0, small / s) : 0;
 }
 
 double side_wall(double distance, double flat, double at_two) {
@@ -70,7 +70,8 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
     return stated_error(relative_difference(coarse.*quantity, fine.*quantity), refinement,
                         constants, crossed);
   };
-  const double edge = unresolved_edge(fine, setting.thickness_m, table.unresolved_edge);
+  const double edge = unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) +
+                      fine.fit_ambiguity;
   const double wall = side_wall(setting.wall_distance, setting.flat_wall_distance, table.side_wall);
   RelativeError result;
   result.a = error(&LevelResult::a_m, table.edge) + edge;
@@ -78,7 +79,7 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
   result.area = error(&LevelResult::area_m2, table.area) + 2 * edge;
   result.peak_pressure = error(&LevelResult::peak_pressure_Pa, table.peak);
   result.indentation = error(&LevelResult::indentation_m, table.integral) +
-                       cells_away(fine, setting.thickness_m, table.cells_away) + wall;
+                       cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) + wall;
   result.load = error(&LevelResult::load_N, table.integral) + wall;
   result.max_torque = error(&LevelResult::max_torque_Nm, table.integral);
   return result;
@@ -87,8 +88,8 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
 RelativeError error_of_contact(const ErrorTable& table, const LevelResult& coarse,
                                const LevelResult& fine, const ErrorSetting& setting) {
   RelativeError error = error_of_levels(table, coarse, fine, setting);
-  if (!setting.symmetric)
-    add_without_symmetry(table.without_symmetry, fine.elements_per_semi_axis, error);
+  if (!setting.fitted)
+    add_without_fit(table.without_fit, fine.elements_per_semi_axis, error);
   if (setting.rounded_edges) add_rounded_edges(fine.indentation_m / setting.thickness_m, error);
   (setting.approach_given ? error.indentation : error.load) = 0;
   return error;

@@ -46,8 +46,16 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   // The coarsest cells are at most as long as the layer is thick; up to 2^0.1 = 1.07 times as long
   // where that saves a refinement.
   constexpr double tolerated = 0.1;
+  // Thin sublayers bend over lengths of their own.
+  constexpr double longest_in_sublayer = 1.5;
+  double coarsest = 1, thinnest = 1, above = 0;
+  for (const double interface : discretisation.interfaces) {
+    thinnest = std::min({thinnest, interface - above, 1 - interface});
+    above = interface;
+  }
+  coarsest = std::min(coarsest, longest_in_sublayer * thinnest);
   lattice.refinements =
-      std::max(0, static_cast<int>(std::floor(std::log2(1.0 / fine_x) + tolerated)));
+      std::max(0, static_cast<int>(std::floor(std::log2(coarsest / fine_x) + tolerated)));
   const double coarsening = std::ldexp(1.0, lattice.refinements);
   auto& block = lattice.block;
   block.sublayers.clear();

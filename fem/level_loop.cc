@@ -212,7 +212,8 @@ class LevelLoop {
     const Pressing& pressing = task_.pressing;
     ErrorSetting setting;
     setting.thickness_m = pressing.thickness_m;
-    setting.symmetric = !pressing.whole();
+    setting.layered = !pressing.interfaces.empty();
+    setting.fitted = fine().fitted;
     setting.approach_given = problem_.approach_m > 0;
     setting.wall_distance = wall_distance_;
     setting.flat_wall_distance = mesh_.extent;

@@ -105,19 +105,15 @@ class LinearContact : public ContactPhysics {
     result.unknowns = pressed_.model->unknowns();
     result.active_nodes = pressed_.contact.active;
     result.iterations = pressed_.contact.iterations;
-    result.a_m = shape_.a * h;
-    result.b_m = shape_.b * h;
-    result.area_m2 = M_PI * result.a_m * result.b_m;
-    result.turn_rad = shape_.turn_rad;
+    set_shape(shape_, h, E, result);
+    result.area_m2 = result.area_projected_m2;
     result.indentation_m = pressed_.contact.approach * h;
-    result.peak_pressure_Pa = shape_.peak * E;
     result.load_N =
         problem.approach_m > 0 ? pressed_.load() * E * h * h : problem.contact.load.normal_force_N;
     result.max_torque_Nm =
         problem.contact.load.friction_coefficient * result.load_N * pressed_.torque_arm() * h;
     result.load_residual = pressed_.contact.load_residual;
     result.complementarity_residual = pressed_.contact.complementarity_residual;
-    result.fit_residual = shape_.fit_residual;
     if (shares_meshes_)
       result.oversize = oversize(meshes_.made_for[place()], shape_);
     else if (is_kept_level())

@@ -6,7 +6,6 @@
 
 #include "fem/element_limits.h"
 #include "fem/formatted.h"
-#include "fem/pressure_ellipse.h"
 #include "meshes/generation/object_surface.h"
 #include "softfinger/input/errors.h"
 
@@ -16,6 +15,11 @@ using Eigen::Index;
 
 std::vector<ElasticConstants> Pressing::materials() const {
   return sublayers.empty() ? std::vector<ElasticConstants>{{1, poisson_ratio}} : sublayers;
+}
+
+double Pressing::surface_modulus() const {
+  const ElasticConstants surface = materials().front();
+  return surface.youngs_ratio / (1 - surface.poisson_ratio * surface.poisson_ratio);
 }
 
 bool Pressing::whole() const {
@@ -148,7 +152,8 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   // On a bent layer contact forces and displacements are along the surface's normals n. In terms of
   // the forces' components along the load, n_z N, and of what nodes sink along it, w / n_z, the
   // problem is that of a flat layer with the compliance C_ij / (n_z,i n_z,j).
-  Eigen::VectorXd cosine(count);
+  Eigen::VectorXd& cosine = pressed.cosine;
+  cosine.resize(count);
   for (Index i = 0; i < count; ++i) {
     const SurfaceNode& node = nodes[static_cast<std::size_t>(i)];
     pressed.gap[i] = pressing.gap(node);
@@ -202,63 +207,32 @@ void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {
                    "one that covers the contact, which reaches that end; or a smaller load");
 }
 
-PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::VectorXd& force) {
-  const double total = force.sum();
-  const Eigen::Vector2d mean = position * force / total;
-  const Eigen::Matrix2d second = position * force.asDiagonal() * position.transpose() / total;
-  const Eigen::Matrix2d about_centre = second - mean * mean.transpose();
-  // Mohr's circle.
-  const double middle = about_centre.trace() / 2;
-  const double half_difference = (about_centre(0, 0) - about_centre(1, 1)) / 2;
-  const double radius = std::hypot(half_difference, about_centre(0, 1));
-  return {middle + radius, middle - radius, std::atan2(about_centre(0, 1), half_difference) / 2};
-}
-
-namespace {
-
-/// Semi-axes of the ellipse whose pressure p0 (1 - r²)^n has the nodal pressure's second moments,
-/// peak and load.
-ContactShape shape_from_moments(const Pressed& pressed) {
-  const auto& nodes = pressed.model->nodes();
-  const Eigen::VectorXd& force = pressed.contact.force;
-  Eigen::Matrix2Xd position(2, force.size());
-  ContactShape shape;
-  for (Index i = 0; i < force.size(); ++i) {
-    position.col(i) = nodes[static_cast<std::size_t>(i)].position.head<2>();
-    shape.peak = std::max(shape.peak, pressed.pressure(i));
-  }
-  const PressureMoments moments = moments_of(position, force);
-  // <x²> = a²/(2n + 4), and n + 1 = pi a b p0 / P.
-  double exponent = 0.7;
-  for (int iteration = 0; iteration < 100; ++iteration) {
-    const double area = M_PI * (2 * exponent + 4) * std::sqrt(moments.major * moments.minor);
-    exponent = std::clamp(area * shape.peak / force.sum() - 1, 0.1, 2.0);
-  }
-  shape.a = std::sqrt((2 * exponent + 4) * moments.major);
-  shape.b = std::sqrt((2 * exponent + 4) * moments.minor);
-  shape.turn_rad = moments.turn_rad;
-  shape.block_a = pressed.moment_a;
-  shape.block_b = pressed.moment_b;
-  return shape;
-}
-
-}  // namespace
-
 ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
-  if (pressing.whole()) return shape_from_moments(pressed);
-  const PressureEllipse ellipse =
-      fit_pressure_ellipse(pressed.model->nodes(), pressed.model->faces(), pressed.normal_force,
-                           pressed.moment_a, pressed.moment_b);
-  ContactShape shape;
-  shape.a = shape.block_a = ellipse.a;
-  shape.b = shape.block_b = ellipse.b;
-  shape.peak = ellipse.peak;
-  shape.fit_residual = ellipse.residual;
-  if (pressing.fingertip) {
-    shape.a = pressing.bent.shape->position(ellipse.a, 0, 0).x();
-    shape.b = pressing.bent.shape->position(0, ellipse.b, 0).y();
+  const auto& nodes = pressed.model->nodes();
+  const auto count = static_cast<Index>(nodes.size());
+  NodalContact contact(
+      {nodes, pressed.model->faces(), pressed.normal_force, pressing.whole(),
+       !pressing.interfaces.empty(), nullptr});
+  contact.rough_a = pressed.moment_a;
+  contact.rough_b = pressed.moment_b;
+  contact.nodal_pressure.resize(count);
+  contact.position.resize(2, count);
+  for (Index i = 0; i < count; ++i) {
+    contact.nodal_pressure[i] = pressed.pressure(i);
+    contact.position.col(i) = nodes[static_cast<std::size_t>(i)].position.head<2>();
   }
-  return shape;
+  contact.place = [&](const Eigen::Vector2d& at) -> Eigen::Vector2d {
+    if (!pressing.bent.shape) return at;
+    return pressing.bent.shape->position(at.x(), at.y(), 0).head<2>();
+  };
+  contact.clearance = [&]() -> Eigen::VectorXd {
+    const Eigen::VectorXd sunk =
+        pressed.model->compliance() * pressed.normal_force;
+    return (pressed.gap + sunk.cwiseQuotient(pressed.cosine)).array() - pressed.contact.approach;
+  };
+  contact.modulus = pressing.surface_modulus();
+  contact.regular = !pressing.mesh;
+  return measure_shape(contact);
 }
 
 }  // namespace softfinger::fem

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "fem/contact_shape.h"
 #include "fem/fingertip.h"
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
@@ -30,6 +31,9 @@ struct Pressing {
   /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
 
+  /// E / (1 - nu²) of the material at the surface.
+  double surface_modulus() const;
+
   /// Whether the whole layer has to be meshed, because finger or object is not symmetric about x =
   /// 0 and y = 0.
   bool whole() const;
@@ -53,6 +57,7 @@ struct Pressed {
   Eigen::VectorXd gap;
   NormalContact contact;              ///< its forces are the components along the load
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
+  Eigen::VectorXd cosine;             ///< of each node's normal with the load
   int copies = 4;                     ///< sums over the nodes times this are sums over the contact
   double moment_a = 0, moment_b = 0;  ///< semi-axes from second moments, rough but robust
   bool reaches_rim = false;           ///< of the region where contact is possible
@@ -85,27 +90,7 @@ std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discreti
 /// @throws InputError, ConvergenceError
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing);
 
-/// The contact's shape as measured on one mesh.
-struct ContactShape {
-  double a = 0, b = 0;              ///< seen along the load
-  double block_a = 0, block_b = 0;  ///< along the surface, for the next mesh
-  double turn_rad = 0;              ///< of the long axis from x; 0 where symmetry holds it
-  double peak = 0;                  ///< largest pressure
-  double fit_residual = 0;          ///< of the pressure's fit, relative to the mean pressure
-};
-
-/// Second moments of a pressure about its centre.
-struct PressureMoments {
-  double major = 0, minor = 0;  ///< variances along the principal axes, major >= minor
-  double turn_rad = 0;          ///< of the first one from x, from -pi/2 to pi/2
-};
-
-/// @param position  of each node, seen along the load
-/// @param force     on each, its component along the load
-PressureMoments moments_of(const Eigen::Matrix2Xd& position, const Eigen::VectorXd& force);
-
-/// From the fit of `pressure_ellipse` where the contact is symmetric. Elsewhere the contact is only
-/// roughly an ellipse, and its shape comes from the second moments of the pressure.
+/// The shape of a pressed contact (contact_shape.h).
 ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing);
 
 }  // namespace softfinger::fem

@@ -74,14 +74,24 @@ struct LevelResult {
   double turn_rad = 0;   ///< from the relative radii's long axis to the contact's; 0 by symmetry
   double load_N = 0;     ///< as given, or what the given approach takes
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
-  double area_m2 = 0;  ///< pi a b; at finite strain that of the deformed surface
+  /// What touches, seen along the load, and on the deformed surface. The first is what models of
+  /// contact predict. In linear elasticity the two are the same.
+  double area_projected_m2 = 0, area_m2 = 0;
+  double centre_pressure_Pa = 0;  ///< in the contact's middle, where the peak need not be
+  /// Points around the contact, seen along the load, in the contact's frame; more than one where it
+  /// has parts or holes, the longest first.
+  std::vector<Eigen::Matrix2Xd> outlines_m;
+  double ellipse_departure = 0;  ///< largest distance of the outline from the ellipse, over b
+  /// Whether a smooth pressure was fitted, which tells the edge to a small part of a cell.
+  bool fitted = false;
   /// At finite strain: int mu p n_z r dA, the torque seen along the load, and the energy stored.
   double max_torque_projected_Nm = 0, strain_energy_J = 0;
   double load_residual = 0;  ///< |sum of nodal forces - P| / P
   double complementarity_residual =
       0;  ///< worst penetration or tension, relative to d and to the peak pressure
-  double fit_residual =
-      0;  ///< rms of the pressure fit that gives a, b, relative to the mean pressure
+  /// Rms of the pressure fit that gives the edge, relative to the mean pressure; 0 without one.
+  double fit_residual = 0;
+  double fit_ambiguity = 0;  ///< relative, of a and b: what fits of other degrees would say
   /// Size of the contact that the mesh was made for, relative to this contact: 1 on a mesh of its
   /// own, larger where the meshes of an earlier contact serve.
   double oversize = 1;

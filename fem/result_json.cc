@@ -12,6 +12,13 @@ json profile(const Profile& values) {
   return {{"position_m", values.position_m}, {"pressure_Pa", values.pressure_Pa}};
 }
 
+json points(const Eigen::Matrix2Xd& outline) {
+  json result = json::array();
+  for (Eigen::Index i = 0; i < outline.cols(); ++i)
+    result.push_back({outline(0, i), outline(1, i)});
+  return result;
+}
+
 json increments(const std::vector<FrictionIncrement>& path) {
   json result = json::array();
   for (const auto& state : path)
@@ -69,6 +76,8 @@ json to_json(const Problem& problem, const Result& result) {
                       {"oversize", level.oversize},
                       {"wall_s", level.wall_s},
                       {"cpu_s", level.cpu_s}});
+  json outlines = json::array();
+  for (const Eigen::Matrix2Xd& outline : finest.outlines_m) outlines.push_back(points(outline));
   json output = {
       {"model", "fem"},
       {"load_N", finest.load_N},
@@ -78,6 +87,12 @@ json to_json(const Problem& problem, const Result& result) {
       {"indentation_m", finest.indentation_m},
       {"peak_pressure_Pa", finest.peak_pressure_Pa},
       {"area_m2", finest.area_m2},
+      {"area_projected_m2", finest.area_projected_m2},
+      {"centre_pressure_Pa", finest.centre_pressure_Pa},
+      {"outline_m", outlines.empty() ? json::array() : outlines.front()},
+      {"ellipse_departure", finest.ellipse_departure},
+      {"kinematics", problem.finite_strain ? "finite" : "linear"},
+      {"geometry", problem.mesh ? "mesh" : problem.fingertip ? "curved" : "flat"},
       {"max_torque_Nm", finest.max_torque_Nm},
       {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
       {"error",
@@ -103,10 +118,10 @@ json to_json(const Problem& problem, const Result& result) {
       {"cpu_s", result.cpu_s},
       {"peak_memory_MB", result.peak_memory_MB}};
   if (problem.finite_strain) {
-    output["kinematics"] = "finite";
     output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
     output["strain_energy_J"] = finest.strain_energy_J;
   }
+  if (outlines.size() > 1) output["outlines_m"] = std::move(outlines);
   add_friction(problem, result, output);
   return output;
 }

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "fem/pressing.h"
-#include "fem/pressure_ellipse.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -60,77 +58,63 @@ class DeformedSurface : public SurfaceDeformation {
   std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
-/// Fits the edge.
-DeformedContact measure_quarter(const FinitePressing& pressing) {
-  const FiniteLayer& layer = pressing.layer();
-  const Equilibrium& equilibrium = pressing.equilibrium();
-  const DeformedSurface surface(layer);
-  const PressureEllipse ellipse =
-      fit_pressure_ellipse(layer.nodes(), layer.faces(), equilibrium.normal_force,
-                           equilibrium.moment_a, equilibrium.moment_b, &surface);
-  DeformedContact contact;
-  contact.block_a = ellipse.a;
-  contact.block_b = ellipse.b;
-  contact.fit_residual = ellipse.residual;
-  // The edge is at 1 + e4 cos 4t; the axes' ends are those of the best ellipse, as in linear
-  // theory.
-  contact.a = surface.at(ellipse.a, 0).position.x();
-  contact.b = surface.at(0, ellipse.b).position.y();
-  contact.peak = ellipse.peak;
-
-  // Midpoints in scaled polar coordinates.
-  constexpr int steps = 64;
-  for (int i = 0; i < steps; ++i)
-    for (int j = 0; j < steps; ++j) {
-      const double angle = M_PI / 2 * (j + 0.5) / steps;
-      const double edge = 1 + ellipse.diamond * std::cos(4 * angle);
-      const double radius = edge * (i + 0.5) / steps;
-      const double block_area =
-          ellipse.a * ellipse.b * radius * (edge / steps) * (M_PI / 2 / steps);
-      contact.area +=
-          4 * block_area *
-          surface.at(ellipse.a * radius * std::cos(angle), ellipse.b * radius * std::sin(angle))
-              .area_ratio;
+/// Integral of the deformed area over a fitted contact: midpoints in scaled polar coordinates.
+double deformed_area(const DeformedSurface& surface, const ContactEdge& edge, bool whole) {
+  const int steps = 64, turns = whole ? 4 * steps : steps;
+  const double turn = (whole ? 2 * M_PI : M_PI / 2) / turns;
+  double area = 0;
+  for (int j = 0; j < turns; ++j) {
+    const double angle = turn * (j + 0.5), rho = edge.radius(angle);
+    for (int i = 0; i < steps; ++i) {
+      const double fraction = (i + 0.5) / steps;
+      const Eigen::Vector2d at = edge.at(angle, fraction);
+      area += edge.a * edge.b * fraction * rho * (rho / steps) * turn *
+              surface.at(at.x(), at.y()).area_ratio;
     }
-  return contact;
+  }
+  return (whole ? 1 : 4) * area;
 }
 
-/// By the area on which nodes touch and by second moments.
-DeformedContact measure_whole(const FinitePressing& pressing) {
+/// Deformed area over its projection, of the nodes that touch.
+double inclination(const FinitePressing& pressing) {
   const TouchingNodes nodes = pressing.touching_nodes();
-  const LayerDiscretisation& mesh = pressing.layer().discretisation();
   const Eigen::VectorXd area = nodal_area(pressing)(nodes.node);
-  DeformedContact contact;
-  contact.block_a = pressing.equilibrium().moment_a;
-  contact.block_b = pressing.equilibrium().moment_b;
-  contact.peak = nodes.normal_force.cwiseQuotient(area).maxCoeff();
-  // A node beyond the edge touches if enough of its shape function lies inside: on average nodes do
-  // up to an eighth of a cell beyond it, in every contact, for all edges look the same from nearby.
-  constexpr double beyond = 1.0 / 8;
-  const double inside = (1 - beyond * mesh.a / (mesh.elements_along_a() * contact.block_a)) *
-                        (1 - beyond * mesh.b / (mesh.elements_per_semi_axis * contact.block_b));
-  contact.area = inside * area.sum();
   double projected = 0;
   for (Eigen::Index i = 0; i < nodes.size(); ++i)
-    projected += inside * area[i] * nodes.axes[static_cast<std::size_t>(i)](2, 2);
-  const PressureMoments moments = moments_of(nodes.position.topRows<2>(), nodes.force);
-  const double stretch = std::sqrt(moments.major / moments.minor);
-  contact.a = std::sqrt(projected / M_PI * stretch);
-  contact.b = std::sqrt(projected / M_PI / stretch);
-  contact.turn_rad = moments.turn_rad;
-  return contact;
+    projected += area[i] * nodes.axes[static_cast<std::size_t>(i)](2, 2);
+  return area.sum() / projected;
 }
 
 }  // namespace
 
-DeformedContact measure(const FinitePressing& pressing) {
-  DeformedContact contact =
-      pressing.layer().whole() ? measure_whole(pressing) : measure_quarter(pressing);
+DeformedContact measure(const FinitePressing& pressing, double surface_modulus) {
+  const FiniteLayer& layer = pressing.layer();
   const Equilibrium& equilibrium = pressing.equilibrium();
+  const auto& nodes = layer.nodes();
+  const DeformedSurface surface(layer);
+  NodalContact nodal({nodes, layer.faces(), equilibrium.normal_force, layer.whole(),
+                      layer.sublayers() > 1, &surface});
+  nodal.rough_a = equilibrium.moment_a;
+  nodal.rough_b = equilibrium.moment_b;
+  nodal.nodal_pressure = nodal_pressure(pressing);
+  nodal.position.resize(2, static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    nodal.position.col(static_cast<Eigen::Index>(i)) = layer.position(i).head<2>();
+  nodal.place = [&](const Eigen::Vector2d& at) -> Eigen::Vector2d {
+    return surface.at(at.x(), at.y()).position.head<2>();
+  };
+  nodal.clearance = [&] { return pressing.clearance(); };
+  nodal.modulus = surface_modulus;
+  nodal.regular = layer.has_grid();
+  DeformedContact contact;
+  contact.shape = measure_shape(nodal);
+  contact.area = contact.shape.fit
+                     ? deformed_area(surface, contact.shape.fit->edge, layer.whole())
+                     : contact.shape.projected_area * inclination(pressing);
   double moment = 0, projected = 0;
-  for (std::size_t i = 0; i < pressing.layer().nodes().size(); ++i) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    const double radius = pressing.layer().position(i).head<2>().norm();
+    const double radius = layer.position(i).head<2>().norm();
     moment += equilibrium.normal_force[row] * radius;
     projected += equilibrium.force[row] * radius;
   }

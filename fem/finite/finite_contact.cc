@@ -102,23 +102,20 @@ class FiniteContact : public ContactPhysics {
 
   Measurement measure() override {
     check_covered();
-    contact_ = finite::measure(*pressing_);
+    contact_ = finite::measure(*pressing_, task_.pressing.surface_modulus());
     const Equilibrium& found = equilibrium();
     Measurement measurement;
-    measurement.block_a = contact_.block_a;
-    measurement.block_b = contact_.block_b;
+    measurement.block_a = contact_.shape.block_a;
+    measurement.block_b = contact_.shape.block_b;
     measurement.residual = found.out_of_balance;
     LevelResult& result = measurement.result;
     result.elements_per_semi_axis = pressing_->layer().discretisation().elements_per_semi_axis;
     result.unknowns = pressing_->layer().unknowns();
     result.active_nodes = found.active;
     result.iterations = pressing_->history().iterations;
-    result.a_m = contact_.a * h_;
-    result.b_m = contact_.b * h_;
-    result.turn_rad = contact_.turn_rad;
+    set_shape(contact_.shape, h_, E_, result);
     result.area_m2 = contact_.area * h_ * h_;
     result.indentation_m = found.approach * h_;
-    result.peak_pressure_Pa = contact_.peak * E_;
     result.load_N =
         problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
     const double friction_force = friction_coefficient_ * result.load_N;
@@ -128,7 +125,6 @@ class FiniteContact : public ContactPhysics {
     const double load = task_.pressing.load;
     result.load_residual = load > 0 ? std::abs(found.load / load - 1) : 0;
     result.complementarity_residual = found.complementarity_residual;
-    result.fit_residual = contact_.fit_residual;
     return measurement;
   }
 
@@ -139,7 +135,7 @@ class FiniteContact : public ContactPhysics {
     result.full_slip = slide(*pressing_, friction_coefficient_, {0, 0, 1}).torque;
     if (!plan)
       plan = plan_friction({result.stiffness, result.full_slip,
-                            friction_coefficient_ * equilibrium().load, contact_.b},
+                            friction_coefficient_ * equilibrium().load, contact_.shape.b},
                            problem_);
     follow(plan->twist, twist, result);
     if (pressing_->layer().whole() || !plan->velocities.empty()) slip(plan->velocities, result);
@@ -211,7 +207,7 @@ class FiniteContact : public ContactPhysics {
 
   /// The relative error of superposed motions is about friction's energy over this work
   /// (superposed_friction.h).
-  double reference_work() const { return equilibrium().load * std::min(1.0, contact_.b); }
+  double reference_work() const { return equilibrium().load * std::min(1.0, contact_.shape.b); }
 
   void follow(const std::vector<PlaneMotion>& motions, SuperposedTwist& twist,
               FrictionOfLevel& result) const {

@@ -176,6 +176,8 @@ const std::vector<SurfaceNode>& FiniteLayer::nodes() const { return implementati
 const std::vector<SurfaceFace>& FiniteLayer::faces() const { return implementation_->faces; }
 long FiniteLayer::unknowns() const { return implementation_->free.count; }
 bool FiniteLayer::whole() const { return implementation_->whole; }
+bool FiniteLayer::has_grid() const { return !implementation_->meshed; }
+std::size_t FiniteLayer::sublayers() const { return implementation_->materials.size(); }
 double FiniteLayer::shift() const { return implementation_->shift; }
 
 Eigen::Vector3d FiniteLayer::position(std::size_t node) const {

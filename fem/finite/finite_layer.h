@@ -48,6 +48,9 @@ class FiniteLayer {
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
   bool whole() const;
+  /// Whether the faces are a grid of rectangles in the block, and no mesh from outside.
+  bool has_grid() const;
+  std::size_t sublayers() const;
 
   /// Present position of a surface node.
   Eigen::Vector3d position(std::size_t node) const;

@@ -94,6 +94,14 @@ TouchingNodes FinitePressing::touching_nodes() const {
   return result;
 }
 
+Eigen::VectorXd FinitePressing::clearance() const {
+  const std::vector<Touch> touching = touches();
+  Eigen::VectorXd result(static_cast<Index>(touching.size()));
+  for (std::size_t i = 0; i < touching.size(); ++i)
+    result[static_cast<Index>(i)] = touching[i].gap - equilibrium_.approach;
+  return result;
+}
+
 Eigen::MatrixXd FinitePressing::superposed_stiffness(Parity parity) {
   return layer_->superposed_stiffness(frames(touches(), equilibrium_.force),
                                       equilibrium_.normal_force, parity, touching_nodes().node);

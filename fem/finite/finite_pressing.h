@@ -79,6 +79,9 @@ class FinitePressing {
   /// Normals of the object at the nodes' present positions: outward from the finger.
   Eigen::Vector3d normal(std::size_t node) const;
 
+  /// Clearance of each surface node from the object, along the load.
+  Eigen::VectorXd clearance() const;
+
   /// The nodes that touch in the present equilibrium.
   TouchingNodes touching_nodes() const;
 

@@ -194,7 +194,7 @@ RelativeError added(const ErrorTable& table, const LevelResult& fine,
 }
 
 TEST(ErrorModel, WithoutSymmetryTheEllipseIsLessCertain) {
-  const auto whole = [](ErrorSetting& setting) { setting.symmetric = false; };
+  const auto whole = [](ErrorSetting& setting) { setting.fitted = false; };
   const RelativeError linear = added(linear_elasticity, level(8), whole);
   EXPECT_NEAR(linear.a, 0.03, round_off);
   EXPECT_NEAR(linear.b, 0.03, round_off);

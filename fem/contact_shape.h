@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "fem/pressure_fit.h"
+#include "fem/touching_outline.h"
+
+namespace softfinger::fem {
+
+/// The contact's shape as measured on one mesh, in units of h and E.
+struct ContactShape {
+  double a = 0, b = 0;              ///< of the best ellipse, seen along the load
+  double block_a = 0, block_b = 0;  ///< along the surface's x and y, for the next mesh
+  double turn_rad = 0;              ///< of the long axis from x; 0 where symmetry holds it
+  double projected_area = 0;        ///< seen along the load
+  double departure = 0;             ///< largest distance of the outline from the ellipse, over b
+  std::vector<Eigen::Matrix2Xd> outlines;  ///< seen along the load, the largest first
+  double peak = 0;                         ///< largest pressure
+  double centre_pressure = 0;              ///< at the contact's middle
+  /// The pressure's fit, which gives all of the above; none: outlines and pressure are those of the
+  /// nodes. In layered materials the pressures always are.
+  std::optional<PressureFit> fit;
+};
+
+/// A contact on one mesh.
+struct NodalContact {
+  explicit NodalContact(const NodalPressure& nodal) : pressure(nodal) {}
+
+  NodalPressure pressure;
+  double rough_a = 0, rough_b = 0;  ///< semi-axes along the surface
+  Eigen::VectorXd nodal_pressure;   ///< force over the node's area
+  /// Where a point of the surface is seen along the load.
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> place;
+  Eigen::Matrix2Xd position;                    ///< of each node, seen along the load
+  std::function<Eigen::VectorXd()> clearance;   ///< of each node from the object
+  double modulus = 1;                           ///< E / (1 - nu²) of the surface's material
+  bool regular = true;                          ///< faces are a grid of rectangles
+};
+
+/// By the fit of the pressure where there is one, else by the nodes.
+ContactShape measure_shape(const NodalContact& contact);
+
+}  // namespace softfinger::fem

@@ -1,0 +1,132 @@
+#include "fem/touching_outline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace softfinger::fem {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector2d;
+
+/// Share of the way from a touching node to an open one at which the edge lies.
+double edge_between(double pressure, double clearance, double distance, double modulus) {
+  if (!(clearance > 0)) return 1;
+  // (p/A)² + (3 E* g / (4 A))^(2/3) = distance falls as A grows.
+  const double opening = 0.75 * modulus * clearance;
+  const auto reach = [&](double A) {
+    return std::pow(pressure / A, 2) + std::pow(opening / A, 2.0 / 3);
+  };
+  double low = pressure / std::sqrt(distance), high = low;
+  while (reach(high) > distance) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (reach(middle) > distance ? low : high) = middle;
+  }
+  return std::min(1.0, std::pow(pressure / high, 2) / distance);
+}
+
+/// A node of one of a quarter's images; of a whole contact there is one.
+struct ImageNode {
+  int node = -1;
+  int image = 0;  ///< bit 0: mirrored at x = 0, bit 1: at y = 0
+
+  bool operator<(const ImageNode& other) const {
+    return std::make_pair(node, image) < std::make_pair(other.node, other.image);
+  }
+};
+
+class Tracer {
+ public:
+  explicit Tracer(const TouchingState& state) : state_(state) {}
+
+  std::vector<Eigen::Matrix2Xd> trace() {
+    for (int image = 0; image < (state_.whole ? 1 : 4); ++image)
+      for (const SurfaceFace& face : state_.faces)
+        for (const std::size_t corner : {0, 1, 3, 4}) cross_square(face, corner, image);
+    return chain();
+  }
+
+ private:
+  /// The lattice's edge that an outline crosses: from a touching node to an open one.
+  using Crossing = std::pair<ImageNode, ImageNode>;
+
+  ImageNode node_of(const SurfaceFace& face, std::size_t k, int image) const {
+    const int node = face.node[k];
+    if (node < 0) return {};
+    const SurfaceNode& at = state_.nodes[static_cast<std::size_t>(node)];
+    constexpr double on_plane = 1e-9;
+    // A mirror plane's own nodes have no second image.
+    if (std::abs(at.x) < on_plane) image &= ~1;
+    if (std::abs(at.y) < on_plane) image &= ~2;
+    return {node, image};
+  }
+
+  bool touches(ImageNode at) const { return at.node >= 0 && state_.pressure[at.node] > 0; }
+
+  Vector2d place(ImageNode at) const {
+    const Vector2d here = state_.position.col(at.node);
+    return {at.image & 1 ? -here.x() : here.x(), at.image & 2 ? -here.y() : here.y()};
+  }
+
+  Vector2d place(const Crossing& crossing) const {
+    const Vector2d inside = place(crossing.first), outside = place(crossing.second);
+    return inside + edge_between(state_.pressure[crossing.first.node],
+                                 state_.clearance[crossing.second.node],
+                                 (outside - inside).norm(), state_.modulus) *
+                        (outside - inside);
+  }
+
+  /// Adds the outline's pieces in a quarter of a face, with what touches on their left.
+  void cross_square(const SurfaceFace& face, std::size_t corner, int image) {
+    std::array<ImageNode, 4> around;
+    constexpr std::array<std::size_t, 4> steps{0, 1, 4, 3};
+    for (std::size_t i = 0; i < 4; ++i) around[i] = node_of(face, corner + steps[i], image);
+    if (std::any_of(around.begin(), around.end(), [](ImageNode at) { return at.node < 0; })) return;
+    // A mirror image runs clockwise.
+    if (image == 1 || image == 2) std::swap(around[1], around[3]);
+    // Walking around, the outline enters where a touching node is followed by an open one.
+    std::vector<Crossing> leaves, enters;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const ImageNode here = around[i], next = around[(i + 1) % 4];
+      if (touches(here) && !touches(next)) leaves.emplace_back(here, next);
+      if (!touches(here) && touches(next)) enters.emplace_back(next, here);
+    }
+    if (leaves.size() == 2 && touches(around[0])) std::swap(enters[0], enters[1]);
+    for (std::size_t i = 0; i < leaves.size(); ++i) next_[leaves[i]] = enters[i];
+  }
+
+  std::vector<Eigen::Matrix2Xd> chain() {
+    std::vector<Eigen::Matrix2Xd> result;
+    while (!next_.empty()) {
+      std::vector<Vector2d> points;
+      auto at = next_.begin();
+      while (at != next_.end()) {
+        points.push_back(place(at->first));
+        const Crossing to = at->second;
+        next_.erase(at);
+        at = next_.find(to);
+      }
+      if (points.size() < 3) continue;
+      Eigen::Matrix2Xd polygon(2, static_cast<Index>(points.size()));
+      for (std::size_t i = 0; i < points.size(); ++i)
+        polygon.col(static_cast<Index>(i)) = points[i];
+      result.push_back(std::move(polygon));
+    }
+    return result;
+  }
+
+  const TouchingState& state_;
+  std::map<Crossing, Crossing> next_;
+};
+
+}  // namespace
+
+std::vector<Eigen::Matrix2Xd> touching_outlines(const TouchingState& state) {
+  return Tracer(state).trace();
+}
+
+}  // namespace softfinger::fem

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fem/layer_model.h"
+
+namespace softfinger::fem {
+
+/// The state of the surface's nodes, from which the edge of contacts of any shape is drawn.
+struct TouchingState {
+  const std::vector<SurfaceNode>& nodes;
+  const std::vector<SurfaceFace>& faces;
+  const Eigen::Matrix2Xd& position;  ///< of each node where the outline is wanted
+  const Eigen::VectorXd& pressure;   ///< of each node, > 0 where it touches
+  const Eigen::VectorXd& clearance;  ///< of each node from the object, 0 where it touches
+  double modulus = 1;                ///< E / (1 - nu²) of the surface's material
+  bool whole = false;                ///< not a quarter
+};
+
+/// Outlines of what touches, counter-clockwise, holes clockwise; of a quarter's whole contact.
+///
+/// Between a node that touches and an open one, the edge is where both agree: at a distance s
+/// inside a smooth edge the pressure is A sqrt(s), outside it the gap is 4 A/(3 E*) s^(3/2)
+/// (K. L. Johnson, Contact Mechanics, 1985, chapter 5: the edge of every smooth contact looks like
+/// that of a cylinder from nearby). A is found from the distance between the two nodes.
+std::vector<Eigen::Matrix2Xd> touching_outlines(const TouchingState& state);
+
+}  // namespace softfinger::fem
