@@ -5,7 +5,7 @@
 softfinger_packages() { # analytic|fem, run|test
   echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev
   command -v npm >/dev/null || echo npm
-  if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
+  if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libnanoflann-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then
     echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev
     if [ "$1" = fem ]; then echo openmpi-bin; fi

@@ -77,6 +77,11 @@ class ContactPhysics {
 
   virtual RoughSize size() const = 0;
 
+  /// Presses and measures on the same mesh with its side wall clamped. What refers to the mesh
+  /// pressed last is lost.
+  /// @throws InputError, ConvergenceError, NotEnoughMemory
+  virtual Measurement measure_clamped(const LayerDiscretisation& mesh) = 0;
+
   /// @throws ConvergenceError, InputError
   virtual Measurement measure() = 0;
 

@@ -58,11 +58,6 @@ double cells_away(const LevelResult& fine, double thickness_m, bool layered, dou
   return layered || fine.a_m > longest_circle * fine.b_m ? largest * std::min(1.0, small / s) : 0;
 }
 
-double side_wall(double distance, double flat, double at_two) {
-  constexpr double decay = 1.5;
-  return distance < flat ? at_two * std::exp(-decay * (distance - 2)) : 0;
-}
-
 RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse,
                               const LevelResult& fine, const ErrorSetting& setting) {
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);
@@ -72,16 +67,16 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
   };
   const double edge = unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) +
                       fine.fit_ambiguity;
-  const double wall = side_wall(setting.wall_distance, setting.flat_wall_distance, table.side_wall);
+  const WallChange& wall = setting.wall;
   RelativeError result;
-  result.a = error(&LevelResult::a_m, table.edge) + edge;
-  result.b = error(&LevelResult::b_m, table.edge) + edge;
-  result.area = error(&LevelResult::area_m2, table.area) + 2 * edge;
-  result.peak_pressure = error(&LevelResult::peak_pressure_Pa, table.peak);
+  result.a = error(&LevelResult::a_m, table.edge) + edge + std::abs(wall.a);
+  result.b = error(&LevelResult::b_m, table.edge) + edge + std::abs(wall.b);
+  result.area = error(&LevelResult::area_m2, table.area) + 2 * edge + std::abs(wall.area);
+  result.peak_pressure = error(&LevelResult::peak_pressure_Pa, table.peak) + std::abs(wall.peak_pressure);
   result.indentation = error(&LevelResult::indentation_m, table.integral) +
-                       cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) + wall;
-  result.load = error(&LevelResult::load_N, table.integral) + wall;
-  result.max_torque = error(&LevelResult::max_torque_Nm, table.integral);
+                       cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) + std::abs(wall.indentation);
+  result.load = error(&LevelResult::load_N, table.integral) + std::abs(wall.load);
+  result.max_torque = error(&LevelResult::max_torque_Nm, table.integral) + std::abs(wall.max_torque);
   return result;
 }
 

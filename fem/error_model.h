@@ -46,7 +46,6 @@ struct ErrorTable {
   WithoutFit without_fit;
   double unresolved_edge;  ///< of a, b: see `unresolved_edge` below
   double cells_away;       ///< of the approach of a long contact: see `cells_away` below
-  double side_wall;        ///< of the approach: see `side_wall` below
   StuckEdge stuck_edge;
 };
 
@@ -67,8 +66,6 @@ constexpr ErrorTable linear_elasticity{
     {/*axes*/ 0.03, /*area*/ 0.06, /*cells*/ 0},
     /*unresolved_edge*/ 0.2,
     /*cells_away*/ 6e-4,
-    // Not measured in linear elasticity.
-    /*side_wall*/ 0,
     // The extrapolation's own correction covers the misfit of the trial mesh: stated up to 3.7 %,
     // true 1.3 %.
     {/*without_symmetry*/ false, std::numeric_limits<double>::infinity()}};
@@ -88,8 +85,6 @@ constexpr ErrorTable finite_strain{
     // Neither was measured at finite strain.
     /*unresolved_edge*/ 0,
     /*cells_away*/ 0,
-    // For nu >= 0.49, where the wall is felt most: up to 4 % at 2 h, 0.23 % at 4 h.
-    /*side_wall*/ 0.04,
     // The stiffness was 5 % off at n = 8, 14 % at n = 4, where a ring of nodes was missing.
     {/*without_symmetry*/ true, edge_on_cells}};
 
@@ -128,20 +123,13 @@ double unresolved_edge(const LevelResult& fine, double thickness_m, double weigh
 /// Sublayers: 0.05 % at s = 0.15, on round contacts too.
 double cells_away(const LevelResult& fine, double thickness_m, bool layered, double largest);
 
-/// Relative change of the approach by a free side wall that is nearer than on a flat layer:
-/// `at_two` at a distance of 2 h from the contact's edge, smaller by exp(-1.5) with every further
-/// h.
-/// @param distance  in h, of the wall from the contact's edge
-/// @param flat      its distance on a flat layer, from which on there is no error
-double side_wall(double distance, double flat, double at_two);
-
 /// Properties of a contact that its error depends on, besides the two levels.
 struct ErrorSetting {
   double thickness_m = 0;
   bool fitted = true;           ///< the edge is that of a fitted pressure
   bool layered = false;         ///< of several sublayers
   bool approach_given = false;  ///< by the user, in place of the load
-  double wall_distance = 6, flat_wall_distance = 6;  ///< as for `side_wall`
+  WallChange wall;             ///< half the difference of a clamped wall, 0 where it is far away
   bool rounded_edges = false;  ///< the object's facets are replaced by a smooth surface
 };
 

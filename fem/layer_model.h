@@ -18,7 +18,8 @@ struct LayerDiscretisation {
   double a = 1, b = 1;
   int elements_per_semi_axis = 8;  ///< n: finest cells along b
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
-  double extent = 6;               ///< free side wall at a + extent, b + extent: see README.md
+  double extent = 6;               ///< side wall at a + extent, b + extent: see README.md
+  bool clamped_wall = false;       ///< the side wall is bonded too, else it is free
   /// Depths of the interfaces between bonded sublayers, from the surface on: no cell crosses one.
   std::vector<double> interfaces;
 

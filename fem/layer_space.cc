@@ -561,9 +561,30 @@ void LayerSpace::constrain(const std::vector<dealii::Point<dim>>& support) {
     }
   }
   if (meshed) bonded = dofs_on([](auto id) { return id == core_face; });
+  if (discretisation.clamped_wall) {
+    const std::vector<char> walls = dofs_on_walls();
+    for (global_dof_index i = 0; i < bonded.size(); ++i) bonded[i] |= walls[i];
+  }
   for (global_dof_index i = 0; i < bonded.size(); ++i)
     if (bonded[i] && !constraints.is_constrained(i)) constraints.add_line(i);
   constraints.close();
+}
+
+/// Dofs of the faces between the surface and the core, mirror planes left out.
+std::vector<char> LayerSpace::dofs_on_walls() const {
+  std::vector<char> result(dofs.n_dofs(), 0);
+  std::vector<global_dof_index> indices(element.n_dofs_per_face());
+  for (const auto& cell : dofs.active_cell_iterators())
+    for (const unsigned int f : cell->face_indices()) {
+      const auto face = cell->face(f);
+      if (!face->at_boundary()) continue;
+      const auto centre = face->center();
+      const bool on_mirror = !whole && (at(centre[0], 0) || at(centre[1], 0));
+      if (on_mirror || at(centre[2], 0) || at(centre[2], -1)) continue;
+      face->get_dof_indices(indices);
+      for (const auto dof : indices) result[dof] = 1;
+    }
+  return result;
 }
 
 std::vector<char> LayerSpace::dofs_on(

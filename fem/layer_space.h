@@ -96,6 +96,7 @@ struct LayerSpace {
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
   void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
   std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
+  std::vector<char> dofs_on_walls() const;
   void number_surface();
 };
 

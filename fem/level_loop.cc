@@ -92,6 +92,7 @@ class LevelLoop {
       if (!solve_level(level)) return std::nullopt;
     }
     if (!meshes_serve()) return std::nullopt;
+    correct_wall();
     estimate();
     describe();
     return std::move(result_);
@@ -177,10 +178,52 @@ class LevelLoop {
     result.wall_s = watch.seconds();
     result.cpu_s = watch.cpu_seconds();
     tell(found);
+    const LayerDiscretisation measured = mesh_;
     result_.levels.push_back(result);
     misfit_ = std::max(misfit_, misfit(mesh_, found.block_a, found.block_b));
-    wall_distance_ = std::min({mesh_.extent, mesh_.reach_x - mesh_.a, mesh_.reach_y - mesh_.b});
     fit_mesh_to(found.block_a, found.block_b);
+    if (result_.levels.size() == 1 && wall_is_near(measured)) measure_wall(measured);
+  }
+
+  /// Whether what lies beyond the side wall may change the contact.
+  bool wall_is_near(const LayerDiscretisation& mesh) const {
+    return std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
+  }
+
+  /// A free wall yields too much and a clamped one too little.
+  void measure_wall(const LayerDiscretisation& mesh) {
+    const LevelResult clamped = physics_.measure_clamped(mesh).result;
+    const LevelResult& free = result_.levels.front();
+    const auto half = [&](double LevelResult::*quantity) {
+      return (clamped.*quantity / free.*quantity - 1) / 2;
+    };
+    result_.wall = {half(&LevelResult::a_m),
+                    half(&LevelResult::b_m),
+                    half(&LevelResult::area_projected_m2),
+                    half(&LevelResult::indentation_m),
+                    half(&LevelResult::centre_pressure_Pa),
+                    half(&LevelResult::max_torque_Nm),
+                    half(&LevelResult::load_N)};
+    task_.progress(formatted("side wall: clamped it would change a by %.2g, b by %.2g, d by %.2g, "
+                             "torque by %.2g %%; half of that is taken",
+                             200 * result_.wall.a, 200 * result_.wall.b,
+                             200 * result_.wall.indentation, 200 * result_.wall.max_torque));
+  }
+
+  void correct_wall() {
+    const WallChange& wall = result_.wall;
+    for (LevelResult& level : result_.levels) {
+      level.a_m *= 1 + wall.a;
+      level.b_m *= 1 + wall.b;
+      level.area_projected_m2 *= 1 + wall.area;
+      level.area_m2 *= 1 + wall.area;
+      level.indentation_m *= 1 + wall.indentation;
+      level.peak_pressure_Pa *= 1 + wall.peak_pressure;
+      level.centre_pressure_Pa *= 1 + wall.peak_pressure;
+      level.max_torque_Nm *= 1 + wall.max_torque;
+      level.max_torque_projected_Nm *= 1 + wall.max_torque;
+      level.load_N *= 1 + wall.load;
+    }
   }
 
   void tell(const Measurement& found) const {
@@ -215,8 +258,7 @@ class LevelLoop {
     setting.layered = !pressing.interfaces.empty();
     setting.fitted = fine().fitted;
     setting.approach_given = problem_.approach_m > 0;
-    setting.wall_distance = wall_distance_;
-    setting.flat_wall_distance = mesh_.extent;
+    setting.wall = result_.wall;
     setting.rounded_edges =
         problem_.finite_strain && pressing.fingertip && pressing.fingertip.object->faceted();
     return setting;
@@ -268,7 +310,6 @@ class LevelLoop {
   std::optional<FrictionPlan> plan_;
   std::vector<FrictionOfLevel> friction_;  ///< per level
   double misfit_ = 0;                      ///< largest of the levels
-  double wall_distance_ = 0;               ///< of the free side wall from the contact, in h
 };
 
 }  // namespace

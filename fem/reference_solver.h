@@ -98,6 +98,11 @@ struct LevelResult {
   double wall_s = 0, cpu_s = 0;
 };
 
+/// Quantities that the side wall of the layer changes, relative.
+struct WallChange {
+  double a = 0, b = 0, area = 0, indentation = 0, peak_pressure = 0, max_torque = 0, load = 0;
+};
+
 /// Relative, stated at about 95 % confidence.
 struct RelativeError {
   double a = 0, b = 0, area = 0, indentation = 0, peak_pressure = 0, max_torque = 0;
@@ -139,6 +144,9 @@ struct Result {
   LevelResult finest;
   std::vector<LevelResult> levels;  ///< coarse to fine, `finest` included
   RelativeError error;
+  /// Half of what a clamped side wall changes, from the free one, measured on the coarse level. A
+  /// real layer goes on beyond it and lies between the two: all levels are corrected by this much.
+  WallChange wall;
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1
   Profile along_x, along_y;  ///< nodal pressure from the centre outwards

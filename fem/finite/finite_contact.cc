@@ -100,6 +100,13 @@ class FiniteContact : public ContactPhysics {
             text_of(pressing_->history())};
   }
 
+  Measurement measure_clamped(const LayerDiscretisation& mesh) override {
+    LayerDiscretisation clamped = mesh;
+    clamped.clamped_wall = true;
+    press(clamped, 0);
+    return measure();
+  }
+
   Measurement measure() override {
     check_covered();
     contact_ = finite::measure(*pressing_, task_.pressing.surface_modulus());

@@ -36,6 +36,12 @@ class KnownContact : public ContactPhysics {
     const bool at_rim = b > 1.2 * mesh.b || (!is_trial && outgrows);
     return {std::min(a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
   }
+  Measurement measure_clamped(const LayerDiscretisation& mesh) override {
+    walls_clamped_on.push_back(mesh.elements_per_semi_axis);
+    Measurement measurement = measure();
+    measurement.result.indentation_m *= 0.98;
+    return measurement;
+  }
   Measurement measure() override {
     const int elements = pressed.back().elements_per_semi_axis;
     const double off = 1 + error_of_one_cell / (elements * elements);
@@ -46,7 +52,8 @@ class KnownContact : public ContactPhysics {
     result.elements_per_semi_axis = elements;
     result.a_m = a * off;
     result.b_m = b * off;
-    result.area_m2 = M_PI * result.a_m * result.b_m;
+    result.area_m2 = result.area_projected_m2 = M_PI * result.a_m * result.b_m;
+    result.fitted = true;
     result.indentation_m = 0.1 * off;
     result.peak_pressure_Pa = off;
     result.max_torque_Nm = off;
@@ -68,7 +75,7 @@ class KnownContact : public ContactPhysics {
   int mesh_outside = 0;
   double oversize = 1;
   std::vector<LayerDiscretisation> pressed;
-  std::vector<int> levels;
+  std::vector<int> levels, walls_clamped_on;
 };
 
 class LevelLoop : public testing::Test {

@@ -1,0 +1,394 @@
+#include "meshes/scans/smooth_surface.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nanoflann.hpp>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "softfinger/input/errors.h"
+
+namespace softfinger::meshes {
+namespace {
+
+using Eigen::Vector3d;
+
+template <int dimension>
+using Place = Eigen::Matrix<double, dimension, 1>;
+
+/// Points in a k-d tree.
+template <int dimension>
+class Neighbours {
+ public:
+  explicit Neighbours(std::vector<Place<dimension>> points)
+      : points_{std::move(points)},
+        tree_(dimension, points_, nanoflann::KDTreeSingleIndexAdaptorParams(10)) {
+    tree_.buildIndex();
+  }
+
+  /// The `count` nearest ones, or all if there are fewer. @returns their number
+  std::size_t find(const Place<dimension>& at, std::size_t count, std::size_t* index,
+                   double* squared_distance) const {
+    return tree_.knnSearch(at.data(), count, index, squared_distance);
+  }
+
+ private:
+  struct Points {
+    std::vector<Place<dimension>> at;
+    std::size_t kdtree_get_point_count() const { return at.size(); }
+    double kdtree_get_pt(std::size_t i, std::size_t c) const {
+      return at[i][static_cast<Eigen::Index>(c)];
+    }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  Points points_;
+  nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points, double,
+                                                                   std::size_t>,
+                                      Points, dimension, std::size_t>
+      tree_;
+};
+
+/// f(y) = c + g . y + y . Q y / 2 with y = (p - center)/H.
+struct Quadric {
+  double value = 0;
+  Vector3d gradient = Vector3d::Zero();
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+};
+
+struct Sample {
+  Vector3d position, normal;
+  double area = 0;             ///< that it stands for
+  double normal_certainty = 1; ///< of its normal against its position's
+};
+
+/// A facet with its corners' normals.
+struct Corners {
+  std::array<Vector3d, 3> position, normal;
+};
+
+/// Point and normal of the PN triangle over barycentric coordinates.
+Sample on_pn_triangle(const Corners& corners, const Vector3d& w) {
+  const auto& p = corners.position;
+  const auto& n = corners.normal;
+  const auto edge = [&](int i, int j) -> Vector3d {
+    const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
+    return (2 * p[from] + p[to] - (p[to] - p[from]).dot(n[from]) * n[from]) / 3;
+  };
+  const Vector3d b01 = edge(0, 1), b10 = edge(1, 0), b12 = edge(1, 2), b21 = edge(2, 1),
+                 b20 = edge(2, 0), b02 = edge(0, 2);
+  const Vector3d mean = (b01 + b10 + b12 + b21 + b20 + b02) / 6;
+  const Vector3d middle = mean + (mean - (p[0] + p[1] + p[2]) / 3) / 2;
+  const double u = w[0], v = w[1], t = w[2];
+  Sample sample;
+  sample.position = u * u * u * p[0] + v * v * v * p[1] + t * t * t * p[2] +
+                    3 * (u * u * v * b01 + u * v * v * b10 + v * v * t * b12 + v * t * t * b21 +
+                         t * t * u * b20 + t * u * u * b02) +
+                    6 * u * v * t * middle;
+  const Vector3d du = 3 * (u * u * p[0] + 2 * u * v * b01 + v * v * b10 + t * t * b20 +
+                           2 * t * u * b02 + 2 * v * t * middle);
+  const Vector3d dv = 3 * (v * v * p[1] + u * u * b01 + 2 * u * v * b10 + 2 * v * t * b12 +
+                           t * t * b21 + 2 * u * t * middle);
+  const Vector3d dt = 3 * (t * t * p[2] + v * v * b12 + 2 * v * t * b21 + 2 * t * u * b20 +
+                           u * u * b02 + 2 * u * v * middle);
+  sample.normal = (dv - du).cross(dt - du);
+  const Vector3d facet = (p[1] - p[0]).cross(p[2] - p[0]);
+  // A PN triangle that folds has no use for its own normal.
+  if (!(sample.normal.dot(facet) > 0.1 * sample.normal.norm() * facet.norm()))
+    sample.normal = facet;
+  sample.normal.normalize();
+  return sample;
+}
+
+struct Cell {
+  std::array<int, 4> index;
+  bool operator==(const Cell& other) const { return index == other.index; }
+};
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::size_t hash = 0;
+    for (const int i : cell.index) hash = hash * 1000003u + static_cast<std::size_t>(i + 0x40000000);
+    return hash;
+  }
+};
+
+/// The voxel and the octant of the normal.
+Cell voxel_of(const Sample& sample, double size) {
+  Cell cell{};
+  for (std::size_t c = 0; c < 3; ++c)
+    cell.index[c] = static_cast<int>(std::floor(sample.position[static_cast<long>(c)] / size));
+  cell.index[3] = (sample.normal.x() > 0 ? 1 : 0) + (sample.normal.y() > 0 ? 2 : 0) +
+                  (sample.normal.z() > 0 ? 4 : 0);
+  return cell;
+}
+
+constexpr std::size_t fit_neighbours = 160, blend_neighbours = 13;
+/// How many widths a turn of the normal by one radian is away.
+constexpr double normal_weight = 2.5;
+
+}  // namespace
+
+struct SmoothSurface::Implementation {
+  double width = 0, spacing = 0;
+  std::vector<Sample> samples;  ///< where quadrics are: one per voxel and octant of the normal
+  std::vector<Sample> dense;    ///< what they are fitted to
+  std::vector<Quadric> quadrics;
+  std::vector<Corners> facets;
+  std::unique_ptr<Neighbours<3>> places;
+  std::unique_ptr<Neighbours<6>> oriented;
+
+  void collect_facets(const TriangleSurface& surface, const Smoothing& smoothing);
+  void choose_width(const Smoothing& smoothing);
+  void take_samples();
+  void fit_quadrics();
+
+  Place<6> oriented_place(const Vector3d& position, const Vector3d& normal) const {
+    Place<6> result;
+    result << position, normal_weight * width * normal;
+    return result;
+  }
+
+  /// f and its gradient. @returns squared distance to the nearest sample
+  double blend(const Vector3d& at, const Vector3d& normal, double& value,
+               Vector3d& gradient) const {
+    std::array<std::size_t, blend_neighbours> index;
+    std::array<double, blend_neighbours> distance;
+    const std::size_t count =
+        oriented->find(oriented_place(at, normal), blend_neighbours, index.data(), distance.data());
+    // The farthest one has no weight, so that neighbours come and go smoothly.
+    const double farthest = distance[count - 1] * (1 + 1e-9) + 1e-300;
+    double total = 0, nearest = 1e300;
+    value = 0;
+    gradient.setZero();
+    for (std::size_t k = 0; k < count; ++k) {
+      const double share = 1 - distance[k] / farthest;
+      const double weight = share * share + 1e-12;
+      const Quadric& quadric = quadrics[index[k]];
+      const Vector3d from = at - samples[index[k]].position, y = from / width;
+      const Vector3d bent = quadric.hessian * y;
+      value += weight * width * (quadric.value + quadric.gradient.dot(y) + 0.5 * y.dot(bent));
+      gradient += weight * (quadric.gradient + bent);
+      total += weight;
+      nearest = std::min(nearest, from.squaredNorm());
+    }
+    value /= total;
+    gradient /= total;
+    return nearest;
+  }
+};
+
+void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surface,
+                                                   const Smoothing& smoothing) {
+  const auto& vertices = surface.vertices_m;
+  std::vector<std::size_t> near;
+  std::vector<Vector3d> normals(surface.triangles.size(), Vector3d::Zero());
+  std::vector<std::vector<std::size_t>> around(vertices.size());
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto& [i, j, k] = surface.triangles[f];
+    const Vector3d &a = vertices[static_cast<std::size_t>(i)],
+                   &b = vertices[static_cast<std::size_t>(j)],
+                   &c = vertices[static_cast<std::size_t>(k)];
+    const Vector3d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+    const Vector3d apart = low.cwiseMax(-high).cwiseMax(0.0);
+    if (apart.norm() > smoothing.within) continue;
+    const Vector3d area = (b - a).cross(c - a);
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    // A needle's normal is round-off.
+    if (!(area.norm() > 1e-6 * longest * longest)) continue;
+    normals[f] = area.normalized();
+    near.push_back(f);
+    for (const int corner : surface.triangles[f])
+      around[static_cast<std::size_t>(corner)].push_back(f);
+  }
+  const double cos_crease = std::cos(smoothing.crease_rad);
+  for (const std::size_t f : near) {
+    Corners corners;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto vertex = static_cast<std::size_t>(surface.triangles[f][c]);
+      corners.position[c] = vertices[vertex];
+      corners.normal[c].setZero();
+      for (const std::size_t other : around[vertex]) {
+        if (normals[other].dot(normals[f]) < cos_crease) continue;
+        const auto& triangle = surface.triangles[other];
+        const std::size_t place = static_cast<std::size_t>(
+            std::find(triangle.begin(), triangle.end(), static_cast<int>(vertex)) -
+            triangle.begin());
+        const Vector3d one =
+            vertices[static_cast<std::size_t>(triangle[(place + 1) % 3])] - vertices[vertex];
+        const Vector3d two =
+            vertices[static_cast<std::size_t>(triangle[(place + 2) % 3])] - vertices[vertex];
+        corners.normal[c] += std::atan2(one.cross(two).norm(), one.dot(two)) * normals[other];
+      }
+      corners.normal[c].normalize();
+    }
+    facets.push_back(corners);
+  }
+  if (facets.empty())
+    throw InputError("surface", "facets near the contact", "none", "a surface around the contact");
+}
+
+/// Where facets are larger than the wanted width, their corners alone tell the surface.
+void SmoothSurface::Implementation::choose_width(const Smoothing& smoothing) {
+  width = smoothing.width;
+  const double near = 4 * smoothing.width;
+  std::vector<double> edges;
+  for (const Corners& facet : facets)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Vector3d &a = facet.position[c], &b = facet.position[(c + 1) % 3];
+      if (std::min(a.norm(), b.norm()) < near) edges.push_back((b - a).norm());
+    }
+  if (edges.empty()) return;
+  std::nth_element(edges.begin(), edges.begin() + static_cast<long>(edges.size() / 2), edges.end());
+  // Slivers of a CAD export have long edges on surfaces that are known well across them: wider than
+  // this, features of a finger would be lost.
+  constexpr double widest = 3;
+  width = std::clamp(edges[edges.size() / 2], smoothing.width, widest * smoothing.width);
+}
+
+void SmoothSurface::Implementation::take_samples() {
+  constexpr double density = 0.6;
+  spacing = density * width;
+  std::unordered_set<Cell, CellHash> taken, taken_dense;
+  constexpr int most_steps = 400, densest = 6;
+  for (const Corners& facet : facets) {
+    double longest = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      longest = std::max(longest, (facet.position[(c + 1) % 3] - facet.position[c]).norm());
+    const double area = (facet.position[1] - facet.position[0])
+                            .cross(facet.position[2] - facet.position[0])
+                            .norm() /
+                        2;
+    const int steps = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, most_steps);
+    // Points inside the facet: none on the edges, which neighbours share.
+    for (int i = 0; i < steps; ++i)
+      for (int j = 0; i + j < steps; ++j)
+        for (const double shift : {1.0 / 3, 2.0 / 3}) {
+          const double u = (i + shift) / steps, v = (j + shift) / steps;
+          if (u + v >= 1) continue;
+          Sample sample = on_pn_triangle(facet, {1 - u - v, u, v});
+          sample.area = area / (steps * steps);
+          // Noise of the vertices tilts small facets more than it moves them, against the width.
+          sample.normal_certainty = std::min(1.0, std::pow(longest / width, 2));
+          if (!taken_dense.insert(voxel_of(sample, spacing / densest)).second) continue;
+          dense.push_back(sample);
+          if (taken.insert(voxel_of(sample, spacing)).second) samples.push_back(sample);
+        }
+  }
+  std::vector<Place<3>> at;
+  std::vector<Place<6>> oriented_at;
+  for (const Sample& sample : dense) at.push_back(sample.position);
+  for (const Sample& sample : samples)
+    oriented_at.push_back(oriented_place(sample.position, sample.normal));
+  places = std::make_unique<Neighbours<3>>(std::move(at));
+  oriented = std::make_unique<Neighbours<6>>(std::move(oriented_at));
+}
+
+void SmoothSurface::Implementation::fit_quadrics() {
+  quadrics.resize(samples.size());
+  std::vector<std::size_t> index(fit_neighbours);
+  std::vector<double> distance(fit_neighbours);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::size_t count =
+        places->find(samples[i].position, fit_neighbours, index.data(), distance.data());
+    Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
+    Eigen::Matrix<double, 10, 1> right = Eigen::Matrix<double, 10, 1>::Zero();
+    const auto add = [&](const Eigen::Matrix<double, 10, 1>& row, double target, double weight) {
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+      right += weight * target * row;
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      const Sample& other = dense[index[k]];
+      const double facing = std::max(0.0, other.normal.dot(samples[i].normal));
+      const double weight = std::exp(-distance[k] / (width * width)) * facing * facing *
+                            other.area / (spacing * spacing);
+      if (!(weight > 1e-12)) continue;
+      const Vector3d y = (other.position - samples[i].position) / width;
+      Eigen::Matrix<double, 10, 1> row;
+      row << 1, y, y.x() * y.x() / 2, y.y() * y.y() / 2, y.z() * y.z() / 2, y.x() * y.y(),
+          y.y() * y.z(), y.z() * y.x();
+      add(row, 0, weight);
+      const double gradient_weight = 0.25 * other.normal_certainty;
+      row << 0, 1, 0, 0, y.x(), 0, 0, y.y(), 0, y.z();
+      add(row, other.normal.x(), gradient_weight * weight);
+      row << 0, 0, 1, 0, 0, y.y(), 0, y.x(), y.z(), 0;
+      add(row, other.normal.y(), gradient_weight * weight);
+      row << 0, 0, 0, 1, 0, 0, y.z(), 0, y.y(), y.x();
+      add(row, other.normal.z(), gradient_weight * weight);
+    }
+    // Where few neighbours leave curvatures open they are none.
+    normal.diagonal().array() += 1e-9;
+    normal.diagonal().tail<6>().array() += 1e-6;
+    const Eigen::Matrix<double, 10, 1> c =
+        normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    Quadric& quadric = quadrics[i];
+    quadric.value = c[0];
+    quadric.gradient = c.segment<3>(1);
+    quadric.hessian << c[4], c[7], c[9], c[7], c[5], c[8], c[9], c[8], c[6];
+  }
+}
+
+SmoothSurface::SmoothSurface(const TriangleSurface& surface, const Smoothing& smoothing) {
+  auto made = std::make_unique<Implementation>();
+  made->collect_facets(surface, smoothing);
+  made->choose_width(smoothing);
+  made->take_samples();
+  made->fit_quadrics();
+  implementation_ = std::move(made);
+}
+
+SmoothSurface::~SmoothSurface() = default;
+
+double SmoothSurface::width() const { return implementation_->width; }
+double SmoothSurface::spacing() const { return implementation_->spacing; }
+
+std::optional<SmoothSurface::Point> SmoothSurface::project(const Vector3d& from,
+                                                           const Vector3d& normal) const {
+  constexpr int most_steps = 8;
+  const double tolerance = 1e-7 * implementation_->width;
+  Point point{from, normal, 0};
+  for (int step = 0; step < most_steps; ++step) {
+    double value = 0;
+    Vector3d gradient;
+    const double nearest = implementation_->blend(point.position, point.normal, value, gradient);
+    const double square = gradient.squaredNorm();
+    if (!(square > 0.04)) return std::nullopt;  // far from any sample, or between two sheets
+    const Vector3d move = -value / square * gradient;
+    if (!move.allFinite() || move.norm() > 8 * implementation_->width) return std::nullopt;
+    point.position += move;
+    point.normal = gradient / std::sqrt(square);
+    point.to_sample = std::sqrt(nearest);
+    if (move.norm() < tolerance) return point;
+  }
+  return point;
+}
+
+SmoothSurface::Departure SmoothSurface::departure(const Point& from, double distance) const {
+  Departure result;
+  double squares = 0;
+  for (const Corners& facet : implementation_->facets) {
+    const Vector3d centre =
+        (facet.position[0] + facet.position[1] + facet.position[2]) / 3;
+    const Vector3d normal = (facet.position[1] - facet.position[0])
+                                .cross(facet.position[2] - facet.position[0])
+                                .normalized();
+    if ((centre - from.position).norm() > distance || normal.dot(from.normal) < 0) continue;
+    for (const Vector3d& at : {centre, facet.position[0], facet.position[1], facet.position[2]}) {
+      const auto on = project(at, normal);
+      if (!on) continue;
+      const double apart = (on->position - at).norm();
+      squares += apart * apart / 4;
+      result.largest = std::max(result.largest, apart);
+    }
+    ++result.facets;
+  }
+  if (result.facets > 0) result.rms = std::sqrt(squares / result.facets);
+  return result;
+}
+
+}  // namespace softfinger::meshes

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+#include "softfinger/input/triangle_surface.h"
+
+namespace softfinger::meshes {
+
+/// How a smooth surface is drawn through triangles. Lengths in the surface's unit.
+struct Smoothing {
+  double width = 1;             ///< H: what is smaller than that is smoothed
+  double crease_rad = 60 * 3.14159265358979323846 / 180;  ///< facets that meet more sharply make an edge
+  /// Only what lies within this distance from the origin is looked at.
+  double within = 1e300;
+};
+
+/// The smooth surface that a triangle mesh stands for, near the origin.
+///
+/// Each facet is bent into a PN triangle (A. Vlachos, J. Peters, C. Boyd, J. Mitchell, Curved PN
+/// Triangles, I3D 2001), with corner normals averaged over the facets around a vertex that do not
+/// meet at a crease, and sampled every 0.6 H: points x_i with normals n_i. Around each sample a
+/// quadric f_i is fitted to the 40 nearest ones, to be zero at them and to have their normals as
+/// gradients, with the weights exp(-r²/H²) max(0, n . n_i)². The surface is where f = sum w_i f_i /
+/// sum w_i is zero, over the samples nearest to a point in six dimensions, place and normal: so the
+/// two sides of a thin wall do not mix.
+///
+/// It reproduces quadrics. On meshes of smooth bodies it converges with the square of the facets'
+/// edges or faster. Safe to share between threads.
+class SmoothSurface {
+ public:
+  struct Point {
+    Eigen::Vector3d position, normal;  ///< on the surface; unit, outward
+    double to_sample = 0;              ///< distance to the nearest sample: the mesh ends where that is large
+  };
+
+  /// @throws InputError for a surface without facets of any area within reach.
+  SmoothSurface(const TriangleSurface& surface, const Smoothing& smoothing);
+  ~SmoothSurface();
+
+  /// The surface's point near `from` on the side that faces `normal`, by Newton's method along the
+  /// gradient. None where it does not converge.
+  std::optional<Point> project(const Eigen::Vector3d& from, const Eigen::Vector3d& normal) const;
+
+  /// H, at least the longest edge near the origin where that is longer than wanted.
+  double width() const;
+  double spacing() const;  ///< of the samples
+
+  /// Of the facets within a distance from a point of the surface: distances of their vertices and
+  /// centres from the smooth surface, root mean square and largest.
+  struct Departure {
+    double rms = 0, largest = 0;
+    int facets = 0;
+  };
+  Departure departure(const Point& from, double distance) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<const Implementation> implementation_;
+};
+
+}  // namespace softfinger::meshes
