@@ -1,5 +1,6 @@
 #include "fem/contact_edge.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -87,6 +88,46 @@ OutlineShape shape_of(const std::vector<Eigen::Matrix2Xd>& outlines) {
       shape.departure = std::max(shape.departure, distance(along, shape.a, shape.b) / shape.b);
     }
   return shape;
+}
+
+std::optional<ContactEdge> smooth_edge(const Eigen::Matrix2Xd& outline, int harmonics,
+                                       double tolerance) {
+  const Index points = outline.cols(), unknowns = 2 * harmonics + 1;
+  const OutlineShape shape = shape_of({outline});
+  if (points < 2 * unknowns || !(shape.area > 0)) return std::nullopt;
+  ContactEdge edge;
+  edge.centre = shape.centre;
+  const Eigen::Matrix2Xd from = outline.colwise() - shape.centre;
+  // Semi-axes along x and y of the ellipse with these second moments.
+  const double c = std::cos(shape.turn_rad), s = std::sin(shape.turn_rad);
+  edge.a = std::hypot(shape.a * c, shape.b * s);
+  edge.b = std::hypot(shape.a * s, shape.b * c);
+  Eigen::MatrixXd terms(points, unknowns);
+  Eigen::VectorXd radii(points);
+  double turned = 0, before = 0;
+  for (Index i = 0; i < points; ++i) {
+    const double angle = std::atan2(from(1, i) / edge.b, from(0, i) / edge.a);
+    if (i > 0) turned += std::remainder(angle - before, 2 * M_PI);
+    if (i > 0 && std::remainder(angle - before, 2 * M_PI) < -0.1) return std::nullopt;
+    before = angle;
+    radii[i] = std::hypot(from(0, i) / edge.a, from(1, i) / edge.b) - 1;
+    terms(i, 0) = 1;
+    for (int k = 1; k <= harmonics; ++k) {
+      terms(i, 2 * k - 1) = std::cos(k * angle);
+      terms(i, 2 * k) = std::sin(k * angle);
+    }
+  }
+  if (!(turned > M_PI)) return std::nullopt;
+  const Eigen::VectorXd found = terms.householderQr().solve(radii);
+  const double off = (terms * found - radii).norm() / std::sqrt(static_cast<double>(points));
+  if (!(off <= tolerance)) return std::nullopt;
+  edge.cosine = edge.sine = Eigen::VectorXd::Zero(harmonics + 1);
+  edge.cosine[0] = found[0];
+  for (int k = 1; k <= harmonics; ++k) {
+    edge.cosine[k] = found[2 * k - 1];
+    edge.sine[k] = found[2 * k];
+  }
+  return edge;
 }
 
 }  // namespace softfinger::fem

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace softfinger::fem {
@@ -31,6 +32,12 @@ struct OutlineShape {
   double turn_rad = 0;    ///< of its long axis from x, from -pi/2 to pi/2
   double departure = 0;   ///< largest distance of an outline from the ellipse, over b
 };
+
+/// A smooth curve through an outline that winds once around its centre, as seen from there: the
+/// Fourier series of rho that fits its points best.
+/// @returns none where the points lie farther than `tolerance` from it, root mean square over b
+std::optional<ContactEdge> smooth_edge(const Eigen::Matrix2Xd& outline, int harmonics,
+                                       double tolerance);
 
 /// @param outlines  polygons of at least three points, counter-clockwise; a hole runs clockwise
 OutlineShape shape_of(const std::vector<Eigen::Matrix2Xd>& outlines);

@@ -29,6 +29,7 @@ struct NodalContact {
   explicit NodalContact(const NodalPressure& nodal) : pressure(nodal) {}
 
   NodalPressure pressure;
+  bool whole = false;  ///< not a quarter of a symmetric contact
   double rough_a = 0, rough_b = 0;  ///< semi-axes along the surface
   Eigen::VectorXd nodal_pressure;   ///< force over the node's area
   /// Where a point of the surface is seen along the load.
@@ -39,7 +40,8 @@ struct NodalContact {
   bool regular = true;                          ///< faces are a grid of rectangles
 };
 
-/// By the fit of the pressure where there is one, else by the nodes.
+/// A symmetric contact's shape is that of a fitted pressure, if there is one. Others, and contacts
+/// without symmetry, have the outline that the nodes tell, as a smooth curve where one follows it.
 ContactShape measure_shape(const NodalContact& contact);
 
 }  // namespace softfinger::fem

@@ -58,6 +58,10 @@ double cells_away(const LevelResult& fine, double thickness_m, bool layered, dou
   return layered || fine.a_m > longest_circle * fine.b_m ? largest * std::min(1.0, small / s) : 0;
 }
 
+double cells_on_scan(const LevelResult& fine, double thickness_m, double largest, double up_to) {
+  return largest * std::min(1.0, up_to * thickness_m / std::sqrt(fine.a_m * fine.b_m));
+}
+
 RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse,
                               const LevelResult& fine, const ErrorSetting& setting) {
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);
@@ -77,6 +81,11 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
                        cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) + std::abs(wall.indentation);
   result.load = error(&LevelResult::load_N, table.integral) + std::abs(wall.load);
   result.max_torque = error(&LevelResult::max_torque_Nm, table.integral) + std::abs(wall.max_torque);
+  if (setting.is_scan) {
+    result.indentation += cells_on_scan(fine, setting.thickness_m, 1e-3, 0.1);
+    result.load += 2 * cells_on_scan(fine, setting.thickness_m, 1e-3, 0.1);
+    result.max_torque += cells_on_scan(fine, setting.thickness_m, 5e-4, 0.5);
+  }
   return result;
 }
 

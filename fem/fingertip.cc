@@ -1,22 +1,31 @@
 #include "fem/fingertip.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
 
+#include "fem/formatted.h"
 #include "meshes/generation/fingertip_layer.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/scans/scanned_layer.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
 namespace {
+
+using Eigen::Vector3d;
 
 class BentLayer : public LayerShape {
  public:
   explicit BentLayer(meshes::FingertipLayer layer) : layer_(std::move(layer)) {}
 
-  Eigen::Vector3d position(double x, double y, double z) const override {
+  Vector3d position(double x, double y, double z) const override {
     return layer_.position(h() * x, h() * y, z) / h();
   }
-  Eigen::Vector3d normal(double x, double y) const override {
-    return layer_.normal(h() * x, h() * y);
-  }
+  Vector3d normal(double x, double y) const override { return layer_.normal(h() * x, h() * y); }
   double area_ratio(double x, double y) const override {
     const Eigen::Matrix3d gradient = layer_.gradient(h() * x, h() * y, 0);
     return gradient.col(0).cross(gradient.col(1)).norm();
@@ -28,9 +37,117 @@ class BentLayer : public LayerShape {
   meshes::FingertipLayer layer_;
 };
 
+/// A scan's layer, with the first touch as its origin. It is laid as far as it is asked for.
+class ScanShape : public LayerShape {
+ public:
+  ScanShape(std::shared_ptr<const meshes::SmoothSurface> surface,
+            const meshes::SmoothSurface::Point& first_touch, double thickness_m)
+      : surface_(std::move(surface)), first_touch_(first_touch), h_(thickness_m) {}
+
+  Vector3d position(double x, double y, double z) const override {
+    return (layer_->position(h_ * x, h_ * y, z) - first_touch_.position) / h_;
+  }
+  Vector3d normal(double x, double y) const override { return layer_->normal(h_ * x, h_ * y); }
+  double area_ratio(double x, double y) const override {
+    return layer_->area_ratio(h_ * x, h_ * y);
+  }
+  bool symmetric() const override { return false; }
+
+  void cover(double radius) const override {
+    if (radius <= radius_) return;
+    // Levels that differ a little in size share a layer.
+    constexpr double spare = 1.2;
+    radius_ = spare * radius;
+    layer_.emplace(*surface_, first_touch_, Vector3d::UnitX(), h_, radius_ * h_);
+  }
+  Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
+    switch (layer_->end_in(h_ * low_x, h_ * high_x, h_ * low_y, h_ * high_y)) {
+      case meshes::ClothEnd::none: return Cover::whole;
+      case meshes::ClothEnd::rim: return Cover::rim;
+      default: return Cover::cut;
+    }
+  }
+
+ private:
+  std::shared_ptr<const meshes::SmoothSurface> surface_;
+  meshes::SmoothSurface::Point first_touch_;
+  double h_;
+  mutable double radius_ = 0;
+  mutable std::optional<meshes::ScannedLayer> layer_;
+};
+
+/// The surface's point where the gap to the object is smallest, found from the aimed point by going
+/// down in steps that become smaller.
+meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surface,
+                                              const meshes::ObjectSurface& object,
+                                              double thickness_m) {
+  const auto gap = [&](const meshes::SmoothSurface::Point& point) {
+    const auto height = object.height(point.position.x(), point.position.y());
+    return height ? *height - point.position.z() : std::numeric_limits<double>::infinity();
+  };
+  const auto start = surface.project(Vector3d::Zero(), Vector3d::UnitZ());
+  if (!start)
+    throw InputError("finger", "surface", "none at the aimed point", "a point on the finger's skin");
+  meshes::SmoothSurface::Point at = *start;
+  double lowest = gap(at);
+  constexpr int directions = 16, most_steps = 2000;
+  double step = thickness_m / 2;
+  for (int i = 0; i < most_steps && step > 1e-4 * thickness_m; ++i) {
+    meshes::SmoothSurface::Point best = at;
+    double best_gap = lowest;
+    const Vector3d x = at.normal.unitOrthogonal(), y = at.normal.cross(x);
+    for (int k = 0; k < directions; ++k) {
+      const double angle = 2 * M_PI * k / directions;
+      const auto next = surface.project(
+          at.position + step * (std::cos(angle) * x + std::sin(angle) * y), at.normal);
+      if (!next || next->to_sample > surface.spacing()) continue;
+      if (const double found = gap(*next); found < best_gap) {
+        best = *next;
+        best_gap = found;
+      }
+    }
+    if (best_gap < lowest) {
+      at = best;
+      lowest = best_gap;
+    } else {
+      step /= 2;
+    }
+  }
+  if (!std::isfinite(lowest))
+    throw InputError("object", "surface", "none over the aimed point", "an object over the finger");
+  constexpr double steepest = 0.5;
+  if (!(at.normal.z() > steepest))
+    throw InputError(
+        "contact", "first touch",
+        formatted("x %.4g mm, y %.4g mm from the aimed point, where the finger's surface is inclined "
+                  "by %.0f degrees",
+                  1e3 * at.position.x(), 1e3 * at.position.y(),
+                  std::acos(at.normal.z()) * 180 / M_PI),
+        "an aimed point whose normal points at the object: the finger ends or has an edge here");
+  return at;
+}
+
+FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m) {
+  // What is smaller than half the thickness is noise or a feature that a layer levels. Facets are
+  // looked at as far as contact and surroundings may reach.
+  constexpr double width = 0.5, within = 20;
+  auto surface = std::make_shared<const meshes::SmoothSurface>(
+      *fingertip.scan,
+      meshes::Smoothing{width * thickness_m, 60 * M_PI / 180, within * thickness_m});
+  const meshes::SmoothSurface::Point first =
+      find_first_touch(*surface, *fingertip.object, thickness_m);
+  FingertipShape result;
+  result.reach_x = result.reach_y = std::numeric_limits<double>::infinity();
+  result.is_scan = true;
+  result.first_touch = first.position / thickness_m;
+  result.shape = std::make_shared<ScanShape>(std::move(surface), first, thickness_m);
+  return result;
+}
+
 }  // namespace
 
 FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m) {
+  if (fingertip.scan) return shape_scan(fingertip, thickness_m);
   meshes::FingertipLayer layer(fingertip.pad, thickness_m);
   FingertipShape result;
   result.reach_x = layer.reach_x() / thickness_m;

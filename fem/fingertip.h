@@ -4,6 +4,7 @@
 #include <string>
 
 #include "fem/layer_model.h"
+#include "softfinger/input/triangle_surface.h"
 
 namespace softfinger::meshes {
 class PadSurface;
@@ -14,23 +15,29 @@ namespace softfinger::fem {
 
 /// A finger with its layer on its own curved core against an object with a surface of its own, in
 /// place of a flat layer with the relative radii. Both in the contact's frame, in metres: x along
-/// the longer relative radius.
+/// the longer relative radius. The finger is either a pad or a scan.
 struct Fingertip {
   std::shared_ptr<const meshes::PadSurface> pad;
+  std::shared_ptr<const TriangleSurface> scan;
   std::shared_ptr<const meshes::ObjectSurface> object;
   bool symmetric_object = false;  ///< about x = 0 and y = 0
   std::string pad_name;           ///< pads of one name are one surface
 
-  explicit operator bool() const { return pad != nullptr; }
+  explicit operator bool() const { return pad != nullptr || scan != nullptr; }
 };
 
 /// The layer of the fingertip in units of its thickness, and how far its map is regular.
 struct FingertipShape {
   std::shared_ptr<const LayerShape> shape;
-  double reach_x = 0, reach_y = 0;  ///< in h
+  double reach_x = 0, reach_y = 0;  ///< in h; infinite where the shape itself says what it covers
+  bool is_scan = false;
+  /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere than
+  /// the aimed point where the scan's surface is inclined there.
+  Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
 };
 
-/// @throws InputError where the layer is too thick for the pad's curvature
+/// @throws InputError where the layer is too thick for the pad's curvature, or the scan has no
+/// surface at the contact
 FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m);
 
 }  // namespace softfinger::fem

@@ -19,6 +19,7 @@ struct LayerDiscretisation {
   int elements_per_semi_axis = 8;  ///< n: finest cells along b
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
   double extent = 6;               ///< side wall at a + extent, b + extent: see README.md
+  bool is_scan = false;            ///< the shape ends where it must, not at the block's sides
   bool clamped_wall = false;       ///< the side wall is bonded too, else it is free
   /// Depths of the interfaces between bonded sublayers, from the surface on: no cell crosses one.
   std::vector<double> interfaces;
@@ -48,6 +49,20 @@ class LayerShape {
   /// Whether position(-x, y) and position(x, -y) are mirror images: a quarter then is enough, if
   /// the object is symmetric as well.
   virtual bool symmetric() const = 0;
+
+  /// Makes sure that the shape is known up to this distance from the contact, where the surface goes
+  /// that far.
+  virtual void cover(double /*radius*/) const {}
+  /// What there is of the layer under a rectangle of the block.
+  enum class Cover {
+    whole,
+    cut,  ///< the shape cannot go on, though the finger does
+    rim,  ///< the finger ends
+  };
+  virtual Cover covers(double /*low_x*/, double /*high_x*/, double /*low_y*/,
+                       double /*high_y*/) const {
+    return Cover::whole;
+  }
 };
 
 /// A node where the surface can be touched.

@@ -20,6 +20,10 @@
 #include "fem/dimension.h"
 #include "fem/layer_model.h"
 
+namespace softfinger::meshes {
+struct HexahedralMesh;
+}
+
 namespace softfinger::fem {
 
 /// The degrees of freedom that are solved for: those that neither the bond, nor a hanging node, nor
@@ -96,7 +100,9 @@ struct LayerSpace {
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
   void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
   std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
-  std::vector<char> dofs_on_walls() const;
+  bool is_at_rim(const dealii::Point<dim>& face, const dealii::Point<dim>& cell) const;
+  void leave_out_uncovered(meshes::HexahedralMesh& block) const;
+  std::vector<char> dofs_on_walls(bool rims) const;
   void number_surface();
 };
 

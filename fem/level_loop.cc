@@ -187,7 +187,7 @@ class LevelLoop {
 
   /// Whether what lies beyond the side wall may change the contact.
   bool wall_is_near(const LayerDiscretisation& mesh) const {
-    return std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
+    return mesh.is_scan || std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
   }
 
   /// A free wall yields too much and a clamped one too little.
@@ -197,17 +197,14 @@ class LevelLoop {
     const auto half = [&](double LevelResult::*quantity) {
       return (clamped.*quantity / free.*quantity - 1) / 2;
     };
-    result_.wall = {half(&LevelResult::a_m),
-                    half(&LevelResult::b_m),
-                    half(&LevelResult::area_projected_m2),
-                    half(&LevelResult::indentation_m),
-                    half(&LevelResult::centre_pressure_Pa),
-                    half(&LevelResult::max_torque_Nm),
-                    half(&LevelResult::load_N)};
-    task_.progress(formatted("side wall: clamped it would change a by %.2g, b by %.2g, d by %.2g, "
-                             "torque by %.2g %%; half of that is taken",
-                             200 * result_.wall.a, 200 * result_.wall.b,
-                             200 * result_.wall.indentation, 200 * result_.wall.max_torque));
+    // The torque over the load is a length of the contact, and one that no fit blurs.
+    const double load = half(&LevelResult::load_N), torque = half(&LevelResult::max_torque_Nm);
+    const double length = torque - load;
+    result_.wall = {length, length, 2 * length, half(&LevelResult::indentation_m),
+                    load - 2 * length, torque, load};
+    task_.progress(formatted("side wall: clamped it would change the contact's size by %.2g, d by "
+                             "%.2g, load by %.2g %%; half of that is taken",
+                             200 * length, 200 * result_.wall.indentation, 200 * load));
   }
 
   void correct_wall() {
@@ -256,6 +253,7 @@ class LevelLoop {
     ErrorSetting setting;
     setting.thickness_m = pressing.thickness_m;
     setting.layered = !pressing.interfaces.empty();
+    setting.is_scan = pressing.bent.is_scan;
     setting.fitted = fine().fitted;
     setting.approach_given = problem_.approach_m > 0;
     setting.wall = result_.wall;

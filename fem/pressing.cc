@@ -29,13 +29,15 @@ bool Pressing::whole() const {
 double Pressing::gap(const SurfaceNode& node) const {
   const double x = node.position.x(), y = node.position.y();
   if (fingertip) {
-    const auto height = fingertip.object->height(thickness_m * x, thickness_m * y);
+    const Eigen::Vector3d& first = bent.first_touch;
+    const auto height =
+        fingertip.object->height(thickness_m * (x + first.x()), thickness_m * (y + first.y()));
     if (!height)
       throw InputError("object", "surface",
-                       formatted("x %.4g mm, y %.4g mm from the contact point",
+                       formatted("x %.4g mm, y %.4g mm from the first touch",
                                  1e3 * thickness_m * x, 1e3 * thickness_m * y),
                        "an object that covers the contact");
-    return *height / thickness_m - node.position.z();
+    return *height / thickness_m - first.z() - node.position.z();
   }
   const double z = node.position.z();
   if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor) - z;
@@ -50,10 +52,15 @@ double Pressed::pressure(Index node) const {
 }
 
 double Pressed::torque_arm() const {
+  const auto position = [&](Index i) -> Eigen::Vector2d {
+    return model->nodes()[static_cast<std::size_t>(i)].position.head<2>();
+  };
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (Index i = 0; copies == 1 && i < contact.force.size(); ++i)
+    centre += contact.force[i] / contact.force.sum() * position(i);
   double moment = 0;
   for (Index i = 0; i < contact.force.size(); ++i)
-    moment +=
-        contact.force[i] * model->nodes()[static_cast<std::size_t>(i)].position.head<2>().norm();
+    moment += contact.force[i] * (position(i) - centre).norm();
   return moment / contact.force.sum();
 }
 
@@ -118,6 +125,10 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
   if (pressing.fingertip) {
     guess.reach_x = pressing.bent.reach_x;
     guess.reach_y = pressing.bent.reach_y;
+    // What lies beyond is known from a free and a clamped wall.
+    constexpr double enough = 3.5;
+    guess.is_scan = pressing.bent.is_scan;
+    if (guess.is_scan) guess.extent = enough;
   }
   return guess;
 }
@@ -130,6 +141,8 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
       static_cast<int>(std::lround((level == 0 ? 3 : 4 << (level - 1)) * thin));
   // Room for the contact to be found a cell larger than it is.
   mesh.patch = std::max(1.25, 1 + 1.2 / mesh.elements_per_semi_axis);
+  // On a scan the first level has found the whole outline, and the patch is a whole contact's.
+  if (mesh.is_scan && level > 1) mesh.patch = 1 + 1.5 / mesh.elements_per_semi_axis;
 }
 
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
@@ -211,8 +224,8 @@ ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   NodalContact contact(
-      {nodes, pressed.model->faces(), pressed.normal_force, pressing.whole(),
-       !pressing.interfaces.empty(), nullptr});
+      {nodes, pressed.model->faces(), pressed.normal_force, !pressing.interfaces.empty(), nullptr});
+  contact.whole = pressing.whole();
   contact.rough_a = pressed.moment_a;
   contact.rough_b = pressed.moment_b;
   contact.nodal_pressure.resize(count);

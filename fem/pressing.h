@@ -65,8 +65,8 @@ struct Pressed {
   double pressure(Eigen::Index node) const;
   /// P / (E h²)
   double load() const { return copies * contact.force.sum(); }
-  /// int p r dA / P over the contact seen along the load, r the distance from the load's line: the
-  /// deformed surface has the object's slope, not the finger's.
+  /// int p r dA / P over the contact seen along the load, r the distance from the pressure's centre:
+  /// the deformed surface has the object's slope, not the finger's.
   double torque_arm() const;
 };
 

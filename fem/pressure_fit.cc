@@ -58,18 +58,16 @@ class FaceGrid {
   std::vector<int> index_;
 };
 
-/// Monomials up to a degree: of a whole contact in x and y, of a quarter in x² and y².
+/// Monomials in x² and y² up to a degree.
 class Polynomial {
  public:
-  Polynomial(int degree, bool whole) : degree_(degree), whole_(whole), values_(terms()) {}
+  explicit Polynomial(int degree) : degree_(degree), values_(terms()) {}
 
   Index terms() const { return (degree_ + 1) * (degree_ + 2) / 2; }
 
   const VectorXd& at(double x, double y) {
-    if (!whole_) {
-      x *= x;
-      y *= y;
-    }
+    x *= x;
+    y *= y;
     Index k = 0;
     double x_power = 1;
     for (int i = 0; i <= degree_; ++i, x_power *= x) {
@@ -81,58 +79,24 @@ class Polynomial {
 
  private:
   int degree_;
-  bool whole_;
   VectorXd values_;
 };
 
-/// How the edge may change, each way by the relative change of its radius: an ellipse's semi-axes,
-/// a whole contact's centre and direction, and harmonics.
-class EdgeChanges {
- public:
-  EdgeChanges(bool whole, int harmonics) : whole_(whole), harmonics_(harmonics) {}
+/// How the edge may change: its semi-axes and the fourth harmonic.
+constexpr Index edge_changes = 3;
 
-  Index count() const { return whole_ ? 5 + 2 * std::max(0, harmonics_ - 2) : 3; }
+/// Changes of rho at the angle t, per unit of each.
+Eigen::Vector3d radial_changes(double angle) {
+  return {std::pow(std::cos(angle), 2), std::pow(std::sin(angle), 2), std::cos(4 * angle)};
+}
 
-  /// Changes of rho at the angle t, per unit of each parameter.
-  void radial(double cosine, double sine, double angle, VectorXd& changes) const {
-    changes[0] = cosine * cosine;
-    changes[1] = sine * sine;
-    if (!whole_) {
-      changes[2] = std::cos(4 * angle);
-      return;
-    }
-    changes[2] = cosine;
-    changes[3] = sine;
-    changes[4] = 2 * sine * cosine;
-    for (int k = 3; k <= harmonics_; ++k) {
-      changes[2 * k - 1] = std::cos(k * angle);
-      changes[2 * k] = std::sin(k * angle);
-    }
-  }
-
-  ContactEdge changed(ContactEdge edge, const VectorXd& by) const {
-    edge.a *= std::exp(by[0]);
-    edge.b *= std::exp(by[1]);
-    const Index highest = whole_ ? std::max(2, harmonics_) : 4;
-    edge.cosine.conservativeResizeLike(VectorXd::Zero(highest + 1));
-    edge.sine.conservativeResizeLike(VectorXd::Zero(highest + 1));
-    if (!whole_) {
-      edge.cosine[4] += by[2];
-      return edge;
-    }
-    edge.centre += Vector2d(edge.a * by[2], edge.b * by[3]);
-    edge.sine[2] += by[4];
-    for (int k = 3; k <= harmonics_; ++k) {
-      edge.cosine[k] += by[2 * k - 1];
-      edge.sine[k] += by[2 * k];
-    }
-    return edge;
-  }
-
- private:
-  bool whole_;
-  int harmonics_;  ///< highest one, of a whole contact
-};
+ContactEdge changed(ContactEdge edge, const Eigen::Vector3d& by) {
+  edge.a *= std::exp(by[0]);
+  edge.b *= std::exp(by[1]);
+  if (edge.cosine.size() == 0) edge.cosine = VectorXd::Zero(5);
+  edge.cosine[4] += by[2];
+  return edge;
+}
 
 class Fit {
  public:
@@ -140,7 +104,6 @@ class Fit {
       : faces_(pressure.faces),
         grid_(faces_),
         deformation_(pressure.deformation),
-        whole_(pressure.whole),
         root_weight_(static_cast<Index>(pressure.nodes.size())) {
     for (std::size_t i = 0; i < pressure.nodes.size(); ++i)
       root_weight_[static_cast<Index>(i)] = std::sqrt(pressure.nodes[i].weight);
@@ -151,7 +114,7 @@ class Fit {
   /// @returns the sum of squares that is left
   double find_polynomial(const ContactEdge& edge, int degree) {
     degree_ = degree;
-    Polynomial polynomial(degree, whole_);
+    Polynomial polynomial(degree);
     VectorXd row;
     MatrixXd moments = integrate(edge, polynomial.terms(), [&](const Point& at) -> const VectorXd& {
       row = at.area * at.root * polynomial.at(at.x, at.y);
@@ -164,12 +127,12 @@ class Fit {
 
   /// Changes of the fitted moments per change of the edge, for the pressure found last, which is
   /// zero at the edge itself.
-  MatrixXd derivative(const ContactEdge& edge, const EdgeChanges& changes) {
-    Polynomial polynomial(degree_, whole_);
-    VectorXd radial(changes.count());
-    return integrate(edge, changes.count(), [&](const Point& at) -> const VectorXd& {
+  MatrixXd derivative(const ContactEdge& edge) {
+    Polynomial polynomial(degree_);
+    VectorXd radial;
+    return integrate(edge, edge_changes, [&](const Point& at) -> const VectorXd& {
       const double inside = coefficients_.dot(polynomial.at(at.x, at.y));
-      changes.radial(at.cosine, at.sine, at.angle, radial);
+      radial = radial_changes(at.angle);
       const double r = at.fraction;
       radial *= at.area * inside * r * r / (std::max(at.root, smallest_root) * at.edge);
       return radial;
@@ -181,7 +144,7 @@ class Fit {
 
   /// The pressure found last. @param r  of the way to the edge
   double pressure_at(double x, double y, double r) const {
-    return std::sqrt(std::max(0.0, 1 - r * r)) * coefficients_.dot(Polynomial(degree_, whole_).at(x, y));
+    return std::sqrt(std::max(0.0, 1 - r * r)) * coefficients_.dot(Polynomial(degree_).at(x, y));
   }
 
   /// Number of nodes that carry force.
@@ -202,14 +165,9 @@ class Fit {
   };
 
   /// Enough for about ten points per face along each direction, so that points crossing a face's
-  /// edge do not make the moments rough; fewer on whole contacts, whose many faces average.
-  int angles() const {
-    const int across = std::max(grid_.columns(), grid_.rows());
-    return whole_ ? std::max(240, 12 * across) : std::max(120, 10 * across);
-  }
-  int radii() const {
-    const int across = std::max(grid_.columns(), grid_.rows());
-    return whole_ ? std::max(60, 4 * across) : std::max(120, 10 * across);
+  /// edge do not make the moments rough.
+  int points_per_quarter() const {
+    return std::max(120, 10 * std::max(grid_.columns(), grid_.rows()));
   }
 
   /// Integrals of functions of the point times every shape function: a row for each node. With the
@@ -217,13 +175,12 @@ class Fit {
   template <class Functions>
   MatrixXd integrate(const ContactEdge& edge, Index count, const Functions& functions) {
     left_faces_ = false;
-    const int turns = angles(), steps = radii();
-    const double turn = (whole_ ? 2 * M_PI : M_PI / 2) / turns, step = M_PI / 2 / steps;
-    const ArrayXd angle = turn * (ArrayXd::LinSpaced(turns, 0, turns - 1) + 0.5);
-    const ArrayXd latitude = step * (ArrayXd::LinSpaced(steps, 0, steps - 1) + 0.5);
-    const ArrayXd sine_of = latitude.sin(), cosine_of = latitude.cos();
+    const int steps = points_per_quarter();
+    const double step = M_PI / 2 / steps;
+    const ArrayXd angle = step * (ArrayXd::LinSpaced(steps, 0, steps - 1) + 0.5);
+    const ArrayXd sine_of = angle.sin(), cosine_of = angle.cos();
     MatrixXd result = MatrixXd::Zero(count, target_.size());
-    for (int j = 0; j < turns; ++j) {
+    for (int j = 0; j < steps; ++j) {
       Point point{};
       point.angle = angle[j];
       point.cosine = std::cos(point.angle);
@@ -231,26 +188,19 @@ class Fit {
       point.edge = edge.radius(point.angle);
       const Vector2d ray(edge.a * point.edge * point.cosine, edge.b * point.edge * point.sine);
       // Distances from the centre on a deformed surface, x in units of a and y of b.
-      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
       double deformed_edge = 1;
       const auto deformed_radius = [&](const Eigen::Vector3d& position) {
-        return std::hypot((position.x() - middle.x()) / edge.a,
-                          (position.y() - middle.y()) / edge.b);
+        return std::hypot(position.x() / edge.a, position.y() / edge.b);
       };
       if (deformation_) {
-        if (whole_) {
-          const SurfaceFace* face = grid_.find(edge.centre.x(), edge.centre.y());
-          if (face) middle = deformed(*face, edge.centre).position;
-        }
-        const Vector2d end = edge.centre + ray;
-        if (const SurfaceFace* face = grid_.find(end.x(), end.y()))
-          deformed_edge = deformed_radius(deformed(*face, end).position);
+        if (const SurfaceFace* face = grid_.find(ray.x(), ray.y()))
+          deformed_edge = deformed_radius(deformed(*face, ray).position);
         else
           left_faces_ = true;
       }
-      const double of_ray = edge.a * edge.b * point.edge * point.edge * step * turn;
+      const double of_ray = edge.a * edge.b * point.edge * point.edge * step * step;
       for (int i = 0; i < steps; ++i) {
-        const Vector2d at = edge.centre + sine_of[i] * ray;
+        const Vector2d at = sine_of[i] * ray;
         const SurfaceFace* face = grid_.find(at.x(), at.y());
         if (!face) {
           left_faces_ = true;
@@ -290,7 +240,6 @@ class Fit {
   const std::vector<SurfaceFace>& faces_;
   const FaceGrid grid_;
   const SurfaceDeformation* deformation_;
-  const bool whole_;
   VectorXd root_weight_, target_, coefficients_, left_over_;
   int degree_ = 0;
   bool left_faces_ = false;
@@ -306,27 +255,26 @@ struct Candidate {
 
 /// Levenberg-Marquardt in the edge; the pressure's coefficients are eliminated.
 /// @returns none where it does not converge on the faces
-std::optional<Candidate> fit_of_degree(Fit& fit, ContactEdge edge, int degree,
-                                       const EdgeChanges& changes) {
+std::optional<Candidate> fit_of_degree(Fit& fit, ContactEdge edge, int degree) {
   constexpr double tolerance = 1e-5, longest_step = 0.1;
   constexpr int limit = 40;
   double damping = 1e-4, squares = fit.find_polynomial(edge, degree);
   // Hardly more nodes than unknowns tell nothing.
-  const auto unknowns = static_cast<double>(fit.terms() + changes.count());
+  const auto unknowns = static_cast<double>(fit.terms() + edge_changes);
   const double left = static_cast<double>(fit.carrying()) - unknowns;
   if (left < unknowns) return std::nullopt;
   for (int iteration = 0; iteration < limit; ++iteration) {
-    const MatrixXd derivative = fit.derivative(edge, changes);
+    const MatrixXd derivative = fit.derivative(edge);
     const MatrixXd normal = derivative.transpose() * derivative;
     const VectorXd descent = derivative.transpose() * fit.left_over();
     bool settled = false;
     for (bool better = false; !better && !settled;) {
       MatrixXd damped = normal;
       damped.diagonal() *= 1 + damping;
-      VectorXd step = damped.ldlt().solve(descent);
+      Eigen::Vector3d step = damped.ldlt().solve(descent);
       if (!step.allFinite()) return std::nullopt;
       step = step.cwiseMax(-longest_step).cwiseMin(longest_step);
-      const ContactEdge next = changes.changed(edge, step);
+      const ContactEdge next = changed(edge, step);
       const double with_step = fit.find_polynomial(next, degree);
       better = with_step <= squares;
       settled = step.cwiseAbs().maxCoeff() < tolerance || damping > 1e6;
@@ -352,22 +300,15 @@ constexpr double largest_residual = 0.08;
 
 }  // namespace
 
-std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, double a, double b,
-                                        const Vector2d& centre) {
+std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, const ContactEdge& edge) {
   Fit fit(pressure);
-  ContactEdge edge;
-  edge.a = a;
-  edge.b = b;
-  edge.centre = centre;
   // The thinner the layer, the flatter the pressure inside and the steeper at the edge (lengths are
   // in units of the thickness).
-  const int scale = pressure.whole ? 2 : 1, first = std::min(a, b) < 4 ? 2 : 3;
-  const int highest = pressure.layered ? 6 : first;
-  const EdgeChanges changes(pressure.whole, 4);
+  const int first = std::min(edge.a, edge.b) < 4 ? 2 : 3, highest = pressure.layered ? 6 : first;
   std::vector<Candidate> found;
   double validated = std::numeric_limits<double>::infinity();
   for (int degree = first; degree <= highest; ++degree)
-    if (const auto candidate = fit_of_degree(fit, edge, scale * degree, changes)) {
+    if (const auto candidate = fit_of_degree(fit, edge, degree)) {
       found.push_back(*candidate);
       validated = std::min(validated, candidate->validated);
     }
@@ -385,14 +326,14 @@ std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, double a,
   for (const Candidate& other : found)
     result.ambiguity = std::max({result.ambiguity, std::abs(other.edge.a / best->edge.a - 1),
                                  std::abs(other.edge.b / best->edge.b - 1)});
-  const double area = (pressure.whole ? M_PI : M_PI / 4) * best->edge.a * best->edge.b;
+  const double area = M_PI / 4 * best->edge.a * best->edge.b;
   result.residual = std::sqrt(best->squares / area) / (pressure.force.sum() / area);
   if (!(result.residual < largest_residual)) return std::nullopt;
   result.centre_pressure = fit.pressure_at(0, 0, 0);
   constexpr int steps = 64;
   for (int i = 0; i < steps; ++i)
     for (int j = 0; j < steps; ++j) {
-      const double t = (pressure.whole ? 2 * M_PI : M_PI / 2) * j / (steps - 1.0), r = i / (1.0 * steps);
+      const double t = M_PI / 2 * j / (steps - 1.0), r = i / (1.0 * steps);
       const double rho = result.edge.radius(t);
       result.peak = std::max(
           result.peak, fit.pressure_at(r * rho * std::cos(t), r * rho * std::sin(t), r));

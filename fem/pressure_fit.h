@@ -21,12 +21,11 @@ class SurfaceDeformation {
   virtual Point at(std::size_t face, double xi, double eta) const = 0;
 };
 
-/// Nodal forces on a regular grid of faces.
+/// Nodal forces on a regular grid of faces, of the quarter x, y >= 0 of a symmetric contact.
 struct NodalPressure {
   const std::vector<SurfaceNode>& nodes;
   const std::vector<SurfaceFace>& faces;
   const Eigen::VectorXd& force;  ///< per node, along the surface's normal
-  bool whole = false;            ///< not a quarter x, y >= 0 of a symmetric contact
   bool layered = false;          ///< of several materials: the pressure may be any
   /// Where the surface is deformed: the pressure is then that on the deformed surface, and the
   /// distance from the centre is measured there, along each ray. (On the undeformed surface the
@@ -53,13 +52,11 @@ struct PressureFit {
 /// defined. The polynomial leaves the shape inside free. In a homogeneous layer a low degree is
 /// known to do; elsewhere (a firm skin moves the peak away from the centre) it is the lowest one
 /// that generalised cross-validation finds as good as any.
-/// On a quarter the polynomial is one in x² and y², and the edge an ellipse along the axes with a
-/// fourth harmonic.
-/// @param a, b   first guess
-/// @param centre first guess, of a whole contact
+/// By symmetry it is one in x² and y², and the edge an ellipse along the axes with a fourth
+/// harmonic.
+/// @param edge  first guess
 /// @returns none where no such pressure is found: the contact is no single smooth patch, the fit
 /// leaves the faces, or the residual stays large
-std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, double a, double b,
-                                        const Eigen::Vector2d& centre = Eigen::Vector2d::Zero());
+std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, const ContactEdge& edge);
 
 }  // namespace softfinger::fem

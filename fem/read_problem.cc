@@ -164,7 +164,10 @@ Fingertip read_fingertip(const Entry& input, const MeshReaders& readers) {
     } else if (shape == "sphere") {
       fingertip.pad = meshes::sphere_pad(x);
     } else if (shape == "mesh") {
-      fingertip.pad = meshes::triangulated_pad(read_mesh(pad, readers), placement(pad), x, y);
+      fingertip.scan = std::make_shared<const TriangleSurface>(
+          meshes::PlacedSurface(read_mesh(pad, readers), placement(pad),
+                                meshes::PlacedSurface::Body::below)
+              .in_contact_frame());
     } else {
       if (!(std::abs(turn_rad) < 1e-9))
         pad.at("turn_rad").refuse("0: a finger tapers along the contact's long axis");

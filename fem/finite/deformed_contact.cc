@@ -58,12 +58,12 @@ class DeformedSurface : public SurfaceDeformation {
   std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
-/// Integral of the deformed area over a fitted contact: midpoints in scaled polar coordinates.
-double deformed_area(const DeformedSurface& surface, const ContactEdge& edge, bool whole) {
-  const int steps = 64, turns = whole ? 4 * steps : steps;
-  const double turn = (whole ? 2 * M_PI : M_PI / 2) / turns;
+/// Integral of the deformed area over a fitted contact of a quarter: midpoints in scaled polar coordinates.
+double deformed_area(const DeformedSurface& surface, const ContactEdge& edge) {
+  constexpr int steps = 64;
+  constexpr double turn = M_PI / 2 / steps;
   double area = 0;
-  for (int j = 0; j < turns; ++j) {
+  for (int j = 0; j < steps; ++j) {
     const double angle = turn * (j + 0.5), rho = edge.radius(angle);
     for (int i = 0; i < steps; ++i) {
       const double fraction = (i + 0.5) / steps;
@@ -72,7 +72,7 @@ double deformed_area(const DeformedSurface& surface, const ContactEdge& edge, bo
               surface.at(at.x(), at.y()).area_ratio;
     }
   }
-  return (whole ? 1 : 4) * area;
+  return 4 * area;
 }
 
 /// Deformed area over its projection, of the nodes that touch.
@@ -92,8 +92,8 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   const Equilibrium& equilibrium = pressing.equilibrium();
   const auto& nodes = layer.nodes();
   const DeformedSurface surface(layer);
-  NodalContact nodal({nodes, layer.faces(), equilibrium.normal_force, layer.whole(),
-                      layer.sublayers() > 1, &surface});
+  NodalContact nodal({nodes, layer.faces(), equilibrium.normal_force, layer.sublayers() > 1, &surface});
+  nodal.whole = layer.whole();
   nodal.rough_a = equilibrium.moment_a;
   nodal.rough_b = equilibrium.moment_b;
   nodal.nodal_pressure = nodal_pressure(pressing);
@@ -109,12 +109,13 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   DeformedContact contact;
   contact.shape = measure_shape(nodal);
   contact.area = contact.shape.fit
-                     ? deformed_area(surface, contact.shape.fit->edge, layer.whole())
+                     ? deformed_area(surface, contact.shape.fit->edge)
                      : contact.shape.projected_area * inclination(pressing);
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  if (layer.whole()) centre = nodal.position * equilibrium.force / equilibrium.force.sum();
   double moment = 0, projected = 0;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const double radius = layer.position(i).head<2>().norm();
+  for (Eigen::Index row = 0; row < equilibrium.force.size(); ++row) {
+    const double radius = (nodal.position.col(row) - centre).norm();
     moment += equilibrium.normal_force[row] * radius;
     projected += equilibrium.force[row] * radius;
   }

@@ -35,11 +35,12 @@ Materials materials_of(const ContactTask& task) {
 
 std::shared_ptr<const RigidObject> object_of(const Pressing& pressing) {
   if (pressing.fingertip) {
-    const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m](
+    const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m,
+                         first = pressing.bent.first_touch](
                             double x, double y) -> std::optional<double> {
-      const auto found = object->height(h * x, h * y);
+      const auto found = object->height(h * (x + first.x()), h * (y + first.y()));
       if (!found) return std::nullopt;
-      return *found / h;
+      return *found / h - first.z();
     };
     // A thousandth of the thickness is far below any radius that a layer bears; an edge rounded
     // over a tenth of it is one that Newton's steps do not jump across.

@@ -55,6 +55,9 @@ class PlacedSurface {
   /// Four points inside each facet: its centre and near its corners.
   std::vector<Eigen::Vector3d> facet_points() const;
 
+  /// The whole surface in the contact frame.
+  TriangleSurface in_contact_frame() const { return {vertices_, triangles_}; }
+
   /// The contact point on the surface, in the body's own coordinates.
   const Eigen::Vector3d& contact_point_m() const { return contact_point_; }
 

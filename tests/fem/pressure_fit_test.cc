@@ -15,10 +15,11 @@ struct Surface {
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
   Eigen::VectorXd force;
-  bool whole = false;
-
   PressureFit fit(double a, double b) const {
-    return fit_pressure({nodes, faces, force, whole}, a, b).value();
+    ContactEdge edge;
+    edge.a = a;
+    edge.b = b;
+    return fit_pressure({nodes, faces, force, false, nullptr}, edge).value();
   }
 
   Surface(double extent_x, double extent_y, int cells,
