@@ -13,22 +13,20 @@ using Eigen::Vector2d;
 
 namespace {
 
-/// An ellipse along x and y with the second moments of the nodes that touch, in the block: where the
-/// fit begins.
-ContactEdge first_edge(const NodalContact& contact) {
-  const NodalPressure& pressure = contact.pressure;
+/// An ellipse along x and y with the second moments of the nodes that touch, in the block.
+ContactEdge touching_ellipse(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
+                             bool whole) {
   double area = 0;
   Vector2d first = Vector2d::Zero(), second = Vector2d::Zero();
-  for (std::size_t i = 0; i < pressure.nodes.size(); ++i) {
-    const SurfaceNode& node = pressure.nodes[i];
-    if (!(pressure.force[static_cast<Index>(i)] > 0)) continue;
-    const Vector2d at(node.x, node.y);
-    area += node.weight;
-    first += node.weight * at;
-    second += node.weight * at.cwiseAbs2();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (!(force[static_cast<Index>(i)] > 0)) continue;
+    const Vector2d at(nodes[i].x, nodes[i].y);
+    area += nodes[i].weight;
+    first += nodes[i].weight * at;
+    second += nodes[i].weight * at.cwiseAbs2();
   }
   ContactEdge edge;
-  if (contact.whole) edge.centre = first / area;
+  if (whole) edge.centre = first / area;
   const Vector2d axes = 2 * (second / area - edge.centre.cwiseAbs2()).cwiseSqrt();
   edge.a = axes.x();
   edge.b = axes.y();
@@ -117,14 +115,9 @@ ContactShape from_nodes(const NodalContact& contact) {
   shape.block_a = contact.rough_a;
   shape.block_b = contact.rough_b;
   if (contact.whole && contact.regular) {
-    const ContactEdge ellipse = first_edge(contact);
-    double reach = 0;
-    for (std::size_t i = 0; i < pressure.nodes.size(); ++i)
-      if (pressure.force[static_cast<Index>(i)] > 0)
-        reach = std::max(reach, std::hypot(pressure.nodes[i].x / ellipse.a,
-                                           pressure.nodes[i].y / ellipse.b));
-    shape.block_a = reach * ellipse.a;
-    shape.block_b = reach * ellipse.b;
+    const Vector2d axes = holding_axes(pressure.nodes, pressure.force);
+    shape.block_a = axes.x();
+    shape.block_b = axes.y();
   }
   if (!contact.whole) {
     // The long axis may be any where the contact is round.
@@ -141,11 +134,21 @@ ContactShape from_nodes(const NodalContact& contact) {
 
 }  // namespace
 
+Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force) {
+  const ContactEdge ellipse = touching_ellipse(nodes, force, true);
+  double reach = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (force[static_cast<Index>(i)] > 0)
+      reach = std::max(reach, std::hypot(nodes[i].x / ellipse.a, nodes[i].y / ellipse.b));
+  return {reach * ellipse.a, reach * ellipse.b};
+}
+
 ContactShape measure_shape(const NodalContact& contact) {
   ContactShape by_nodes = from_nodes(contact);
   // Without symmetry the pressure may have any shape, and fits of it scatter more than the nodes.
   if (contact.whole || !contact.regular) return by_nodes;
-  if (std::optional<PressureFit> fit = fit_pressure(contact.pressure, first_edge(contact)))
+  if (std::optional<PressureFit> fit = fit_pressure(
+          contact.pressure, touching_ellipse(contact.pressure.nodes, contact.pressure.force, false)))
     return from_fit(contact, std::move(*fit), std::move(by_nodes));
   return by_nodes;
 }

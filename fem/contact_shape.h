@@ -40,6 +40,10 @@ struct NodalContact {
   bool regular = true;                          ///< faces are a grid of rectangles
 };
 
+/// Semi-axes of the ellipse along x and y about the block's origin that holds all nodes that touch,
+/// as long as the ellipse of their second moments.
+Eigen::Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force);
+
 /// A symmetric contact's shape is that of a fitted pressure, if there is one. Others, and contacts
 /// without symmetry, have the outline that the nodes tell, as a smooth curve where one follows it.
 ContactShape measure_shape(const NodalContact& contact);

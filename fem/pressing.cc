@@ -136,7 +136,8 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
 void choose_elements(LayerDiscretisation& mesh, int level) {
   // Finer in thin layers, where the pressure falls within a thickness of the edge: cells of at most
   // 0.4 h on the second level up to b = 9 h.
-  const double thin = std::clamp(mesh.b / 3, 1.0, 3.0);
+  // On a scan b is the whole outline's, not an ellipse's.
+  const double thin = std::clamp(mesh.b / (mesh.is_scan ? 4.5 : 3), 1.0, 3.0);
   mesh.elements_per_semi_axis =
       static_cast<int>(std::lround((level == 0 ? 3 : 4 << (level - 1)) * thin));
   // Room for the contact to be found a cell larger than it is.
@@ -171,14 +172,14 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
     const SurfaceNode& node = nodes[static_cast<std::size_t>(i)];
     pressed.gap[i] = pressing.gap(node);
     cosine[i] = node.normal.z();
-    constexpr double steepest = 0.2;
-    if (cosine[i] < steepest)
-      throw InputError("contact", "slope of the finger's surface", cosine[i],
-                       "a contact that does not wrap around the finger (cosine of the slope at "
-                       "least 0.2)");
+    // Around the finger's side nothing is pressed on any more.
+    constexpr double steepest = 0.2, out_of_reach = 1e3;
+    if (cosine[i] > steepest) continue;
+    cosine[i] = steepest;
+    pressed.gap[i] = out_of_reach;
   }
   // The approach counts from the first touch, which on a triangulated surface is not the origin.
-  if (pressing.fingertip) pressed.gap.array() -= pressed.gap.minCoeff();
+  if (pressing.fingertip && !pressing.bent.is_scan) pressed.gap.array() -= pressed.gap.minCoeff();
   const auto solve = [&](const Eigen::MatrixXd& compliance) {
     return pressing.approach > 0
                ? solve_normal_contact_at(compliance, pressed.gap, pressing.approach)
@@ -197,6 +198,11 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   for (Index i = 0; i < count; ++i) {
     const double force = pressed.contact.force[i];
     if (force <= 0) continue;
+    constexpr double wrapped = 0.3;
+    if (cosine[i] < wrapped)
+      throw InputError("contact", "slope of the finger's surface", cosine[i],
+                       "a contact that does not wrap around the finger (cosine of the slope at "
+                       "least 0.3): less load");
     if (nodes[static_cast<std::size_t>(i)].at_end)
       refuse_end_of_surface(nodes[static_cast<std::size_t>(i)], pressing.thickness_m);
     const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
@@ -210,6 +216,11 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
   const double total = pressed.contact.force.sum();
   pressed.moment_a = std::sqrt(square_per_moment * xx / total);
   pressed.moment_b = std::sqrt(square_per_moment * yy / total);
+  if (discretisation.is_scan) {
+    const Eigen::Vector2d axes = holding_axes(nodes, pressed.contact.force);
+    pressed.moment_a = axes.x();
+    pressed.moment_b = axes.y();
+  }
   return pressed;
 }
 

@@ -59,7 +59,8 @@ struct Pressed {
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
   Eigen::VectorXd cosine;             ///< of each node's normal with the load
   int copies = 4;                     ///< sums over the nodes times this are sums over the contact
-  double moment_a = 0, moment_b = 0;  ///< semi-axes from second moments, rough but robust
+  double moment_a = 0, moment_b = 0;  ///< semi-axes from second moments, rough but robust; on a
+                                      ///< scan those of `holding_axes`
   bool reaches_rim = false;           ///< of the region where contact is possible
 
   double pressure(Eigen::Index node) const;

@@ -77,8 +77,11 @@ class FiniteContact : public ContactPhysics {
   bool trial_is_level_0() const override { return false; }
 
   void press(const LayerDiscretisation& mesh, int) override {
-    pressing_.reset();
+    if (pressing_) pressing_->release_factor();
     auto pressing = std::make_unique<FinitePressing>(make_layer(mesh), object_);
+    // The state on the mesh before is near the one on this mesh.
+    if (pressing_ && !task_.pressing.mesh) pressing->continue_from(*pressing_);
+    pressing_.reset();
     try {
       pressing->press({task_.pressing.load, task_.pressing.approach});
     } catch (const ConvergenceError& error) {

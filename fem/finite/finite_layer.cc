@@ -10,7 +10,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <utility>
+
+#include <Eigen/Cholesky>
 
 #include "fem/layer_space.h"
 #include "fem/positive_definite.h"
@@ -48,6 +52,14 @@ struct FiniteLayer::State {
 
 struct FiniteLayer::Implementation : LayerSpace {
   using LayerSpace::LayerSpace;
+
+  /// Place and size of a cell's linear functions 1, (X - center)/size.
+  struct LinearFrame {
+    Eigen::Vector3d center;
+    double size;
+  };
+  std::vector<LinearFrame> frames_of_cells;
+  std::vector<Eigen::Matrix3Xd> points_of_cells;  ///< quadrature points in the reference state
 
   std::vector<std::shared_ptr<const Material>> materials;  ///< of the sublayers
   std::vector<ElementGeometry> geometries;                 ///< per cell
@@ -98,12 +110,15 @@ void FiniteLayer::Implementation::set_geometries() {
     geometry.linear.resize(4, points);
     const auto center = values.quadrature_point(quadrature.size() / 2);
     const double size = cell->diameter();
+    frames_of_cells.push_back({{center[0], center[1], center[2]}, size});
+    Eigen::Matrix3Xd& places = points_of_cells.emplace_back(3, points);
     for (unsigned int q = 0; q < quadrature.size(); ++q) {
       if (!(values.JxW(q) > 0))
         throw InputError(
             "mesh", "element", "of no or negative volume",
             "a layer that does not fold; is it too thick for the surface's curvature?");
       geometry.weight[q] = values.JxW(q);
+      for (unsigned int c = 0; c < dim; ++c) places(c, q) = values.quadrature_point(q)[c];
       const auto offset = (values.quadrature_point(q) - center) / size;
       geometry.linear.col(q) << 1, offset[0], offset[1], offset[2];
       for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
@@ -407,6 +422,116 @@ double FiniteLayer::take_step(double fraction) {
         self.start.elements[i], self.displacement_of(indices, self.step), fraction);
   }
   return self.smallest_volume_ratio();
+}
+
+namespace {
+
+/// Finds the cell of a block's mesh that holds a point, by a lattice of columns.
+class CellFinder {
+ public:
+  using Cell = dealii::DoFHandler<dim>::active_cell_iterator;
+
+  explicit CellFinder(const dealii::DoFHandler<dim>& dofs) {
+    for (const auto& cell : dofs.active_cell_iterators()) {
+      const auto box = cell->bounding_box();
+      const auto &low = box.get_boundary_points().first, &high = box.get_boundary_points().second;
+      for (int i = column(low[0]); i <= column(high[0]); ++i)
+        for (int j = column(low[1]); j <= column(high[1]); ++j)
+          columns_[{i, j}].push_back({cell, low, high});
+    }
+  }
+
+  /// Of the box that the cell is in the block.
+  static dealii::Tensor<1, dim> side_of(const Cell& cell, unsigned int direction) {
+    return cell->vertex(1u << direction) - cell->vertex(0);
+  }
+  static dealii::Point<dim> point_of(const Cell& cell, const dealii::Point<dim>& unit) {
+    dealii::Point<dim> at = cell->vertex(0);
+    for (unsigned int c = 0; c < dim; ++c) at += unit[c] * side_of(cell, c);
+    return at;
+  }
+
+  struct Place {
+    Cell cell;
+    dealii::Point<dim> unit;  ///< in the cell's own coordinates
+  };
+  /// None where no cell is within a thousandth of the thickness.
+  std::optional<Place> find(const dealii::Point<dim>& at) const {
+    const auto found = columns_.find({column(at[0]), column(at[1])});
+    if (found == columns_.end()) return std::nullopt;
+    for (const Entry& entry : found->second) {
+      Place place{entry.cell, {}};
+      bool inside = true;
+      for (unsigned int c = 0; c < dim; ++c) {
+        constexpr double near = 1e-3;
+        inside = inside && at[c] > entry.low[c] - near && at[c] < entry.high[c] + near;
+      }
+      if (!inside) continue;
+      // A cell's own axes are the block's in any order.
+      for (unsigned int c = 0; c < dim; ++c) {
+        const auto side = side_of(entry.cell, c);
+        place.unit[c] =
+            std::clamp((at - entry.cell->vertex(0)) * side / side.norm_square(), 0.0, 1.0);
+      }
+      return place;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  struct Entry {
+    Cell cell;
+    dealii::Point<dim> low, high;
+  };
+  static int column(double x) { return static_cast<int>(std::floor(2 * x)); }
+  std::map<std::pair<int, int>, std::vector<Entry>> columns_;
+};
+
+}  // namespace
+
+void FiniteLayer::release_factor() { implementation_->factor.reset(); }
+
+void FiniteLayer::continue_from(const FiniteLayer& other) {
+  auto& self = *implementation_;
+  const auto& from = *other.implementation_;
+  const CellFinder finder(from.dofs);
+  const unsigned int count = self.element.n_dofs_per_cell();
+  std::vector<Dof> indices(count), their_indices(count);
+  std::vector<char> is_done(self.dofs.n_dofs(), 0);
+  for (const auto& cell : self.dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    const auto place = [&](const dealii::Point<dim>& unit) {
+      return finder.find(CellFinder::point_of(cell, unit));
+    };
+    for (unsigned int i = 0; i < count; ++i) {
+      if (is_done[indices[i]]) continue;
+      is_done[indices[i]] = 1;
+      const auto found = place(self.element.unit_support_point(i));
+      if (!found) continue;
+      found->cell->get_dof_indices(their_indices);
+      double value = 0;
+      for (unsigned int k = 0; k < count; ++k)
+        if (self.element.system_to_component_index(k).first == static_cast<unsigned int>(self.component[indices[i]]))
+          value += from.state.displacement[their_indices[k]] *
+                   from.element.shape_value(k, found->unit);
+      self.state.displacement[indices[i]] = value;
+    }
+    const auto middle = place(dealii::Point<dim>(0.5, 0.5, 0.5));
+    if (!middle) continue;
+    const std::size_t here = cell->active_cell_index(), there = middle->cell->active_cell_index();
+    const auto& frame = from.frames_of_cells[there];
+    const ElementGeometry& geometry = self.geometries[here];
+    Eigen::Matrix4Xd their_linear(4, geometry.weight.size());
+    their_linear.row(0).setOnes();
+    their_linear.bottomRows<3>() =
+        (self.points_of_cells[here].colwise() - frame.center) / frame.size;
+    // The other cell's linear fields, in this one's functions.
+    const Eigen::Matrix4d change = geometry.mass.ldlt().solve(
+        geometry.linear * geometry.weight.asDiagonal() * their_linear.transpose());
+    self.state.elements[here].pressure = change * from.state.elements[there].pressure;
+    self.state.elements[here].volume_ratio = change * from.state.elements[there].volume_ratio;
+  }
+  self.constraints.distribute(self.state.displacement);
 }
 
 namespace {

@@ -43,6 +43,7 @@ FinitePressing::FinitePressing(std::shared_ptr<FiniteLayer> layer,
   }
   if (!std::isfinite(offset_))
     throw InputError("object", "surface", "none over the contact", "an object over the finger");
+  unloaded_ = layer_->state();
   equilibrium_.force = equilibrium_.normal_force =
       Eigen::VectorXd::Zero(static_cast<Index>(layer_->nodes().size()));
 }
@@ -223,9 +224,53 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
   equilibrium.complementarity_residual = penetration / equilibrium.approach;
   equilibrium.moment_a = std::sqrt(square_per_moment * xx / equilibrium.force.sum());
   equilibrium.moment_b = std::sqrt(square_per_moment * yy / equilibrium.force.sum());
+  if (discretisation.is_scan) {
+    const Eigen::Vector2d axes = holding_axes(nodes, equilibrium.force);
+    equilibrium.moment_a = axes.x();
+    equilibrium.moment_b = axes.y();
+  }
+}
+
+void FinitePressing::continue_from(const FinitePressing& other) {
+  layer_->continue_from(*other.layer_);
+  equilibrium_.approach = other.equilibrium_.approach;
+  // The other mesh's nodal forces over their share of the block, at this one's nodes.
+  const auto &nodes = layer_->nodes(), &theirs = other.layer_->nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (const SurfaceFace& face : other.layer_->faces()) {
+      const double xi = (nodes[i].x - face.x) / face.size_x,
+                   eta = (nodes[i].y - face.y) / face.size_y;
+      if (!(xi >= 0 && xi <= 1 && eta >= 0 && eta <= 1)) continue;
+      // Bilinear between the corners: it stays positive.
+      double pressure = 0;
+      for (const int k : {0, 2, 6, 8})
+        if (const int node = face.node[static_cast<std::size_t>(k)]; node >= 0)
+          pressure += (k % 3 == 0 ? 1 - xi : xi) * (k < 3 ? 1 - eta : eta) *
+                      other.equilibrium_.force[node] / theirs[static_cast<std::size_t>(node)].weight;
+      equilibrium_.force[static_cast<Index>(i)] = pressure * nodes[i].weight;
+      break;
+    }
+  continues_ = true;
 }
 
 void FinitePressing::press(const Drive& drive) {
+  if (continues_) {
+    continues_ = false;
+    Equilibrium reached;
+    try {
+      if (layer_->smallest_volume_ratio() > 0 && try_step(drive, /*limited=*/false, reached)) {
+        equilibrium_ = std::move(reached);
+        ++history_.steps;
+        return;
+      }
+    } catch (const ConvergenceError&) {
+      // From the unloaded state it may go.
+    }
+    ++history_.cuts;
+    layer_->restore(*unloaded_);
+    equilibrium_.approach = 0;
+    equilibrium_.force.setZero();
+  }
   constexpr double shortest_step = 1e-3;
   constexpr int most_steps = 200;
   const auto is_there = [&] {

@@ -72,9 +72,15 @@ class FinitePressing {
   /// @throws ConvergenceError, with the last load that was reached; the equilibrium is then that
   void press(const Drive& drive);
 
+  /// Starts from where another mesh of the same layer has been pressed to, in place of from the
+  /// unloaded state.
+  /// @pre not pressed
+  void continue_from(const FinitePressing& other);
+
   const Equilibrium& equilibrium() const { return equilibrium_; }
   const PressingHistory& history() const { return history_; }
   const FiniteLayer& layer() const { return *layer_; }
+  void release_factor() { layer_->release_factor(); }
 
   /// Normals of the object at the nodes' present positions: outward from the finger.
   Eigen::Vector3d normal(std::size_t node) const;
@@ -105,6 +111,8 @@ class FinitePressing {
   PressingOptions options_;
   double offset_ = 0;  ///< of the object's height: the approach counts from the first touch
   double step_;        ///< present largest one
+  std::shared_ptr<const FiniteLayer::State> unloaded_;
+  bool continues_ = false;  ///< and nothing is converged yet
   Equilibrium equilibrium_;
   PressingHistory history_;
   int failed_iteration_ = 0;
