@@ -86,8 +86,9 @@ class Tracer {
     constexpr std::array<std::size_t, 4> steps{0, 1, 4, 3};
     for (std::size_t i = 0; i < 4; ++i) around[i] = node_of(face, corner + steps[i], image);
     if (std::any_of(around.begin(), around.end(), [](ImageNode at) { return at.node < 0; })) return;
-    // A mirror image runs clockwise.
-    if (image == 1 || image == 2) std::swap(around[1], around[3]);
+    // Mirror images run clockwise, and so may faces of meshes from outside.
+    const Vector2d one = place(around[2]) - place(around[0]), other = place(around[3]) - place(around[1]);
+    if (one.x() * other.y() < one.y() * other.x()) std::swap(around[1], around[3]);
     // Walking around, the outline enters where a touching node is followed by an open one.
     std::vector<Crossing> leaves, enters;
     for (std::size_t i = 0; i < 4; ++i) {

@@ -170,7 +170,7 @@ TEST(SuperposedTwist, GoesFromStickToTheTorqueOfItsPressure) {
     EXPECT_EQ(slip, 1);
     // All forces along the circles: the arm that is measured on the deformed surface.
     const double full =
-        kFriction * pressing.equilibrium().load * finite::measure(pressing).torque_arm;
+        kFriction * pressing.equilibrium().load * finite::measure(pressing, 1).torque_arm;
     // The mesh is no body of revolution: of the surface's motion some hundredths go sideways, and
     // of the slip a twentieth of that at the last angles; its square is missing.
     EXPECT_NEAR(torque / full, 1, 1e-6);

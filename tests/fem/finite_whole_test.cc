@@ -10,6 +10,7 @@
 
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
+#include "fem/error_model.h"
 #include "fem/pressing.h"
 #include "fem/reference_solver.h"
 #include "meshes/generation/object_surface.h"
@@ -75,15 +76,15 @@ void expect_the_same(FinitePressing& quarter, FinitePressing& whole, double appr
   EXPECT_NEAR(found.energy / expected.energy, 1, kSameDiscretisation);
   EXPECT_NEAR(found.moment_a / expected.moment_a, 1, kSameDiscretisation);
   EXPECT_NEAR(found.moment_b / expected.moment_b, 1, kSameDiscretisation);
-  const DeformedContact fitted = measure(quarter), measured = measure(whole);
+  const DeformedContact fitted = measure(quarter, 1), measured = measure(whole, 1);
   EXPECT_NEAR(measured.torque_arm / fitted.torque_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(measured.projected_arm / fitted.projected_arm, 1, kSameDiscretisation);
-  EXPECT_NEAR(measured.turn_rad, 0, 1e-6);
+  EXPECT_NEAR(measured.shape.turn_rad, 0, 1e-6);
   // Errors that the solver states for an edge between nodes, and for the fit on so coarse a mesh.
   const double of_edge = 0.1 / quarter.layer().discretisation().elements_per_semi_axis;
   constexpr double of_fit = 0.01;
-  EXPECT_NEAR(measured.a / fitted.a, 1, of_edge + of_fit);
-  EXPECT_NEAR(measured.b / fitted.b, 1, of_edge + of_fit);
+  EXPECT_NEAR(measured.shape.a / fitted.shape.a, 1, of_edge + of_fit);
+  EXPECT_NEAR(measured.shape.b / fitted.shape.b, 1, of_edge + of_fit);
   EXPECT_NEAR(measured.area / fitted.area, 1, 2 * (of_edge + of_fit));
 }
 
@@ -102,7 +103,7 @@ TEST(FiniteWhole, IsTheQuarterOfASymmetricContact) {
 TEST(FiniteWhole, TurnsWithFingerAndObject) {
   // The layer's mesh does not turn: its error, of cells of a third of the contact; and for a and b
   // what both state for an edge between nodes.
-  constexpr double angle = 0.4, meshes_error = 0.02, of_edges = 2 * 0.1 / 3;
+  constexpr double angle = 0.4, meshes_error = 0.02, of_edges = 2 * 0.04 / 3;
   DeformedContact contact[2];
   double load[2];
   for (const int i : {0, 1}) {
@@ -111,14 +112,17 @@ TEST(FiniteWhole, TurnsWithFingerAndObject) {
     auto pressing =
         layer_under(sampled(meshes::quadric_object(40, 12, i * angle)), mesh, shape, 0.45);
     pressing.press({0, 0.2});
-    contact[i] = measure(pressing);
+    contact[i] = measure(pressing, 1);
     load[i] = pressing.equilibrium().load;
   }
   EXPECT_NEAR(load[1] / load[0], 1, meshes_error);
-  EXPECT_NEAR(contact[1].a / contact[0].a, 1, of_edges);
-  EXPECT_NEAR(contact[1].b / contact[0].b, 1, of_edges);
+  EXPECT_NEAR(contact[1].shape.a / contact[0].shape.a, 1, of_edges);
+  EXPECT_NEAR(contact[1].shape.b / contact[0].shape.b, 1, of_edges);
   EXPECT_NEAR(contact[1].torque_arm / contact[0].torque_arm, 1, meshes_error);
-  EXPECT_NEAR(contact[1].turn_rad - contact[0].turn_rad, angle, meshes_error);
+  // A direction is the less certain the rounder the contact is.
+  const double of_direction =
+      of_edges / (contact[0].shape.a / contact[0].shape.b - contact[0].shape.b / contact[0].shape.a);
+  EXPECT_NEAR(contact[1].shape.turn_rad - contact[0].shape.turn_rad, angle, of_direction);
 }
 
 TEST(FiniteWhole, WorkOfTheIndenterIsTheStrainEnergy) {
@@ -201,7 +205,7 @@ TEST(FiniteWhole, FacetedObjectIsTheSmoothOneWithinItsFacets) {
               2.5 * of_facets + smooth.error.load + faceted.error.load);
   EXPECT_NEAR(faceted.finest.a_m / smooth.finest.a_m, 1,
               of_facets + smooth.error.a + faceted.error.a);
-  EXPECT_GT(smooth.error.a, 0.015);  // as stated for whole contacts
+  EXPECT_GT(smooth.error.a, finite_strain.without_fit.axes);  // as stated for whole contacts
 }
 
 /// A table that ends.
@@ -261,13 +265,13 @@ Departure departure(double approach) {
   auto finite_strain =
       layer_under(sampled(pressing.fingertip.object), mesh, pressing.bent.shape, nu, true, choice);
   finite_strain.press({0, approach});
-  const DeformedContact contact = measure(finite_strain);
+  const DeformedContact contact = measure(finite_strain, 1 / (1 - nu * nu));
   return {finite_strain.equilibrium().load / linear.load() - 1,
           contact.torque_arm / linear.torque_arm() - 1,
-          contact.peak / shape.peak - 1,
-          (contact.a / contact.b) / (shape.a / shape.b) - 1,
-          contact.turn_rad - shape.turn_rad,
-          contact.a / shape.a - 1};
+          contact.shape.peak / shape.peak - 1,
+          (contact.shape.a / contact.shape.b) / (shape.a / shape.b) - 1,
+          contact.shape.turn_rad - shape.turn_rad,
+          contact.shape.a / shape.a - 1};
 }
 
 TEST(FiniteWhole, IsLinearElasticityForSmallLoads) {
@@ -278,8 +282,8 @@ TEST(FiniteWhole, IsLinearElasticityForSmallLoads) {
     // It departs in proportion to the load: nothing else is left.
     EXPECT_NEAR(at_1.*quantity / (at_2.*quantity), 0.5, 0.02);
   }
-  // The area is by other means: what both state, on a mesh of three cells.
-  EXPECT_NEAR(at_2.a, 0, 0.03 + 0.1 / 3);
+  // The outline by the nodes: what is stated, on a mesh of three cells.
+  EXPECT_NEAR(at_2.a, 0, 1e-3 + 0.04 / 3);
 }
 
 }  // namespace

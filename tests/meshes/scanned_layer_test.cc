@@ -1,0 +1,136 @@
+#include "meshes/scans/scanned_layer.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "meshes/generation/surfaces.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::meshes {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double R = 8e-3;
+
+/// A sphere's mesh that touches the origin at a place where its triangles lie as they may.
+TriangleSurface ball(double edge, double noise = 0) {
+  TriangleSurface surface = sphere(R, edge);
+  const Vector3d top = Vector3d(0.3, 0.5, 0.8).normalized();
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond::FromTwoVectors(top, Vector3d::UnitZ()).toRotationMatrix();
+  std::mt19937 engine(5);
+  std::normal_distribution<double> normal(0, 1);
+  for (Vector3d& vertex : surface.vertices_m) {
+    vertex = turn * vertex - R * Vector3d::UnitZ();
+    for (int c = 0; c < 3; ++c) vertex[c] += noise * normal(engine);
+  }
+  return surface;
+}
+
+/// Root mean square distance of projected points from the sphere, up to 30 degrees from the top.
+double position_error(const SmoothSurface& surface) {
+  const Vector3d centre(0, 0, -R);
+  double squares = 0;
+  int count = 0;
+  for (double polar = 0; polar < 0.5; polar += 0.05)
+    for (double azimuth = 0; azimuth < 6; azimuth += 0.5) {
+      const Vector3d out(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
+                         std::cos(polar));
+      const auto on = surface.project(centre + 1.01 * R * out, out);
+      EXPECT_TRUE(on);
+      squares += std::pow((on->position - centre).norm() - R, 2);
+      ++count;
+    }
+  return std::sqrt(squares / count);
+}
+
+TEST(SmoothSurface, ConvergesToTheSphereBehindTheFacets) {
+  // Facets lie up to e²/(8 R) below the sphere; the smooth surface a tenth of that or less, and ever
+  // less as they become smaller.
+  double before = 1;
+  for (const double edge : {4e-3, 2e-3, 1e-3, 0.5e-3}) {
+    const SmoothSurface surface(ball(edge), {1e-3, 1.05, 15e-3});
+    const double error = position_error(surface), of_facets = edge * edge / (8 * R);
+    EXPECT_LT(error, 0.12 * of_facets) << edge;
+    EXPECT_LT(error, before / 4);  // of second order
+    before = error;
+  }
+}
+
+TEST(SmoothSurface, IsSmootherThanTheNoiseOfItsVertices) {
+  // 10 micrometres, 5 % of an indentation of 0.2 mm.
+  constexpr double noise = 1e-5;
+  const SmoothSurface surface(ball(0.3e-3, noise), {1e-3, 1.05, 15e-3});
+  EXPECT_LT(position_error(surface), noise / 2);
+}
+
+TEST(SmoothSurface, RefusesAPlaceWithoutFacets) {
+  TriangleSurface far = ball(2e-3);
+  for (Vector3d& vertex : far.vertices_m) vertex.x() += 1;
+  EXPECT_THROW(SmoothSurface(far, {1e-3, 1.05, 15e-3}), InputError);
+}
+
+class ScannedSphere : public testing::Test {
+ protected:
+  static ScannedLayer layer(const SmoothSurface& surface, double thickness, double radius) {
+    return {surface, *surface.project(Vector3d::Zero(), Vector3d::UnitZ()), Vector3d::UnitX(),
+            thickness, radius};
+  }
+  const SmoothSurface surface{ball(0.5e-3), {1e-3, 1.05, 30e-3}};
+  const Vector3d centre{0, 0, -R};
+};
+
+TEST_F(ScannedSphere, LayerHasItsThicknessEverywhere) {
+  constexpr double h = 2e-3;
+  const ScannedLayer found = layer(surface, h, 8e-3);
+  for (double x = -5e-3; x < 5e-3; x += 0.7e-3)
+    for (double y = -5e-3; y < 5e-3; y += 0.7e-3) {
+      // Bicubic patches over cells of 1 mm on a radius of 8 mm: of fourth order.
+      const double of_patches = std::pow(1e-3 / R, 4) * R;
+      EXPECT_NEAR((found.position(x, y, 0) - centre).norm(), R, of_patches + 1e-3 * h);
+      EXPECT_NEAR((found.position(x, y, -1) - centre).norm(), R - h, of_patches + 5e-3 * h);
+      EXPECT_GT(found.normal(x, y).dot((found.position(x, y, 0) - centre).normalized()), 0.999);
+    }
+  EXPECT_NEAR(found.depths(5e-3).low, 1, 0.01);
+  EXPECT_NEAR(found.depths(5e-3).high, 1, 0.01);
+}
+
+TEST_F(ScannedSphere, ClothKeepsLengthsNearTheContact) {
+  const ScannedLayer found = layer(surface, 2e-3, 8e-3);
+  // The circumference of a disc of the radius r on a sphere is (r/R)²/6 shorter than a flat one's.
+  // The cloth shares that out between its middle, which widens, and its edge.
+  const double shortening = std::pow(8e-3 / R, 2) / 6;
+  EXPECT_NEAR(found.area_ratio(0, 0), 1, shortening);
+  EXPECT_NEAR(found.position(1e-3, 0, 0).x(), 1e-3, shortening / 2 * 1e-3);
+}
+
+TEST_F(ScannedSphere, LayerGoesRoundTheFingerAndSaysWhereItEnds) {
+  // 115 degrees from the contact it has turned away; a cloth of 20 mm would go farther.
+  const ScannedLayer found = layer(surface, 1e-3, 20e-3);
+  const ScannedLayer::Reach reach = found.reach(0.3);
+  EXPECT_GT(reach.distance, 1.2 * R);
+  EXPECT_NE(reach.end, ClothEnd::none);
+  EXPECT_EQ(found.end_in(-1e-3, 1e-3, -1e-3, 1e-3), ClothEnd::none);
+}
+
+TEST(ScannedLayerRim, EndsWhereTheMeshEnds) {
+  TriangleSurface half = ball(0.5e-3);
+  std::vector<std::array<int, 3>> kept;
+  for (const auto& triangle : half.triangles)
+    if (half.vertices_m[static_cast<std::size_t>(triangle[0])].x() < 3e-3) kept.push_back(triangle);
+  half.triangles = kept;
+  const SmoothSurface surface(half, {1e-3, 1.05, 30e-3});
+  const ScannedLayer layer(surface, *surface.project(Vector3d::Zero(), Vector3d::UnitZ()),
+                           Vector3d::UnitX(), 1e-3, 8e-3);
+  const ScannedLayer::Reach towards = layer.reach(0), away = layer.reach(M_PI);
+  EXPECT_EQ(towards.end, ClothEnd::rim);
+  EXPECT_NEAR(towards.distance, R * std::asin(3e-3 / R), 1e-3);  // a cell or two
+  EXPECT_GT(away.distance, 6e-3);
+}
+
+}  // namespace
+}  // namespace softfinger::meshes
