@@ -44,8 +44,8 @@ struct AreaIntegrals {
       const double twice_area = p.x() * q.y() - q.x() * p.y();  // of the triangle with the origin
       area += twice_area / 2;
       first += twice_area / 6 * (p + q);
-      second += twice_area / 24 * (p * p.transpose() + q * q.transpose() +
-                                   (p + q) * (p + q).transpose());
+      second +=
+          twice_area / 24 * (p * p.transpose() + q * q.transpose() + (p + q) * (p + q).transpose());
     }
   }
 };

@@ -28,9 +28,9 @@ struct ContactEdge {
 struct OutlineShape {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double area = 0;
-  double a = 0, b = 0;    ///< semi-axes of the ellipse, a >= b, pi a b the area
-  double turn_rad = 0;    ///< of its long axis from x, from -pi/2 to pi/2
-  double departure = 0;   ///< largest distance of an outline from the ellipse, over b
+  double a = 0, b = 0;   ///< semi-axes of the ellipse, a >= b, pi a b the area
+  double turn_rad = 0;   ///< of its long axis from x, from -pi/2 to pi/2
+  double departure = 0;  ///< largest distance of an outline from the ellipse, over b
 };
 
 /// A smooth curve through an outline that winds once around its centre, as seen from there: the

@@ -104,8 +104,8 @@ ContactShape from_nodes(const NodalContact& contact) {
     const SurfaceFace& face = pressure.faces.front();
     const double cells = std::sqrt(outline.area / (face.size_x * face.size_y) / M_PI);
     for (Eigen::Matrix2Xd& points : shape.outlines)
-      points = ((points.colwise() - outline.centre) * (1 - outside / cells)).colwise() +
-               outline.centre;
+      points =
+          ((points.colwise() - outline.centre) * (1 - outside / cells)).colwise() + outline.centre;
   }
   smooth(shape.outlines);
   outline = shape_of(shape.outlines);
@@ -147,8 +147,9 @@ ContactShape measure_shape(const NodalContact& contact) {
   ContactShape by_nodes = from_nodes(contact);
   // Without symmetry the pressure may have any shape, and fits of it scatter more than the nodes.
   if (contact.whole || !contact.regular) return by_nodes;
-  if (std::optional<PressureFit> fit = fit_pressure(
-          contact.pressure, touching_ellipse(contact.pressure.nodes, contact.pressure.force, false)))
+  if (std::optional<PressureFit> fit =
+          fit_pressure(contact.pressure,
+                       touching_ellipse(contact.pressure.nodes, contact.pressure.force, false)))
     return from_fit(contact, std::move(*fit), std::move(by_nodes));
   return by_nodes;
 }

@@ -29,15 +29,15 @@ struct NodalContact {
   explicit NodalContact(const NodalPressure& nodal) : pressure(nodal) {}
 
   NodalPressure pressure;
-  bool whole = false;  ///< not a quarter of a symmetric contact
+  bool whole = false;               ///< not a quarter of a symmetric contact
   double rough_a = 0, rough_b = 0;  ///< semi-axes along the surface
   Eigen::VectorXd nodal_pressure;   ///< force over the node's area
   /// Where a point of the surface is seen along the load.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> place;
-  Eigen::Matrix2Xd position;                    ///< of each node, seen along the load
-  std::function<Eigen::VectorXd()> clearance;   ///< of each node from the object
-  double modulus = 1;                           ///< E / (1 - nu²) of the surface's material
-  bool regular = true;                          ///< faces are a grid of rectangles
+  Eigen::Matrix2Xd position;                   ///< of each node, seen along the load
+  std::function<Eigen::VectorXd()> clearance;  ///< of each node from the object
+  double modulus = 1;                          ///< E / (1 - nu²) of the surface's material
+  bool regular = true;                         ///< faces are a grid of rectangles
 };
 
 /// Semi-axes of the ellipse along x and y about the block's origin that holds all nodes that touch,

@@ -14,8 +14,7 @@ constexpr double load_per_approach = 2;
 
 double relative_difference(double coarse, double fine) { return std::abs(coarse / fine - 1); }
 
-void add_without_fit(const WithoutFit& missed, int elements_per_semi_axis,
-                          RelativeError& error) {
+void add_without_fit(const WithoutFit& missed, int elements_per_semi_axis, RelativeError& error) {
   const double of_edge = missed.cells / elements_per_semi_axis;
   error.a += of_edge + missed.axes;
   error.b += of_edge + missed.axes;
@@ -69,18 +68,21 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
     return stated_error(relative_difference(coarse.*quantity, fine.*quantity), refinement,
                         constants, crossed);
   };
-  const double edge = unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) +
-                      fine.fit_ambiguity;
+  const double edge =
+      unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) + fine.fit_ambiguity;
   const WallChange& wall = setting.wall;
   RelativeError result;
   result.a = error(&LevelResult::a_m, table.edge) + edge + std::abs(wall.a);
   result.b = error(&LevelResult::b_m, table.edge) + edge + std::abs(wall.b);
   result.area = error(&LevelResult::area_m2, table.area) + 2 * edge + std::abs(wall.area);
-  result.peak_pressure = error(&LevelResult::peak_pressure_Pa, table.peak) + std::abs(wall.peak_pressure);
+  result.peak_pressure =
+      error(&LevelResult::peak_pressure_Pa, table.peak) + std::abs(wall.peak_pressure);
   result.indentation = error(&LevelResult::indentation_m, table.integral) +
-                       cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) + std::abs(wall.indentation);
+                       cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) +
+                       std::abs(wall.indentation);
   result.load = error(&LevelResult::load_N, table.integral) + std::abs(wall.load);
-  result.max_torque = error(&LevelResult::max_torque_Nm, table.integral) + std::abs(wall.max_torque);
+  result.max_torque =
+      error(&LevelResult::max_torque_Nm, table.integral) + std::abs(wall.max_torque);
   if (setting.is_scan) {
     result.indentation += cells_on_scan(fine, setting.thickness_m, 1e-3, 0.1);
     result.load += 2 * cells_on_scan(fine, setting.thickness_m, 1e-3, 0.1);
@@ -92,8 +94,7 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
 RelativeError error_of_contact(const ErrorTable& table, const LevelResult& coarse,
                                const LevelResult& fine, const ErrorSetting& setting) {
   RelativeError error = error_of_levels(table, coarse, fine, setting);
-  if (!setting.fitted)
-    add_without_fit(table.without_fit, fine.elements_per_semi_axis, error);
+  if (!setting.fitted) add_without_fit(table.without_fit, fine.elements_per_semi_axis, error);
   if (setting.rounded_edges) add_rounded_edges(fine.indentation_m / setting.thickness_m, error);
   (setting.approach_given ? error.indentation : error.load) = 0;
   return error;

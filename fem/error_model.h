@@ -127,12 +127,12 @@ double cells_on_scan(const LevelResult& fine, double thickness_m, double largest
 /// Properties of a contact that its error depends on, besides the two levels.
 struct ErrorSetting {
   double thickness_m = 0;
-  bool fitted = true;           ///< the edge is that of a fitted pressure
-  bool layered = false;         ///< of several sublayers
+  bool fitted = true;    ///< the edge is that of a fitted pressure
+  bool layered = false;  ///< of several sublayers
   bool is_scan = false;
   bool approach_given = false;  ///< by the user, in place of the load
-  WallChange wall;             ///< half the difference of a clamped wall, 0 where it is far away
-  bool rounded_edges = false;  ///< the object's facets are replaced by a smooth surface
+  WallChange wall;              ///< half the difference of a clamped wall, 0 where it is far away
+  bool rounded_edges = false;   ///< the object's facets are replaced by a smooth surface
 };
 
 /// Error by the meshes alone, without the parts that the kind of contact adds.

@@ -62,9 +62,12 @@ class ScanShape : public LayerShape {
   }
   Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
     switch (layer_->end_in(h_ * low_x, h_ * high_x, h_ * low_y, h_ * high_y)) {
-      case meshes::ClothEnd::none: return Cover::whole;
-      case meshes::ClothEnd::rim: return Cover::rim;
-      default: return Cover::cut;
+      case meshes::ClothEnd::none:
+        return Cover::whole;
+      case meshes::ClothEnd::rim:
+        return Cover::rim;
+      default:
+        return Cover::cut;
     }
   }
 
@@ -76,8 +79,8 @@ class ScanShape : public LayerShape {
   mutable std::optional<meshes::ScannedLayer> layer_;
 };
 
-/// The surface's point where the gap to the object is smallest, found from the aimed point by going
-/// down in steps that become smaller.
+/// The surface's point where the gap to the object is smallest, found from around the aimed point
+/// by going down in steps that become smaller.
 meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surface,
                                               const meshes::ObjectSurface& object,
                                               double thickness_m) {
@@ -87,10 +90,24 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   };
   const auto start = surface.project(Vector3d::Zero(), Vector3d::UnitZ());
   if (!start)
-    throw InputError("finger", "surface", "none at the aimed point", "a point on the finger's skin");
+    throw InputError("finger", "surface", "none at the aimed point",
+                     "a point on the finger's skin");
   meshes::SmoothSurface::Point at = *start;
   double lowest = gap(at);
   constexpr int directions = 16, most_steps = 2000;
+  // Bumps and facets make many lowest points: the search begins at the lowest one nearby.
+  for (const double radius : {0.5, 1.0, 1.5, 2.0})
+    for (int k = 0; k < directions; ++k) {
+      const double angle = 2 * M_PI * k / directions;
+      const auto next = surface.project(
+          start->position + radius * thickness_m * Vector3d(std::cos(angle), std::sin(angle), 0),
+          start->normal);
+      if (!next || next->to_sample > surface.spacing()) continue;
+      if (const double found = gap(*next); found < lowest) {
+        at = *next;
+        lowest = found;
+      }
+    }
   double step = thickness_m / 2;
   for (int i = 0; i < most_steps && step > 1e-4 * thickness_m; ++i) {
     meshes::SmoothSurface::Point best = at;
@@ -119,10 +136,10 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   if (!(at.normal.z() > steepest))
     throw InputError(
         "contact", "first touch",
-        formatted("x %.4g mm, y %.4g mm from the aimed point, where the finger's surface is inclined "
-                  "by %.0f degrees",
-                  1e3 * at.position.x(), 1e3 * at.position.y(),
-                  std::acos(at.normal.z()) * 180 / M_PI),
+        formatted(
+            "x %.4g mm, y %.4g mm from the aimed point, where the finger's surface is inclined "
+            "by %.0f degrees",
+            1e3 * at.position.x(), 1e3 * at.position.y(), std::acos(at.normal.z()) * 180 / M_PI),
         "an aimed point whose normal points at the object: the finger ends or has an edge here");
   return at;
 }

@@ -31,8 +31,8 @@ struct FingertipShape {
   std::shared_ptr<const LayerShape> shape;
   double reach_x = 0, reach_y = 0;  ///< in h; infinite where the shape itself says what it covers
   bool is_scan = false;
-  /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere than
-  /// the aimed point where the scan's surface is inclined there.
+  /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere
+  /// than the aimed point where the scan's surface is inclined there.
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
 };
 

@@ -50,8 +50,8 @@ class LayerShape {
   /// the object is symmetric as well.
   virtual bool symmetric() const = 0;
 
-  /// Makes sure that the shape is known up to this distance from the contact, where the surface goes
-  /// that far.
+  /// Makes sure that the shape is known up to this distance from the contact, where the surface
+  /// goes that far.
   virtual void cover(double /*radius*/) const {}
   /// What there is of the layer under a rectangle of the block.
   enum class Cover {

@@ -199,7 +199,8 @@ void refine_towards_patch(const LayerDiscretisation& discretisation, int refinem
       // A cell is halved while it is nearer to the patch than a share of its longest side: measured
       // along its own sides, flat cells would leave the stress under the patch to coarse ones.
       const auto size = high - low;
-      const double reach = fine_surroundings(discretisation) * std::max({size[0], size[1], size[2]});
+      const double reach =
+          fine_surroundings(discretisation) * std::max({size[0], size[1], size[2]});
       const auto distance = [&](unsigned int c) { return std::max({0.0, low[c], -high[c]}); };
       const double x = std::max(0.0, distance(0) - reach) / patch_x;
       const double y = std::max(0.0, distance(1) - reach) / patch_y;
@@ -570,7 +571,8 @@ void LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
     // The square's corners are farther away than the wall has to be.
     const LayerDiscretisation& mesh = discretisation;
     const Eigen::Vector3d nearest = low.cwiseMax(-high).cwiseMax(0.0);
-    if (std::hypot(nearest.x() / (mesh.a + mesh.extent), nearest.y() / (mesh.b + mesh.extent)) > 1 ||
+    if (std::hypot(nearest.x() / (mesh.a + mesh.extent), nearest.y() / (mesh.b + mesh.extent)) >
+            1 ||
         shape->covers(low.x(), high.x(), low.y(), high.y()) != LayerShape::Cover::whole)
       continue;
     covered.cells.push_back(block.cells[i]);

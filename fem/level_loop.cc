@@ -200,11 +200,13 @@ class LevelLoop {
     // The torque over the load is a length of the contact, and one that no fit blurs.
     const double load = half(&LevelResult::load_N), torque = half(&LevelResult::max_torque_Nm);
     const double length = torque - load;
-    result_.wall = {length, length, 2 * length, half(&LevelResult::indentation_m),
-                    load - 2 * length, torque, load};
-    task_.progress(formatted("side wall: clamped it would change the contact's size by %.2g, d by "
-                             "%.2g, load by %.2g %%; half of that is taken",
-                             200 * length, 200 * result_.wall.indentation, 200 * load));
+    result_.wall = {
+        length, length, 2 * length, half(&LevelResult::indentation_m), load - 2 * length,
+        torque, load};
+    task_.progress(
+        formatted("side wall: clamped it would change the contact's size by %.2g, d by "
+                  "%.2g, load by %.2g %%; half of that is taken",
+                  200 * length, 200 * result_.wall.indentation, 200 * load));
   }
 
   void correct_wall() {
@@ -289,6 +291,9 @@ class LevelLoop {
   }
 
   void describe() {
+    for (std::size_t c = 0; c < 3; ++c)
+      result_.first_touch_m[c] = task_.pressing.thickness_m *
+                                 task_.pressing.bent.first_touch[static_cast<Eigen::Index>(c)];
     const LevelResult& finest = result_.finest;
     result_.pressure_exponent = finest.area_m2 * finest.peak_pressure_Pa / finest.load_N - 1;
     const std::vector<PressurePoint> pressures = physics_.pressures();

@@ -34,8 +34,8 @@ double Pressing::gap(const SurfaceNode& node) const {
         fingertip.object->height(thickness_m * (x + first.x()), thickness_m * (y + first.y()));
     if (!height)
       throw InputError("object", "surface",
-                       formatted("x %.4g mm, y %.4g mm from the first touch",
-                                 1e3 * thickness_m * x, 1e3 * thickness_m * y),
+                       formatted("x %.4g mm, y %.4g mm from the first touch", 1e3 * thickness_m * x,
+                                 1e3 * thickness_m * y),
                        "an object that covers the contact");
     return *height / thickness_m - first.z() - node.position.z();
   }
@@ -94,6 +94,7 @@ Pressing pressing_of(const Problem& problem) {
     pressing.load = problem.contact.load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
   set_sublayers(problem, pressing);
   pressing.thickness_m = h;
+  pressing.unit_of_force_N = layer.youngs_modulus_Pa * h * h;
   pressing.mesh = problem.mesh;
   if (problem.fingertip) {
     pressing.fingertip = problem.fingertip;
@@ -155,6 +156,55 @@ std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discreti
                                             pressing.bent.shape, pressing.whole());
 }
 
+namespace {
+
+/// The node where a contact touches the end of the surface that can be touched; none: nullptr.
+const SurfaceNode* touched_end(const std::vector<SurfaceNode>& nodes,
+                               const Eigen::VectorXd& force) {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].at_end && force[static_cast<Index>(i)] > 0) return &nodes[i];
+  return nullptr;
+}
+
+/// Refuses a contact that reaches the end of a scan's layer. Says in which direction and how much
+/// would fit.
+/// @param solve  the contact with a compliance, at a share of the load or approach
+template <class Solve>
+void require_surface(const Pressed& pressed, const Pressing& pressing, const Solve& solve) {
+  const auto& nodes = pressed.model->nodes();
+  const SurfaceNode* const end = touched_end(nodes, pressed.contact.force);
+  if (!end) return;
+  const Eigen::MatrixXd compliance = pressed.cosine.cwiseInverse().asDiagonal() *
+                                     pressed.model->compliance() *
+                                     pressed.cosine.cwiseInverse().asDiagonal();
+  double fits = 0, too_much = 1;
+  for (int i = 0; i < 10; ++i) {
+    const double share = (fits + too_much) / 2;
+    (touched_end(nodes, solve(compliance, share).force) ? too_much : fits) = share;
+  }
+  refuse_end_of_layer(*end, pressing, fits);
+}
+
+}  // namespace
+
+void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing, double fits) {
+  const double mm = 1e3 * pressing.thickness_m;
+  const char* const why =
+      pressing.bent.shape->covers(end.x, end.x, end.y, end.y) == LayerShape::Cover::rim
+          ? "the finger's surface ends"
+          : "its layer would fold or turn away";
+  const std::string given =
+      pressing.approach > 0
+          ? formatted("an approach of %.3g mm", mm * fits * pressing.approach)
+          : formatted("a load of %.3g N", pressing.unit_of_force_N * fits * pressing.load);
+  throw InputError(
+      "contact", "room on the finger",
+      formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
+                mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y()),
+      fits > 0 ? "a contact that stays on it: " + given + " at most, or another point"
+               : "another point, or a thinner layer: nothing fits here");
+}
+
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {
   Pressed pressed;
   pressed.copies = pressing.whole() ? 1 : 4;
@@ -179,18 +229,22 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
     pressed.gap[i] = out_of_reach;
   }
   // The approach counts from the first touch, which on a triangulated surface is not the origin.
-  if (pressing.fingertip && !pressing.bent.is_scan) pressed.gap.array() -= pressed.gap.minCoeff();
-  const auto solve = [&](const Eigen::MatrixXd& compliance) {
+  if (pressing.fingertip) pressed.gap.array() -= pressed.gap.minCoeff();
+  const auto solve = [&](const Eigen::MatrixXd& compliance, double share) {
     return pressing.approach > 0
-               ? solve_normal_contact_at(compliance, pressed.gap, pressing.approach)
-               : solve_normal_contact(compliance, pressed.gap, pressing.load / pressed.copies);
+               ? solve_normal_contact_at(compliance, pressed.gap, share * pressing.approach)
+               : solve_normal_contact(compliance, pressed.gap,
+                                      share * pressing.load / pressed.copies);
   };
   if (pressing.fingertip || pressing.mesh)
     pressed.contact = solve(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
-                            cosine.cwiseInverse().asDiagonal());
+                                cosine.cwiseInverse().asDiagonal(),
+                            1);
   else
-    pressed.contact = solve(pressed.model->compliance());
+    pressed.contact = solve(pressed.model->compliance(), 1);
   pressed.normal_force = pressed.contact.force.cwiseQuotient(cosine);
+
+  if (pressing.bent.is_scan) require_surface(pressed, pressing, solve);
 
   double xx = 0, yy = 0;
   const double spacing_a = 0.5 / discretisation.elements_along_a();
@@ -203,7 +257,7 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
       throw InputError("contact", "slope of the finger's surface", cosine[i],
                        "a contact that does not wrap around the finger (cosine of the slope at "
                        "least 0.3): less load");
-    if (nodes[static_cast<std::size_t>(i)].at_end)
+    if (pressing.mesh && nodes[static_cast<std::size_t>(i)].at_end)
       refuse_end_of_surface(nodes[static_cast<std::size_t>(i)], pressing.thickness_m);
     const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
     const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
@@ -250,8 +304,7 @@ ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
     return pressing.bent.shape->position(at.x(), at.y(), 0).head<2>();
   };
   contact.clearance = [&]() -> Eigen::VectorXd {
-    const Eigen::VectorXd sunk =
-        pressed.model->compliance() * pressed.normal_force;
+    const Eigen::VectorXd sunk = pressed.model->compliance() * pressed.normal_force;
     return (pressed.gap + sunk.cwiseQuotient(pressed.cosine)).array() - pressed.contact.approach;
   };
   contact.modulus = pressing.surface_modulus();

@@ -24,7 +24,8 @@ struct Pressing {
   std::vector<double> interfaces;
   std::vector<ElasticConstants> sublayers;  ///< none: homogeneous
   double thickness_m = 1;
-  Fingertip fingertip;  ///< none: a flat layer, and the gap of the relative radii
+  double unit_of_force_N = 1;  ///< E h²
+  Fingertip fingertip;         ///< none: a flat layer, and the gap of the relative radii
   FingertipShape bent;
   std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
 
@@ -66,14 +67,20 @@ struct Pressed {
   double pressure(Eigen::Index node) const;
   /// P / (E h²)
   double load() const { return copies * contact.force.sum(); }
-  /// int p r dA / P over the contact seen along the load, r the distance from the pressure's centre:
-  /// the deformed surface has the object's slope, not the finger's.
+  /// int p r dA / P over the contact seen along the load, r the distance from the pressure's
+  /// centre: the deformed surface has the object's slope, not the finger's.
   double torque_arm() const;
 };
 
 /// Refuses a mesh from outside whose surface ends at a node that the object touches.
 /// @throws InputError
 [[noreturn]] void refuse_end_of_surface(const SurfaceNode& node, double thickness_m);
+
+/// Refuses a contact that reaches the end of a scan's layer.
+/// @param fits  share of the load or approach that does not; 0: not known, or none
+/// @throws InputError
+[[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
+                                      double fits);
 
 /// Semi-axes to begin meshing with: half-space and thin-layer stiffness added. It decides how
 /// many meshes are tried, never the result.

@@ -156,11 +156,11 @@ class Fit {
 
   /// A point of the contact in scaled coordinates.
   struct Point {
-    double x, y;          ///< relative to a, b from the centre; on a deformed surface as seen there
-    double fraction;      ///< r: of the way to the edge
-    double root;          ///< sqrt(1 - r²)
-    double area;          ///< that the point stands for, deformed
-    double edge;          ///< rho
+    double x, y;      ///< relative to a, b from the centre; on a deformed surface as seen there
+    double fraction;  ///< r: of the way to the edge
+    double root;      ///< sqrt(1 - r²)
+    double area;      ///< that the point stands for, deformed
+    double edge;      ///< rho
     double angle, cosine, sine;
   };
 
@@ -314,9 +314,10 @@ std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, const Con
     }
   // Of fits that are as good as any, within the discretisation's noise, the simplest.
   constexpr double as_good = 1.15;
-  found.erase(std::remove_if(found.begin(), found.end(),
-                             [&](const Candidate& one) { return one.validated > as_good * validated; }),
-              found.end());
+  found.erase(
+      std::remove_if(found.begin(), found.end(),
+                     [&](const Candidate& one) { return one.validated > as_good * validated; }),
+      found.end());
   if (found.empty()) return std::nullopt;
   const Candidate* best = &found.front();
   fit.find_polynomial(best->edge, best->degree);
@@ -335,8 +336,8 @@ std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, const Con
     for (int j = 0; j < steps; ++j) {
       const double t = M_PI / 2 * j / (steps - 1.0), r = i / (1.0 * steps);
       const double rho = result.edge.radius(t);
-      result.peak = std::max(
-          result.peak, fit.pressure_at(r * rho * std::cos(t), r * rho * std::sin(t), r));
+      result.peak =
+          std::max(result.peak, fit.pressure_at(r * rho * std::cos(t), r * rho * std::sin(t), r));
     }
   return result;
 }

@@ -41,7 +41,7 @@ struct PressureFit {
   double peak = 0;             ///< largest
   double residual = 0;         ///< rms of (nodal - fitted) pressure over the mean pressure
   int degree = 0;              ///< of the polynomial
-  double ambiguity = 0;  ///< relative difference in a or b of other degrees that fit as well
+  double ambiguity = 0;        ///< relative difference in a or b of other degrees that fit as well
 };
 
 /// Fits p = sqrt(1 - r²) times a polynomial to nodal forces: the moments of p with the surface's

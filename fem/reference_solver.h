@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -147,6 +148,9 @@ struct Result {
   /// Half of what a clamped side wall changes, from the free one, measured on the coarse level. A
   /// real layer goes on beyond it and lies between the two: all levels are corrected by this much.
   WallChange wall;
+  /// Where a scanned finger touches the object first, from the aimed point in the contact's frame;
+  /// outlines and profiles count from there.
+  std::array<double, 3> first_touch_m{};
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1
   Profile along_x, along_y;  ///< nodal pressure from the centre outwards

@@ -92,7 +92,9 @@ json to_json(const Problem& problem, const Result& result) {
       {"outline_m", outlines.empty() ? json::array() : outlines.front()},
       {"ellipse_departure", finest.ellipse_departure},
       {"kinematics", problem.finite_strain ? "finite" : "linear"},
-      {"geometry", problem.mesh ? "mesh" : problem.fingertip ? "curved" : "flat"},
+      {"geometry", problem.mesh        ? "mesh"
+                   : problem.fingertip ? "curved"
+                                       : "flat"},
       {"max_torque_Nm", finest.max_torque_Nm},
       {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
       {"error",
@@ -121,6 +123,7 @@ json to_json(const Problem& problem, const Result& result) {
     output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
     output["strain_energy_J"] = finest.strain_energy_J;
   }
+  if (problem.fingertip.scan) output["first_touch_m"] = result.first_touch_m;
   if (outlines.size() > 1) output["outlines_m"] = std::move(outlines);
   add_friction(problem, result, output);
   return output;

@@ -75,8 +75,8 @@ class Tracer {
   Vector2d place(const Crossing& crossing) const {
     const Vector2d inside = place(crossing.first), outside = place(crossing.second);
     return inside + edge_between(state_.pressure[crossing.first.node],
-                                 state_.clearance[crossing.second.node],
-                                 (outside - inside).norm(), state_.modulus) *
+                                 state_.clearance[crossing.second.node], (outside - inside).norm(),
+                                 state_.modulus) *
                         (outside - inside);
   }
 
@@ -87,7 +87,8 @@ class Tracer {
     for (std::size_t i = 0; i < 4; ++i) around[i] = node_of(face, corner + steps[i], image);
     if (std::any_of(around.begin(), around.end(), [](ImageNode at) { return at.node < 0; })) return;
     // Mirror images run clockwise, and so may faces of meshes from outside.
-    const Vector2d one = place(around[2]) - place(around[0]), other = place(around[3]) - place(around[1]);
+    const Vector2d one = place(around[2]) - place(around[0]),
+                   other = place(around[3]) - place(around[1]);
     if (one.x() * other.y() < one.y() * other.x()) std::swap(around[1], around[3]);
     // Walking around, the outline enters where a touching node is followed by an open one.
     std::vector<Crossing> leaves, enters;

@@ -58,7 +58,8 @@ class DeformedSurface : public SurfaceDeformation {
   std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
-/// Integral of the deformed area over a fitted contact of a quarter: midpoints in scaled polar coordinates.
+/// Integral of the deformed area over a fitted contact of a quarter: midpoints in scaled polar
+/// coordinates.
 double deformed_area(const DeformedSurface& surface, const ContactEdge& edge) {
   constexpr int steps = 64;
   constexpr double turn = M_PI / 2 / steps;
@@ -92,7 +93,8 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   const Equilibrium& equilibrium = pressing.equilibrium();
   const auto& nodes = layer.nodes();
   const DeformedSurface surface(layer);
-  NodalContact nodal({nodes, layer.faces(), equilibrium.normal_force, layer.sublayers() > 1, &surface});
+  NodalContact nodal(
+      {nodes, layer.faces(), equilibrium.normal_force, layer.sublayers() > 1, &surface});
   nodal.whole = layer.whole();
   nodal.rough_a = equilibrium.moment_a;
   nodal.rough_b = equilibrium.moment_b;
@@ -108,9 +110,8 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   nodal.regular = layer.has_grid();
   DeformedContact contact;
   contact.shape = measure_shape(nodal);
-  contact.area = contact.shape.fit
-                     ? deformed_area(surface, contact.shape.fit->edge)
-                     : contact.shape.projected_area * inclination(pressing);
+  contact.area = contact.shape.fit ? deformed_area(surface, contact.shape.fit->edge)
+                                   : contact.shape.projected_area * inclination(pressing);
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   if (layer.whole()) centre = nodal.position * equilibrium.force / equilibrium.force.sum();
   double moment = 0, projected = 0;

@@ -36,8 +36,8 @@ Materials materials_of(const ContactTask& task) {
 std::shared_ptr<const RigidObject> object_of(const Pressing& pressing) {
   if (pressing.fingertip) {
     const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m,
-                         first = pressing.bent.first_touch](
-                            double x, double y) -> std::optional<double> {
+                         first = pressing.bent.first_touch](double x,
+                                                            double y) -> std::optional<double> {
       const auto found = object->height(h * (x + first.x()), h * (y + first.y()));
       if (!found) return std::nullopt;
       return *found / h - first.z();
@@ -89,8 +89,12 @@ class FiniteContact : public ContactPhysics {
     }
     for (const int node : pressing->touching_nodes().node)
       if (const SurfaceNode& at = pressing->layer().nodes()[static_cast<std::size_t>(node)];
-          at.at_end)
-        refuse_end_of_surface(at, h_);
+          at.at_end) {
+        if (task_.pressing.mesh) refuse_end_of_surface(at, h_);
+        // A contact is about as wide as the load's third root.
+        constexpr double surely = 0.5;
+        refuse_end_of_layer(at, task_.pressing, surely);
+      }
     pressing_ = std::move(pressing);
   }
 

@@ -8,13 +8,12 @@
 #include <deal.II/numerics/data_out.h>
 #include <deal.II/numerics/data_postprocessor.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
-
-#include <Eigen/Cholesky>
 
 #include "fem/layer_space.h"
 #include "fem/positive_definite.h"
@@ -511,9 +510,10 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
       found->cell->get_dof_indices(their_indices);
       double value = 0;
       for (unsigned int k = 0; k < count; ++k)
-        if (self.element.system_to_component_index(k).first == static_cast<unsigned int>(self.component[indices[i]]))
-          value += from.state.displacement[their_indices[k]] *
-                   from.element.shape_value(k, found->unit);
+        if (self.element.system_to_component_index(k).first ==
+            static_cast<unsigned int>(self.component[indices[i]]))
+          value +=
+              from.state.displacement[their_indices[k]] * from.element.shape_value(k, found->unit);
       self.state.displacement[indices[i]] = value;
     }
     const auto middle = place(dealii::Point<dim>(0.5, 0.5, 0.5));

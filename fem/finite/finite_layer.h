@@ -104,8 +104,8 @@ class FiniteLayer {
   void write_vtu(const std::string& path, const Eigen::VectorXd& pressure, double thickness_m,
                  double youngs_modulus_Pa) const;
 
-  /// Takes over the state of the same layer on another mesh, interpolated: where Newton's method can
-  /// go on from. What the other mesh does not cover stays as it was.
+  /// Takes over the state of the same layer on another mesh, interpolated: where Newton's method
+  /// can go on from. What the other mesh does not cover stays as it was.
   void continue_from(const FiniteLayer& other);
 
   /// Gives the memory of the factorisation back.

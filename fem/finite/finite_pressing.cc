@@ -246,7 +246,8 @@ void FinitePressing::continue_from(const FinitePressing& other) {
       for (const int k : {0, 2, 6, 8})
         if (const int node = face.node[static_cast<std::size_t>(k)]; node >= 0)
           pressure += (k % 3 == 0 ? 1 - xi : xi) * (k < 3 ? 1 - eta : eta) *
-                      other.equilibrium_.force[node] / theirs[static_cast<std::size_t>(node)].weight;
+                      other.equilibrium_.force[node] /
+                      theirs[static_cast<std::size_t>(node)].weight;
       equilibrium_.force[static_cast<Index>(i)] = pressure * nodes[i].weight;
       break;
     }

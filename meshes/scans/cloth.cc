@@ -98,8 +98,8 @@ class Layer {
     return added;
   }
 
-  /// As rigid as possible: turns the lattice of each corner of each cell as its nodes lie, and finds
-  /// the nodes whose edges are nearest to those.
+  /// As rigid as possible: turns the lattice of each corner of each cell as its nodes lie, and
+  /// finds the nodes whose edges are nearest to those.
   void relax(int times) {
     number_nodes();
     for (int time = 0; time < times; ++time) {
@@ -153,7 +153,8 @@ class Layer {
                    along_y = (cloth_.node(i + u, j + 1).position - cloth_.node(i + u, j).position);
     const Vector3d& normal = cloth_.node(i + u, j + v).normal;
     const Vector3d x = normal.unitOrthogonal(), y = normal.cross(x);
-    const double angle = std::atan2(along_x.dot(y) - along_y.dot(x), along_x.dot(x) + along_y.dot(y));
+    const double angle =
+        std::atan2(along_x.dot(y) - along_y.dot(x), along_x.dot(x) + along_y.dot(y));
     const Vector3d turned_x = s * (std::cos(angle) * x + std::sin(angle) * y),
                    turned_y = s * (-std::sin(angle) * x + std::cos(angle) * y);
     const auto add = [&](int from, int to, const Vector3d& edge) {

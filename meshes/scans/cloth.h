@@ -9,12 +9,12 @@ namespace softfinger::meshes {
 
 /// Why a cloth ends at a node.
 enum class ClothEnd : char {
-  none,     ///< it does not: the node lies on the surface
-  far,      ///< farther than was asked for
-  rim,      ///< the surface ends
-  turned,   ///< the surface faces away from the load
-  crease,   ///< the surface turns too sharply
-  fold,     ///< the cloth or the layer under it would fold
+  none,    ///< it does not: the node lies on the surface
+  far,     ///< farther than was asked for
+  rim,     ///< the surface ends
+  turned,  ///< the surface faces away from the load
+  crease,  ///< the surface turns too sharply
+  fold,    ///< the cloth or the layer under it would fold
 };
 
 /// A square lattice of points laid on a surface as a cloth is, lengths and angles changed as little
@@ -47,8 +47,8 @@ class Cloth {
   std::vector<Node> nodes_;
 };
 
-/// Lays a cloth over the disc of this radius around a point of the surface. It grows from there ring
-/// by ring; after each one it is relaxed as rigidly as possible (O. Sorkine, M. Alexa,
+/// Lays a cloth over the disc of this radius around a point of the surface. It grows from there
+/// ring by ring; after each one it is relaxed as rigidly as possible (O. Sorkine, M. Alexa,
 /// As-Rigid-As-Possible Surface Modeling, SGP 2007) and drawn to the surface.
 /// @param x_axis  of the cloth at its centre; its part along the surface counts
 Cloth lay_cloth(const SmoothSurface& surface, const SmoothSurface::Point& centre,

@@ -78,9 +78,11 @@ std::vector<ScannedLayer::Jet> ScannedLayer::jets_of(const Field& values) const 
         else if (ahead && behind)
           slope = (at(1) - at(-1)) / 2;
         else if (ahead)
-          slope = lies(2) ? Vector3d(-1.5 * at(0) + 2 * at(1) - 0.5 * at(2)) : Vector3d(at(1) - at(0));
+          slope =
+              lies(2) ? Vector3d(-1.5 * at(0) + 2 * at(1) - 0.5 * at(2)) : Vector3d(at(1) - at(0));
         else if (behind)
-          slope = lies(-2) ? Vector3d(1.5 * at(0) - 2 * at(-1) + 0.5 * at(-2)) : Vector3d(at(0) - at(-1));
+          slope = lies(-2) ? Vector3d(1.5 * at(0) - 2 * at(-1) + 0.5 * at(-2))
+                           : Vector3d(at(0) - at(-1));
       }
     return result;
   };
@@ -105,11 +107,12 @@ ScannedLayer::Patch ScannedLayer::patch(const std::vector<Jet>& jets, double x, 
                      by_slope = along_y.value[v] * jet.by_x + along_y.slope[v] * jet.by_xy;
       result.value += along_x.value[u] * by_value + along_x.slope[u] * by_slope;
       result.by_x += (along_x.value_change[u] * by_value + along_x.slope_change[u] * by_slope) / s;
-      result.by_y += (along_x.value[u] * (along_y.value_change[v] * jet.value +
-                                          along_y.slope_change[v] * jet.by_y) +
-                      along_x.slope[u] * (along_y.value_change[v] * jet.by_x +
-                                          along_y.slope_change[v] * jet.by_xy)) /
-                     s;
+      result.by_y +=
+          (along_x.value[u] *
+               (along_y.value_change[v] * jet.value + along_y.slope_change[v] * jet.by_y) +
+           along_x.slope[u] *
+               (along_y.value_change[v] * jet.by_x + along_y.slope_change[v] * jet.by_xy)) /
+          s;
     }
   return result;
 }
@@ -131,7 +134,8 @@ ScannedLayer::Field ScannedLayer::smoothed(const Field& field, double length) co
       if (row < 0) continue;
       right.row(row) = field[index(i, j)].transpose();
       entries.emplace_back(row, row, 1);
-      for (const auto& [di, dj] : {std::pair(1, 0), std::pair(0, 1), std::pair(-1, 0), std::pair(0, -1)})
+      for (const auto& [di, dj] :
+           {std::pair(1, 0), std::pair(0, 1), std::pair(-1, 0), std::pair(0, -1)})
         if (cloth_.lies(i + di, j + dj)) {
           entries.emplace_back(row, row, weight);
           entries.emplace_back(row, number[index(i + di, j + dj)], -weight);
@@ -172,7 +176,9 @@ double ScannedLayer::depth_below(const Vector3d& point, double x, double y, Vect
     if (!cloth_.lies(i, j) || !cloth_.lies(i + 1, j) || !cloth_.lies(i, j + 1) ||
         !cloth_.lies(i + 1, j + 1)) {
       // At the cloth's edge: from the node itself.
-      if (iteration == 0) at = top_[index(static_cast<int>(std::lround(x / s)), static_cast<int>(std::lround(y / s)))].value;
+      if (iteration == 0)
+        at = top_[index(static_cast<int>(std::lround(x / s)), static_cast<int>(std::lround(y / s)))]
+                 .value;
       break;
     }
     const Patch on = patch(top_, x, y);
@@ -259,7 +265,8 @@ int ScannedLayer::find_cells() {
     for (int i = -half; i < half; ++i) {
       ClothEnd& end = cells_[index(i, j)];
       end = ClothEnd::none;
-      for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
+      for (const auto& [di, dj] :
+           {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
         if (const ClothEnd of = cloth_.node(i + di, j + dj).end; of != ClothEnd::none)
           end = end == ClothEnd::none ? of : std::max(end, of);
       if (end != ClothEnd::none) continue;
@@ -296,7 +303,8 @@ void ScannedLayer::keep_connected() {
     if (i < -half || j < -half || i >= half || j >= half) continue;
     if (reached[index(i, j)] || cells_[index(i, j)] != ClothEnd::none) continue;
     reached[index(i, j)] = 1;
-    for (const auto& [di, dj] : {std::pair(1, 0), std::pair(0, 1), std::pair(-1, 0), std::pair(0, -1)})
+    for (const auto& [di, dj] :
+         {std::pair(1, 0), std::pair(0, 1), std::pair(-1, 0), std::pair(0, -1)})
       front.emplace_back(i + di, j + dj);
   }
   for (std::size_t k = 0; k < cells_.size(); ++k)

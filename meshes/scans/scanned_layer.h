@@ -14,10 +14,10 @@ namespace softfinger::meshes {
 ///
 ///   position(x, y, z) = T(x, y) + z (T(x, y) - C(x, y))
 ///
-/// T is a cloth on the surface, interpolated by bicubic Hermite patches; the core side C lies at the
-/// depth h below it. Where the surface bends more sharply than 1/h its normals would cross inside
-/// the layer: there T - C is smoothed. Lengths are in the surface's unit. Safe to share between
-/// threads.
+/// T is a cloth on the surface, interpolated by bicubic Hermite patches; the core side C lies at
+/// the depth h below it. Where the surface bends more sharply than 1/h its normals would cross
+/// inside the layer: there T - C is smoothed. Lengths are in the surface's unit. Safe to share
+/// between threads.
 class ScannedLayer {
  public:
   /// @param centre  of the contact
@@ -62,7 +62,8 @@ class ScannedLayer {
   using Field = std::vector<Eigen::Vector3d>;
 
   std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>((i + cloth_.half()) + (2 * cloth_.half() + 1) * (j + cloth_.half()));
+    return static_cast<std::size_t>((i + cloth_.half()) +
+                                    (2 * cloth_.half() + 1) * (j + cloth_.half()));
   }
   std::vector<Jet> jets_of(const Field& values) const;
   Patch patch(const std::vector<Jet>& jets, double x, double y) const;

@@ -49,9 +49,9 @@ class Neighbours {
     }
   };
   Points points_;
-  nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points, double,
-                                                                   std::size_t>,
-                                      Points, dimension, std::size_t>
+  nanoflann::KDTreeSingleIndexAdaptor<
+      nanoflann::L2_Simple_Adaptor<double, Points, double, std::size_t>, Points, dimension,
+      std::size_t>
       tree_;
 };
 
@@ -64,8 +64,8 @@ struct Quadric {
 
 struct Sample {
   Vector3d position, normal;
-  double area = 0;             ///< that it stands for
-  double normal_certainty = 1; ///< of its normal against its position's
+  double area = 0;              ///< that it stands for
+  double normal_certainty = 1;  ///< of its normal against its position's
 };
 
 /// A facet with its corners' normals.
@@ -113,7 +113,8 @@ struct Cell {
 struct CellHash {
   std::size_t operator()(const Cell& cell) const {
     std::size_t hash = 0;
-    for (const int i : cell.index) hash = hash * 1000003u + static_cast<std::size_t>(i + 0x40000000);
+    for (const int i : cell.index)
+      hash = hash * 1000003u + static_cast<std::size_t>(i + 0x40000000);
     return hash;
   }
 };
@@ -372,8 +373,7 @@ SmoothSurface::Departure SmoothSurface::departure(const Point& from, double dist
   Departure result;
   double squares = 0;
   for (const Corners& facet : implementation_->facets) {
-    const Vector3d centre =
-        (facet.position[0] + facet.position[1] + facet.position[2]) / 3;
+    const Vector3d centre = (facet.position[0] + facet.position[1] + facet.position[2]) / 3;
     const Vector3d normal = (facet.position[1] - facet.position[0])
                                 .cross(facet.position[2] - facet.position[0])
                                 .normalized();

@@ -10,8 +10,9 @@ namespace softfinger::meshes {
 
 /// How a smooth surface is drawn through triangles. Lengths in the surface's unit.
 struct Smoothing {
-  double width = 1;             ///< H: what is smaller than that is smoothed
-  double crease_rad = 60 * 3.14159265358979323846 / 180;  ///< facets that meet more sharply make an edge
+  double width = 1;  ///< H: what is smaller than that is smoothed
+  double crease_rad =
+      60 * 3.14159265358979323846 / 180;  ///< facets that meet more sharply make an edge
   /// Only what lies within this distance from the origin is looked at.
   double within = 1e300;
 };
@@ -32,7 +33,7 @@ class SmoothSurface {
  public:
   struct Point {
     Eigen::Vector3d position, normal;  ///< on the surface; unit, outward
-    double to_sample = 0;              ///< distance to the nearest sample: the mesh ends where that is large
+    double to_sample = 0;  ///< distance to the nearest sample: the mesh ends where that is large
   };
 
   /// @throws InputError for a surface without facets of any area within reach.

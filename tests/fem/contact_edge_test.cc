@@ -36,7 +36,8 @@ TEST(OutlineShape, OfATurnedEllipseIsThatEllipse) {
 }
 
 TEST(OutlineShape, HolesAreTakenOff) {
-  const Eigen::Matrix2Xd outer = ellipse(2, 2, 0, {0, 0}, 512), hole = ellipse(1, 1, 0, {0, 0}, 512);
+  const Eigen::Matrix2Xd outer = ellipse(2, 2, 0, {0, 0}, 512),
+                         hole = ellipse(1, 1, 0, {0, 0}, 512);
   const OutlineShape shape = shape_of({outer, hole.rowwise().reverse()});
   EXPECT_NEAR(shape.area / (3 * M_PI), 1, of_512_corners);
 }

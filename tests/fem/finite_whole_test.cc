@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
+#include "fem/error_model.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/error_model.h"
 #include "fem/pressing.h"
 #include "fem/reference_solver.h"
 #include "meshes/generation/object_surface.h"
@@ -120,8 +120,8 @@ TEST(FiniteWhole, TurnsWithFingerAndObject) {
   EXPECT_NEAR(contact[1].shape.b / contact[0].shape.b, 1, of_edges);
   EXPECT_NEAR(contact[1].torque_arm / contact[0].torque_arm, 1, meshes_error);
   // A direction is the less certain the rounder the contact is.
-  const double of_direction =
-      of_edges / (contact[0].shape.a / contact[0].shape.b - contact[0].shape.b / contact[0].shape.a);
+  const double of_direction = of_edges / (contact[0].shape.a / contact[0].shape.b -
+                                          contact[0].shape.b / contact[0].shape.a);
   EXPECT_NEAR(contact[1].shape.turn_rad - contact[0].shape.turn_rad, angle, of_direction);
 }
 

@@ -256,9 +256,9 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
       (std::filesystem::temp_directory_path() / "softfinger_finite_sublayers_test.msh").string();
   tests::LayerMeshFile file;
   constexpr double thickness_m = 2e-3;
-  // The contact's semi-axes are 1.3 mm or so: cells of a third of it.
-  file.block.inner_x = file.block.inner_y = 1.8;
-  file.block.cell_x = file.block.cell_y = 0.45;
+  // The contact's radius is 2 mm or so: cells of a quarter of it.
+  file.block.inner_x = file.block.inner_y = 2.2;
+  file.block.cell_x = file.block.cell_y = 0.55;
   file.block.length_x = file.block.length_y = 12;
   file.block.sublayers = {{0.5, 1}, {1.5, 2}};
   file.block.growth = 1.6;
@@ -267,7 +267,7 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
   const std::vector<std::shared_ptr<const finite::Material>> materials = {
       finite::make_material({}, 4, 0.45), finite::make_material({}, 1, 0.48)};
   LayerDiscretisation mesh;
-  mesh.a = mesh.b = 0.65;
+  mesh.a = mesh.b = 0.8;
   mesh.elements_per_semi_axis = 3;
   mesh.patch = 1.5;
   constexpr double radius = 5, approach = 0.12;

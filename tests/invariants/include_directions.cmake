@@ -35,7 +35,7 @@ may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
 may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
-may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h")
+may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^nanoflann[.]hpp")
 # Only the program knows JSON, and the file that begins with a line of it.
 foreach(file main.cc read_problem.h read_problem.cc result_json.h result_json.cc write_compliance.cc)
   may_include(fem/${file} ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")

@@ -49,8 +49,8 @@ double position_error(const SmoothSurface& surface) {
 }
 
 TEST(SmoothSurface, ConvergesToTheSphereBehindTheFacets) {
-  // Facets lie up to e²/(8 R) below the sphere; the smooth surface a tenth of that or less, and ever
-  // less as they become smaller.
+  // Facets lie up to e²/(8 R) below the sphere; the smooth surface a tenth of that or less, and
+  // ever less as they become smaller.
   double before = 1;
   for (const double edge : {4e-3, 2e-3, 1e-3, 0.5e-3}) {
     const SmoothSurface surface(ball(edge), {1e-3, 1.05, 15e-3});
