@@ -189,10 +189,15 @@ void require_surface(const Pressed& pressed, const Pressing& pressing, const Sol
 
 void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing, double fits) {
   const double mm = 1e3 * pressing.thickness_m;
+  // Around the node, for what is missing there lies on one side of it.
+  bool is_rim = false;
+  constexpr double around = 0.3;
+  for (const double x : {-around, around})
+    for (const double y : {-around, around})
+      is_rim = is_rim || pressing.bent.shape->covers(end.x + x, end.x + x, end.y + y, end.y + y) ==
+                             LayerShape::Cover::rim;
   const char* const why =
-      pressing.bent.shape->covers(end.x, end.x, end.y, end.y) == LayerShape::Cover::rim
-          ? "the finger's surface ends"
-          : "its layer would fold or turn away";
+      is_rim ? "the finger's surface ends" : "its layer would fold or turn away";
   const std::string given =
       pressing.approach > 0
           ? formatted("an approach of %.3g mm", mm * fits * pressing.approach)
