@@ -34,9 +34,10 @@ double refinement_of(const LevelResult& coarse, const LevelResult& fine) {
 }
 
 double stated_error(double difference, double refinement, const ErrorConstants& constants,
-                    double crossed_cells) {
+                    double crossed_cells, int elements) {
+  const double cell = 4.0 / elements;
   return difference / (std::pow(refinement, constants.order) - 1) + constants.common +
-         constants.across * crossed_cells;
+         constants.coarse * cell * cell + constants.across * crossed_cells;
 }
 
 double crossed_cells(const LevelResult& level) {
@@ -66,7 +67,7 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);
   const auto error = [&](double LevelResult::*quantity, const ErrorConstants& constants) {
     return stated_error(relative_difference(coarse.*quantity, fine.*quantity), refinement,
-                        constants, crossed);
+                        constants, crossed, fine.elements_per_semi_axis);
   };
   const double edge =
       unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) + fine.fit_ambiguity;

@@ -63,13 +63,14 @@ TEST(ErrorModel, LevelsThatAgreeStateWhatBothMiss) {
   EXPECT_NEAR(linear.load, 1e-4, round_off);
   EXPECT_NEAR(linear.max_torque, 1e-4, round_off);
   const RelativeError finite = of_levels(finite_strain, level(4), level(8));
-  EXPECT_NEAR(finite.a, 1e-3, round_off);
-  EXPECT_NEAR(finite.b, 1e-3, round_off);
-  EXPECT_NEAR(finite.area, 2e-3, round_off);
+  // With eight elements a quarter of what is missed with four.
+  EXPECT_NEAR(finite.a, 1e-3 + 6e-3 / 4, round_off);
+  EXPECT_NEAR(finite.b, 1e-3 + 6e-3 / 4, round_off);
+  EXPECT_NEAR(finite.area, 2e-3 + 1e-2 / 4, round_off);
   EXPECT_NEAR(finite.peak_pressure, 4e-3, round_off);
-  EXPECT_NEAR(finite.indentation, 1e-4, round_off);
-  EXPECT_NEAR(finite.load, 1e-4, round_off);
-  EXPECT_NEAR(finite.max_torque, 1e-4, round_off);
+  EXPECT_NEAR(finite.indentation, 1e-4 + 2e-4 / 4, round_off);
+  EXPECT_NEAR(finite.load, 1e-4 + 2e-4 / 4, round_off);
+  EXPECT_NEAR(finite.max_torque, 1e-4 + 2e-4 / 4, round_off);
 }
 
 /// A quantity of a level, its error and the order that this is extrapolated with.
@@ -127,7 +128,8 @@ TEST(ErrorModel, LongContactsLoseInTheCellsAwayFromThem) {
   const RelativeError error = away(linear_elasticity, 0.08, 0.02);
   EXPECT_NEAR(error.load, 1e-4, round_off);
   EXPECT_NEAR(error.max_torque, 1e-4, round_off);
-  EXPECT_NEAR(away(finite_strain, 0.08, 0.02).indentation, 1e-4, round_off) << "not measured there";
+  EXPECT_NEAR(away(finite_strain, 0.08, 0.02).indentation, 1e-4 + 2e-4 / 4, round_off)
+      << "not measured there";
 }
 
 TEST(ErrorModel, ThinLayersLeaveTheEdgeUnresolved) {
@@ -140,7 +142,8 @@ TEST(ErrorModel, ThinLayersLeaveTheEdgeUnresolved) {
   EXPECT_NEAR(error.b, 1e-3 + edge, round_off);
   EXPECT_NEAR(error.area, 1e-3 + 2 * edge, round_off);
   EXPECT_NEAR(error.indentation, 1e-4, round_off);
-  EXPECT_NEAR(of_agreeing_levels(finite_strain, fine).a, 1e-3, round_off) << "not measured there";
+  EXPECT_NEAR(of_agreeing_levels(finite_strain, fine).a, 1e-3 + 6e-3 / 36, round_off)
+      << "not measured there";
   fine.oversize = 1.001;  // of a mesh whose cells are larger by that
   EXPECT_NEAR(of_agreeing_levels(linear_elasticity, fine).a, 1e-3 + edge * std::pow(1.001, 3),
               round_off);
@@ -231,7 +234,7 @@ TEST(ErrorModel, RoundedEdgesMoveTheApproachAndItsLoadTwiceAsMuch) {
   ErrorSetting by_approach = setting();
   by_approach.approach_given = by_approach.rounded_edges = true;
   const RelativeError error = error_of_contact(finite_strain, coarser(fine), fine, by_approach);
-  EXPECT_NEAR(error.load, 1e-4 + 2 * 5e-4 / 0.1, round_off);
+  EXPECT_NEAR(error.load, 1e-4 + 2e-4 / 4 + 2 * 5e-4 / 0.1, round_off);
 }
 
 TEST(ErrorModel, WhatIsGivenHasNoError) {
