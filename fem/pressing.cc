@@ -187,7 +187,8 @@ void require_surface(const Pressed& pressed, const Pressing& pressing, const Sol
 
 }  // namespace
 
-void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing, double fits) {
+void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
+                         std::optional<double> fits) {
   const double mm = 1e3 * pressing.thickness_m;
   // Around the node, for what is missing there lies on one side of it.
   bool is_rim = false;
@@ -198,16 +199,20 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing, doubl
                              LayerShape::Cover::rim;
   const char* const why =
       is_rim ? "the finger's surface ends" : "its layer would fold or turn away";
-  const std::string given =
-      pressing.approach > 0
-          ? formatted("an approach of %.3g mm", mm * fits * pressing.approach)
-          : formatted("a load of %.3g N", pressing.unit_of_force_N * fits * pressing.load);
+  std::string allowed = "less load, or another point";
+  if (fits == 0.0)
+    allowed = "another point, or a thinner layer: nothing fits here";
+  else if (fits && pressing.approach > 0)
+    allowed = formatted("an approach of %.3g mm at most, or another point",
+                        mm * *fits * pressing.approach);
+  else if (fits)
+    allowed = formatted("a load of %.3g N at most, or another point",
+                        pressing.unit_of_force_N * *fits * pressing.load);
   throw InputError(
       "contact", "room on the finger",
       formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
                 mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y()),
-      fits > 0 ? "a contact that stays on it: " + given + " at most, or another point"
-               : "another point, or a thinner layer: nothing fits here");
+      allowed);
 }
 
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {

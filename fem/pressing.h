@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "fem/contact_shape.h"
@@ -77,10 +78,11 @@ struct Pressed {
 [[noreturn]] void refuse_end_of_surface(const SurfaceNode& node, double thickness_m);
 
 /// Refuses a contact that reaches the end of a scan's layer.
-/// @param fits  share of the load or approach that does not; 0: not known, or none
+/// @param fits  largest share of the load or approach that does not reach it; 0 where nothing fits,
+/// none where it is not known
 /// @throws InputError
 [[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
-                                      double fits);
+                                      std::optional<double> fits);
 
 /// Semi-axes to begin meshing with: half-space and thin-layer stiffness added. It decides how
 /// many meshes are tried, never the result.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "fem/finite/deformed_contact.h"
@@ -91,9 +92,8 @@ class FiniteContact : public ContactPhysics {
       if (const SurfaceNode& at = pressing->layer().nodes()[static_cast<std::size_t>(node)];
           at.at_end) {
         if (task_.pressing.mesh) refuse_end_of_surface(at, h_);
-        // A contact is about as wide as the load's third root.
-        constexpr double surely = 0.5;
-        refuse_end_of_layer(at, task_.pressing, surely);
+        // How much would fit is not searched for here: each try would be a whole press.
+        refuse_end_of_layer(at, task_.pressing, std::nullopt);
       }
     pressing_ = std::move(pressing);
   }
