@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <memory>
 #include <string>
@@ -478,26 +477,14 @@ TEST(FiniteFriction, AnswersAsLinearElasticityForSmallLoads) {
   }
 }
 
-TEST(FiniteFriction, OfADeeplyPressedSphereCostsLittleBesideThePressing) {
+TEST(FiniteFriction, OfADeeplyPressedSphereSlipsWithTheTorqueOfItsPressure) {
   Problem problem = problem_of(0.01, 0.01, 0.49, 0.3);
   problem.sphere_radius_m = 0.01;
-  const auto seconds_of = [&] {
-    const std::clock_t start = std::clock();
-    const Result result = solve(problem, [](const std::string&) {});
-    if (result.torsion) {
-      EXPECT_NEAR(result.torsion->full_slip_Nm / result.finest.max_torque_Nm, 1, 1e-9);
-      EXPECT_GT(result.torsion->increments.back().slip_fraction, 0.98);
-      EXPECT_GT(result.torsion->curve_error, 0.05) << "no small motion: its error has to say so";
-    }
-    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  };
-  const double with = seconds_of();
-  problem.friction = {};
-  const double pressing = seconds_of();
-  RecordProperty("pressing_cpu_s", std::to_string(pressing));
-  RecordProperty("friction_cpu_s", std::to_string(with - pressing));
-  // One more tangent and factor beside the dozen of the pressing.
-  EXPECT_LT(with - pressing, pressing);
+  const Result result = solve(problem, [](const std::string&) {});
+  ASSERT_TRUE(result.torsion);
+  EXPECT_NEAR(result.torsion->full_slip_Nm / result.finest.max_torque_Nm, 1, 1e-9);
+  EXPECT_GT(result.torsion->increments.back().slip_fraction, 0.98);
+  EXPECT_GT(result.torsion->curve_error, 0.05) << "no small motion: its error has to say so";
 }
 
 std::string refusal(const Problem& problem) {
