@@ -108,13 +108,6 @@ void check_friction(const Problem& problem) {
 
 /// Refuses requests that the finite-strain solver cannot serve.
 void check_finite_strain(const Problem& problem) {
-  const FrictionRequest& friction = problem.friction;
-  if (friction.limit_surface > 0 && friction.increments_to_slip > 0)
-    throw InputError(problem.name, "increments_to_slip", "",
-                     "0 with finite strain: full slip only");
-  if (friction.torsion && (friction.twist_axis_x_m != 0 || friction.twist_axis_y_m != 0))
-    throw InputError(problem.name, "twist_axis_m", "",
-                     "[0, 0] with finite strain: a twist about the contact's centre");
   if (problem.approach_m >= problem.contact.layer.thickness_m)
     throw InputError(problem.name, "approach_m", problem.approach_m,
                      "less than the layer's thickness, which would be pressed through");

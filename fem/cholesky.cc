@@ -34,6 +34,11 @@ struct CholeskyFactor::Implementation {
   cholmod_factor* factor = nullptr;
   int size = 0;
   std::vector<int> last;
+
+  /// The factor's trailing block, lower triangle, in the order of elimination.
+  Eigen::MatrixXd trailing_factor() const;
+  /// A symmetric matrix of which the lower triangle is given, from the order of elimination.
+  Eigen::MatrixXd in_order_of_last(const Eigen::MatrixXd& lower) const;
 };
 
 namespace {
@@ -119,6 +124,12 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix,
   std::vector<int> ordering = with_last(dissection, last);
   implementation_->factor = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
   if (implementation_->factor) require_memory(*implementation_->factor, matrix, last.size());
+  factorise(matrix);
+}
+
+void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
+  auto& common = implementation_->common;
+  cholmod_sparse view = view_of(matrix);
   if (implementation_->factor) cholmod_factorize(&view, implementation_->factor, &common);
   if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
     throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,
@@ -132,23 +143,16 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix,
 
 CholeskyFactor::~CholeskyFactor() = default;
 
-Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
-  const cholmod_factor& factor = *implementation_->factor;
-  const auto* super = static_cast<const int*>(factor.super);
-  const auto* row_begin = static_cast<const int*>(factor.pi);
-  const auto* value_begin = static_cast<const int*>(factor.px);
-  const auto* rows = static_cast<const int*>(factor.s);
-  const auto* values = static_cast<const double*>(factor.x);
-  const auto* permutation = static_cast<const int*>(factor.Perm);
-
-  const int count = static_cast<int>(implementation_->last.size());
-  const int first = implementation_->size - count;
-  std::vector<int> place(static_cast<std::size_t>(implementation_->size), -1);
-  for (int i = 0; i < count; ++i) place[static_cast<std::size_t>(implementation_->last[i])] = i;
-
+Eigen::MatrixXd CholeskyFactor::Implementation::trailing_factor() const {
+  const auto* super = static_cast<const int*>(factor->super);
+  const auto* row_begin = static_cast<const int*>(factor->pi);
+  const auto* value_begin = static_cast<const int*>(factor->px);
+  const auto* rows = static_cast<const int*>(factor->s);
+  const auto* values = static_cast<const double*>(factor->x);
+  const int count = static_cast<int>(last.size()), first = size - count;
   // A supernode that straddles `first` contributes its trailing columns and rows only.
   Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
-  for (std::size_t node = 0; node < factor.nsuper; ++node) {
+  for (std::size_t node = 0; node < factor->nsuper; ++node) {
     if (super[node + 1] <= first) continue;
     const int row_count = row_begin[node + 1] - row_begin[node];
     for (int column = std::max(super[node], first); column < super[node + 1]; ++column) {
@@ -158,13 +162,16 @@ Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
         block(rows[row_begin[node] + i] - first, column - first) = entries[i];
     }
   }
-  int info = 0;
-  dpotri_("L", &count, block.data(), &count, &info);
-  if (info != 0)
-    throw ConvergenceError("condensation on the contact surface", info, 0,
-                           "the factor is singular");
+  return block;
+}
 
-  Eigen::MatrixXd compliance(count, count);
+Eigen::MatrixXd CholeskyFactor::Implementation::in_order_of_last(
+    const Eigen::MatrixXd& lower) const {
+  const auto* permutation = static_cast<const int*>(factor->Perm);
+  const int count = static_cast<int>(last.size()), first = size - count;
+  std::vector<int> place(static_cast<std::size_t>(size), -1);
+  for (int i = 0; i < count; ++i) place[static_cast<std::size_t>(last[i])] = i;
+  Eigen::MatrixXd result(count, count);
   for (int column = 0; column < count; ++column) {
     const int j = place[static_cast<std::size_t>(permutation[first + column])];
     if (j < 0)
@@ -172,10 +179,28 @@ Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
                              "the ordering did not keep the contact unknowns last");
     for (int row = column; row < count; ++row) {
       const int i = place[static_cast<std::size_t>(permutation[first + row])];
-      compliance(i, j) = compliance(j, i) = block(row, column);
+      result(i, j) = result(j, i) = lower(row, column);
     }
   }
-  return compliance;
+  return result;
+}
+
+Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
+  Eigen::MatrixXd block = implementation_->trailing_factor();
+  const int count = static_cast<int>(block.rows());
+  int info = 0;
+  dpotri_("L", &count, block.data(), &count, &info);
+  if (info != 0)
+    throw ConvergenceError("condensation on the contact surface", info, 0,
+                           "the factor is singular");
+  return implementation_->in_order_of_last(block);
+}
+
+Eigen::MatrixXd CholeskyFactor::stiffness_of_last() const {
+  const Eigen::MatrixXd block = implementation_->trailing_factor();
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(block.rows(), block.cols());
+  product.selfadjointView<Eigen::Lower>().rankUpdate(block);
+  return implementation_->in_order_of_last(product);
 }
 
 Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {

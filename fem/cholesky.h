@@ -38,12 +38,22 @@ class CholeskyFactor {
   CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
                  const std::vector<int>& last);
   ~CholeskyFactor();
+
+  /// Of another matrix with the same graph, in place. Its analysis is kept.
+  /// @throws ConvergenceError as the constructor; the factor is then of no use but for this
+  /// function
+  void factorise(const SparseSymmetricMatrix& matrix);
+
   CholeskyFactor(const CholeskyFactor&) = delete;
   CholeskyFactor& operator=(const CholeskyFactor&) = delete;
 
   /// Inverse of the Schur complement on `last`, in the order of `last`: the displacements of these
   /// unknowns per unit force on one of them. Dense, symmetric.
   Eigen::MatrixXd compliance_of_last() const;
+
+  /// The Schur complement on `last` itself, in the order of `last`: forces on these unknowns per
+  /// displacement of one of them, all others of them held. Dense, symmetric.
+  Eigen::MatrixXd stiffness_of_last() const;
 
   Eigen::VectorXd solve(const Eigen::VectorXd& right_hand_side) const;
 

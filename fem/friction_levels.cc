@@ -75,7 +75,7 @@ std::vector<FrictionIncrement> in_newtons(const std::vector<FrictionState>& stat
   std::vector<FrictionIncrement> result;
   for (const FrictionState& state : states)
     result.push_back({state.motion.x * h, state.motion.y * h, state.motion.turn_rad,
-                      in_newtons(state.wrench, problem), state.slip_fraction});
+                      in_newtons(state.wrench, problem), state.slip_fraction, state.sheared});
   return result;
 }
 
@@ -162,8 +162,10 @@ double curve_difference(const FrictionOfLevel& coarse, const FrictionOfLevel& fi
   return largest;
 }
 
-Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
-                      const Problem& problem) {
+/// @param found  on the finer mesh
+/// @param fine   the same, corrected
+Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& found,
+                      const FrictionOfLevel& fine, double refinement, const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
   const double torque_unit = problem.contact.layer.youngs_modulus_Pa * h * h * h;
   const auto stiffness = extrapolated_stiffness(coarse.stiffness, fine.stiffness, refinement);
@@ -175,8 +177,8 @@ Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& fine
   torsion.stiffness_Nm_per_rad = torque_unit * stiffness.value;
   torsion.stiffness_error = stiffness.error;
   torsion.full_slip_Nm = torque_unit * fine.full_slip;
-  torsion.full_slip_error = error(std::abs(coarse.full_slip / fine.full_slip - 1));
-  torsion.curve_error = error(curve_difference(coarse, fine));
+  torsion.full_slip_error = error(std::abs(coarse.full_slip / found.full_slip - 1));
+  torsion.curve_error = error(curve_difference(coarse, found));
   return torsion;
 }
 
@@ -189,19 +191,52 @@ double difference(const Wrench& one, const Wrench& other, double force_N, double
 
 }  // namespace
 
-void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& fine, double refinement,
+namespace {
+
+void add(const std::vector<FrictionState>& changes, double torque_ratio,
+         std::vector<FrictionState>& states) {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    states[i].wrench.force_x += changes[i].wrench.force_x;
+    states[i].wrench.force_y += changes[i].wrench.force_y;
+    states[i].wrench.torque += torque_ratio * changes[i].wrench.torque;
+    states[i].slip_fraction = changes[i].slip_fraction;
+    states[i].sheared = changes[i].sheared;
+  }
+}
+
+}  // namespace
+
+FrictionOfLevel corrected(const FrictionOfLevel& fine, const FrictionOfLevel& coarse) {
+  FrictionOfLevel result = fine;
+  if (!coarse.correction) return result;
+  const FrictionCorrection& correction = *coarse.correction;
+  const double torque_ratio = fine.full_slip / coarse.full_slip;
+  add(correction.twist, torque_ratio, result.twist);
+  add(correction.limit_surface, torque_ratio, result.limit_surface);
+  for (std::size_t i = 0; i < result.paths.size(); ++i)
+    add(correction.paths[i], torque_ratio, result.paths[i]);
+  result.full_slip += torque_ratio * correction.full_slip;
+  result.neglected_of_twist = correction.twist_error;
+  result.neglected_of_slide = correction.slide_error;
+  return result;
+}
+
+void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& found, double refinement,
                     const Problem& problem, Result& result) {
-  if (problem.friction.torsion) result.torsion = state_torsion(coarse, fine, refinement, problem);
+  const FrictionOfLevel fine = corrected(found, coarse);
+  if (problem.friction.torsion)
+    result.torsion = state_torsion(coarse, found, fine, refinement, problem);
   if (fine.limit_surface.empty()) return;
   const double force_limit_N = problem.contact.load.friction_coefficient * result.finest.load_N;
   double largest = 0;
   for (std::size_t i = 0; i < fine.limit_surface.size(); ++i) {
     LimitPoint point;
     point.wrench = in_newtons(fine.limit_surface[i].wrench, problem);
+    point.sheared = fine.limit_surface[i].sheared;
     if (!fine.paths.empty()) point.path = in_newtons(fine.paths[i], problem);
-    largest = std::max(largest,
-                       difference(point.wrench, in_newtons(coarse.limit_surface[i].wrench, problem),
-                                  force_limit_N, result.finest.max_torque_Nm));
+    largest = std::max(largest, difference(in_newtons(found.limit_surface[i].wrench, problem),
+                                           in_newtons(coarse.limit_surface[i].wrench, problem),
+                                           force_limit_N, result.finest.max_torque_Nm));
     result.limit_surface.push_back(std::move(point));
   }
   result.limit_surface_error =

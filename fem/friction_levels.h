@@ -8,6 +8,16 @@
 
 namespace softfinger::fem {
 
+/// What a cheaper method leaves out of friction, found on the coarse mesh by solving the same
+/// states without its simplification: differences of wrenches, in the units of the model.
+struct FrictionCorrection {
+  std::vector<FrictionState> twist, limit_surface;
+  std::vector<std::vector<FrictionState>> paths;
+  double full_slip = 0;  ///< torque
+  /// Relative errors of what is so corrected.
+  double twist_error = 0, slide_error = 0;
+};
+
 /// One mesh's answer about friction, in the units of the model.
 struct FrictionOfLevel {
   double stiffness = 0, full_slip = 0;
@@ -16,6 +26,8 @@ struct FrictionOfLevel {
   /// Relative errors by what the method itself neglects: of the twist's torque, of the limit
   /// surface.
   double neglected_of_twist = 0, neglected_of_slide = 0;
+  /// Where it was asked for: what is neglected, of this mesh.
+  std::optional<FrictionCorrection> correction;
 };
 
 /// Angles of a twist and velocities of the limit surface: the same on every level, so that levels
@@ -43,6 +55,9 @@ FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem);
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
                             std::optional<FrictionPlan>& plan, const Progress& progress,
                             const OnState& on_state);
+
+/// The finer mesh's answer with what the coarse one was corrected by, if it was.
+FrictionOfLevel corrected(const FrictionOfLevel& fine, const FrictionOfLevel& coarse);
 
 /// Puts the finer level's answer into the result, with the stiffness extrapolated, and the errors
 /// that follow from both levels.

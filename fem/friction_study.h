@@ -2,10 +2,12 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "fem/frictional_contact.h"
 #include "fem/layer_model.h"
+#include "fem/reference_solver.h"
 #include "softfinger/input/errors.h"
 
 /// Friction on a contact that was pressed on one mesh, in linear elasticity. All in the units of
@@ -44,6 +46,7 @@ struct FrictionState {
   FrictionWrench wrench;  ///< about the centre of the contact
   double slip_fraction = 0;
   double edge = 0;  ///< how far out it touches, relative to the semi-axes
+  std::optional<ShearedContact> sheared = std::nullopt;
 };
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;

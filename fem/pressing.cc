@@ -23,7 +23,8 @@ double Pressing::surface_modulus() const {
 }
 
 bool Pressing::whole() const {
-  return mesh || (fingertip && !(fingertip.symmetric_object && bent.shape->symmetric()));
+  return mesh || moves_off_centre ||
+         (fingertip && !(fingertip.symmetric_object && bent.shape->symmetric()));
 }
 
 double Pressing::gap(const SurfaceNode& node) const {
@@ -96,6 +97,11 @@ Pressing pressing_of(const Problem& problem) {
   pressing.thickness_m = h;
   pressing.unit_of_force_N = layer.youngs_modulus_Pa * h * h;
   pressing.mesh = problem.mesh;
+  const FrictionRequest& friction = problem.friction;
+  pressing.moves_off_centre =
+      problem.finite_strain &&
+      ((friction.limit_surface > 0 && friction.increments_to_slip > 0) ||
+       (friction.torsion && (friction.twist_axis_x_m != 0 || friction.twist_axis_y_m != 0)));
   if (problem.fingertip) {
     pressing.fingertip = problem.fingertip;
     pressing.bent = shape_fingertip(problem.fingertip, h);

@@ -29,6 +29,8 @@ struct Pressing {
   Fingertip fingertip;         ///< none: a flat layer, and the gap of the relative radii
   FingertipShape bent;
   std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
+  bool moves_off_centre =
+      false;  ///< at finite strain: friction follows motions that no mirror keeps
 
   /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
@@ -36,8 +38,8 @@ struct Pressing {
   /// E / (1 - nu²) of the material at the surface.
   double surface_modulus() const;
 
-  /// Whether the whole layer has to be meshed, because finger or object is not symmetric about x =
-  /// 0 and y = 0.
+  /// Whether the whole layer has to be meshed, because finger, object or motion is not symmetric
+  /// about x = 0 and y = 0.
   bool whole() const;
 
   /// From a surface point to the object above it, along the load.

@@ -115,12 +115,20 @@ struct Wrench {
   double force_x_N = 0, force_y_N = 0, torque_Nm = 0;
 };
 
+/// How friction changes a contact at finite strain, relative to the frictionless one.
+struct ShearedContact {
+  double area_ratio = 1;           ///< seen along the load
+  double peak_pressure_ratio = 1;  ///< of the nodes
+  double approach_ratio = 1;       ///< of the indentation, at the same load
+};
+
 /// A state on the way from stick to slip. The object's motion counts from the end of the
 /// frictionless pressing.
 struct FrictionIncrement {
   double shift_x_m = 0, shift_y_m = 0, angle_rad = 0;
   Wrench wrench;
-  double slip_fraction = 0;  ///< of the contact's area
+  double slip_fraction = 0;                              ///< of the contact's area
+  std::optional<ShearedContact> sheared = std::nullopt;  ///< where it was solved for
 };
 
 struct Torsion {
@@ -134,6 +142,7 @@ struct Torsion {
 
 struct LimitPoint {
   Wrench wrench;
+  std::optional<ShearedContact> sheared = std::nullopt;
   std::vector<FrictionIncrement> path;  ///< partial slip, when asked for
 };
 

@@ -1,5 +1,6 @@
 #include "fem/result_json.h"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,15 +20,24 @@ json points(const Eigen::Matrix2Xd& outline) {
   return result;
 }
 
+void add_sheared(const std::optional<ShearedContact>& sheared, json& state) {
+  if (!sheared) return;
+  state["area_ratio"] = sheared->area_ratio;
+  state["peak_pressure_ratio"] = sheared->peak_pressure_ratio;
+  state["indentation_ratio"] = sheared->approach_ratio;
+}
+
 json increments(const std::vector<FrictionIncrement>& path) {
   json result = json::array();
-  for (const auto& state : path)
+  for (const auto& state : path) {
     result.push_back({{"shift_m", {state.shift_x_m, state.shift_y_m}},
                       {"angle_rad", state.angle_rad},
                       {"fx_N", state.wrench.force_x_N},
                       {"fy_N", state.wrench.force_y_N},
                       {"torque_Nm", state.wrench.torque_Nm},
                       {"slip_fraction", state.slip_fraction}});
+    add_sheared(state.sheared, result.back());
+  }
   return result;
 }
 
@@ -47,6 +57,7 @@ void add_friction(const Problem& problem, const Result& result, json& output) {
     points.push_back({{"fx_N", point.wrench.force_x_N},
                       {"fy_N", point.wrench.force_y_N},
                       {"torque_Nm", point.wrench.torque_Nm}});
+    add_sheared(point.sheared, points.back());
     if (!point.path.empty()) points.back()["path"] = increments(point.path);
   }
   output["limit_surface"] = std::move(points);

@@ -10,4 +10,9 @@ namespace softfinger::fem {
 /// @param normal  not along -z
 Eigen::Matrix3d surface_frame(const Eigen::Vector3d& normal);
 
+/// e_z x x: how fast a point moves when its object turns about the normal through the origin.
+inline Eigen::Vector3d turned(const Eigen::Vector3d& position) {
+  return {-position.y(), position.x(), 0};
+}
+
 }  // namespace softfinger::fem

@@ -79,7 +79,7 @@ double deformed_area(const DeformedSurface& surface, const ContactEdge& edge) {
 /// Deformed area over its projection, of the nodes that touch.
 double inclination(const FinitePressing& pressing) {
   const TouchingNodes nodes = pressing.touching_nodes();
-  const Eigen::VectorXd area = nodal_area(pressing)(nodes.node);
+  const Eigen::VectorXd area = nodal_area(pressing.layer())(nodes.node);
   double projected = 0;
   for (Eigen::Index i = 0; i < nodes.size(); ++i)
     projected += area[i] * nodes.axes[static_cast<std::size_t>(i)](2, 2);
@@ -125,8 +125,7 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   return contact;
 }
 
-Eigen::VectorXd nodal_area(const FinitePressing& pressing) {
-  const FiniteLayer& layer = pressing.layer();
+Eigen::VectorXd nodal_area(const FiniteLayer& layer) {
   const DeformedSurface surface(layer);
   Eigen::VectorXd area = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layer.nodes().size()));
   // As the shares of the undeformed block: Simpson's weights are the integrals of the biquadratic
@@ -145,7 +144,7 @@ Eigen::VectorXd nodal_area(const FinitePressing& pressing) {
 }
 
 Eigen::VectorXd nodal_pressure(const FinitePressing& pressing) {
-  return pressing.equilibrium().normal_force.cwiseQuotient(nodal_area(pressing));
+  return pressing.equilibrium().normal_force.cwiseQuotient(nodal_area(pressing.layer()));
 }
 
 }  // namespace softfinger::fem::finite

@@ -20,7 +20,7 @@ struct DeformedContact {
 DeformedContact measure(const FinitePressing& pressing, double surface_modulus);
 
 /// Share of the deformed surface of each surface node.
-Eigen::VectorXd nodal_area(const FinitePressing& pressing);
+Eigen::VectorXd nodal_area(const FiniteLayer& layer);
 
 /// Cauchy pressure of each surface node: its force over its share of the deformed surface.
 Eigen::VectorXd nodal_pressure(const FinitePressing& pressing);

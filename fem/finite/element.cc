@@ -39,7 +39,8 @@ double smallest_volume_ratio(const ElementGeometry& geometry, const ElementState
 }
 
 ElementLinearisation linearise(const ElementGeometry& geometry, const Material& material,
-                               const ElementState& state, const Eigen::VectorXd& displacement) {
+                               const ElementState& state, const Eigen::VectorXd& displacement,
+                               bool with_stiffness) {
   const Index nodes = geometry.gradients.rows(), points = geometry.weight.size();
   ElementLinearisation result;
   result.force = Eigen::VectorXd::Zero(3 * nodes);
@@ -74,7 +75,7 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
       volume_by_displacement.middleCols(i * nodes, nodes) +=
           weight * linear * cofactor_gradients.col(i).transpose();
     }
-    for (int pair = 0; pair < 6; ++pair) {
+    for (int pair = 0; with_stiffness && pair < 6; ++pair) {
       Eigen::Matrix3d tangent;
       for (int J = 0; J < 3; ++J)
         for (int L = 0; L < 3; ++L)
@@ -91,6 +92,7 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
   result.residual =
       result.force + volume_by_displacement.transpose() *
                          (result.pressure_mismatch + result.bulk * result.volume_mismatch);
+  if (!with_stiffness) return result;
   result.stiffness.noalias() =
       result.volume_rate.transpose() * (stiffness_of_volume * result.volume_rate);
   for (int pair = 0; pair < 6; ++pair) {

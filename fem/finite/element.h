@@ -50,8 +50,10 @@ double smallest_volume_ratio(const ElementGeometry& geometry, const ElementState
                              const Eigen::VectorXd& displacement);
 
 /// @pre smallest_volume_ratio > 0
+/// @param with_stiffness  false: `stiffness` stays empty, all else is computed
 ElementLinearisation linearise(const ElementGeometry& geometry, const Material& material,
-                               const ElementState& state, const Eigen::VectorXd& displacement);
+                               const ElementState& state, const Eigen::VectorXd& displacement,
+                               bool with_stiffness = true);
 
 /// Strain energy with the state's own volume ratio in U.
 double strain_energy(const ElementGeometry& geometry, const Material& material,

@@ -1,5 +1,6 @@
 #include "fem/finite/finite_contact.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <utility>
 
 #include "fem/finite/deformed_contact.h"
+#include "fem/finite/frictional_pressing.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/formatted.h"
 #include "fem/level_loop.h"
@@ -144,16 +146,21 @@ class FiniteContact : public ContactPhysics {
   }
 
   FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+    const bool is_first = !plan;
     FrictionOfLevel result;
-    SuperposedTwist twist(*pressing_, friction_coefficient_);
-    result.stiffness = twist.stiffness();
+    SuperposedMotion motion(*pressing_, friction_coefficient_);
+    result.stiffness = motion.stiffness();
     result.full_slip = slide(*pressing_, friction_coefficient_, {0, 0, 1}).torque;
-    if (!plan)
+    if (is_first)
       plan = plan_friction({result.stiffness, result.full_slip,
                             friction_coefficient_ * equilibrium().load, contact_.shape.b},
                            problem_);
-    follow(plan->twist, twist, result);
+    follow(*plan, motion, result);
     if (pressing_->layer().whole() || !plan->velocities.empty()) slip(plan->velocities, result);
+    // What superposed motions neglect is found on the coarse mesh, where it is worth the work.
+    constexpr double worthwhile = 0.002;
+    if (is_first && std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile)
+      correct(result);
     return result;
   }
 
@@ -224,12 +231,20 @@ class FiniteContact : public ContactPhysics {
   /// (superposed_friction.h).
   double reference_work() const { return equilibrium().load * std::min(1.0, contact_.shape.b); }
 
-  void follow(const std::vector<PlaneMotion>& motions, SuperposedTwist& twist,
-              FrictionOfLevel& result) const {
+  void follow(const FrictionPlan& plan, SuperposedMotion& twist, FrictionOfLevel& result) const {
     const Stopwatch watch;
-    for (const PlaneMotion& motion : motions) {
-      twist.turn_to(motion.turn_rad);
-      result.twist.push_back({motion, {0, 0, twist.torque()}, twist.slip_fraction(), 0});
+    for (const std::vector<PlaneMotion>& path : plan.paths) {
+      twist.restart();
+      std::vector<FrictionState>& states = result.paths.emplace_back();
+      for (const PlaneMotion& motion : path) {
+        twist.move_to(motion);
+        states.push_back({motion, twist.wrench(), twist.slip_fraction(), 0});
+      }
+    }
+    twist.restart();
+    for (const PlaneMotion& motion : plan.twist) {
+      twist.move_to(motion);
+      result.twist.push_back({motion, twist.wrench(), twist.slip_fraction(), 0});
     }
     // A twist changes the pressure by an odd field. The torque changes by the square of that
     // change. It also changes because nodes open or begin to slip. A quarter cannot show this. On
@@ -242,7 +257,7 @@ class FiniteContact : public ContactPhysics {
     task_.progress(formatted(
         "friction: twist of %zu increments to %.3g rad, slip on %.0f %% of the area, surface moved "
         "by %.2g h, pressure by %.1g, neglected %.1g, %.1f s",
-        motions.size(), motions.back().turn_rad, 100 * twist.slip_fraction(),
+        plan.twist.size(), plan.twist.back().turn_rad, 100 * twist.slip_fraction(),
         twist.largest_displacement(), moved, result.neglected_of_twist, watch.seconds()));
   }
 
@@ -265,6 +280,152 @@ class FiniteContact : public ContactPhysics {
     // The edge, which moves with the pressure, does not follow: of second order in what the
     // pressure's change does. Against the linear solver for small loads: 0.9 times that.
     result.neglected_of_slide = second_order + moved * moved;
+  }
+
+  /// Solves the states of the plan on the whole layer, each as far as it goes.
+  void correct(FrictionOfLevel& result) const {
+    const Stopwatch watch;
+    std::optional<FinitePressing> whole;
+    if (!pressing_->layer().whole()) {
+      whole.emplace(std::make_shared<FiniteLayer>(pressing_->layer().discretisation(),
+                                                  task_.pressing.bent.shape, true, materials_),
+                    object_);
+      whole->continue_from(*pressing_);
+      whole->press({equilibrium().load, 0});
+    }
+    FrictionalPressing solved(whole ? *whole : *pressing_, friction_coefficient_);
+    const double force = friction_coefficient_ * equilibrium().load, torque = result.full_slip;
+    FrictionCorrection& correction = result.correction.emplace();
+    correction.twist = moved(solved, result.twist, torque, correction.twist_error);
+    if (problem_.friction.torsion)
+      correction.full_slip = slid(solved, {{{}, {}, 1}, {0, 0, result.full_slip}, 1, 0}, force,
+                                  torque, correction.twist_error)
+                                 .wrench.torque;
+    correction.limit_surface =
+        slid(solved, result.limit_surface, force, torque, correction.slide_error);
+    for (const std::vector<FrictionState>& path : result.paths)
+      correction.paths.push_back(moved(solved, path, torque, correction.slide_error));
+    const ShearedContact last = correction.twist.empty() || !correction.twist.back().sheared
+                                    ? ShearedContact()
+                                    : *correction.twist.back().sheared;
+    task_.progress(formatted(
+        "friction: solved on the deformed layer, %d iterations, %d factorisations, %.1f s%s",
+        solved.iterations(), solved.factorisations(), watch.seconds(),
+        correction.twist.empty()
+            ? ""
+            : formatted("; after the twist area %+.1f %%, peak pressure %+.1f %%",
+                        100 * (last.area_ratio - 1), 100 * (last.peak_pressure_ratio - 1))
+                  .c_str()));
+  }
+
+  /// Difference of wrenches, solved less superposed, and the state that was solved for.
+  static FrictionState difference(const FrictionalPressing& solved, double share,
+                                  const FrictionState& superposed) {
+    const FrictionWrench found = solved.wrench();
+    return {superposed.motion,
+            {found.force_x / share - superposed.wrench.force_x,
+             found.force_y / share - superposed.wrench.force_y,
+             found.torque / share - superposed.wrench.torque},
+            solved.slip_fraction(),
+            0,
+            solved.sheared()};
+  }
+
+  static double size_of(const FrictionWrench& change, double force, double torque) {
+    return std::max({std::abs(change.force_x) / force, std::abs(change.force_y) / force,
+                     std::abs(change.torque) / torque});
+  }
+
+  /// Between the coarse mesh and the next finer one corrections change by less than this.
+  static constexpr double of_correction = 0.15;
+
+  /// @param error  raised to the relative error of what is so corrected
+  std::vector<FrictionState> moved(FrictionalPressing& solved,
+                                   const std::vector<FrictionState>& superposed, double torque,
+                                   double& error) const {
+    const double force = friction_coefficient_ * equilibrium().load;
+    std::vector<FrictionState> changes;
+    solved.restart();
+    bool is_stuck = false;
+    for (const FrictionState& state : superposed) {
+      try {
+        if (!is_stuck) solved.move_to(state.motion);
+      } catch (const ConvergenceError& failure) {
+        task_.progress(std::string("friction: not solved to the end: ") + failure.what());
+        is_stuck = true;
+      }
+      if (!is_stuck) {
+        changes.push_back(difference(solved, 1, state));
+        error = std::max(error, of_correction * size_of(changes.back().wrench, force, torque));
+        continue;
+      }
+      // Where it does not go on, what is left out grows at most with the square of friction.
+      FrictionState change = state;
+      change.wrench = {};
+      if (!changes.empty()) {
+        const FrictionState& before = superposed[changes.size() - 1];
+        const double growth =
+            size_of(state.wrench, force, torque) / size_of(before.wrench, force, torque);
+        change.wrench = changes.back().wrench;
+        change.wrench.force_x *= growth * growth;
+        change.wrench.force_y *= growth * growth;
+        change.wrench.torque *= growth * growth;
+        error = std::max(error, size_of(change.wrench, force, torque));
+      } else {
+        error = std::max(error, 1.0);
+      }
+      changes.push_back(std::move(change));
+    }
+    return changes;
+  }
+
+  /// Some of the states of full slip are solved for, evenly spread. The others' corrections are
+  /// linear in the wrench, by least squares.
+  std::vector<FrictionState> slid(FrictionalPressing& solved,
+                                  const std::vector<FrictionState>& superposed, double force,
+                                  double torque, double& error) const {
+    constexpr std::size_t most = 8;
+    const std::size_t count = std::min(most, superposed.size());
+    const Eigen::Vector3d scale(force, force, torque);
+    const auto relative = [&](const FrictionWrench& wrench) -> Eigen::Vector3d {
+      return Eigen::Vector3d(wrench.force_x, wrench.force_y, wrench.torque).cwiseQuotient(scale);
+    };
+    std::vector<FrictionState> changes;
+    for (const FrictionState& state : superposed) changes.push_back({state.motion, {}, 1, 0});
+    Eigen::MatrixX3d wrenches(count, 3), corrections(count, 3);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = k * superposed.size() / count;
+      changes[i] = slid(solved, superposed[i], force, torque, error);
+      wrenches.row(static_cast<Eigen::Index>(k)) = relative(superposed[i].wrench);
+      corrections.row(static_cast<Eigen::Index>(k)) = relative(changes[i].wrench);
+    }
+    if (count == superposed.size()) return changes;
+    const Eigen::Matrix3d linear = wrenches.colPivHouseholderQr().solve(corrections);
+    error += (wrenches * linear - corrections).cwiseAbs().maxCoeff();
+    for (std::size_t i = 0; i < superposed.size(); ++i) {
+      if (changes[i].sheared) continue;
+      const Eigen::Vector3d change =
+          (linear.transpose() * relative(superposed[i].wrench)).cwiseProduct(scale);
+      changes[i].wrench = {change.x(), change.y(), change.z()};
+    }
+    return changes;
+  }
+
+  FrictionState slid(FrictionalPressing& solved, const FrictionState& superposed, double force,
+                     double torque, double& error) const {
+    const double share = solved.slide(superposed.motion);
+    if (!(share > 0)) {
+      error = std::max(error, 1.0);
+      FrictionState unchanged = superposed;
+      unchanged.wrench = {};
+      return unchanged;
+    }
+    FrictionState change = difference(solved, share, superposed);
+    if (share < 1) change.sheared.reset();
+    // What is left out grows with the square of friction: from the share that was reached to all.
+    error = std::max(
+        error, (of_correction + 1 / (share * share) - 1) * size_of(change.wrench, force, torque));
+    return change;
   }
 
   const ContactTask& task_;

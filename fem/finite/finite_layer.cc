@@ -16,7 +16,6 @@
 #include <utility>
 
 #include "fem/layer_space.h"
-#include "fem/positive_definite.h"
 #include "fem/write_file.h"
 #include "softfinger/input/errors.h"
 
@@ -66,7 +65,6 @@ struct FiniteLayer::Implementation : LayerSpace {
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;
   Unknowns free;
-  std::vector<int> normal_unknowns;  ///< of the surface nodes
 
   State state;
   // Of the latest linearisation:
@@ -74,7 +72,9 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::vector<ElementLinearisation> linearisations;  ///< without their stiffness
   Eigen::VectorXd residual;                          ///< of the free unknowns, in the frames
   std::unique_ptr<CholeskyFactor> factor;
-  Eigen::VectorXd springs;  ///< that hold the surface nodes in the factor
+  std::vector<int> condensed;  ///< unknowns of the surface that the factor eliminates last
+  Eigen::VectorXd springs;     ///< that hold these in the factor; on normals only
+  Eigen::MatrixXd held;        ///< stiffness of these with the springs
   double shift = 0;
   // Of the latest step:
   State start;
@@ -85,8 +85,10 @@ struct FiniteLayer::Implementation : LayerSpace {
   Eigen::VectorXd displacement_of(const std::vector<Dof>& indices,
                                   const dealii::Vector<double>& field) const;
   double smallest_volume_ratio() const;
-  double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::VectorXd& force);
-  void factorise();
+  double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
+                  bool with_stiffness);
+  void factorise(Along along);
+  Eigen::VectorXd surface_sign() const;
   dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
 };
 
@@ -175,8 +177,6 @@ void FiniteLayer::Implementation::set_up(
   pattern.copy_from(dynamic);
   stiffness.reinit(pattern);
   free = free_unknowns(Parity{});
-  for (const auto& dofs_of_node : node_dofs)
-    normal_unknowns.push_back(free.of_dof[dofs_of_node[2]]);
   state.displacement.reinit(dofs.n_dofs());
   state.elements.resize(geometries.size());
 }
@@ -234,17 +234,38 @@ double FiniteLayer::strain_energy() const {
   return energy;
 }
 
+namespace {
+
+/// Forces along the frames' axes of which only the normal ones are given, into the layer.
+Eigen::Matrix3Xd along_normals(const Eigen::VectorXd& force) {
+  Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, force.size());
+  result.row(2) = force.transpose();
+  return result;
+}
+
+}  // namespace
+
 double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force) {
-  const double out_of_balance = implementation_->assemble(frames, force);
-  implementation_->factorise();
+  return linearise(frames, along_normals(force), Along::normals);
+}
+
+double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force,
+                              Along along) {
+  const double out_of_balance = implementation_->assemble(frames, force, /*with_stiffness=*/true);
+  implementation_->factorise(along);
   return out_of_balance;
+}
+
+double FiniteLayer::update_residual(const std::vector<NodeFrame>& frames,
+                                    const Eigen::Matrix3Xd& force) {
+  return implementation_->assemble(frames, force, /*with_stiffness=*/false);
 }
 
 /// Tangent and residual. @returns the largest nodal force out of balance
 double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_frames,
-                                             const Eigen::VectorXd& force) {
+                                             const Eigen::Matrix3Xd& force, bool with_stiffness) {
   frames = node_frames;
-  stiffness = 0;
+  if (with_stiffness) stiffness = 0;
   linearisations.resize(geometries.size());
   dealii::Vector<double> residual_of_dofs(dofs.n_dofs()), internal(dofs.n_dofs());
   std::vector<Eigen::Matrix3d> axes;
@@ -257,21 +278,23 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     const std::size_t cell_index = cell->active_cell_index();
-    ElementLinearisation linear =
-        finite::linearise(geometries[cell_index], *materials[cell->material_id()],
-                          state.elements[cell_index], displacement_of(indices, state.displacement));
+    ElementLinearisation linear = finite::linearise(
+        geometries[cell_index], *materials[cell->material_id()], state.elements[cell_index],
+        displacement_of(indices, state.displacement), with_stiffness);
     bool touches = false;
     for (unsigned int i = 0; i < size; ++i) {
       residual_of_element[i] = linear.residual[place[i]];
       internal_of_element[i] = linear.force[place[i]];
       touches = touches || surface_node[indices[i]] >= 0;
-      for (unsigned int j = 0; j < size; ++j)
+      for (unsigned int j = 0; with_stiffness && j < size; ++j)
         of_element(i, j) = linear.stiffness(place[i], place[j]);
     }
     linear.stiffness.resize(0, 0);
     linearisations[cell_index] = std::move(linear);
-    if (touches) turn_to_frames(axes, indices, of_element);
-    constraints.distribute_local_to_global(of_element, indices, stiffness);
+    if (with_stiffness) {
+      if (touches) turn_to_frames(axes, indices, of_element);
+      constraints.distribute_local_to_global(of_element, indices, stiffness);
+    }
     constraints.distribute_local_to_global(residual_of_element, indices, residual_of_dofs);
     constraints.distribute_local_to_global(internal_of_element, indices, internal);
   }
@@ -289,7 +312,8 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
     }
     turned = axes[i].transpose() * turned;
     turned_internal = axes[i].transpose() * turned_internal;
-    turned_internal[2] += force[static_cast<Eigen::Index>(i)];
+    const auto on_node = force.col(static_cast<Eigen::Index>(i));
+    turned_internal += Eigen::Vector3d(-on_node.x(), -on_node.y(), on_node.z());
     Eigen::Matrix3d stiffness_of_curvature = Eigen::Matrix3d::Zero();
     stiffness_of_curvature.topLeftCorner<2, 2>() = -frames[i].curvature_force;
     stiffness_of_curvature = axes[i].transpose() * stiffness_of_curvature * axes[i];
@@ -298,7 +322,7 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
       residual_of_dofs[dof[c]] = turned[row];
       if (free.of_dof[dof[c]] >= 0)
         out_of_balance = std::max(out_of_balance, std::abs(turned_internal[row]));
-      for (std::size_t d = 0; d < 3; ++d)
+      for (std::size_t d = 0; with_stiffness && d < 3; ++d)
         stiffness.add(dof[c], dof[d], stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
     }
   }
@@ -316,40 +340,65 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
 /// the surface is unstable under constant forces, though not under a rigid object that holds it.
 /// With springs the matrix may still be indefinite, far from equilibrium or at a bifurcation. Then
 /// a share of its diagonal is added, which shortens the step along the unstable directions.
-void FiniteLayer::Implementation::factorise() {
+void FiniteLayer::Implementation::factorise(Along along) {
   SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
   if (dissection.empty()) dissect(matrix, free);
   const std::vector<int> ordering = dissection_of(free);
-  springs.resize(static_cast<Eigen::Index>(normal_unknowns.size()));
-  for (std::size_t i = 0; i < normal_unknowns.size(); ++i)
-    springs[static_cast<Eigen::Index>(i)] = hold(matrix, normal_unknowns[i]);
+  std::vector<int> last;
+  for (const auto& dofs_of_node : node_dofs)
+    for (std::size_t c = along == Along::normals ? 2 : 0; c < 3; ++c)
+      last.push_back(free.of_dof[dofs_of_node[c]]);
+  if (last != condensed) factor.reset();  // before the next one takes its memory
+  condensed = std::move(last);
+  springs.setZero(static_cast<Eigen::Index>(condensed.size()));
+  const Eigen::Index per_node = along == Along::normals ? 1 : 3;
+  for (Eigen::Index row = per_node - 1; row < springs.size(); row += per_node)
+    springs[row] = hold(matrix, condensed[static_cast<std::size_t>(row)]);
   constexpr double first_shift = 1e-3, largest_shift = 1;
   shift = 0;
-  factor.reset();  // before the next one takes its memory
-  while (!factor) {
+  for (;;) {
     try {
-      factor = std::make_unique<CholeskyFactor>(matrix, ordering, normal_unknowns);
+      if (factor)
+        factor->factorise(matrix);
+      else
+        factor = std::make_unique<CholeskyFactor>(matrix, ordering, condensed);
+      break;
     } catch (const ConvergenceError&) {
       const double next = shift == 0 ? first_shift : 10 * shift;
-      if (next > largest_shift) throw;
+      if (next > largest_shift) {
+        factor.reset();
+        throw;
+      }
       for (int unknown = 0; unknown < matrix.size; ++unknown)
         diagonal(matrix, unknown) +=
             (next - shift) * std::abs(diagonal(matrix, unknown)) / (1 + shift);
       shift = next;
     }
   }
+  held = factor->stiffness_of_last();
+}
+
+/// Displacements and forces of the surface count along the tangents and into the layer, against the
+/// frames' normals.
+Eigen::VectorXd FiniteLayer::Implementation::surface_sign() const {
+  Eigen::VectorXd result = Eigen::VectorXd::Ones(springs.size());
+  for (Eigen::Index row = 0; row < springs.size(); ++row)
+    if (springs[row] > 0) result[row] = -1;
+  return result;
+}
+
+Eigen::VectorXd FiniteLayer::surface_force() const {
+  const auto& self = *implementation_;
+  const Eigen::VectorXd unloaded = self.factor->solve(-self.residual)(self.condensed);
+  return self.surface_sign().cwiseProduct(self.held * unloaded);
 }
 
 SurfaceResponse FiniteLayer::surface_response() const {
   const auto& self = *implementation_;
-  const Eigen::VectorXd solution = self.factor->solve(-self.residual);
-  Eigen::VectorXd unloaded(self.springs.size());
-  for (std::size_t i = 0; i < self.nodes.size(); ++i)
-    unloaded[static_cast<Eigen::Index>(i)] = -solution[self.normal_unknowns[i]];
-  const Eigen::MatrixXd held = inverse_of_positive_definite(self.factor->compliance_of_last());
+  const Eigen::VectorXd sign = self.surface_sign();
   SurfaceResponse response;
-  response.force = held * unloaded;
-  response.stiffness = 0.5 * (held + held.transpose());
+  response.force = surface_force();
+  response.stiffness = sign.asDiagonal() * self.held * sign.asDiagonal();
   response.stiffness.diagonal() -= self.springs;
   return response;
 }
@@ -359,7 +408,7 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
                                                   const std::vector<int>& nodes) {
   auto& self = *implementation_;
   self.factor.reset();  // before the next one takes its memory
-  self.assemble(frames, force);
+  self.assemble(frames, along_normals(force), /*with_stiffness=*/true);
   const Unknowns unknowns = self.free_unknowns(parity);
   SparseSymmetricMatrix matrix = self.lower_triangle(self.stiffness, unknowns);
   if (self.dissection.empty()) self.dissect(matrix, unknowns);
@@ -375,10 +424,8 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
       // The object holds the normals: without it the pressed surface would be unstable.
       springs.push_back(c == 2 ? hold(matrix, unknown) : 0);
     }
-  const Eigen::MatrixXd compliance =
-      CholeskyFactor(matrix, self.dissection_of(unknowns), last).compliance_of_last();
-  Eigen::MatrixXd held = inverse_of_positive_definite(compliance);
-  held = 0.5 * (held + held.transpose()).eval();
+  Eigen::MatrixXd held =
+      CholeskyFactor(matrix, self.dissection_of(unknowns), last).stiffness_of_last();
   held.diagonal() -= Eigen::Map<const Eigen::VectorXd>(springs.data(), held.rows());
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
@@ -388,10 +435,11 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
 
 double FiniteLayer::find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement) {
   auto& self = *implementation_;
+  const Eigen::VectorXd sign = self.surface_sign();
   Eigen::VectorXd right = -self.residual;
-  for (std::size_t i = 0; i < self.nodes.size(); ++i) {
+  for (std::size_t i = 0; i < self.condensed.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    right[self.normal_unknowns[i]] -= force[row] + self.springs[row] * displacement[row];
+    right[self.condensed[i]] += sign[row] * (force[row] + self.springs[row] * displacement[row]);
   }
   const Eigen::VectorXd solution = self.factor->solve(right);
   self.step.reinit(self.dofs.n_dofs());
@@ -494,13 +542,19 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
   auto& self = *implementation_;
   const auto& from = *other.implementation_;
   const CellFinder finder(from.dofs);
+  // What is meshed of the other layer may be a quarter of this one: its fields are even in x and y,
+  // and a displacement across a mirror plane is odd.
+  const bool is_quarter = self.whole && !from.whole;
+  const auto folded = [&](const dealii::Point<dim>& at) {
+    return is_quarter ? dealii::Point<dim>(std::abs(at[0]), std::abs(at[1]), at[2]) : at;
+  };
   const unsigned int count = self.element.n_dofs_per_cell();
   std::vector<Dof> indices(count), their_indices(count);
   std::vector<char> is_done(self.dofs.n_dofs(), 0);
   for (const auto& cell : self.dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     const auto place = [&](const dealii::Point<dim>& unit) {
-      return finder.find(CellFinder::point_of(cell, unit));
+      return finder.find(folded(CellFinder::point_of(cell, unit)));
     };
     for (unsigned int i = 0; i < count; ++i) {
       if (is_done[indices[i]]) continue;
@@ -514,7 +568,11 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
             static_cast<unsigned int>(self.component[indices[i]]))
           value +=
               from.state.displacement[their_indices[k]] * from.element.shape_value(k, found->unit);
-      self.state.displacement[indices[i]] = value;
+      const auto of_component = static_cast<unsigned int>(self.component[indices[i]]);
+      const bool is_mirrored =
+          is_quarter && of_component < 2 &&
+          CellFinder::point_of(cell, self.element.unit_support_point(i))[of_component] < 0;
+      self.state.displacement[indices[i]] = is_mirrored ? -value : value;
     }
     const auto middle = place(dealii::Point<dim>(0.5, 0.5, 0.5));
     if (!middle) continue;
@@ -523,8 +581,9 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
     const ElementGeometry& geometry = self.geometries[here];
     Eigen::Matrix4Xd their_linear(4, geometry.weight.size());
     their_linear.row(0).setOnes();
-    their_linear.bottomRows<3>() =
-        (self.points_of_cells[here].colwise() - frame.center) / frame.size;
+    Eigen::Matrix3Xd points = self.points_of_cells[here];
+    if (is_quarter) points.topRows<2>() = points.topRows<2>().cwiseAbs();
+    their_linear.bottomRows<3>() = (points.colwise() - frame.center) / frame.size;
     // The other cell's linear fields, in this one's functions.
     const Eigen::Matrix4d change = geometry.mass.ldlt().solve(
         geometry.linear * geometry.weight.asDiagonal() * their_linear.transpose());
@@ -586,5 +645,26 @@ std::shared_ptr<const FiniteLayer::State> FiniteLayer::state() const {
 }
 
 void FiniteLayer::restore(const State& state) { implementation_->state = state; }
+
+void FiniteLayer::restore(const std::vector<std::shared_ptr<const State>>& states,
+                          const Eigen::VectorXd& weights) {
+  State& own = implementation_->state;
+  own.displacement = 0;
+  for (ElementState& element : own.elements)
+    element.pressure = element.volume_ratio = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double weight = weights[static_cast<Eigen::Index>(i)];
+    own.displacement.add(weight, states[i]->displacement);
+    for (std::size_t e = 0; e < own.elements.size(); ++e) {
+      own.elements[e].pressure += weight * states[i]->elements[e].pressure;
+      own.elements[e].volume_ratio += weight * states[i]->elements[e].volume_ratio;
+    }
+  }
+}
+
+Eigen::VectorXd FiniteLayer::displacements() const {
+  const dealii::Vector<double>& all = implementation_->state.displacement;
+  return Eigen::Map<const Eigen::VectorXd>(all.begin(), static_cast<Eigen::Index>(all.size()));
+}
 
 }  // namespace softfinger::fem::finite

@@ -63,18 +63,36 @@ class FiniteLayer {
   /// Volume ratio and principal stretches over all quadrature points, present state.
   double smallest_volume_ratio() const;
 
+  /// Which displacements of the surface nodes the tangent is condensed to.
+  enum class Along {
+    normals,  ///< one per node, into the layer
+    all,      ///< three per node: along the frame's tangents, and into the layer
+  };
+
   /// Linearises about the present state and factorises.
   /// @param frames  one for each surface node
   /// @param force   contact force on each, into the layer along its frame's normal
   /// @returns the largest nodal force out of balance
   double linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
 
+  /// The same with friction.
+  /// @param force  per node: along the tangents of its frame and into the layer
+  double linearise(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force,
+                   Along along);
+
+  /// The residual of the present state, with the tangent of the last linearisation: what a
+  /// modified Newton's method goes on with.
+  /// @returns the largest nodal force out of balance
+  double update_residual(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force);
+
   /// After `linearise`: the share of its own diagonal that was added to the tangent to make it
   /// positive definite; 0 where it was so by itself, with the surface nodes held.
   double shift() const;
 
-  /// After `linearise`: of displacements of the surface nodes into the layer along their normals.
+  /// After `linearise`: of the displacements that it was condensed to.
   SurfaceResponse surface_response() const;
+  /// Its force alone.
+  Eigen::VectorXd surface_force() const;
 
   /// After `linearise`: computes the step to the equilibrium with these contact forces and
   /// displacements of the surface nodes, which go together by `surface_response`.
@@ -105,7 +123,8 @@ class FiniteLayer {
                  double youngs_modulus_Pa) const;
 
   /// Takes over the state of the same layer on another mesh, interpolated: where Newton's method
-  /// can go on from. What the other mesh does not cover stays as it was.
+  /// can go on from. A whole layer may take over that of its quarter. What the other mesh does not
+  /// cover stays as it was.
   void continue_from(const FiniteLayer& other);
 
   /// Gives the memory of the factorisation back.
@@ -115,6 +134,11 @@ class FiniteLayer {
   struct State;
   std::shared_ptr<const State> state() const;
   void restore(const State& state);
+  /// Sum of states times weights, which sum to 1.
+  void restore(const std::vector<std::shared_ptr<const State>>& states,
+               const Eigen::VectorXd& weights);
+  /// Of all nodes, every component.
+  Eigen::VectorXd displacements() const;
 
  private:
   struct Implementation;

@@ -22,6 +22,16 @@ constexpr double kStretch = 1.25;
 
 }  // namespace
 
+bool reaches_rim(const LayerDiscretisation& mesh, const SurfaceNode& node) {
+  const double x = std::abs(node.x) / mesh.a, y = std::abs(node.y) / mesh.b;
+  return std::hypot(x, y + 0.5 / mesh.elements_per_semi_axis) > mesh.patch ||
+         std::hypot(x + 0.5 / mesh.elements_along_a(), y) > mesh.patch;
+}
+
+double node_spacing(const LayerDiscretisation& mesh) {
+  return 0.5 * std::min(mesh.a / mesh.elements_along_a(), mesh.b / mesh.elements_per_semi_axis);
+}
+
 /// A surface node against the object at its present place.
 struct FinitePressing::Touch {
   double gap = 0;                                     ///< along the load, before the approach
@@ -203,8 +213,6 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
   equilibrium.reaches_rim = false;
   equilibrium.steepest_rad = 0;
   double xx = 0, yy = 0, penetration = 0;
-  const double spacing_a = 0.5 / discretisation.elements_along_a();
-  const double spacing_b = 0.5 / discretisation.elements_per_semi_axis;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto row = static_cast<Index>(i);
     const double force = equilibrium.force[row];
@@ -217,9 +225,8 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
     const double x = std::abs(nodes[i].x), y = std::abs(nodes[i].y);
     xx += force * x * x;
     yy += force * y * y;
-    if (std::hypot(x / discretisation.a, y / discretisation.b + spacing_b) > discretisation.patch ||
-        std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
-      equilibrium.reaches_rim = true;
+    equilibrium.reaches_rim =
+        equilibrium.reaches_rim || finite::reaches_rim(discretisation, nodes[i]);
   }
   equilibrium.complementarity_residual = penetration / equilibrium.approach;
   equilibrium.moment_a = std::sqrt(square_per_moment * xx / equilibrium.force.sum());

@@ -50,6 +50,13 @@ struct TouchingNodes {
   Eigen::Index size() const { return position.cols(); }
 };
 
+/// Whether a node is so near the end of the region where contact is possible that the contact may
+/// go on beyond it.
+bool reaches_rim(const LayerDiscretisation& mesh, const SurfaceNode& node);
+
+/// Distance of the surface's nodes in the contact.
+double node_spacing(const LayerDiscretisation& mesh);
+
 /// How it was reached.
 struct PressingHistory {
   int steps = 0;       ///< of load, converged ones
@@ -80,6 +87,12 @@ class FinitePressing {
   const Equilibrium& equilibrium() const { return equilibrium_; }
   const PressingHistory& history() const { return history_; }
   const FiniteLayer& layer() const { return *layer_; }
+
+  /// What friction goes on from: the layer, whose state it changes, and the object, whose height
+  /// counts from `offset`.
+  const std::shared_ptr<FiniteLayer>& shared_layer() const { return layer_; }
+  const std::shared_ptr<const RigidObject>& object() const { return object_; }
+  double offset() const { return offset_; }
   void release_factor() { layer_->release_factor(); }
 
   /// Normals of the object at the nodes' present positions: outward from the finger.

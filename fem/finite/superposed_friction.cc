@@ -6,7 +6,9 @@
 
 #include "fem/coulomb_friction.h"
 #include "fem/finite/deformed_contact.h"
+#include "fem/finite/fixed_point.h"
 #include "fem/positive_definite.h"
+#include "fem/surface_frame.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -14,9 +16,6 @@ namespace softfinger::fem::finite {
 using Eigen::Index;
 
 namespace {
-
-/// e_z x x.
-Eigen::Vector3d turned(const Eigen::Vector3d& position) { return {-position.y(), position.x(), 0}; }
 
 struct Rows {
   std::vector<Index> tangential, normal;
@@ -85,9 +84,9 @@ double lift_of(const TouchingNodes& nodes, const Eigen::VectorXd& force) {
   return result;
 }
 
-/// Normal forces that agree with friction: they limit it, and it moves them.
-/// @param next   from normal forces those that friction within their limits leads to, none < 0
+/// Forces that agree with what they lead to: normal ones limit friction, and friction moves them.
 /// @param start  one column per image
+/// @param load   the scale of their sum
 /// @throws ConvergenceError when they do not settle
 template <class Next>
 Eigen::MatrixXd settled(const char* stage, const Eigen::MatrixXd& start, double load,
@@ -96,17 +95,15 @@ Eigen::MatrixXd settled(const char* stage, const Eigen::MatrixXd& start, double 
   constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
   // A point's shear lifts the surface in front of it and lowers it behind. So each change of the
   // pressure changes the shear, which changes the pressure back, and whole steps may grow without
-  // end. Where a change does not shrink, the share of it that is taken is halved.
-  constexpr double smallest_share = 1.0 / 64;
-  Eigen::MatrixXd normal_force = start;
-  double change = 0, previous = 0, share = 1;
+  // end.
+  FixedPoint settling;
+  Eigen::MatrixXd force = start;
+  double change = 0;
   for (int iteration = 1; iteration <= limit; ++iteration) {
-    const Eigen::MatrixXd step = next(normal_force) - normal_force;
-    change = step.cwiseAbs().sum() / load;
-    if (iteration > 1 && change > 0.9 * previous) share = std::max(smallest_share, share / 2);
-    previous = change;
-    normal_force += share * step;
-    if (change <= tolerance) return normal_force;
+    const Eigen::MatrixXd image = next(force);
+    change = (image - force).cwiseAbs().sum() / load;
+    if (change <= tolerance) return image;
+    force = settling.next(force.reshaped(), image.reshaped()).reshaped(start.rows(), start.cols());
   }
   throw ConvergenceError(stage, limit, change,
                          "pressure and friction keep changing each other; is the coefficient of "
@@ -176,7 +173,8 @@ ApproachResponse::ApproachResponse(const TouchingNodes& nodes, const Eigen::Matr
 SuperposedSlide::SuperposedSlide(FinitePressing& pressing, double friction_coefficient)
     : nodes_(pressing.touching_nodes()),
       images_(pressing.copies()),
-      friction_coefficient_(friction_coefficient) {
+      friction_coefficient_(friction_coefficient),
+      spacing_(node_spacing(pressing.layer().discretisation())) {
   for (int parity = 0; parity < images_; ++parity) {
     const Eigen::MatrixXd stiffness =
         pressing.superposed_stiffness({(parity & 1) != 0, (parity & 2) != 0});
@@ -189,28 +187,17 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
   const Index count = nodes_.size();
   const double load = images_ * nodes_.force.sum();
   const Eigen::VectorXd slope = cosine(nodes_);
-  // Directions of slip, along the mirrored frames of each image, as all that follows.
-  Eigen::MatrixXd direction(2 * count, images_);
-  for (int image = 0; image < images_; ++image)
-    for (Index i = 0; i < count; ++i) {
-      const Eigen::Matrix3d& axes = nodes_.axes[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes_.position.col(i));
-      const Eigen::Vector3d at =
-          Eigen::Vector3d(velocity.x, velocity.y, 0) + velocity.turn_rad * turned(position);
-      Eigen::Vector2d along = axes.leftCols<2>().transpose() * mirror(image).cwiseProduct(at);
-      if (along.norm() > 0) along.normalize();
-      direction.col(image).segment<2>(2 * i) = along;
-    }
-
+  // All that follows is along the mirrored frames of each image.
+  Eigen::MatrixXd displacement(2 * count, images_), normal_force(count, images_);
+  const auto place = [&](Index node, int image) -> Eigen::Vector3d {
+    return mirror(image).cwiseProduct(nodes_.position.col(node) +
+                                      nodes_.axes[static_cast<std::size_t>(node)].leftCols<2>() *
+                                          displacement.col(image).segment<2>(2 * node));
+  };
   double not_pulled = 0, energy = 0;
-  const Eigen::MatrixXd pressed = nodes_.normal_force.replicate(1, images_);
-  const auto next_pressure = [&](const Eigen::MatrixXd& normal_force) {
-    Eigen::MatrixXd force(2 * count, images_);
-    for (int image = 0; image < images_; ++image)
-      for (Index i = 0; i < count; ++i)
-        force.col(image).segment<2>(2 * i) =
-            friction_coefficient_ * normal_force(i, image) * direction.col(image).segment<2>(2 * i);
-    Eigen::MatrixXd next = pressed;
+  const auto next = [&](const Eigen::MatrixXd& force) {
+    normal_force = nodes_.normal_force.replicate(1, images_);
+    displacement.setZero();
     double along_load = load + not_pulled;
     energy = 0;
     for (int parity = 0; parity < images_; ++parity) {
@@ -218,68 +205,91 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
       for (int image = 0; image < images_; ++image)
         of_parity += sign(image, parity) / images_ * force.col(image);
       const TangentialResponse& response = responses_[static_cast<std::size_t>(parity)];
-      const Eigen::VectorXd moved = response.normal_force * of_parity;
-      energy += 0.5 * images_ * of_parity.dot(response.displacement * of_parity);
-      for (int image = 0; image < images_; ++image) next.col(image) += sign(image, parity) * moved;
+      const Eigen::VectorXd pressed = response.normal_force * of_parity,
+                            moved = response.displacement * of_parity;
+      energy += 0.5 * images_ * of_parity.dot(moved);
+      for (int image = 0; image < images_; ++image) {
+        normal_force.col(image) += sign(image, parity) * pressed;
+        displacement.col(image) += sign(image, parity) * moved;
+      }
       if (parity == 0) along_load += images_ * (response.load * of_parity).sum();
     }
     for (int image = 0; image < images_; ++image) along_load -= lift_of(nodes_, force.col(image));
     const double approach = (load - along_load) / (images_ * approach_.load.sum());
-    next.colwise() += approach * approach_.normal_force;
-    not_pulled = -(slope.transpose() * next.cwiseMin(0.0)).sum();
-    return Eigen::MatrixXd(next.cwiseMax(0.0));
+    normal_force.colwise() += approach * approach_.normal_force;
+    displacement.colwise() += approach * approach_.displacement;
+    not_pulled = -(slope.transpose() * normal_force.cwiseMin(0.0)).sum();
+    normal_force = normal_force.cwiseMax(0.0);
+    // Every node slips where it has been dragged to.
+    Eigen::MatrixXd rubbed(2 * count, images_);
+    for (int image = 0; image < images_; ++image)
+      for (Index i = 0; i < count; ++i) {
+        const Eigen::Vector3d at = Eigen::Vector3d(velocity.x, velocity.y, 0) +
+                                   velocity.turn_rad * turned(place(i, image));
+        const Eigen::Vector2d along =
+            nodes_.axes[static_cast<std::size_t>(i)].leftCols<2>().transpose() *
+            mirror(image).cwiseProduct(at);
+        // Around the centre of rotation forces point in all directions. A node has their mean.
+        rubbed.col(image).segment<2>(2 * i) =
+            friction_coefficient_ * normal_force(i, image) /
+            std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_, 1e-300) * along;
+      }
+    return rubbed;
   };
-  const Eigen::MatrixXd normal_force =
-      settled("full slip on the deformed layer", pressed, load, next_pressure);
+  const Eigen::MatrixXd force =
+      settled("full slip on the deformed layer", Eigen::MatrixXd::Zero(2 * count, images_),
+              friction_coefficient_ * load, next);
   FrictionWrench wrench;
   for (int image = 0; image < images_; ++image)
     for (Index i = 0; i < count; ++i) {
-      const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes_.position.col(i));
-      const Eigen::Vector3d along =
+      const Eigen::Vector3d on_node =
           mirror(image).cwiseProduct(nodes_.axes[static_cast<std::size_t>(i)].leftCols<2>() *
-                                     direction.col(image).segment<2>(2 * i));
-      const Eigen::Vector3d on_node = friction_coefficient_ * normal_force(i, image) * along;
+                                     force.col(image).segment<2>(2 * i));
       wrench.force_x += on_node.x();
       wrench.force_y += on_node.y();
-      wrench.torque += turned(position).dot(on_node);
+      wrench.torque += turned(place(i, image)).dot(on_node);
     }
   return {wrench, energy};
 }
 
-SuperposedTwist::SuperposedTwist(FinitePressing& pressing, double friction_coefficient)
-    : SuperposedTwist(pressing, friction_coefficient,
-                      pressing.superposed_stiffness({/*odd_x=*/true, /*odd_y=*/true})) {}
+SuperposedMotion::SuperposedMotion(FinitePressing& pressing, double friction_coefficient)
+    : SuperposedMotion(pressing, friction_coefficient,
+                       pressing.superposed_stiffness({/*odd_x=*/true, /*odd_y=*/true})) {}
 
-SuperposedTwist::SuperposedTwist(const FinitePressing& pressing, double friction_coefficient,
-                                 const Eigen::MatrixXd& stiffness)
+SuperposedMotion::SuperposedMotion(const FinitePressing& pressing, double friction_coefficient,
+                                   const Eigen::MatrixXd& stiffness)
     : nodes_(pressing.touching_nodes()),
       copies_(pressing.copies()),
       friction_coefficient_(friction_coefficient),
-      area_(nodal_area(pressing)(nodes_.node)),
+      area_(nodal_area(pressing.layer())(nodes_.node)),
       limit_(friction_coefficient * nodes_.normal_force),
       response_(nodes_, stiffness),
       compliance_(response_.displacement) {
   if (copies_ == 1) approach_ = {nodes_, stiffness, response_};
   const Index count = nodes_.size();
-  turn_.resize(2 * count);
-  Eigen::VectorXd normal_turn(count);  // e_z x x along the normals
-  // Along the tangents: forces that hold the nodes while the object turns under them, because it
+  rigid_.resize(2 * count, 3);
+  Eigen::MatrixX3d normal(count, 3);  // V along the normals
+  // Along the tangents: forces that hold the nodes while the object moves past them, because it
   // turns the forces' directions, and because its heights change.
-  Eigen::VectorXd holding(2 * count);
+  Eigen::MatrixX3d holding(2 * count, 3);
   for (Index i = 0; i < count; ++i) {
     const auto node = static_cast<std::size_t>(i);
     const Eigen::Matrix3d& axes = nodes_.axes[node];
     const ObjectHeight& object = nodes_.object[node];
-    const Eigen::Vector3d turn = turned(nodes_.position.col(i));
-    turn_.segment<2>(2 * i) = axes.leftCols<2>().transpose() * turn;
-    normal_turn[i] = axes.col(2).dot(turn);
-    Eigen::Vector3d follower = Eigen::Vector3d::Zero();
-    follower.head<2>() = nodes_.force[i] * (object.curvature * turn.head<2>() -
-                                            Eigen::Vector2d(-object.slope.y(), object.slope.x()));
-    holding.segment<2>(2 * i) = axes.leftCols<2>().transpose() * follower;
+    for (Index k = 0; k < 3; ++k) {
+      const Eigen::Vector3d moved =
+          k < 2 ? Eigen::Vector3d::Unit(k) : turned(nodes_.position.col(i));
+      Eigen::Vector2d slope = object.curvature * moved.head<2>();
+      if (k == 2) slope -= Eigen::Vector2d(-object.slope.y(), object.slope.x());
+      Eigen::Vector3d follower = Eigen::Vector3d::Zero();
+      follower.head<2>() = nodes_.force[i] * slope;
+      rigid_.col(k).segment<2>(2 * i) = axes.leftCols<2>().transpose() * moved;
+      normal(i, k) = axes.col(2).dot(moved);
+      holding.col(k).segment<2>(2 * i) = axes.leftCols<2>().transpose() * follower;
+    }
   }
   const Rows of = rows(count);
-  holding += stiffness(of.tangential, of.normal) * normal_turn;
+  holding += stiffness(of.tangential, of.normal) * normal;
   frictionless_ = -compliance_ * holding;
   // A component that a mirror plane fixes has the compliance 0, which would tell the friction
   // solver that the whole node cannot move. No force ever acts along it: any positive compliance
@@ -287,18 +297,27 @@ SuperposedTwist::SuperposedTwist(const FinitePressing& pressing, double friction
   const double mean = compliance_.diagonal().mean();
   for (Index row = 0; row < 2 * count; ++row)
     if (compliance_(row, row) == 0) compliance_(row, row) = mean;
-  force_ = slip_ = Eigen::VectorXd::Zero(2 * count);
+  restart();
 }
 
-double SuperposedTwist::stiffness() const {
-  const Eigen::VectorXd stuck = solve_positive_definite(compliance_, turn_ - frictionless_);
-  return copies_ * turn_.dot(stuck);
+void SuperposedMotion::restart() {
+  force_ = slip_ = Eigen::VectorXd::Zero(2 * nodes_.size());
+  limit_ = friction_coefficient_ * nodes_.normal_force;
+  motion_.setZero();
+  dissipated_ = approached_ = 0;
 }
 
-void SuperposedTwist::turn_to(double angle_rad) {
+double SuperposedMotion::stiffness() const {
+  const Eigen::VectorXd stuck =
+      solve_positive_definite(compliance_, rigid_.col(2) - frictionless_.col(2));
+  return copies_ * rigid_.col(2).dot(stuck);
+}
+
+void SuperposedMotion::move_to(const PlaneMotion& motion) {
+  motion_ = {motion.x, motion.y, motion.turn_rad};
   Eigen::VectorXd target;
   const auto rub = [&] {
-    target = angle_rad * (turn_ - frictionless_) - slip_;
+    target = (rigid_ - frictionless_) * motion_ - slip_;
     if (copies_ == 1) target -= approached_ * approach_.displacement;
     solve_friction(compliance_, limit_, target, force_);
   };
@@ -309,17 +328,16 @@ void SuperposedTwist::turn_to(double angle_rad) {
   const Eigen::VectorXd slipped = target - compliance_ * force_;
   slip_ += slipped;
   dissipated_ += copies_ * force_.dot(slipped);
-  angle_ = angle_rad;
 }
 
-void SuperposedTwist::settle(const std::function<void()>& rub) {
+void SuperposedMotion::settle(const std::function<void()>& rub) {
   const double load = nodes_.force.sum();
   const Eigen::VectorXd slope = cosine(nodes_);
   double not_pulled = 0;
   limit_ = friction_coefficient_ *
            settled("twist on the deformed layer", limit_ / friction_coefficient_, load,
                    [&](const Eigen::MatrixXd& normal_force) {
-                     limit_ = friction_coefficient_ * normal_force;
+                     limit_ = friction_coefficient_ * normal_force.cwiseMax(0.0);
                      rub();
                      const double along_load =
                          not_pulled + (response_.load * force_).sum() - lift_of(nodes_, force_);
@@ -333,9 +351,12 @@ void SuperposedTwist::settle(const std::function<void()>& rub) {
   rub();
 }
 
-double SuperposedTwist::torque() const { return copies_ * turn_.dot(force_); }
+FrictionWrench SuperposedMotion::wrench() const {
+  const Eigen::Vector3d along = rigid_.transpose() * force_;
+  return {copies_ == 1 ? along.x() : 0, copies_ == 1 ? along.y() : 0, copies_ * along.z()};
+}
 
-double SuperposedTwist::slip_fraction() const {
+double SuperposedMotion::slip_fraction() const {
   double slipping = 0, touching = 0;
   for (Index i = 0; i < nodes_.size(); ++i) {
     // The centre of a twist does not move, and carries nothing.
@@ -346,18 +367,18 @@ double SuperposedTwist::slip_fraction() const {
   return slipping / touching;
 }
 
-double SuperposedTwist::stored_energy() const {
+double SuperposedMotion::stored_energy() const {
   return 0.5 * copies_ * force_.dot(compliance_ * force_);
 }
 
-double SuperposedTwist::pressure_change() const {
+double SuperposedMotion::pressure_change() const {
   Eigen::VectorXd change = response_.normal_force * force_;
   if (copies_ == 1) change += approached_ * approach_.normal_force;
   return change.cwiseAbs().sum() / nodes_.force.sum();
 }
 
-double SuperposedTwist::largest_displacement() const {
-  const Eigen::VectorXd along = compliance_ * force_ + angle_ * frictionless_;
+double SuperposedMotion::largest_displacement() const {
+  const Eigen::VectorXd along = compliance_ * force_ + frictionless_ * motion_;
   double largest = 0;
   for (Index i = 0; i < nodes_.size(); ++i)
     largest = std::max(largest, along.segment<2>(2 * i).norm());

@@ -53,8 +53,9 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
 
 /// Full slip with a rigid velocity, as `slide`, with the pressure that friction moves: its forces
 /// shear the pressed layer, which the object holds by other normal forces, N + dN, which change
-/// friction. The object keeps its load and does not tilt; of the touching nodes none is pulled, and
-/// no other one comes to touch. In the linear limit this is `FrictionalContact::slide`.
+/// friction. They also drag the nodes to where the velocity and its arm are others. The object
+/// keeps its load and does not tilt; of the touching nodes none is pulled, and no other one comes
+/// to touch. In the linear limit this is `FrictionalContact::slide`.
 class SuperposedSlide {
  public:
   /// Factorises the layer's tangent: of a quarter four times, for motions odd or even in x and in
@@ -72,37 +73,46 @@ class SuperposedSlide {
  private:
   TouchingNodes nodes_;
   int images_;  ///< of what is meshed: 4 of a quarter, 1 of a whole layer
-  double friction_coefficient_;
+  double friction_coefficient_, spacing_;
   std::vector<TangentialResponse> responses_;  ///< per parity
   ApproachResponse approach_;
 };
 
-/// A twist about the normal through the contact's centre, from stick to full slip at constant load.
+/// A motion of the object in the contact's plane, from stick to full slip at constant load: a twist
+/// about the normal through the contact's centre, of whole layers any other one too.
 ///
-/// When the object turns by theta, the surface moves by w_0 theta even without friction: by nothing
-/// under an object of revolution, under any other one because its heights turn. With the nodes held
-/// on the object along their normals, tangential forces q and slip s obey
-///   C q + s = (e_z x x - w_0) theta
+/// When the object moves by m = (x, y, theta), the surface moves by W_0 m even without friction: a
+/// twist moves it by nothing under an object of revolution, under any other one because its heights
+/// turn. With the nodes held on the object along their normals, tangential forces q and slip s obey
+///   C q + s = (V - W_0) m,  V m = (x, y, 0) + theta e_z x x
 /// along the tangents, with Coulomb's law (`solve_friction`).
 ///
-/// Friction also changes the pressure. In a symmetric contact this change is odd and moves no
-/// torque to first order: the limits of friction leave it out. Elsewhere they follow it, as in
-/// `SuperposedSlide`. How the turn of the object's heights alone changes the pressure is left out.
-class SuperposedTwist {
+/// Friction also changes the pressure. In a symmetric contact a twist changes it by an odd field,
+/// which moves no torque to first order: the limits of friction leave it out. Elsewhere they follow
+/// it, as in `SuperposedSlide`. How the motion of the object's heights alone changes the pressure
+/// is left out.
+class SuperposedMotion {
  public:
   /// Factorises the layer's tangent, of a quarter for motions odd in x and y.
   /// @throws ConvergenceError where the pressed state is not stable against a twist
-  SuperposedTwist(FinitePressing& pressing, double friction_coefficient);
+  SuperposedMotion(FinitePressing& pressing, double friction_coefficient);
+
+  /// Goes back to the contact as it was pressed, without friction.
+  void restart();
 
   /// Torque per angle while every node sticks, E h³.
   double stiffness() const;
 
-  /// Turns the object from where it is to this angle, one increment with the slip law at its end.
+  /// Moves the object from where it is, one increment with the slip law at its end.
+  /// @pre a quarter only turns
   /// @throws ConvergenceError from `solve_friction`, or when pressure and friction do not settle
-  void turn_to(double angle_rad);
+  void move_to(const PlaneMotion& motion);
+  void turn_to(double angle_rad) { move_to({0, 0, angle_rad}); }
 
-  /// Moment of friction's forces about the normal through the centre, E h³.
-  double torque() const;
+  /// Friction's forces, and their moment about the normal through the centre, E h³. A quarter's
+  /// forces cancel.
+  FrictionWrench wrench() const;
+  double torque() const { return wrench().torque; }
   /// Share of the deformed contact's area that slips, 0 to 1.
   double slip_fraction() const;
   /// Energy of what friction's forces strain the pressed layer by, E h³.
@@ -115,11 +125,11 @@ class SuperposedTwist {
   double largest_displacement() const;
 
   /// Displacements of the touching nodes along their tangents per angle without friction, w_0.
-  const Eigen::VectorXd& frictionless() const { return frictionless_; }
+  Eigen::VectorXd frictionless() const { return frictionless_.col(2); }
 
  private:
-  SuperposedTwist(const FinitePressing& pressing, double friction_coefficient,
-                  const Eigen::MatrixXd& stiffness);
+  SuperposedMotion(const FinitePressing& pressing, double friction_coefficient,
+                   const Eigen::MatrixXd& stiffness);
 
   /// Finds friction and the limits that the pressure has as friction moves it.
   /// @param rub  finds friction from the limits
@@ -132,10 +142,11 @@ class SuperposedTwist {
   TangentialResponse response_;
   Eigen::MatrixXd compliance_;  ///< 2 n x 2 n along the tangents, normals held; no zero on it
   ApproachResponse approach_;   ///< of a whole contact
-  Eigen::VectorXd turn_;        ///< 2 n: e_z x x along the tangents
-  Eigen::VectorXd frictionless_;
+  Eigen::MatrixX3d rigid_;      ///< 2 n x 3: V, along the tangents
+  Eigen::MatrixX3d frictionless_;
   Eigen::VectorXd force_, slip_;  ///< 2 n: on the layer; of the object against the layer
-  double angle_ = 0, dissipated_ = 0;
+  Eigen::Vector3d motion_ = Eigen::Vector3d::Zero();
+  double dissipated_ = 0;
   double approached_ = 0;  ///< by the object, to keep its load
 };
 

@@ -1,0 +1,426 @@
+#include "fem/finite/frictional_pressing.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "fem/coulomb_friction.h"
+#include "fem/finite/deformed_contact.h"
+#include "fem/finite/fixed_point.h"
+#include "fem/positive_definite.h"
+#include "fem/surface_frame.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::fem::finite {
+
+using Eigen::Index;
+
+namespace {
+
+Eigen::Rotation2Dd rotation(const PlaneMotion& motion) {
+  return Eigen::Rotation2Dd(motion.turn_rad);
+}
+
+PlaneMotion between(const PlaneMotion& from, const PlaneMotion& to, double share) {
+  return {from.x + share * (to.x - from.x), from.y + share * (to.y - from.y),
+          from.turn_rad + share * (to.turn_rad - from.turn_rad)};
+}
+
+Eigen::Matrix3Xd only_normal(const Eigen::VectorXd& normal_force) {
+  Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, normal_force.size());
+  result.row(2) = normal_force.transpose();
+  return result;
+}
+
+}  // namespace
+
+/// A surface node against the moved object.
+struct FrictionalPressing::Touch {
+  double gap = 1e3;  ///< along the load, before the approach; beside the object: any large one
+  double secant = 1;
+  NodeFrame frame;
+};
+
+/// The layer's tangent about an earlier state, condensed to the surface, for normal displacements
+/// with friction given, and for tangential ones with the normal displacements given.
+struct FrictionalPressing::Tangent {
+  std::vector<Index> tangential, normal;  ///< rows
+  Eigen::MatrixXd compliance;             ///< 2n x 2n, along the tangents, normals held
+  Eigen::MatrixXd by_normal;              ///< 2n x n: tangential forces per normal displacement
+  Eigen::MatrixXd lift;                   ///< n x 2n: normal forces per tangential one
+  Eigen::MatrixXd stiffness;              ///< n x n, of normal displacements, friction kept
+
+  /// @returns false where the state is not stable against shear
+  bool set(const Eigen::MatrixXd& of_surface) {
+    tangential.clear();
+    normal.clear();
+    for (Index i = 0; i < of_surface.rows() / 3; ++i) {
+      tangential.push_back(3 * i);
+      tangential.push_back(3 * i + 1);
+      normal.push_back(3 * i + 2);
+    }
+    compliance = inverse_of_positive_definite(of_surface(tangential, tangential));
+    if (compliance.size() == 0) return false;
+    by_normal = of_surface(tangential, normal);
+    lift = by_normal.transpose() * compliance;
+    stiffness = of_surface(normal, normal) - lift * by_normal;
+    return true;
+  }
+};
+
+FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, double friction_coefficient)
+    : layer_(pressed.shared_layer()),
+      object_(pressed.object()),
+      offset_(pressed.offset()),
+      load_(pressed.equilibrium().load),
+      friction_coefficient_(friction_coefficient),
+      pressed_state_(layer_->state()),
+      pressed_force_(only_normal(pressed.equilibrium().normal_force)),
+      pressed_approach_(pressed.equilibrium().approach) {
+  spacing_ = node_spacing(layer_->discretisation());
+  restart();
+  pressed_area_ = projected_area();
+  pressed_peak_ = peak_pressure();
+}
+
+FrictionalPressing::~FrictionalPressing() {
+  layer_->restore(*pressed_state_);
+  layer_->release_factor();
+}
+
+void FrictionalPressing::restart() {
+  layer_->restore(*pressed_state_);
+  force_ = pressed_force_;
+  approach_ = pressed_approach_;
+  motion_ = {};
+  keep();
+}
+
+void FrictionalPressing::keep() {
+  kept_state_ = layer_->state();
+  kept_force_ = force_;
+  kept_approach_ = approach_;
+  kept_motion_ = motion_;
+  kept_position_.resize(3, force_.cols());
+  for (Index i = 0; i < force_.cols(); ++i)
+    kept_position_.col(i) = layer_->position(static_cast<std::size_t>(i));
+}
+
+void FrictionalPressing::take_back() {
+  layer_->restore(*kept_state_);
+  force_ = kept_force_;
+  approach_ = kept_approach_;
+  motion_ = kept_motion_;
+}
+
+std::vector<FrictionalPressing::Touch> FrictionalPressing::touches() const {
+  std::vector<Touch> result(static_cast<std::size_t>(force_.cols()));
+  const Eigen::Matrix2d turn = rotation(motion_).toRotationMatrix();
+  const Eigen::Vector2d shift(motion_.x, motion_.y);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const Eigen::Vector3d at = layer_->position(i);
+    const Eigen::Vector2d on_object = turn.transpose() * (at.head<2>() - shift);
+    const auto over = object_->over(on_object.x(), on_object.y());
+    if (!over) continue;
+    Touch& touch = result[i];
+    const Eigen::Vector2d slope = turn * over->slope;
+    touch.gap = over->height - offset_ - at.z();
+    touch.secant = std::sqrt(1 + slope.squaredNorm());
+    touch.frame.axes = surface_frame(Eigen::Vector3d(-slope.x(), -slope.y(), 1) / touch.secant);
+    touch.frame.curvature_force = force_(2, static_cast<Index>(i)) / touch.secant *
+                                  (turn * over->curvature * turn.transpose());
+  }
+  return result;
+}
+
+/// Along the present tangents: from each node to the place on the object where it was at the last
+/// increment's end.
+Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touching,
+                                                 double approach) const {
+  const Eigen::Matrix2d turn =
+      Eigen::Rotation2Dd(motion_.turn_rad - kept_motion_.turn_rad).toRotationMatrix();
+  Eigen::VectorXd result(2 * force_.cols());
+  for (Index i = 0; i < force_.cols(); ++i) {
+    const Eigen::Vector3d start = kept_position_.col(i);
+    Eigen::Vector3d carried;
+    carried.head<2>() = turn * (start.head<2>() - Eigen::Vector2d(kept_motion_.x, kept_motion_.y)) +
+                        Eigen::Vector2d(motion_.x, motion_.y);
+    carried.z() = start.z() - (approach - kept_approach_);
+    const auto node = static_cast<std::size_t>(i);
+    result.segment<2>(2 * i) =
+        touching[node].frame.axes.leftCols<2>().transpose() * (carried - layer_->position(node));
+  }
+  return result;
+}
+
+bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
+  constexpr int most_iterations = 60, most_turns = 40;
+  constexpr double tolerance = 5e-4;  // of the step, relative to the approach
+  constexpr double settled = 3e-5;    // of pressure and friction, relative to the load
+  constexpr double slow = 0.6;        // a tangent that shortens steps by less is renewed
+  constexpr double far = 2;           // h: no step of a method that converges
+  const Index count = force_.cols();
+  motion_ = motion;
+  double previous = std::numeric_limits<double>::infinity(), two_before = previous;
+  bool renew = tangent_ == nullptr;
+  FixedPoint mixing;
+  std::vector<Mixed> history;  // latest first
+  int renewed = 0;
+  for (int iteration = 1; iteration <= most_iterations; ++iteration) {
+    ++iterations_;
+    const std::vector<Touch> touching = touches();
+    std::vector<NodeFrame> frames;
+    Eigen::VectorXd gap(count), cosine(count), up(2 * count);
+    for (Index i = 0; i < count; ++i) {
+      const Touch& touch = touching[static_cast<std::size_t>(i)];
+      frames.push_back(touch.frame);
+      gap[i] = touch.gap;
+      cosine[i] = 1 / touch.secant;
+      up.segment<2>(2 * i) = touch.frame.axes.row(2).head<2>().transpose();
+    }
+    if (renew) {
+      layer_->linearise(frames, force_, FiniteLayer::Along::all);
+      ++factorisations_;
+      ++renewed;
+    } else {
+      layer_->update_residual(frames, force_);
+    }
+    if (renew) {
+      history.clear();
+      mixing.restart();
+      tangent_ = std::make_unique<Tangent>();
+      if (!tangent_->set(layer_->surface_response().stiffness)) {
+        tangent_.reset();
+        failure_ = "the surface is not stable against shear";
+        return false;
+      }
+    }
+    const Tangent& tangent = *tangent_;
+    const Eigen::VectorXd rest = layer_->surface_force();
+    const Eigen::VectorXd rest_t = rest(tangent.tangential), rest_n = rest(tangent.normal);
+    const Eigen::VectorXd before = layer_->displacements();
+
+    // Normal and tangential problem in turn.
+    Eigen::VectorXd friction(2 * count), normal_force, normal_displacement;
+    for (Index i = 0; i < count; ++i) friction.segment<2>(2 * i) = force_.col(i).head<2>();
+    Eigen::VectorXd along_load = force_.row(2).transpose().cwiseProduct(cosine);
+    SurfaceResponse normal_response;
+    normal_response.stiffness = cosine.asDiagonal() * tangent.stiffness * cosine.asDiagonal();
+    double approach = approach_, change = 0;
+    FixedPoint settling;
+    int turn = 0;
+    for (; turn < most_turns; ++turn) {
+      normal_response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
+      const TangentContact contact =
+          solve_tangent_contact(normal_response, gap, load_ + up.dot(friction), 0, along_load);
+      along_load = contact.force;
+      approach = contact.approach;
+      normal_force = along_load.cwiseQuotient(cosine);
+      normal_displacement = contact.displacement.cwiseProduct(cosine);
+      const Eigen::VectorXd free =
+          tangent.compliance * (rest_t - tangent.by_normal * normal_displacement);
+      Eigen::VectorXd rubbed = friction;
+      rub({normal_force, stuck_target(touching, approach) - free,
+           free + tangent.compliance * friction},
+          rubbed);
+      change = (rubbed - friction).cwiseAbs().sum() / (friction_coefficient_ * load_);
+      if (change <= settled) break;
+      friction = settling.next(friction, rubbed);
+    }
+
+    Eigen::Matrix3Xd force(3, count);
+    Eigen::VectorXd displacement(3 * count), of_all(3 * count);
+    const Eigen::VectorXd along =
+        tangent.compliance * (friction + rest_t - tangent.by_normal * normal_displacement);
+    for (Index i = 0; i < count; ++i) {
+      force.col(i) << friction.segment<2>(2 * i), normal_force[i];
+      displacement.segment<3>(3 * i) << along.segment<2>(2 * i), normal_displacement[i];
+    }
+    const double step =
+        layer_->find_step(Eigen::Map<const Eigen::VectorXd>(force.data(), 3 * count), displacement);
+    if (!std::isfinite(step) || step > far) {
+      failure_ = "a step leads nowhere";
+      return false;
+    }
+    double fraction = 1;
+    while (!(layer_->take_step(fraction) > 0)) {
+      fraction /= 2;
+      if (fraction < 1.0 / 16) {
+        failure_ = "an element turns over";
+        return false;
+      }
+    }
+    force_ += fraction * (force - force_);
+    approach_ += fraction * (approach - approach_);
+    if (fraction == 1 && step <= tolerance * approach_ && turn < most_turns) {
+      const std::size_t nodes = layer_->nodes().size();
+      const LayerDiscretisation& mesh = layer_->discretisation();
+      for (std::size_t i = 0; i < nodes; ++i) {
+        const SurfaceNode& node = layer_->nodes()[i];
+        if (force_(2, static_cast<Index>(i)) > 0 && reaches_rim(mesh, node)) {
+          failure_ = "friction moves the contact out of the refined patch";
+          return false;
+        }
+      }
+      return true;
+    }
+    const bool is_slow = step > slow * two_before;
+    two_before = previous;
+    if (is_slow && renewed > 8) {
+      failure_ = "Newton's method does not converge";
+      return false;
+    }
+    renew = is_slow || fraction < 1;
+    if (renew) two_before = std::numeric_limits<double>::infinity();
+    previous = step;
+    if (!renew) mix(layer_->displacements() - before, mixing, history);
+  }
+  failure_ = "too many iterations";
+  return false;
+}
+
+/// Goes on from a combination of the latest iterates: the tangent that is kept alone would converge
+/// linearly.
+void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
+                             std::vector<Mixed>& history) {
+  history.insert(history.begin(), {layer_->state(), force_, approach_});
+  const Eigen::VectorXd weights = mixing.weights(step);
+  history.resize(static_cast<std::size_t>(weights.size()));
+  std::vector<std::shared_ptr<const FiniteLayer::State>> states;
+  Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, force_.cols());
+  double approach = 0;
+  for (std::size_t i = 0; i < history.size(); ++i) {
+    const double weight = weights[static_cast<Index>(i)];
+    states.push_back(history[i].state);
+    force += weight * history[i].force;
+    approach += weight * history[i].approach;
+  }
+  layer_->restore(states, weights);
+  if (!(layer_->smallest_volume_ratio() > 0)) {
+    layer_->restore(*history.front().state);
+    return;
+  }
+  force_ = force;
+  approach_ = approach;
+}
+
+void FrictionalPressing::move_to(const PlaneMotion& motion) {
+  const Rub rub = [this](const Rubbed& at, Eigen::VectorXd& friction) {
+    solve_friction(tangent_->compliance, friction_coefficient_ * at.normal_force, at.target,
+                   friction);
+  };
+  constexpr double shortest = 1.0 / 8;
+  const PlaneMotion start = motion_;
+  double done = 0, length = 1;
+  while (done < 1) {
+    const double next = std::min(1.0, done + length);
+    bool converged = false;
+    try {
+      converged = try_motion(between(start, motion, next), rub);
+    } catch (const ConvergenceError& error) {
+      failure_ = error.what();
+    }
+    if (converged) {
+      keep();
+      done = next;
+      continue;
+    }
+    take_back();
+    tangent_.reset();
+    length /= 2;
+    if (length < shortest)
+      throw ConvergenceError("friction at finite strain", iterations_, done, failure_);
+  }
+}
+
+double FrictionalPressing::slide(const PlaneMotion& velocity) {
+  restart();
+  double ramp = 0, length = 1;
+  constexpr double shortest = 1.0 / 4;
+  while (ramp < 1) {
+    const double next = std::min(1.0, ramp + length);
+    const Rub rub = [&](const Rubbed& rubbed, Eigen::VectorXd& friction) {
+      const std::vector<Touch> touching = touches();
+      for (Index i = 0; i < rubbed.normal_force.size(); ++i) {
+        const auto node = static_cast<std::size_t>(i);
+        const auto tangents = touching[node].frame.axes.leftCols<2>();
+        const Eigen::Vector3d place =
+            layer_->position(node) + tangents * rubbed.moved.segment<2>(2 * i);
+        const Eigen::Vector3d speed =
+            Eigen::Vector3d(velocity.x, velocity.y, 0) + velocity.turn_rad * turned(place);
+        const Eigen::Vector2d along = tangents.transpose() * speed;
+        // Around the centre of rotation forces point in all directions. A node has their mean over
+        // its surroundings.
+        friction.segment<2>(2 * i) = next * friction_coefficient_ * rubbed.normal_force[i] /
+                                     std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_) *
+                                     along;
+      }
+    };
+    bool converged = false;
+    try {
+      converged = try_motion({}, rub);
+    } catch (const ConvergenceError& error) {
+      failure_ = error.what();
+    }
+    if (converged) {
+      keep();
+      ramp = next;
+      continue;
+    }
+    take_back();
+    tangent_.reset();
+    length /= 2;
+    if (length < shortest) break;
+  }
+  return ramp;
+}
+
+FrictionWrench FrictionalPressing::wrench() const {
+  FrictionWrench result;
+  const std::vector<Touch> touching = touches();
+  for (Index i = 0; i < force_.cols(); ++i) {
+    const auto node = static_cast<std::size_t>(i);
+    const Eigen::Vector3d force = touching[node].frame.axes.leftCols<2>() * force_.col(i).head<2>();
+    result.force_x += force.x();
+    result.force_y += force.y();
+    result.torque += turned(layer_->position(node)).dot(force);
+  }
+  return result;
+}
+
+double FrictionalPressing::slip_fraction() const {
+  const Eigen::VectorXd area = nodal_area(*layer_);
+  double slipping = 0, touching = 0;
+  for (Index i = 0; i < force_.cols(); ++i) {
+    const double limit = friction_coefficient_ * force_(2, i);
+    // The centre of a twist does not move, and carries nothing.
+    if (limit <= 0 || layer_->position(static_cast<std::size_t>(i)).head<2>().norm() < 1e-9)
+      continue;
+    touching += area[i];
+    constexpr double nearly = 1 - 1e-4;  // forces are known to Newton's tolerance
+    if (force_.col(i).head<2>().norm() >= nearly * limit) slipping += area[i];
+  }
+  return touching > 0 ? slipping / touching : 0;
+}
+
+double FrictionalPressing::projected_area() const {
+  const Eigen::VectorXd area = nodal_area(*layer_);
+  const std::vector<Touch> touching = touches();
+  double result = 0;
+  for (Index i = 0; i < force_.cols(); ++i)
+    if (force_(2, i) > 0) result += area[i] / touching[static_cast<std::size_t>(i)].secant;
+  return result;
+}
+
+double FrictionalPressing::peak_pressure() const {
+  return force_.row(2).transpose().cwiseQuotient(nodal_area(*layer_)).maxCoeff();
+}
+
+ShearedContact FrictionalPressing::sheared() const {
+  return {projected_area() / pressed_area_, peak_pressure() / pressed_peak_,
+          approach_ / pressed_approach_};
+}
+
+}  // namespace softfinger::fem::finite

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem/finite/finite_pressing.h"
+#include "fem/finite/fixed_point.h"
+#include "fem/frictional_contact.h"
+#include "fem/reference_solver.h"
+
+namespace softfinger::fem::finite {
+
+/// Coulomb friction on a contact at finite strain, solved: the layer is in equilibrium, where it
+/// lies deformed, with normal forces and friction; in units of h and E.
+///
+/// The contact is pressed without friction; from then on friction resists motions of the object,
+/// at constant load and without tilt. A node that sticks stays at its place on the moving object.
+/// One that slips carries mu N in the tangent plane at its present place, against the slip since
+/// the last increment. Pressure, touching nodes and friction change together.
+///
+/// Newton's method with a tangent that is kept while it serves: each iteration is one contact
+/// problem with friction on the tangent condensed to the surface, normal and tangential part in
+/// turn.
+class FrictionalPressing {
+ public:
+  /// @param pressed  of a whole layer, in its equilibrium; friction takes its layer over, and gives
+  ///                 it back as it was
+  FrictionalPressing(const FinitePressing& pressed, double friction_coefficient);
+  ~FrictionalPressing();
+  FrictionalPressing(const FrictionalPressing&) = delete;
+  FrictionalPressing& operator=(const FrictionalPressing&) = delete;
+
+  /// Moves the object from where it is to `motion`, about the contact plane's origin, in one
+  /// increment with the slip law at its end, or in shorter ones where that does not converge.
+  /// @throws ConvergenceError; the state is then the last one that converged
+  void move_to(const PlaneMotion& motion);
+
+  /// Slides from where the contact was pressed with the given velocity until every point slips. The
+  /// object stays where it is. Friction is raised from none.
+  /// @returns the share of the coefficient of friction that was reached, mostly 1: soft layers
+  /// under much friction fold before it
+  double slide(const PlaneMotion& velocity);
+
+  /// Goes back to the contact as it was pressed, without friction.
+  void restart();
+
+  /// Of friction alone, about the contact plane's origin.
+  FrictionWrench wrench() const;
+  /// Share of the touching area that slips, 0 to 1.
+  double slip_fraction() const;
+  ShearedContact sheared() const;
+  /// Of Newton's method, and factorisations among them, so far.
+  int iterations() const { return iterations_; }
+  int factorisations() const { return factorisations_; }
+
+ private:
+  struct Touch;
+  struct Tangent;
+  /// What friction is found from, per node and along the tangents.
+  struct Rubbed {
+    const Eigen::VectorXd& normal_force;
+    const Eigen::VectorXd target;  ///< displacement that friction's own has to be where all sticks
+    const Eigen::VectorXd moved;   ///< displacement with the present friction
+  };
+  using Rub = std::function<void(const Rubbed&, Eigen::VectorXd& friction)>;
+
+  /// An iterate of Newton's method.
+  struct Mixed {
+    std::shared_ptr<const FiniteLayer::State> state;
+    Eigen::Matrix3Xd force;
+    double approach;
+  };
+
+  std::vector<Touch> touches() const;
+  Eigen::VectorXd stuck_target(const std::vector<Touch>& touching, double approach) const;
+  bool try_motion(const PlaneMotion& motion, const Rub& rub);
+  void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<Mixed>& history);
+  void keep();
+  void take_back();
+  double projected_area() const;
+  double peak_pressure() const;
+
+  std::shared_ptr<FiniteLayer> layer_;
+  std::shared_ptr<const RigidObject> object_;
+  const double offset_, load_, friction_coefficient_;
+  const std::shared_ptr<const FiniteLayer::State> pressed_state_;
+  const Eigen::Matrix3Xd pressed_force_;
+  const double pressed_approach_;
+  double pressed_area_ = 0, pressed_peak_ = 0;
+  double spacing_ = 0;  ///< of the nodes
+
+  // Present:
+  Eigen::Matrix3Xd force_;  ///< per node: along the tangents of its frame, and into the layer
+  double approach_ = 0;
+  PlaneMotion motion_;
+  // Of the last increment's end:
+  std::shared_ptr<const FiniteLayer::State> kept_state_;
+  Eigen::Matrix3Xd kept_force_, kept_position_;
+  double kept_approach_ = 0;
+  PlaneMotion kept_motion_;
+
+  std::unique_ptr<Tangent> tangent_;
+  int iterations_ = 0, factorisations_ = 0;
+  std::string failure_;  ///< why the last try did not converge
+};
+
+}  // namespace softfinger::fem::finite
