@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,6 +82,14 @@ class ContactPhysics {
   /// pressed last is lost.
   /// @throws InputError, ConvergenceError, NotEnoughMemory
   virtual Measurement measure_clamped(const LayerDiscretisation& mesh) = 0;
+
+  /// The same physics for another contact, nearly the same, pressed on a mesh of the same
+  /// discretisation as this one, which stays pressed and outlives it.
+  /// @throws InputError, ConvergenceError, NotEnoughMemory
+  virtual std::unique_ptr<ContactPhysics> press_other(const ContactTask& other) = 0;
+
+  /// Of the mesh pressed last.
+  virtual const LayerDiscretisation& discretisation() const = 0;
 
   /// @throws ConvergenceError, InputError
   virtual Measurement measure() = 0;

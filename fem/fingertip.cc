@@ -10,6 +10,7 @@
 #include "fem/formatted.h"
 #include "meshes/generation/fingertip_layer.h"
 #include "meshes/generation/object_surface.h"
+#include "meshes/scans/doubted.h"
 #include "meshes/scans/scanned_layer.h"
 #include "softfinger/input/errors.h"
 
@@ -144,13 +145,18 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   return at;
 }
 
-FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m) {
+FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Reading reading) {
   // What is smaller than half the thickness is noise or a feature that a layer levels. Facets are
   // looked at as far as contact and surroundings may reach.
-  constexpr double width = 0.5, within = 20;
+  constexpr double width = 0.5, wider = 1.5, within = 20;
+  meshes::Smoothing smoothing{width * thickness_m, 60 * M_PI / 180, within * thickness_m};
+  if (reading == Reading::smooth) smoothing.widening = wider;
+  const bool is_doubted = reading == Reading::doubted || reading == Reading::doubted_again;
+  const unsigned int pattern = reading == Reading::doubted ? 1 : 2;
   auto surface = std::make_shared<const meshes::SmoothSurface>(
-      *fingertip.scan,
-      meshes::Smoothing{width * thickness_m, 60 * M_PI / 180, within * thickness_m});
+      is_doubted ? meshes::doubted(*fingertip.scan, smoothing.crease_rad, pattern)
+                 : *fingertip.scan,
+      smoothing);
   const meshes::SmoothSurface::Point first =
       find_first_touch(*surface, *fingertip.object, thickness_m);
   FingertipShape result;
@@ -163,8 +169,8 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m) {
 
 }  // namespace
 
-FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m) {
-  if (fingertip.scan) return shape_scan(fingertip, thickness_m);
+FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m, Reading reading) {
+  if (fingertip.scan) return shape_scan(fingertip, thickness_m, reading);
   meshes::FingertipLayer layer(fingertip.pad, thickness_m);
   FingertipShape result;
   result.reach_x = layer.reach_x() / thickness_m;

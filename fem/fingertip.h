@@ -36,8 +36,18 @@ struct FingertipShape {
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
 };
 
+/// What a scan's triangles may stand for. How far the answers differ tells what facets and noise
+/// may change.
+enum class Reading {
+  best,           ///< smoothed over half the thickness, or over an edge where these are longer
+  smooth,         ///< over half as much again
+  doubted,        ///< with vertices moved by what facets leave open
+  doubted_again,  ///< in another pattern
+};
+
 /// @throws InputError where the layer is too thick for the pad's curvature, or the scan has no
 /// surface at the contact
-FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m);
+FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m,
+                               Reading reading = Reading::best);
 
 }  // namespace softfinger::fem

@@ -22,6 +22,8 @@ constexpr int most_trials = 15;
 constexpr double trial_agreement = 0.08;
 /// At the rim of the patch the moments only bound the contact from below.
 constexpr double growth_at_rim = 1.3;
+/// A contact larger than its mesh is made for by this much still lies in the refined patch.
+constexpr double spare_size = 0.1;
 
 /// To one part in a thousand, so that contacts of one size ask for the very same mesh: far below a
 /// cell, which is what the edge has to meet.
@@ -111,6 +113,7 @@ class LevelLoop {
     }
     trial_ = physics_.measure();
     trial_.result.level = 0;
+    if (problem_.fingertip.scan) measure_readings();
     fit_mesh_to(trial_.block_a, trial_.block_b);
     if (physics_.shares_meshes())
       task_.progress(
@@ -182,12 +185,78 @@ class LevelLoop {
     result_.levels.push_back(result);
     misfit_ = std::max(misfit_, misfit(mesh_, found.block_a, found.block_b));
     fit_mesh_to(found.block_a, found.block_b);
-    if (result_.levels.size() == 1 && wall_is_near(measured)) measure_wall(measured);
+    if (result_.levels.size() > 1) return;
+    if (wall_is_near(measured)) measure_wall(measured);
   }
 
   /// Whether what lies beyond the side wall may change the contact.
   bool wall_is_near(const LayerDiscretisation& mesh) const {
     return mesh.is_scan || std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
+  }
+
+  /// What the scan's triangles tell, read in other ways.
+  void measure_readings() {
+    const std::optional<RelativeError> smooth = change_by(Reading::smooth),
+                                       one = change_by(Reading::doubted),
+                                       other = change_by(Reading::doubted_again);
+    if (!smooth || !one || !other) return;
+    // Two standard deviations, from two samples of what facets leave open.
+    const auto error = [&](double RelativeError::*quantity) {
+      return std::max(*smooth.*quantity,
+                      2 * std::hypot(*one.*quantity, *other.*quantity) / std::sqrt(2.0));
+    };
+    result_.geometry_error = {error(&RelativeError::a),
+                              error(&RelativeError::b),
+                              error(&RelativeError::area),
+                              error(&RelativeError::indentation),
+                              error(&RelativeError::peak_pressure),
+                              error(&RelativeError::max_torque),
+                              error(&RelativeError::load)};
+    const RelativeError& stated = *result_.geometry_error;
+    task_.progress(formatted(
+        "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
+        "torque by %.2g %%",
+        100 * stated.a, 100 * stated.area, 100 * stated.indentation, 100 * stated.max_torque));
+  }
+
+  /// Relative changes by another reading, on the trial mesh. None where it cannot be pressed.
+  std::optional<RelativeError> change_by(Reading reading) {
+    const LevelResult& best = trial_.result;
+    Pressing other = task_.pressing;
+    try {
+      other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading);
+      const ContactTask task{problem_, other, task_.progress, task_.stop};
+      const std::unique_ptr<ContactPhysics> physics = physics_.press_other(task);
+      // It touches first elsewhere, so that it may lie beside the patch that was refined.
+      const auto fits = [&] {
+        const RoughSize size = physics->size();
+        const LayerDiscretisation& mesh = physics->discretisation();
+        return !size.reaches_rim && std::max(size.a / mesh.a, size.b / mesh.b) < 1 + spare_size;
+      };
+      for (int trial = 1; !fits() && trial < most_trials; ++trial) {
+        LayerDiscretisation mesh = physics->discretisation();
+        const RoughSize size = physics->size();
+        const double growth = size.reaches_rim ? growth_at_rim : 1;
+        mesh.a = rounded(growth * size.a);
+        mesh.b = rounded(growth * size.b);
+        physics->press(mesh, 0);
+      }
+      const LevelResult found = physics->measure().result;
+      const auto change = [&](double LevelResult::*quantity) {
+        return std::abs(found.*quantity / best.*quantity - 1);
+      };
+      return RelativeError{change(&LevelResult::a_m),
+                           change(&LevelResult::b_m),
+                           change(&LevelResult::area_projected_m2),
+                           change(&LevelResult::indentation_m),
+                           change(&LevelResult::peak_pressure_Pa),
+                           change(&LevelResult::max_torque_Nm),
+                           change(&LevelResult::load_N)};
+    } catch (const std::runtime_error& error) {
+      task_.progress(std::string("geometry: another reading of the scan cannot be pressed: ") +
+                     error.what());
+      return std::nullopt;
+    }
   }
 
   /// A free wall yields too much and a clamped one too little.

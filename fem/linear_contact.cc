@@ -104,6 +104,16 @@ class LinearContact : public ContactPhysics {
     return measurement;
   }
 
+  std::unique_ptr<ContactPhysics> press_other(const ContactTask& task) override {
+    auto other = std::make_unique<LinearContact>(task, /*keeps_meshes=*/false);
+    other->press(discretisation(), level_);
+    return other;
+  }
+
+  const LayerDiscretisation& discretisation() const override {
+    return pressed_.model->discretisation();
+  }
+
   Measurement measure() override {
     const Problem& problem = task_.problem;
     const double h = task_.pressing.thickness_m, E = problem.contact.layer.youngs_modulus_Pa;

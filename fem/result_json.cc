@@ -9,6 +9,16 @@ namespace {
 
 using nlohmann::json;
 
+json relative(const RelativeError& error) {
+  return {{"a", error.a},
+          {"b", error.b},
+          {"area", error.area},
+          {"indentation", error.indentation},
+          {"peak_pressure", error.peak_pressure},
+          {"max_torque", error.max_torque},
+          {"load", error.load}};
+}
+
 json profile(const Profile& values) {
   return {{"position_m", values.position_m}, {"pressure_Pa", values.pressure_Pa}};
 }
@@ -108,14 +118,7 @@ json to_json(const Problem& problem, const Result& result) {
                                        : "flat"},
       {"max_torque_Nm", finest.max_torque_Nm},
       {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
-      {"error",
-       {{"a", result.error.a},
-        {"b", result.error.b},
-        {"area", result.error.area},
-        {"indentation", result.error.indentation},
-        {"peak_pressure", result.error.peak_pressure},
-        {"max_torque", result.error.max_torque},
-        {"load", result.error.load}}},
+      {"error", relative(result.error)},
       {"level", problem.level},
       {"levels", levels},
       {"unknowns", finest.unknowns},
@@ -134,7 +137,11 @@ json to_json(const Problem& problem, const Result& result) {
     output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
     output["strain_energy_J"] = finest.strain_energy_J;
   }
-  if (problem.fingertip.scan) output["first_touch_m"] = result.first_touch_m;
+  if (problem.fingertip.scan) {
+    output["first_touch_m"] = result.first_touch_m;
+    output["geometry_error"] =
+        result.geometry_error ? relative(*result.geometry_error) : json(nullptr);
+  }
   if (outlines.size() > 1) output["outlines_m"] = std::move(outlines);
   add_friction(problem, result, output);
   return output;

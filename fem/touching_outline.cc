@@ -106,12 +106,17 @@ class Tracer {
     while (!next_.empty()) {
       std::vector<Vector2d> points;
       auto at = next_.begin();
+      const Crossing start = at->first;
+      Crossing to;
       while (at != next_.end()) {
         points.push_back(place(at->first));
-        const Crossing to = at->second;
+        to = at->second;
         next_.erase(at);
         at = next_.find(to);
       }
+      if (to < start || start < to)
+        throw ConvergenceError("outline of the contact", static_cast<int>(points.size()),
+                               points.back().norm(), "it leaves the refined patch");
       if (points.size() < 3) continue;
       Eigen::Matrix2Xd polygon(2, static_cast<Index>(points.size()));
       for (std::size_t i = 0; i < points.size(); ++i)

@@ -90,14 +90,8 @@ class FiniteContact : public ContactPhysics {
     } catch (const ConvergenceError& error) {
       throw not_reached(pressing->equilibrium(), mesh, error);
     }
-    for (const int node : pressing->touching_nodes().node)
-      if (const SurfaceNode& at = pressing->layer().nodes()[static_cast<std::size_t>(node)];
-          at.at_end) {
-        if (task_.pressing.mesh) refuse_end_of_surface(at, h_);
-        // How much would fit is not searched for here: each try would be a whole press.
-        refuse_end_of_layer(at, task_.pressing, std::nullopt);
-      }
     pressing_ = std::move(pressing);
+    refuse_ends();
   }
 
   RoughSize size() const override {
@@ -115,6 +109,21 @@ class FiniteContact : public ContactPhysics {
     clamped.clamped_wall = true;
     press(clamped, 0);
     return measure();
+  }
+
+  std::unique_ptr<ContactPhysics> press_other(const ContactTask& task) override {
+    auto other = std::make_unique<FiniteContact>(task);
+    pressing_->release_factor();
+    other->pressing_ =
+        std::make_unique<FinitePressing>(other->make_layer(discretisation()), other->object_);
+    other->pressing_->continue_from(*pressing_);
+    other->pressing_->press({task.pressing.load, task.pressing.approach});
+    other->refuse_ends();
+    return other;
+  }
+
+  const LayerDiscretisation& discretisation() const override {
+    return pressing_->layer().discretisation();
   }
 
   Measurement measure() override {
@@ -191,6 +200,17 @@ class FiniteContact : public ContactPhysics {
     const Pressing& pressing = task_.pressing;
     if (pressing.mesh) return std::make_shared<FiniteLayer>(mesh, *pressing.mesh, h_, materials_);
     return std::make_shared<FiniteLayer>(mesh, pressing.bent.shape, pressing.whole(), materials_);
+  }
+
+  /// @throws InputError where the contact reaches the end of the layer
+  void refuse_ends() const {
+    for (const int node : pressing_->touching_nodes().node) {
+      const SurfaceNode& at = pressing_->layer().nodes()[static_cast<std::size_t>(node)];
+      if (!at.at_end) continue;
+      if (task_.pressing.mesh) refuse_end_of_surface(at, h_);
+      // How much would fit is not searched for here: each try would be a whole press.
+      refuse_end_of_layer(at, task_.pressing, std::nullopt);
+    }
   }
 
   /// Says how far the load got. A first mesh for a load that is far too large is far too wide and

@@ -338,6 +338,7 @@ SmoothSurface::SmoothSurface(const TriangleSurface& surface, const Smoothing& sm
   auto made = std::make_unique<Implementation>();
   made->collect_facets(surface, smoothing);
   made->choose_width(smoothing);
+  made->width *= smoothing.widening;
   made->take_samples();
   made->fit_quadrics();
   implementation_ = std::move(made);

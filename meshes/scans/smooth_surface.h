@@ -15,6 +15,7 @@ struct Smoothing {
       60 * 3.14159265358979323846 / 180;  ///< facets that meet more sharply make an edge
   /// Only what lies within this distance from the origin is looked at.
   double within = 1e300;
+  double widening = 1;  ///< factor on H, once it is chosen
 };
 
 /// The smooth surface that a triangle mesh stands for, near the origin.

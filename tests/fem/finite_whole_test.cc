@@ -3,10 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fem/error_model.h"
 #include "fem/finite/deformed_contact.h"
@@ -206,6 +211,74 @@ TEST(FiniteWhole, FacetedObjectIsTheSmoothOneWithinItsFacets) {
   EXPECT_NEAR(faceted.finest.a_m / smooth.finest.a_m, 1,
               of_facets + smooth.error.a + faceted.error.a);
   EXPECT_GT(smooth.error.a, finite_strain.without_fit.axes);  // as stated for whole contacts
+}
+
+/// An icosahedron's facets, each divided n times a side, on a sphere that touches the origin at a
+/// place between its vertices.
+TriangleSurface sphere_scan(double radius, int n) {
+  const double t = (1 + std::sqrt(5.0)) / 2;
+  const std::vector<Eigen::Vector3d> corner{{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0},
+                                            {0, -1, t}, {0, 1, t}, {0, -1, -t}, {0, 1, -t},
+                                            {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
+  constexpr int facets[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                 {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                 {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                 {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(0.3, 0.5, 0.81), Eigen::Vector3d::UnitZ())
+          .toRotationMatrix();
+  TriangleSurface surface;
+  std::map<std::array<long, 3>, int> known;
+  for (const auto& facet : facets) {
+    const auto vertex = [&](int i, int j) {
+      const Eigen::Vector3d at = (corner[static_cast<std::size_t>(facet[0])] * (n - i - j) +
+                                  corner[static_cast<std::size_t>(facet[1])] * i +
+                                  corner[static_cast<std::size_t>(facet[2])] * j)
+                                     .normalized();
+      const auto round = [](double x) { return std::lround(1e6 * x); };
+      const auto [entry, is_new] = known.try_emplace({round(at.x()), round(at.y()), round(at.z())},
+                                                     static_cast<int>(known.size()));
+      if (is_new) surface.vertices_m.push_back(radius * (turn * at - Eigen::Vector3d::UnitZ()));
+      return entry->second;
+    };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j) {
+        surface.triangles.push_back({vertex(i, j), vertex(i + 1, j), vertex(i, j + 1)});
+        if (i + j < n - 1)
+          surface.triangles.push_back({vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+      }
+  }
+  return surface;
+}
+
+TEST(ScannedSphere, IsTheSphereWithinWhatItsFacetsLeaveOpen) {
+  // On a plane, a = 1.5 h = 3 mm. Edges of 1.9 and 0.97 mm: two thirds and a third of a.
+  constexpr double h = 2e-3, R = 8e-3, infinity = std::numeric_limits<double>::infinity();
+  Problem problem;
+  problem.contact = {{R, R, 0}, {h, 1e5, 0.45}, {1, 0.8}};
+  problem.level = 1;
+  problem.fingertip.object = meshes::quadric_object(infinity, infinity, 0);
+  problem.fingertip.pad = meshes::sphere_pad(R);
+  problem.fingertip.pad_name = "sphere";
+  problem.fingertip.symmetric_object = true;
+  const Result sphere = solve(problem, silent);
+  EXPECT_FALSE(sphere.geometry_error);
+  problem.fingertip.pad.reset();
+  double before = infinity;
+  for (const int n : {5, 10}) {
+    problem.fingertip.scan = std::make_shared<TriangleSurface>(sphere_scan(R, n));
+    problem.fingertip.pad_name = "scan " + std::to_string(n);
+    const Result scan = solve(problem, silent);
+    ASSERT_TRUE(scan.geometry_error);
+    const RelativeError& geometry = *scan.geometry_error;
+    EXPECT_NEAR(scan.finest.a_m / sphere.finest.a_m, 1, scan.error.a + sphere.error.a + geometry.a);
+    EXPECT_NEAR(scan.finest.max_torque_Nm / sphere.finest.max_torque_Nm, 1,
+                scan.error.max_torque + sphere.error.max_torque + geometry.max_torque);
+    EXPECT_NEAR(scan.finest.max_torque_Nm / sphere.finest.max_torque_Nm, 1, 0.01);
+    // What facets leave open falls with the square of their edges; its two samples scatter.
+    EXPECT_LT(geometry.indentation, before / 1.5);
+    before = geometry.indentation;
+  }
 }
 
 /// A table that ends.

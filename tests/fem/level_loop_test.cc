@@ -36,6 +36,10 @@ class KnownContact : public ContactPhysics {
     const bool at_rim = b > 1.2 * mesh.b || (!is_trial && outgrows);
     return {std::min(a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
   }
+  std::unique_ptr<ContactPhysics> press_other(const ContactTask&) override {
+    throw std::logic_error("no scan");
+  }
+  const LayerDiscretisation& discretisation() const override { throw std::logic_error("no scan"); }
   Measurement measure_clamped(const LayerDiscretisation& mesh) override {
     walls_clamped_on.push_back(mesh.elements_per_semi_axis);
     Measurement measurement = measure();

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "meshes/generation/surfaces.h"
+#include "meshes/scans/doubted.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -66,6 +67,35 @@ TEST(SmoothSurface, IsSmootherThanTheNoiseOfItsVertices) {
   constexpr double noise = 1e-5;
   const SmoothSurface surface(ball(0.3e-3, noise), {1e-3, 1.05, 15e-3});
   EXPECT_LT(position_error(surface), noise / 2);
+}
+
+TEST(Doubted, VerticesOfASphereMoveByWhatFacetsLieBelowIt) {
+  constexpr double edge = 2e-3;
+  const TriangleSurface surface = ball(edge);
+  const TriangleSurface moved = doubted(surface, 1, 7);
+  const Vector3d centre(0, 0, -R);
+  double mean = 0;
+  int outwards = 0;
+  for (const Vector3d& vertex : moved.vertices_m) {
+    const double by = (vertex - centre).norm() - R;
+    mean += std::abs(by);
+    outwards += by > 0;
+  }
+  const auto count = static_cast<double>(moved.vertices_m.size());
+  // Edges of the mesher are as long as asked for to a third or so, and their squares count.
+  EXPECT_NEAR(mean / count / (edge * edge / (8 * R)), 1, 0.7);
+  EXPECT_NEAR(outwards / count, 0.5, 3 * 0.5 / std::sqrt(count)) << "a fair coin";
+}
+
+TEST(Doubted, NeitherPlanesNorCreasesMove) {
+  // Two halves of a square, folded by 90 degrees along the diagonal.
+  const TriangleSurface fold{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+  const TriangleSurface flat{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(doubted(flat, 1, 1).vertices_m[i], flat.vertices_m[i]);
+    // The vertices of the crease have normals between those of the facets.
+    EXPECT_LT((doubted(fold, 0.5, 1).vertices_m[i] - fold.vertices_m[i]).norm(), 1e-12);
+  }
 }
 
 TEST(SmoothSurface, RefusesAPlaceWithoutFacets) {
