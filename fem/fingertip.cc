@@ -42,8 +42,12 @@ class BentLayer : public LayerShape {
 class ScanShape : public LayerShape {
  public:
   ScanShape(std::shared_ptr<const meshes::SmoothSurface> surface,
+            std::shared_ptr<const meshes::SmoothSurface> core,
             const meshes::SmoothSurface::Point& first_touch, double thickness_m)
-      : surface_(std::move(surface)), first_touch_(first_touch), h_(thickness_m) {}
+      : surface_(std::move(surface)),
+        core_(std::move(core)),
+        first_touch_(first_touch),
+        h_(thickness_m) {}
 
   Vector3d position(double x, double y, double z) const override {
     return (layer_->position(h_ * x, h_ * y, z) - first_touch_.position) / h_;
@@ -59,7 +63,7 @@ class ScanShape : public LayerShape {
     // Levels that differ a little in size share a layer.
     constexpr double spare = 1.2;
     radius_ = spare * radius;
-    layer_.emplace(*surface_, first_touch_, Vector3d::UnitX(), h_, radius_ * h_);
+    layer_.emplace(*surface_, first_touch_, Vector3d::UnitX(), h_, radius_ * h_, core_.get());
   }
   Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
     switch (layer_->end_in(h_ * low_x, h_ * high_x, h_ * low_y, h_ * high_y)) {
@@ -73,7 +77,7 @@ class ScanShape : public LayerShape {
   }
 
  private:
-  std::shared_ptr<const meshes::SmoothSurface> surface_;
+  std::shared_ptr<const meshes::SmoothSurface> surface_, core_;
   meshes::SmoothSurface::Point first_touch_;
   double h_;
   mutable double radius_ = 0;
@@ -163,7 +167,13 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Readin
   result.reach_x = result.reach_y = std::numeric_limits<double>::infinity();
   result.is_scan = true;
   result.first_touch = first.position / thickness_m;
-  result.shape = std::make_shared<ScanShape>(std::move(surface), first, thickness_m);
+  std::shared_ptr<const meshes::SmoothSurface> core;
+  if (fingertip.core) {
+    smoothing.widening = 1;
+    core = std::make_shared<const meshes::SmoothSurface>(*fingertip.core, smoothing);
+  }
+  result.shape =
+      std::make_shared<ScanShape>(std::move(surface), std::move(core), first, thickness_m);
   return result;
 }
 

@@ -19,6 +19,7 @@ namespace softfinger::fem {
 struct Fingertip {
   std::shared_ptr<const meshes::PadSurface> pad;
   std::shared_ptr<const TriangleSurface> scan;
+  std::shared_ptr<const TriangleSurface> core;  ///< of a scan; null: offset by the thickness
   std::shared_ptr<const meshes::ObjectSurface> object;
   bool symmetric_object = false;  ///< about x = 0 and y = 0
   std::string pad_name;           ///< pads of one name are one surface

@@ -164,10 +164,12 @@ Fingertip read_fingertip(const Entry& input, const MeshReaders& readers) {
     } else if (shape == "sphere") {
       fingertip.pad = meshes::sphere_pad(x);
     } else if (shape == "mesh") {
-      fingertip.scan = std::make_shared<const TriangleSurface>(
-          meshes::PlacedSurface(read_mesh(pad, readers), placement(pad),
-                                meshes::PlacedSurface::Body::below)
-              .in_contact_frame());
+      const meshes::PlacedSurface placed(read_mesh(pad, readers), placement(pad),
+                                         meshes::PlacedSurface::Body::below);
+      fingertip.scan = std::make_shared<const TriangleSurface>(placed.in_contact_frame());
+      if (const auto core = pad.find("core"))
+        fingertip.core = std::make_shared<const TriangleSurface>(
+            placed.in_contact_frame(read_mesh(*core, readers)));
     } else {
       if (!(std::abs(turn_rad) < 1e-9))
         pad.at("turn_rad").refuse("0: a finger tapers along the contact's long axis");

@@ -49,14 +49,14 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
                   "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, name,
-                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "shape",
-                     "taper_per_mm"});
+                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "core",
+                     "shape", "taper_per_mm"});
   const int forms = static_cast<int>(table.contains("radii_mm")) +
                     static_cast<int>(table.contains("sphere_radius_mm")) +
                     static_cast<int>(table.contains("mesh"));
   if (forms != 1) reader.say(node, name + " needs exactly one of radii_mm, sphere_radius_mm, mesh");
   if (!table.contains("mesh"))
-    for (const char* key : {"unit", "point_mm", "normal"})
+    for (const char* key : {"unit", "point_mm", "normal", "core"})
       if (const toml::node* entry = table.get(key))
         reader.say(*entry,
                    fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
@@ -97,6 +97,16 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
     mesh.normal = Eigen::Vector3d(normal[0], normal[1], normal[2]);
     if (!(mesh.normal->norm() > 0)) reader.refuse(*entry, name + ".normal", allowed);
     mesh.normal->normalize();
+  }
+  if (const toml::node* entry = table.get("core")) {
+    if (name != "finger") reader.say(*entry, "an object has no core: it is rigid");
+    if (!entry->is_table()) reader.refuse(*entry, name + ".core", "{ mesh = \"..\" }");
+    reader.check_keys(*entry->as_table(), name + ".core", {"mesh"});
+    const toml::node& core = reader.required(*entry->as_table(), name + ".core", "mesh");
+    const std::string typed_core = reader.text(core, name + ".core.mesh");
+    if (typed_core.empty())
+      reader.refuse(core, name + ".core.mesh", "the path of an STL or OBJ file");
+    mesh.core = system::find_mesh_file(typed_core, folder);
   }
   return mesh;
 }
@@ -389,6 +399,9 @@ Case case_of(const toml::table& root, const std::string& text, const fs::path& f
   read_contact(reader, reader.required_table(root, "contact"), result);
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
+  if (const auto core = geometry.at_path("finger.core"); core && !result.fem_curved)
+    reader.say(*core.node(),
+               "finger.core needs [fem] geometry = \"curved\": a flat layer has none");
   read_materials(reader, root, result);
   settle_finger_shape(geometry, result);
   return result;

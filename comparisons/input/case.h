@@ -37,6 +37,9 @@ struct MeshBody {
   double metres_per_unit = 1e-3;  ///< of the file's coordinates
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> normal;  ///< outward, need only be roughly right
+  /// Of a finger: the surface of its rigid core, in the same coordinates, for finite elements on
+  /// the curved finger; empty: the finger's own surface, offset by the layer's thickness.
+  std::filesystem::path core;
 };
 
 using CaseBody = std::variant<QuadricBody, SphereBody, MeshBody>;

@@ -29,14 +29,18 @@ json body_json(const PlacedBody& placed) {
   if (const auto* sphere = std::get_if<input::SphereBody>(&placed.body))
     return {{"shape", "sphere"}, {"radii_m", {sphere->radius_m, sphere->radius_m}}};
   const auto& mesh = std::get<PlacedMesh>(placed.body);
-  return {{"shape", "mesh"},
-          {"mesh", std::filesystem::absolute(mesh.mesh.path).string()},
-          {"metres_per_unit", mesh.mesh.metres_per_unit},
-          {"point_m", list(mesh.mesh.point_m)},
-          {"outward_normal", list(mesh.outward_normal)},
-          {"x_axis", list(mesh.x_axis)},
-          {"radii_m", {or_null(mesh.radius_x_m), or_null(mesh.radius_y_m)}},
-          {"turn_rad", placed.turn_rad}};
+  json object = {{"shape", "mesh"},
+                 {"mesh", std::filesystem::absolute(mesh.mesh.path).string()},
+                 {"metres_per_unit", mesh.mesh.metres_per_unit},
+                 {"point_m", list(mesh.mesh.point_m)},
+                 {"outward_normal", list(mesh.outward_normal)},
+                 {"x_axis", list(mesh.x_axis)},
+                 {"radii_m", {or_null(mesh.radius_x_m), or_null(mesh.radius_y_m)}},
+                 {"turn_rad", placed.turn_rad}};
+  if (!mesh.mesh.core.empty())
+    object["core"] = {{"mesh", std::filesystem::absolute(mesh.mesh.core).string()},
+                      {"metres_per_unit", mesh.mesh.metres_per_unit}};
+  return object;
 }
 
 void add_material(const input::FiniteStrain& material, json& layer) {

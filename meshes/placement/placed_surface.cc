@@ -108,12 +108,9 @@ PlacedSurface::PlacedSurface(const TriangleSurface& surface, const SurfacePlacem
                      "the outward normal (is it inward, or the mesh inside out?)");
   }
 
-  const Eigen::Matrix3d to_contact =
-      Eigen::AngleAxisd(placement.angle_rad, Vector3d::UnitZ()).toRotationMatrix() *
-      frame.transpose();
-  vertices_.reserve(surface.vertices_m.size());
-  for (const Vector3d& vertex : surface.vertices_m)
-    vertices_.push_back(to_contact * (vertex - contact_point_));
+  to_contact_ = Eigen::AngleAxisd(placement.angle_rad, Vector3d::UnitZ()).toRotationMatrix() *
+                frame.transpose();
+  vertices_ = in_contact_frame(surface).vertices_m;
 
   normals_.assign(vertices_.size(), Vector3d::Zero());
   for (const auto& triangle : triangles_) {
@@ -173,6 +170,12 @@ std::vector<Vector3d> PlacedSurface::facet_points() const {
     for (const int corner : triangle) points.push_back(0.2 * centre + 0.8 * vertices_[corner]);
   }
   return points;
+}
+
+TriangleSurface PlacedSurface::in_contact_frame(const TriangleSurface& other) const {
+  TriangleSurface result = other;
+  for (Vector3d& vertex : result.vertices_m) vertex = to_contact_ * (vertex - contact_point_);
+  return result;
 }
 
 std::optional<SurfaceHit> PlacedSurface::nearest_exit(const Vector3d& from,

@@ -58,6 +58,9 @@ class PlacedSurface {
   /// The whole surface in the contact frame.
   TriangleSurface in_contact_frame() const { return {vertices_, triangles_}; }
 
+  /// Another surface of the same body, given in the body's coordinates as this one was.
+  TriangleSurface in_contact_frame(const TriangleSurface& other) const;
+
   /// The contact point on the surface, in the body's own coordinates.
   const Eigen::Vector3d& contact_point_m() const { return contact_point_; }
 
@@ -74,6 +77,7 @@ class PlacedSurface {
   std::vector<std::array<int, 3>> triangles_;
   std::vector<Node> nodes_;
   Eigen::Vector3d contact_point_;
+  Eigen::Matrix3d to_contact_;  ///< turns the body's coordinates
 };
 
 }  // namespace softfinger::meshes

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace softfinger::meshes {
@@ -32,8 +33,10 @@ constexpr double steps_per_thickness = 2;
 }  // namespace
 
 ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Point& centre,
-                           const Vector3d& x_axis, double thickness, double radius)
+                           const Vector3d& x_axis, double thickness, double radius,
+                           const SmoothSurface* core)
     : thickness_(thickness),
+      deepest_((core ? 6 : 2) * thickness),
       cloth_(lay_cloth(surface, centre, x_axis, radius, thickness / steps_per_thickness)) {
   Field top;
   const int half = cloth_.half();
@@ -45,7 +48,9 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
   std::vector<ClothEnd> best_cells;
   int most = -1;
   for (const double smoothing : {0.0, 0.25, 0.5, 1.0}) {
-    core_ = jets_of(core_by(smoothing * thickness));
+    Field field = core_by(smoothing * thickness);
+    if (core) field = on_core(*core, std::move(field));
+    core_ = jets_of(field);
     const int valid = find_cells();
     // A rim of a few cells more is no reason to smooth.
     constexpr double worth = 1.02;
@@ -241,6 +246,35 @@ ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
   return core;
 }
 
+/// The core's surface where the ways from the top lead on to; not a number where there is none.
+ScannedLayer::Field ScannedLayer::on_core(const SmoothSurface& core, Field field) const {
+  const int half = cloth_.half();
+  for (int j = -half; j <= half; ++j)
+    for (int i = -half; i <= half; ++i) {
+      if (!cloth_.lies(i, j)) continue;
+      const Vector3d& top = top_[index(i, j)].value;
+      Vector3d& at = field[index(i, j)];
+      const Vector3d up = (top - at).normalized();
+      at.setConstant(std::numeric_limits<double>::quiet_NaN());
+      // The nearest of the core's points along the way: from each, the surface's plane there is met
+      // anew.
+      double depth = thickness_;
+      constexpr int iterations = 20;
+      for (int iteration = 0; iteration < iterations; ++iteration) {
+        const auto on = core.project(top - depth * up, up);
+        if (!on || !(on->normal.dot(up) > 0.2) || on->to_sample > 2 * core.spacing()) break;
+        const double next = (top - on->position).dot(on->normal) / up.dot(on->normal);
+        const bool is_found = std::abs(next - depth) < 1e-4 * thickness_;
+        depth = next;
+        if (!(depth > 0 && depth < deepest_)) break;
+        if (!is_found) continue;
+        at = top - depth * up;
+        break;
+      }
+    }
+  return field;
+}
+
 Vector3d ScannedLayer::position(double x, double y, double z) const {
   return (1 + z) * patch(top_, x, y).value - z * patch(core_, x, y).value;
 }
@@ -280,7 +314,7 @@ int ScannedLayer::find_cells() {
                            by_y = (1 + z) * top.by_y - z * core.by_y;
             const double volume = by_x.cross(by_y).dot(up);
             const double sides = by_x.norm() * by_y.norm() * up.norm();
-            if (!(volume > smallest_jacobian * sides) || !(up.norm() < 2 * thickness_) ||
+            if (!(volume > smallest_jacobian * sides) || !(up.norm() < deepest_) ||
                 !(volume > smallest_jacobian * thickness_))
               end = ClothEnd::fold;
           }

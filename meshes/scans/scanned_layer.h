@@ -15,16 +15,19 @@ namespace softfinger::meshes {
 ///   position(x, y, z) = T(x, y) + z (T(x, y) - C(x, y))
 ///
 /// T is a cloth on the surface, interpolated by bicubic Hermite patches; the core side C lies at
-/// the depth h below it. Where the surface bends more sharply than 1/h its normals would cross
-/// inside the layer: there T - C is smoothed. Lengths are in the surface's unit. Safe to share
-/// between threads.
+/// the depth h below it, or on a core's own surface, where the way to the depth h leads. Where the
+/// surface bends more sharply than 1/h its normals would cross inside the layer: there T - C is
+/// smoothed. Lengths are in the surface's unit. Safe to share between threads.
 class ScannedLayer {
  public:
   /// @param centre  of the contact
   /// @param x_axis  that the block's x follows there
   /// @param radius  of the surface to cover around the centre, along the surface
+  /// @param core    with outward normals, inside the surface; null: offset by the thickness. The
+  ///                layer ends where it has none, or none within six thicknesses
   ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Point& centre,
-               const Eigen::Vector3d& x_axis, double thickness, double radius);
+               const Eigen::Vector3d& x_axis, double thickness, double radius,
+               const SmoothSurface* core = nullptr);
 
   /// @pre (x, y) lies where the layer covers
   Eigen::Vector3d position(double x, double y, double z) const;
@@ -69,11 +72,12 @@ class ScannedLayer {
   Patch patch(const std::vector<Jet>& jets, double x, double y) const;
   Field smoothed(const Field& field, double length) const;
   Field core_by(double smoothing) const;
+  Field on_core(const SmoothSurface& core, Field field) const;
   double depth_below(const Eigen::Vector3d& point, double x, double y, Eigen::Vector3d* foot) const;
   int find_cells();
   void keep_connected();
 
-  double thickness_;
+  double thickness_, deepest_;
   Cloth cloth_;
   std::vector<Jet> top_, core_;
   std::vector<ClothEnd> cells_;  ///< of the cell whose lowest node is (i, j)

@@ -402,6 +402,19 @@ INSTANTIATE_TEST_SUITE_P(
                 "finger = { mesh = \"/dev/null\" }\nobject = { radii_mm = [1, 1] }",
                 4,
                 {"point_mm"}},
+        BadCase{
+            "CoreOfAnObject",
+            "relative_radii_mm = [20.0, 5.0]",
+            "finger = { radii_mm = [1, 1] }\nobject = { mesh = \"/dev/null\", point_mm = [0, 0, "
+            "0], core = { mesh = \"/dev/null\" } }",
+            5,
+            {"no core"}},
+        BadCase{"CoreUnderAFlatLayer",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\", point_mm = [0, 0, 0], core = { mesh = "
+                "\"/dev/null\" } }\nobject = { radii_mm = [1, 1] }",
+                4,
+                {"core", "\"curved\""}},
         BadCase{"NormalWithoutDirection",
                 "relative_radii_mm = [20.0, 5.0]",
                 "finger = { mesh = \"/dev/null\", point_mm = [0, 0, 0], normal = [0, 0, 0] "

@@ -69,17 +69,6 @@ const Refused refused[] = {
     {"increments_to_slip", [](Problem& p) { p.friction.increments_to_slip = 1001; }},
     {"level", [](Problem& p) { p.level = 0; }},
     {"level", [](Problem& p) { p.level = 5; }},
-    {"increments_to_slip",
-     [](Problem& p) {
-       p.finite_strain.emplace();
-       p.friction.limit_surface = p.friction.increments_to_slip = 3;
-     }},
-    {"twist_axis_m",
-     [](Problem& p) {
-       p.finite_strain.emplace();
-       p.friction.torsion = true;
-       p.friction.twist_axis_y_m = 1e-4;
-     }},
     {"approach_m",
      [](Problem& p) {
        p.finite_strain.emplace();

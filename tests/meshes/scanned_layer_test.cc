@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -145,6 +147,41 @@ TEST_F(ScannedSphere, LayerGoesRoundTheFingerAndSaysWhereItEnds) {
   EXPECT_GT(reach.distance, 1.2 * R);
   EXPECT_NE(reach.end, ClothEnd::none);
   EXPECT_EQ(found.end_in(-1e-3, 1e-3, -1e-3, 1e-3), ClothEnd::none);
+}
+
+TEST_F(ScannedSphere, LayerEndsOnItsCore) {
+  // A ball of three quarters, in the finger but not in its middle: the layer is between 1 and 3 mm
+  // thick, and 1.6 mm at the contact.
+  constexpr double h = 2e-3, core_radius = 0.75 * R;
+  const Vector3d core_centre = centre + Vector3d(0.8e-3, 0, 0.4e-3);
+  TriangleSurface ball_of_core = ball(0.5e-3);
+  for (Vector3d& vertex : ball_of_core.vertices_m)
+    vertex = core_centre + (vertex - centre) * (core_radius / R);
+  const SmoothSurface core(ball_of_core, {1e-3, 1.05, 30e-3});
+  const ScannedLayer found(surface, *surface.project(Vector3d::Zero(), Vector3d::UnitZ()),
+                           Vector3d::UnitX(), h, 6e-3, &core);
+  ASSERT_EQ(found.end_in(-4e-3, 4e-3, -4e-3, 4e-3), ClothEnd::none);
+  for (double x = -4e-3; x < 4e-3; x += 0.7e-3)
+    for (double y = -4e-3; y < 4e-3; y += 0.7e-3) {
+      EXPECT_NEAR((found.position(x, y, 0) - centre).norm(), R, 1e-3 * h);
+      EXPECT_NEAR((found.position(x, y, -1) - core_centre).norm(), core_radius, 5e-3 * h);
+    }
+}
+
+TEST_F(ScannedSphere, LayerEndsWhereItsCoreDoes) {
+  TriangleSurface half = ball(0.5e-3);
+  for (Vector3d& vertex : half.vertices_m) vertex = centre + 0.75 * (vertex - centre);
+  const auto& at = half.vertices_m;
+  half.triangles.erase(std::remove_if(half.triangles.begin(), half.triangles.end(),
+                                      [&](const std::array<int, 3>& triangle) {
+                                        return at[static_cast<std::size_t>(triangle[0])].x() > 2e-3;
+                                      }),
+                       half.triangles.end());
+  const SmoothSurface core(half, {1e-3, 1.05, 30e-3});
+  const ScannedLayer found(surface, *surface.project(Vector3d::Zero(), Vector3d::UnitZ()),
+                           Vector3d::UnitX(), 2e-3, 6e-3, &core);
+  EXPECT_EQ(found.end_in(-4e-3, 1e-3, -2e-3, 2e-3), ClothEnd::none);
+  EXPECT_NE(found.end_in(5e-3, 5.5e-3, 0, 0.5e-3), ClothEnd::none);
 }
 
 TEST(ScannedLayerRim, EndsWhereTheMeshEnds) {
