@@ -37,6 +37,19 @@ struct Measurement {
   double residual = 0;              ///< worst of the equilibrium's and the contact's, relative
 };
 
+/// The load was not reached on a mesh, which may be far too wide and coarse for it.
+class NotReached : public ConvergenceError {
+ public:
+  /// @param a, b  semi-axes of the contact at the last load that converged, in h
+  NotReached(const ConvergenceError& error, double a, double b)
+      : ConvergenceError(error), a_(a), b_(b) {}
+  double a() const { return a_; }
+  double b() const { return b_; }
+
+ private:
+  double a_, b_;
+};
+
 /// Sets what the result takes from the shape of the contact.
 void set_shape(const ContactShape& shape, double thickness_m, double youngs_modulus_Pa,
                LevelResult& result);

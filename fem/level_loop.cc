@@ -22,6 +22,8 @@ constexpr int most_trials = 15;
 constexpr double trial_agreement = 0.08;
 /// At the rim of the patch the moments only bound the contact from below.
 constexpr double growth_at_rim = 1.3;
+/// Relative change of the mesh's size that is worth another try where the load was not reached.
+constexpr double worth_another = 0.25;
 /// A contact larger than its mesh is made for by this much still lies in the refined patch.
 constexpr double spare_size = 0.1;
 
@@ -124,7 +126,21 @@ class LevelLoop {
   bool fits_trial(int trial) {
     choose_elements(mesh_, 0);
     check_reach(mesh_, problem_);
-    physics_.press(mesh_, 0);
+    try {
+      physics_.press(mesh_, 0);
+    } catch (const NotReached& last) {
+      // On a mesh that is made for the contact so far Newton's method may get farther.
+      LayerDiscretisation next = mesh_;
+      next.a = rounded(growth_at_rim * last.a());
+      next.b = rounded(growth_at_rim * last.b());
+      if (trial == most_trials || !(last.b() > 0) || misfit(mesh_, next.a, next.b) < worth_another)
+        throw;
+      task_.progress(formatted("mesh %d: %s; once more on a mesh for a/h %.3g, b/h %.3g", trial,
+                               last.what(), next.a, next.b));
+      mesh_.a = next.a;
+      mesh_.b = next.b;
+      return false;
+    }
     const RoughSize found = physics_.size();
     const double difference = misfit(mesh_, found.a, found.b);
     task_.progress(formatted("mesh %d: a/h %.4g, b/h %.4g, d/h %.4g, unknowns %ld%s%s", trial,

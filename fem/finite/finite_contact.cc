@@ -88,7 +88,8 @@ class FiniteContact : public ContactPhysics {
     try {
       pressing->press({task_.pressing.load, task_.pressing.approach});
     } catch (const ConvergenceError& error) {
-      throw not_reached(pressing->equilibrium(), mesh, error);
+      const Equilibrium& last = pressing->equilibrium();
+      throw NotReached(not_reached(last, mesh, error), last.moment_a, last.moment_b);
     }
     pressing_ = std::move(pressing);
     refuse_ends();
