@@ -311,14 +311,22 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
     solve_friction(tangent_->compliance, friction_coefficient_ * at.normal_force, at.target,
                    friction);
   };
-  constexpr double shortest = 1.0 / 8;
   const PlaneMotion start = motion_;
+  const double reached = advance(
+      1.0 / 8, [&](double share) { return try_motion(between(start, motion, share), rub); });
+  if (reached < 1)
+    throw ConvergenceError("friction at finite strain", iterations_, reached, failure_);
+}
+
+/// Goes from 0 to 1 in one step, or in shorter ones where that does not converge.
+/// @returns how far it came
+double FrictionalPressing::advance(double shortest, const std::function<bool(double)>& try_share) {
   double done = 0, length = 1;
-  while (done < 1) {
+  while (done < 1 && length >= shortest) {
     const double next = std::min(1.0, done + length);
     bool converged = false;
     try {
-      converged = try_motion(between(start, motion, next), rub);
+      converged = try_share(next);
     } catch (const ConvergenceError& error) {
       failure_ = error.what();
     }
@@ -330,51 +338,34 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
     take_back();
     tangent_.reset();
     length /= 2;
-    if (length < shortest)
-      throw ConvergenceError("friction at finite strain", iterations_, done, failure_);
   }
+  return done;
 }
 
 double FrictionalPressing::slide(const PlaneMotion& velocity) {
   restart();
-  double ramp = 0, length = 1;
-  constexpr double shortest = 1.0 / 4;
-  while (ramp < 1) {
-    const double next = std::min(1.0, ramp + length);
-    const Rub rub = [&](const Rubbed& rubbed, Eigen::VectorXd& friction) {
-      const std::vector<Touch> touching = touches();
-      for (Index i = 0; i < rubbed.normal_force.size(); ++i) {
-        const auto node = static_cast<std::size_t>(i);
-        const auto tangents = touching[node].frame.axes.leftCols<2>();
-        const Eigen::Vector3d place =
-            layer_->position(node) + tangents * rubbed.moved.segment<2>(2 * i);
-        const Eigen::Vector3d speed =
-            Eigen::Vector3d(velocity.x, velocity.y, 0) + velocity.turn_rad * turned(place);
-        const Eigen::Vector2d along = tangents.transpose() * speed;
-        // Around the centre of rotation forces point in all directions. A node has their mean over
-        // its surroundings.
-        friction.segment<2>(2 * i) = next * friction_coefficient_ * rubbed.normal_force[i] /
-                                     std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_) *
-                                     along;
-      }
-    };
-    bool converged = false;
-    try {
-      converged = try_motion({}, rub);
-    } catch (const ConvergenceError& error) {
-      failure_ = error.what();
+  double ramp = 0;
+  const Rub rub = [&](const Rubbed& rubbed, Eigen::VectorXd& friction) {
+    const std::vector<Touch> touching = touches();
+    for (Index i = 0; i < rubbed.normal_force.size(); ++i) {
+      const auto node = static_cast<std::size_t>(i);
+      const auto tangents = touching[node].frame.axes.leftCols<2>();
+      const Eigen::Vector3d place =
+          layer_->position(node) + tangents * rubbed.moved.segment<2>(2 * i);
+      const Eigen::Vector3d speed =
+          Eigen::Vector3d(velocity.x, velocity.y, 0) + velocity.turn_rad * turned(place);
+      const Eigen::Vector2d along = tangents.transpose() * speed;
+      // Around the centre of rotation forces point in all directions. A node has their mean over
+      // its surroundings.
+      friction.segment<2>(2 * i) = ramp * friction_coefficient_ * rubbed.normal_force[i] /
+                                   std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_) *
+                                   along;
     }
-    if (converged) {
-      keep();
-      ramp = next;
-      continue;
-    }
-    take_back();
-    tangent_.reset();
-    length /= 2;
-    if (length < shortest) break;
-  }
-  return ramp;
+  };
+  return advance(1.0 / 4, [&](double share) {
+    ramp = share;
+    return try_motion({}, rub);
+  });
 }
 
 FrictionWrench FrictionalPressing::wrench() const {

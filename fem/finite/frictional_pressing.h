@@ -79,6 +79,7 @@ class FrictionalPressing {
   Eigen::VectorXd stuck_target(const std::vector<Touch>& touching, double approach) const;
   bool try_motion(const PlaneMotion& motion, const Rub& rub);
   void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<Mixed>& history);
+  double advance(double shortest, const std::function<bool(double)>& try_share);
   void keep();
   void take_back();
   double projected_area() const;
