@@ -407,8 +407,8 @@ TEST(SuperposedSlide, OfAContactWithoutSymmetryIsLinearElasticityForSmallLoads) 
   }
   EXPECT_GT(moved, 0.02);
   // The linear solver takes the direction of slip at the node. Here it is the mean over the node's
-  // surroundings, 1 - s²/(32 r²) at the distance r from the centre of rotation, which over a disc of
-  // the radius b = 6 s comes to s²/(16 b²) log(b/s).
+  // surroundings, 1 - s²/(32 r²) at the distance r from the centre of rotation, which over a disc
+  // of the radius b = 6 s comes to s²/(16 b²) log(b/s).
   const double of_centre = std::log(6.0) / (16 * 36);
   EXPECT_LT(worst, kSmallLoad + moved * moved + of_centre);
 }
