@@ -357,8 +357,11 @@ class FiniteContact : public ContactPhysics {
                      std::abs(change.torque) / torque});
   }
 
-  /// Between the coarse mesh and the next finer one corrections change by less than this.
-  static constexpr double of_correction = 0.15;
+  /// What the next finer mesh changes about a correction: of corrections 0.05, 0.14 and 0.25 it
+  /// changed 0.005, 0.008 and 0.06 on the one contact that was solved on both.
+  static double error_of(double correction) {
+    return std::max(0.15 * correction, 1.5 * correction * correction);
+  }
 
   /// @param error  raised to the relative error of what is so corrected
   std::vector<FrictionState> moved(FrictionalPressing& solved,
@@ -377,7 +380,7 @@ class FiniteContact : public ContactPhysics {
       }
       if (!is_stuck) {
         changes.push_back(difference(solved, 1, state));
-        error = std::max(error, of_correction * size_of(changes.back().wrench, force, torque));
+        error = std::max(error, error_of(size_of(changes.back().wrench, force, torque)));
         continue;
       }
       // Where it does not go on, what is left out grows at most with the square of friction.
@@ -444,8 +447,8 @@ class FiniteContact : public ContactPhysics {
     FrictionState change = difference(solved, share, superposed);
     if (share < 1) change.sheared.reset();
     // What is left out grows with the square of friction: from the share that was reached to all.
-    error = std::max(
-        error, (of_correction + 1 / (share * share) - 1) * size_of(change.wrench, force, torque));
+    const double size = size_of(change.wrench, force, torque);
+    error = std::max(error, error_of(size) + (1 / (share * share) - 1) * size);
     return change;
   }
 
