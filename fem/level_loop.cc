@@ -20,6 +20,8 @@ constexpr double smallest_guess = 1e-4, largest_guess_b = 60, largest_guess_a = 
 constexpr int most_trials = 15;
 /// Mesh and contact agree when they differ by less than this share: the patch leaves room for 25 %.
 constexpr double trial_agreement = 0.08;
+/// Cells of a trial mesh, times those of the usual one, where the load is not reached.
+constexpr int finest_trial = 2;
 /// At the rim of the patch the moments only bound the contact from below.
 constexpr double growth_at_rim = 1.3;
 /// Relative change of the mesh's size that is worth another try where the load was not reached.
@@ -125,16 +127,21 @@ class LevelLoop {
   /// Presses a trial mesh. @returns whether it suits the contact; if not, the next one is planned
   bool fits_trial(int trial) {
     choose_elements(mesh_, 0);
+    mesh_.elements_per_semi_axis *= trial_refinement_;
     check_reach(mesh_, problem_);
     try {
       physics_.press(mesh_, 0);
     } catch (const NotReached& last) {
-      // On a mesh that is made for the contact so far Newton's method may get farther.
+      // On a mesh that is made for the contact so far, and then on a finer one, Newton's method may
+      // get farther: coarse cells beside the contact collapse under large strain.
       LayerDiscretisation next = mesh_;
       next.a = rounded(growth_at_rim * last.a());
       next.b = rounded(growth_at_rim * last.b());
-      if (trial == most_trials || !(last.b() > 0) || misfit(mesh_, next.a, next.b) < worth_another)
-        throw;
+      if (trial == most_trials || !(last.b() > 0)) throw;
+      if (misfit(mesh_, next.a, next.b) < worth_another) {
+        if (trial_refinement_ == finest_trial) throw;
+        trial_refinement_ = finest_trial;
+      }
       task_.progress(formatted("mesh %d: %s; once more on a mesh for a/h %.3g, b/h %.3g", trial,
                                last.what(), next.a, next.b));
       mesh_.a = next.a;
@@ -393,6 +400,7 @@ class LevelLoop {
   const ContactTask& task_;
   const Problem& problem_;
   LayerDiscretisation mesh_;  ///< of the next level
+  int trial_refinement_ = 1;
   Measurement trial_;
   Result result_;
   std::optional<FrictionPlan> plan_;

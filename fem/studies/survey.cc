@@ -1,6 +1,6 @@
 // How often finite elements answer on real fingers: presses random points of the pads of generated
 // fingers and of the scans that it is given.
-//   softfinger-fem-survey [--points N] [--level L] [--finite] [--millimetres FILE DIRECTION]...
+//   softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--millimetres FILE X,Y,Z]...
 // DIRECTION is the side that the pad faces, as x,y,z.
 
 #include <fmt/core.h>
@@ -148,6 +148,7 @@ double median(std::vector<double> values) {
 
 struct Options {
   int points = 200, level = 2;
+  int only = -1;  ///< number of the one point to press, and to be told about; all where negative
   bool finite = false;
   std::vector<Finger> fingers = generated_fingers();
 };
@@ -165,6 +166,8 @@ Options read_options(int count, char** arguments) {
       options.finite = true;
     } else if (words[i] == "--points") {
       options.points = std::stoi(next());
+    } else if (words[i] == "--only") {
+      options.only = std::stoi(next());
     } else if (words[i] == "--level") {
       options.level = std::stoi(next());
     } else if (words[i] == "--millimetres") {
@@ -176,7 +179,7 @@ Options read_options(int count, char** arguments) {
       options.fingers.push_back({path, meshes::read_surface(path, 1e-3).surface, pad});
     } else {
       throw softfinger::InputError("softfinger-fem-survey", "argument", words[i],
-                                   "--points N, --level L, --finite, --millimetres FILE X,Y,Z");
+                                   "--points N, --only K, --level L, --finite, --millimetres FILE X,Y,Z");
     }
   }
   return options;
@@ -199,6 +202,7 @@ void survey(const Options& options) {
     const double load_N = any(std::vector<double>{0.2, 1, 5}),
                  h = any(std::vector<double>{1e-3, 2e-3, 3e-3}),
                  nu = any(std::vector<double>{0.3, 0.45, 0.49});
+    if (options.only >= 0 && options.only != i) continue;
     fem::Problem problem;
     problem.contact = {{12e-3, 8e-3, 0}, {h, 1e5, nu}, {load_N, 0.8}};
     problem.level = options.level;
@@ -212,7 +216,9 @@ void survey(const Options& options) {
                1e3 * at.point.x(), 1e3 * at.point.y(), 1e3 * at.point.z(), object.name, load_N,
                1e3 * h, nu);
     try {
-      const fem::Result result = fem::solve(problem, [](const std::string&) {});
+      const fem::Result result = fem::solve(problem, [&](const std::string& line) {
+        if (options.only >= 0) fmt::print(stderr, "{}\n", line);
+      });
       ++answered;
       const auto& error = result.error;
       fmt::print(
