@@ -21,7 +21,9 @@ constexpr int most_trials = 15;
 /// Mesh and contact agree when they differ by less than this share: the patch leaves room for 25 %.
 constexpr double trial_agreement = 0.08;
 /// Cells of a trial mesh, times those of the usual one, where the load is not reached.
-constexpr int finest_trial = 2;
+constexpr int finest_trial = 3;
+/// Cells of both levels, times those of the usual ones, where the coarse one does not reach it.
+constexpr int finer_levels = 2;
 /// At the rim of the patch the moments only bound the contact from below.
 constexpr double growth_at_rim = 1.3;
 /// Relative change of the mesh's size that is worth another try where the load was not reached.
@@ -140,7 +142,7 @@ class LevelLoop {
       if (trial == most_trials || !(last.b() > 0)) throw;
       if (misfit(mesh_, next.a, next.b) < worth_another) {
         if (trial_refinement_ == finest_trial) throw;
-        trial_refinement_ = finest_trial;
+        ++trial_refinement_;
       }
       task_.progress(formatted("mesh %d: %s; once more on a mesh for a/h %.3g, b/h %.3g", trial,
                                last.what(), next.a, next.b));
@@ -173,7 +175,16 @@ class LevelLoop {
     const bool is_pressed = level == 0 && physics_.trial_is_level_0();
     if (!is_pressed) {
       if (!physics_.shares_meshes()) refine(level);
-      physics_.press(mesh_, level);
+      try {
+        physics_.press(mesh_, level);
+      } catch (const NotReached& last) {
+        // What a fine trial mesh bore, a coarser one may not.
+        if (trial_refinement_ == 1 || level_refinement_ > 1 || !result_.levels.empty()) throw;
+        task_.progress(formatted("level %d: %s; once more with finer cells", level, last.what()));
+        level_refinement_ = finer_levels;
+        refine(level);
+        physics_.press(mesh_, level);
+      }
     }
     if (const RoughSize size = physics_.size(); size.reaches_rim) {
       if (physics_.shares_meshes()) return false;
@@ -186,6 +197,7 @@ class LevelLoop {
 
   void refine(int level) {
     choose_elements(mesh_, level);
+    mesh_.elements_per_semi_axis *= level_refinement_;
     // The error is estimated from the difference of two meshes. A mesh from outside may be finer
     // than both levels ask for and would stay as it is: its cells are halved for the second level.
     if (problem_.mesh && !result_.levels.empty())
@@ -401,6 +413,7 @@ class LevelLoop {
   const Problem& problem_;
   LayerDiscretisation mesh_;  ///< of the next level
   int trial_refinement_ = 1;
+  int level_refinement_ = 1;
   Measurement trial_;
   Result result_;
   std::optional<FrictionPlan> plan_;

@@ -84,7 +84,6 @@ class FiniteContact : public ContactPhysics {
     auto pressing = std::make_unique<FinitePressing>(make_layer(mesh), object_);
     // The state on the mesh before is near the one on this mesh.
     if (pressing_ && !task_.pressing.mesh) pressing->continue_from(*pressing_);
-    pressing_.reset();
     try {
       pressing->press({task_.pressing.load, task_.pressing.approach});
     } catch (const ConvergenceError& error) {
