@@ -46,12 +46,12 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
   // Plain normals are exact where the surface bends gently: they come first.
   std::vector<Jet> best;
   std::vector<ClothEnd> best_cells;
-  int most = -1;
+  double most = -1;
   for (const double smoothing : {0.0, 0.25, 0.5, 1.0}) {
     Field field = core_by(smoothing * thickness);
     if (core) field = on_core(*core, std::move(field));
     core_ = jets_of(field);
-    const int valid = find_cells();
+    const double valid = find_cells();
     // A rim of a few cells more is no reason to smooth.
     constexpr double worth = 1.02;
     if (valid <= worth * most) continue;
@@ -289,12 +289,13 @@ double ScannedLayer::area_ratio(double x, double y) const {
   return top.by_x.cross(top.by_y).norm();
 }
 
-/// Tests each cell of the lattice. @returns how many are valid
-int ScannedLayer::find_cells() {
+/// Tests each cell of the lattice.
+/// @returns how many are valid, those farther from the contact than the thickness counted for less
+double ScannedLayer::find_cells() {
   const int half = cloth_.half();
   const double s = cloth_.spacing();
   cells_.assign(top_.size(), ClothEnd::far);
-  int valid = 0;
+  double valid = 0;
   for (int j = -half; j < half; ++j)
     for (int i = -half; i < half; ++i) {
       ClothEnd& end = cells_[index(i, j)];
@@ -321,7 +322,8 @@ int ScannedLayer::find_cells() {
           for (const double stretch : {top.by_x.norm(), top.by_y.norm()})
             if (!(stretch > smallest_stretch && stretch < largest_stretch)) end = ClothEnd::fold;
         }
-      valid += end == ClothEnd::none;
+      const double from_contact = std::hypot(i + 0.5, j + 0.5) * s / thickness_;
+      if (end == ClothEnd::none) valid += std::pow(1 + from_contact * from_contact, -2);
     }
   return valid;
 }

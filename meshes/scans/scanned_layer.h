@@ -74,7 +74,7 @@ class ScannedLayer {
   Field core_by(double smoothing) const;
   Field on_core(const SmoothSurface& core, Field field) const;
   double depth_below(const Eigen::Vector3d& point, double x, double y, Eigen::Vector3d* foot) const;
-  int find_cells();
+  double find_cells();
   void keep_connected();
 
   double thickness_, deepest_;
