@@ -27,6 +27,11 @@ struct Hermite {
 
 constexpr double smallest_jacobian = 0.05, smallest_stretch = 0.25, largest_stretch = 3;
 
+/// What a valid cell is worth at a distance from the contact, in thicknesses; beyond `near_rim`, by
+/// which a side wall is felt no more, little.
+double worth_of_cell(double distance) { return std::pow(1 + distance * distance, -2); }
+constexpr double near_rim = 4;
+
 /// The lattice's spacing, in thicknesses.
 constexpr double steps_per_thickness = 2;
 
@@ -52,9 +57,8 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
     if (core) field = on_core(*core, std::move(field));
     core_ = jets_of(field);
     const double valid = find_cells();
-    // A rim of a few cells more is no reason to smooth.
-    constexpr double worth = 1.02;
-    if (valid <= worth * most) continue;
+    // A cell more at the rim is no reason to smooth.
+    if (valid <= most + worth_of_cell(near_rim)) continue;
     most = valid;
     best = core_;
     best_cells = cells_;
@@ -290,7 +294,7 @@ double ScannedLayer::area_ratio(double x, double y) const {
 }
 
 /// Tests each cell of the lattice.
-/// @returns how many are valid, those farther from the contact than the thickness counted for less
+/// @returns how many are valid, each by its worth
 double ScannedLayer::find_cells() {
   const int half = cloth_.half();
   const double s = cloth_.spacing();
@@ -322,8 +326,8 @@ double ScannedLayer::find_cells() {
           for (const double stretch : {top.by_x.norm(), top.by_y.norm()})
             if (!(stretch > smallest_stretch && stretch < largest_stretch)) end = ClothEnd::fold;
         }
-      const double from_contact = std::hypot(i + 0.5, j + 0.5) * s / thickness_;
-      if (end == ClothEnd::none) valid += std::pow(1 + from_contact * from_contact, -2);
+      if (end == ClothEnd::none)
+        valid += worth_of_cell(std::hypot(i + 0.5, j + 0.5) * s / thickness_);
     }
   return valid;
 }
