@@ -8,6 +8,7 @@
 #include "fem/formatted.h"
 #include "fem/memory.h"
 #include "fem/stopwatch.h"
+#include "fem/touching_outline.h"
 #include "meshes/generation/object_surface.h"
 
 namespace softfinger::fem {
@@ -191,7 +192,19 @@ class LevelLoop {
       throw ConvergenceError("size of the refined patch", level, size.a / mesh_.a,
                              "the contact outgrew the patch on refinement");
     }
-    measure(level, watch);
+    std::optional<Measurement> found;
+    try {
+      found = physics_.measure();
+    } catch (const OutgrownPatch&) {
+      // The outline passes beside the cells that were made for it.
+      if (physics_.shares_meshes()) return false;
+      task_.progress(
+          formatted("level %d: the contact is not where its mesh is; a larger one", level));
+      fit_mesh_to(growth_at_rim * mesh_.a, growth_at_rim * mesh_.b);
+      physics_.press(mesh_, level);
+      found = physics_.measure();
+    }
+    keep(std::move(*found), level, watch);
     return true;
   }
 
@@ -208,8 +221,7 @@ class LevelLoop {
     check_reach(mesh_, problem_);
   }
 
-  void measure(int level, const Stopwatch& watch) {
-    Measurement found = physics_.measure();
+  void keep(Measurement found, int level, const Stopwatch& watch) {
     if (problem_.friction.any()) friction_.push_back(physics_.friction(plan_));
     LevelResult& result = found.result;
     result.level = level;

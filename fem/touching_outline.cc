@@ -115,8 +115,8 @@ class Tracer {
         at = next_.find(to);
       }
       if (to < start || start < to)
-        throw ConvergenceError("outline of the contact", static_cast<int>(points.size()),
-                               points.back().norm(), "it leaves the refined patch");
+        throw OutgrownPatch("outline of the contact", static_cast<int>(points.size()),
+                            points.back().norm(), "it leaves the refined patch");
       if (points.size() < 3) continue;
       Eigen::Matrix2Xd polygon(2, static_cast<Index>(points.size()));
       for (std::size_t i = 0; i < points.size(); ++i)

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fem/layer_model.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
 
@@ -18,12 +19,19 @@ struct TouchingState {
   bool whole = false;                ///< not a quarter
 };
 
+/// The contact lies partly beside the nodes that a state describes.
+class OutgrownPatch : public ConvergenceError {
+ public:
+  using ConvergenceError::ConvergenceError;
+};
+
 /// Outlines of what touches, counter-clockwise, holes clockwise; of a quarter's whole contact.
 ///
 /// Between a node that touches and an open one, the edge is where both agree: at a distance s
 /// inside a smooth edge the pressure is A sqrt(s), outside it the gap is 4 A/(3 E*) s^(3/2)
 /// (K. L. Johnson, Contact Mechanics, 1985, chapter 5: the edge of every smooth contact looks like
 /// that of a cylinder from nearby). A is found from the distance between the two nodes.
+/// @throws OutgrownPatch
 std::vector<Eigen::Matrix2Xd> touching_outlines(const TouchingState& state);
 
 }  // namespace softfinger::fem
