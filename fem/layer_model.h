@@ -13,10 +13,11 @@ struct LayerMesh;
 
 namespace softfinger::fem {
 
-/// How a layer is meshed for a contact of semi-axes a >= b. Lengths in units of the thickness h.
+/// How a layer is meshed for a contact of semi-axes a along x and b along y, of which a is the
+/// longer one unless the layer is a scan's. Lengths in units of the thickness h.
 struct LayerDiscretisation {
   double a = 1, b = 1;
-  int elements_per_semi_axis = 8;  ///< n: finest cells along b
+  int elements_per_semi_axis = 8;  ///< n: finest cells along the shorter one
   double patch = 1.25;             ///< contact is possible within this multiple of the ellipse
   double extent = 6;               ///< side wall at a + extent, b + extent: see README.md
   bool is_scan = false;            ///< the shape ends where it must, not at the block's sides
@@ -30,9 +31,9 @@ struct LayerDiscretisation {
   double reach_x = std::numeric_limits<double>::infinity();
   double reach_y = std::numeric_limits<double>::infinity();
 
-  /// Finest cells along a: as many as along b, more where cells would be longer than three times
-  /// their width.
+  /// Finest cells along a and b: n, more where cells would be longer than three times their width.
   int elements_along_a() const;
+  int elements_along_b() const;
 };
 
 /// The layer bent onto a finger: the image of a flat block in the contact's frame. Lengths in h.

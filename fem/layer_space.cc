@@ -41,7 +41,7 @@ struct Lattice {
 
 Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   const double fine_x = discretisation.a / discretisation.elements_along_a();
-  const double fine_y = discretisation.b / discretisation.elements_per_semi_axis;
+  const double fine_y = discretisation.b / discretisation.elements_along_b();
   Lattice lattice;
   // The coarsest cells are at most as long as the layer is thick; up to 2^0.1 = 1.07 times as long
   // where that saves a refinement.
@@ -334,7 +334,7 @@ class SurfaceBuilder {
     constexpr double equal = 1.01;  // the next coarser faces are twice as large
     const LayerDiscretisation& mesh = space_.discretisation;
     const double fine_x = mesh.a / mesh.elements_along_a();
-    const double fine_y = mesh.b / mesh.elements_per_semi_axis;
+    const double fine_y = mesh.b / mesh.elements_along_b();
     std::vector<global_dof_index> indices(space_.element.n_dofs_per_face());
     for (const auto& cell : space_.dofs.active_cell_iterators())
       for (const unsigned int f : cell->face_indices()) {
@@ -510,10 +510,25 @@ class SurfaceBuilder {
 
 }  // namespace
 
-int LayerDiscretisation::elements_along_a() const {
+namespace {
+
+/// Cells along a semi-axis, which may be the longer one. They are at most three times as long as
+/// those across it.
+int elements_along(double semi_axis, double other, int elements_per_semi_axis) {
   constexpr double longest_cell = 3;
-  return std::max(elements_per_semi_axis,
-                  static_cast<int>(std::ceil(elements_per_semi_axis * a / (b * longest_cell))));
+  return std::max(
+      elements_per_semi_axis,
+      static_cast<int>(std::ceil(elements_per_semi_axis * semi_axis / (other * longest_cell))));
+}
+
+}  // namespace
+
+int LayerDiscretisation::elements_along_a() const {
+  return elements_along(a, b, elements_per_semi_axis);
+}
+
+int LayerDiscretisation::elements_along_b() const {
+  return elements_along(b, a, elements_per_semi_axis);
 }
 
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent,

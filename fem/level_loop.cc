@@ -48,7 +48,7 @@ double misfit(const LayerDiscretisation& mesh, double a, double b) {
 void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
   const double mm = 1e3 * problem.contact.layer.thickness_m;
   const double needed_x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
-  const double needed_y = mesh.patch * mesh.b + mesh.b / mesh.elements_per_semi_axis;
+  const double needed_y = mesh.patch * mesh.b + mesh.b / mesh.elements_along_b();
   constexpr double usable = LayerDiscretisation::usable_reach;
   if (needed_x < usable * mesh.reach_x && needed_y < usable * mesh.reach_y) return;
   throw too_much(problem,
@@ -91,6 +91,7 @@ class LevelLoop {
       : physics_(physics), task_(task), problem_(task.problem) {}
 
   std::optional<Result> run() {
+    tell_first_touch();
     find_size();
     check_twist_axis(problem_, trial_.result);
     for (const int level : {problem_.level - 1, problem_.level}) {
@@ -108,6 +109,16 @@ class LevelLoop {
   }
 
  private:
+  /// Which is not quite at the aimed point where that is a scan's.
+  void tell_first_touch() const {
+    const Pressing& pressing = task_.pressing;
+    const Eigen::Vector3d at_mm = 1e3 * pressing.thickness_m * pressing.bent.first_touch;
+    constexpr double worth_telling = 0.05;
+    if (pressing.bent.first_touch.head<2>().norm() > worth_telling)
+      task_.progress(
+          formatted("first touch at x %.3g, y %.3g mm from the aimed point", at_mm.x(), at_mm.y()));
+  }
+
   void find_size() {
     if (physics_.shares_meshes()) {
       physics_.press({}, problem_.level - 1);

@@ -117,6 +117,7 @@ class LinearContact : public ContactPhysics {
   Measurement measure() override {
     const Problem& problem = task_.problem;
     const double h = task_.pressing.thickness_m, E = problem.contact.layer.youngs_modulus_Pa;
+    check_covered();
     shape_ = measure_shape(pressed_, task_.pressing);
     Measurement measurement;
     measurement.block_a = shape_.block_a;
@@ -178,6 +179,13 @@ class LinearContact : public ContactPhysics {
   }
 
  private:
+  void check_covered() const {
+    for (const SurfaceNode& node : pressed_.model->nodes())
+      if (std::hypot(node.x / pressed_.moment_a, node.y / pressed_.moment_b) < 1 &&
+          task_.pressing.gap(node) >= Pressing::beside_object)
+        refuse_end_of_object(node.position.x(), node.position.y(), task_.pressing.thickness_m);
+  }
+
   /// Index of the present level in a pair of meshes.
   std::size_t place() const { return static_cast<std::size_t>(level_ - task_.problem.level + 1); }
   /// Trial meshes are not kept, except the last one where it serves as level 0 as well.

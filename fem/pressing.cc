@@ -33,11 +33,7 @@ double Pressing::gap(const SurfaceNode& node) const {
     const Eigen::Vector3d& first = bent.first_touch;
     const auto height =
         fingertip.object->height(thickness_m * (x + first.x()), thickness_m * (y + first.y()));
-    if (!height)
-      throw InputError("object", "surface",
-                       formatted("x %.4g mm, y %.4g mm from the first touch", 1e3 * thickness_m * x,
-                                 1e3 * thickness_m * y),
-                       "an object that covers the contact");
+    if (!height) return beside_object;
     return *height / thickness_m - first.z() - node.position.z();
   }
   const double z = node.position.z();
@@ -264,7 +260,7 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
 
   double xx = 0, yy = 0;
   const double spacing_a = 0.5 / discretisation.elements_along_a();
-  const double spacing_b = 0.5 / discretisation.elements_per_semi_axis;
+  const double spacing_b = 0.5 / discretisation.elements_along_b();
   for (Index i = 0; i < count; ++i) {
     const double force = pressed.contact.force[i];
     if (force <= 0) continue;
@@ -291,6 +287,9 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
     pressed.moment_a = axes.x();
     pressed.moment_b = axes.y();
   }
+  // A row of nodes is as wide as they are apart: no less can be seen.
+  pressed.moment_a = std::max(pressed.moment_a, spacing_a * discretisation.a);
+  pressed.moment_b = std::max(pressed.moment_b, spacing_b * discretisation.b);
   return pressed;
 }
 
@@ -299,6 +298,14 @@ void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {
                    formatted("ends at x %.4g mm, y %.4g mm", 1e3 * thickness_m * node.x,
                              1e3 * thickness_m * node.y),
                    "one that covers the contact, which reaches that end; or a smaller load");
+}
+
+void refuse_end_of_object(double x, double y, double thickness_m) {
+  throw InputError(
+      "object", "surface",
+      formatted("ends at x %.4g mm, y %.4g mm from the first touch, inside the contact",
+                1e3 * thickness_m * x, 1e3 * thickness_m * y),
+      "an object that covers the contact, or less load");
 }
 
 ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {

@@ -35,6 +35,9 @@ struct Pressing {
   /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
 
+  /// A gap larger than any approach.
+  static constexpr double beside_object = 1e3;
+
   /// E / (1 - nu²) of the material at the surface.
   double surface_modulus() const;
 
@@ -42,8 +45,8 @@ struct Pressing {
   /// about x = 0 and y = 0.
   bool whole() const;
 
-  /// From a surface point to the object above it, along the load.
-  /// @throws InputError where the object has no surface
+  /// From a surface point to the object above it, along the load; `beside_object` where there is
+  /// none.
   double gap(const SurfaceNode& node) const;
 };
 
@@ -78,6 +81,12 @@ struct Pressed {
 /// Refuses a mesh from outside whose surface ends at a node that the object touches.
 /// @throws InputError
 [[noreturn]] void refuse_end_of_surface(const SurfaceNode& node, double thickness_m);
+
+/// An object that ends within the contact has an edge there, which is no contact of two smooth
+/// surfaces any more.
+/// @param x, y  where it has no surface, seen from the first touch
+/// @throws InputError
+[[noreturn]] void refuse_end_of_object(double x, double y, double thickness_m);
 
 /// Refuses a contact that reaches the end of a scan's layer.
 /// @param fits  largest share of the load or approach that does not reach it; 0 where nothing fits,

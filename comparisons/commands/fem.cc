@@ -155,7 +155,7 @@ Plan plan_loads(const FemOptions& options) {
   plan.loads_N = plan.contact_case.loads_N;
   if (plan.by_approach()) plan.loads_N.resize(1);
   check(options, plan);
-  for (const double load_N : plan.loads_N) plan.geometries.push_back(resolver.resolve(load_N));
+  for (const double load_N : plan.loads_N) plan.geometries.push_back(resolver.place(load_N));
   // One process solves all loads. The largest contact comes first, because smaller ones can use its
   // mesh. At finite strain the smallest comes first: each load has its own meshes there, and the
   // largest load may be one for which there is no solution.

@@ -55,6 +55,8 @@ std::string describe(const input::Case& contact_case) {
 }
 
 std::string describe(const LocalGeometry& geometry) {
+  if (!geometry.no_ellipse.empty())
+    return "the bodies as they are, no relative radii: " + geometry.no_ellipse;
   std::string text =
       fmt::format("R' {}, R'' {}, long axis at {:.4g}°", millimetres(geometry.radii.major_m),
                   millimetres(geometry.radii.minor_m),

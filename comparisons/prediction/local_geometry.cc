@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "meshes/io/read_surface.h"
+#include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -188,6 +189,49 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
   }
   require_ellipse(result.patch->relative, case_.geometry_where);
   result.radii = result.patch->relative.radii;
+  return result;
+}
+
+/// Where the surface is and how it lies: by a quadric, or a plane where none can be fitted.
+QuadricFit GeometryResolver::lie_of(const input::MeshBody& mesh) const {
+  require_point_on_surface(surface(mesh), mesh.point_m, mesh.where, "point_mm");
+  const Eigen::Vector3d* given = mesh.normal ? &*mesh.normal : nullptr;
+  try {
+    constexpr double region_per_thickness = 1.5;
+    return fit_quadric(surface(mesh), mesh.point_m, given,
+                       region_per_thickness * case_.layer.thickness_m);
+  } catch (const InputError&) {
+  } catch (const ConvergenceError&) {
+  }
+  const internal::SurfaceNeighbourhood neighbourhood(surface(mesh), mesh.point_m, given);
+  QuadricFit plane;
+  plane.origin_m = neighbourhood.centre_m();
+  // At an edge the given normal says how the body is held.
+  plane.normal =
+      given ? given->normalized() : neighbourhood.region(case_.layer.thickness_m).mean_normal;
+  plane.x_axis = surface_axes(plane.normal).col(0);
+  return plane;
+}
+
+LocalGeometry GeometryResolver::place(double load_N) const {
+  if (!case_.fem_curved) return resolve(load_N);
+  LocalGeometry result;
+  try {
+    return resolve(load_N);
+  } catch (const InputError& error) {
+    if (error.field() == "point_mm") throw;
+    result.no_ellipse =
+        error.value().empty() ? error.field() : error.field() + " = " + error.value();
+  }
+  const auto& pair = std::get<input::BodyPair>(case_.geometry);
+  constexpr double radius_per_thickness = 10;
+  result.radii = {radius_per_thickness * case_.layer.thickness_m,
+                  radius_per_thickness * case_.layer.thickness_m, 0};
+  result.patch.emplace();
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.finger))
+    result.patch->finger_fit = lie_of(*mesh);
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.object))
+    result.patch->object_fit = lie_of(*mesh);
   return result;
 }
 

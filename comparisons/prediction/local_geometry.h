@@ -22,6 +22,8 @@ struct LocalGeometry {
   /// Set for an exact sphere on a flat finger: the finite elements then use the sphere itself. On a
   /// curved finger only the sphere's curvature enters, as in the models.
   double sphere_radius_m = std::numeric_limits<double>::infinity();
+  /// Why the bodies have no relative radii; `radii` are then but a guess of the contact's size.
+  std::string no_ellipse;
 };
 
 /// From a case's bodies to relative radii. Reads each mesh file once, however many loads there are.
@@ -41,6 +43,12 @@ class GeometryResolver {
   /// words.
   LocalGeometry resolve(double load_N) const;
 
+  /// For finite elements, which press curved bodies as they are: bodies that no ellipse describes
+  /// (hollow ones, edges, few facets) have theirs placed at their points, and `no_ellipse` says so.
+  /// @throws InputError where not even a point and a normal are known, and as `resolve` for bodies
+  /// that are not curved.
+  LocalGeometry place(double load_N) const;
+
   /// The triangles of one of the case's mesh bodies, metres.
   const TriangleSurface& surface(const input::MeshBody& mesh) const;
 
@@ -49,6 +57,7 @@ class GeometryResolver {
 
  private:
   ContactBody contact_body(const input::CaseBody& body) const;
+  QuadricFit lie_of(const input::MeshBody& mesh) const;
 
   const input::Case& case_;
   std::map<std::string, std::shared_ptr<const TriangleSurface>> surfaces_;  ///< by path and unit

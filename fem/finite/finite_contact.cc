@@ -231,19 +231,13 @@ class FiniteContact : public ContactPhysics {
     return {where, error.iteration(), error.residual(), hint};
   }
 
-  /// An object that ends within the contact has an edge there, which is no contact of two smooth
-  /// surfaces any more.
   void check_covered() const {
     const Equilibrium& found = equilibrium();
     const auto& nodes = pressing_->layer().nodes();
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       if (std::hypot(nodes[i].x / found.moment_a, nodes[i].y / found.moment_b) > 1) continue;
       const Eigen::Vector3d at = pressing_->layer().position(i);
-      if (object_->over(at.x(), at.y())) continue;
-      throw InputError(problem_.name, "object",
-                       formatted("no surface at x %.4g mm, y %.4g mm from the contact point",
-                                 1e3 * h_ * at.x(), 1e3 * h_ * at.y()),
-                       "an object that covers the contact, or less load: the finger slides off");
+      if (!object_->over(at.x(), at.y())) refuse_end_of_object(at.x(), at.y(), h_);
     }
   }
 

@@ -24,12 +24,12 @@ constexpr double kStretch = 1.25;
 
 bool reaches_rim(const LayerDiscretisation& mesh, const SurfaceNode& node) {
   const double x = std::abs(node.x) / mesh.a, y = std::abs(node.y) / mesh.b;
-  return std::hypot(x, y + 0.5 / mesh.elements_per_semi_axis) > mesh.patch ||
+  return std::hypot(x, y + 0.5 / mesh.elements_along_b()) > mesh.patch ||
          std::hypot(x + 0.5 / mesh.elements_along_a(), y) > mesh.patch;
 }
 
 double node_spacing(const LayerDiscretisation& mesh) {
-  return 0.5 * std::min(mesh.a / mesh.elements_along_a(), mesh.b / mesh.elements_per_semi_axis);
+  return 0.5 * std::min(mesh.a / mesh.elements_along_a(), mesh.b / mesh.elements_along_b());
 }
 
 /// A surface node against the object at its present place.

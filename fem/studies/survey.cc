@@ -1,6 +1,7 @@
 // How often finite elements answer on real fingers: presses random points of the pads of generated
 // fingers and of the scans that it is given.
-//   softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--millimetres FILE X,Y,Z]...
+//   softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--millimetres FILE
+//   X,Y,Z]...
 // DIRECTION is the side that the pad faces, as x,y,z.
 
 #include <fmt/core.h>
@@ -178,8 +179,9 @@ Options read_options(int count, char** arguments) {
       text >> pad.x() >> comma >> pad.y() >> comma >> pad.z();
       options.fingers.push_back({path, meshes::read_surface(path, 1e-3).surface, pad});
     } else {
-      throw softfinger::InputError("softfinger-fem-survey", "argument", words[i],
-                                   "--points N, --only K, --level L, --finite, --millimetres FILE X,Y,Z");
+      throw softfinger::InputError(
+          "softfinger-fem-survey", "argument", words[i],
+          "--points N, --only K, --level L, --finite, --millimetres FILE X,Y,Z");
     }
   }
   return options;

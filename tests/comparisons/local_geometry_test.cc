@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -65,6 +66,33 @@ TEST(LocalGeometry, FitsAMeshWithAModelThatHoldsThere) {
   }
   EXPECT_EQ(resolver.resolve(0.1).patch_model, "bonded_layer");
   EXPECT_NE(resolver.resolve(4).patch_model, "bonded_layer") << "its strain is too large there";
+}
+
+TEST(LocalGeometry, PlacesBodiesThatNoEllipseDescribesForFiniteElements) {
+  const auto box = std::filesystem::temp_directory_path() / "softfinger_table.obj";
+  std::ofstream(box) << "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\n"
+                        "v -9 -9 -9\nv 9 -9 -9\nv 9 9 -9\nv -9 9 -9\n"
+                        "f 1 2 3\nf 1 3 4\nf 5 8 7\nf 5 7 6\nf 1 5 6\nf 1 6 2\n"
+                        "f 2 6 7\nf 2 7 3\nf 3 7 8\nf 3 8 4\nf 4 8 5\nf 4 5 1\n";
+  input::Case contact_case = pressed_mesh();
+  input::MeshBody table;
+  table.path = box;
+  table.point_m = {1e-3, 2e-3, 0};
+  std::get<input::BodyPair>(contact_case.geometry).object = table;
+  const prediction::GeometryResolver resolver(contact_case);
+  // Eight vertices are too few for a quadric, and on a flat layer there is nothing else.
+  EXPECT_THROW(resolver.resolve(0.1), InputError);
+  EXPECT_THROW(resolver.place(0.1), InputError);
+  contact_case.fem_curved = true;
+  const prediction::LocalGeometry placed = resolver.place(0.1);
+  EXPECT_NE(placed.no_ellipse.find("vertices"), std::string::npos) << placed.no_ellipse;
+  ASSERT_TRUE(placed.patch);
+  EXPECT_NEAR(placed.patch->object_fit->normal.z(), 1, 1e-12);
+  EXPECT_NEAR(placed.patch->finger_fit->normal.z(), 1, 1e-3);
+  // A point beside the body stays a mistake.
+  std::get<input::MeshBody>(std::get<input::BodyPair>(contact_case.geometry).object).point_m.z() =
+      5e-3;
+  EXPECT_THROW(resolver.place(0.1), InputError);
 }
 
 }  // namespace softfinger

@@ -27,17 +27,6 @@ constexpr int kUnknowns = 6;  // A, B, C, two tilts, offset
 constexpr double kCoverageQuantile = 2.236;
 constexpr double kFinestDigit = 1e-9;  // no mesh file carries more of the region's radius
 
-/// Columns: x axis, y axis, normal.
-Eigen::Matrix3d frame_along(const Vector3d& normal) {
-  const double cos_30_degrees = std::sqrt(0.75);
-  const Vector3d axis =
-      std::abs(normal.x()) > cos_30_degrees ? Vector3d::UnitY() : Vector3d::UnitX();
-  const Vector3d x_axis = (axis - axis.dot(normal) * normal).normalized();
-  Eigen::Matrix3d frame;
-  frame << x_axis, normal.cross(x_axis), normal;
-  return frame;
-}
-
 double radius_from_curvature(double curvature, double flat_below) {
   return std::abs(curvature) <= flat_below ? kInfinity : 1 / curvature;
 }
@@ -216,7 +205,7 @@ TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
   const int max_iterations = 100;
   bool polishing = false;  // most of the way by the normal equations, the end by QR
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    fit.frame = frame_along(fit.normal);
+    fit.frame = surface_axes(fit.normal);
     fit.coefficients = polishing ? facets.solve(fit.frame) : facets.solve_roughly(fit.frame);
     const Eigen::Vector2d tilts = fit.coefficients.segment<2>(3);
     tilt = tilts.norm();
@@ -402,6 +391,16 @@ Eigen::Index spike(const Facets& facets, const Residuals& r) {
 
 }  // namespace
 
+Eigen::Matrix3d surface_axes(const Vector3d& normal) {
+  const double cos_30_degrees = std::sqrt(0.75);
+  const Vector3d axis =
+      std::abs(normal.x()) > cos_30_degrees ? Vector3d::UnitY() : Vector3d::UnitX();
+  const Vector3d x_axis = (axis - axis.dot(normal) * normal).normalized();
+  Eigen::Matrix3d frame;
+  frame << x_axis, normal.cross(x_axis), normal;
+  return frame;
+}
+
 namespace internal {
 
 std::string millimetres(double length_m) {
@@ -469,7 +468,7 @@ void check_determined(const SurfaceRegion& region, const Eigen::Matrix3Xd& verti
     throw InputError("surface", field, std::to_string(n),
                      "at least 6 (choose a larger radius or a finer mesh)");
   }
-  const Eigen::Matrix3d frame = frame_along(region.mean_normal);
+  const Eigen::Matrix3d frame = surface_axes(region.mean_normal);
   if (scaled_qr(quadric_columns(frame, vertices.leftCols(n), region_radius_m)).first.rank() <
       kUnknowns) {
     throw InputError("surface", field, std::to_string(n),

@@ -63,6 +63,10 @@ struct QuadricFit {
                                  ///< edges of half the region's radius together
 };
 
+/// The axes in which a surface with this outward unit normal is described: x, y, normal in columns,
+/// as QuadricFit::x_axis says.
+Eigen::Matrix3d surface_axes(const Eigen::Vector3d& normal);
+
 /// Fits the connected region of `surface` around `point_m` within `region_radius_m`: minimises the
 /// integral of (depth of the facets - quadric)² over the region's area (Ciocarlie et al. 2007, eq.
 /// 7).
