@@ -319,7 +319,17 @@ class LevelLoop {
 
   /// A free wall yields too much and a clamped one too little.
   void measure_wall(const LayerDiscretisation& mesh) {
-    const LevelResult clamped = physics_.measure_clamped(mesh).result;
+    const LevelResult clamped = [&] {
+      try {
+        return physics_.measure_clamped(mesh).result;
+      } catch (const OutgrownPatch&) {
+        // The difference then has that of the two meshes in it, and is stated all the same.
+        LayerDiscretisation larger = mesh;
+        larger.a = rounded(growth_at_rim * mesh.a);
+        larger.b = rounded(growth_at_rim * mesh.b);
+        return physics_.measure_clamped(larger).result;
+      }
+    }();
     const LevelResult& free = result_.levels.front();
     const auto half = [&](double LevelResult::*quantity) {
       return (clamped.*quantity / free.*quantity - 1) / 2;
