@@ -96,6 +96,10 @@ class ContactPhysics {
   /// @throws InputError, ConvergenceError, NotEnoughMemory
   virtual Measurement measure_clamped(const LayerDiscretisation& mesh) = 0;
 
+  /// Refuses a contact that comes so near the layer's end that a clamped wall would be touched.
+  /// @throws InputError where it does
+  virtual void refuse_end_beside() const = 0;
+
   /// The same physics for another contact, nearly the same, pressed on a mesh of the same
   /// discretisation as this one, which stays pressed and outlives it.
   /// @throws InputError, ConvergenceError, NotEnoughMemory

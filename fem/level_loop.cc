@@ -327,7 +327,12 @@ class LevelLoop {
         LayerDiscretisation larger = mesh;
         larger.a = rounded(growth_at_rim * mesh.a);
         larger.b = rounded(growth_at_rim * mesh.b);
-        return physics_.measure_clamped(larger).result;
+        try {
+          return physics_.measure_clamped(larger).result;
+        } catch (const OutgrownPatch&) {
+          physics_.refuse_end_beside();
+          throw;
+        }
       }
     }();
     const LevelResult& free = result_.levels.front();

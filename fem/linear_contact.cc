@@ -93,8 +93,12 @@ class LinearContact : public ContactPhysics {
             pressed_.model->unknowns(), formatted(", iterations %d", pressed_.contact.iterations)};
   }
 
-  Measurement measure_clamped(const LayerDiscretisation&) override {
-    LayerDiscretisation mesh = pressed_.model->discretisation();
+  void refuse_end_beside() const override {
+    fem::refuse_end_beside(pressed_.model->nodes(), pressed_.contact.force, task_.pressing);
+  }
+
+  Measurement measure_clamped(const LayerDiscretisation& meant) override {
+    LayerDiscretisation mesh = shares_meshes() ? pressed_.model->discretisation() : meant;
     mesh.clamped_wall = true;
     pressed_.model.reset();
     pressed_ = press_on(make_layer(mesh, task_.pressing), task_.pressing);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "fem/element_limits.h"
@@ -215,6 +216,19 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
       formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
                 mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y()),
       allowed);
+}
+
+void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
+                       const Pressing& pressing) {
+  if (!pressing.bent.is_scan) return;
+  for (const double around : {0.1, 0.2, 0.4, 0.8, 1.6})
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const SurfaceNode& at = nodes[i];
+      if (force[static_cast<Index>(i)] > 0 &&
+          pressing.bent.shape->covers(at.x - around, at.x + around, at.y - around, at.y + around) !=
+              LayerShape::Cover::whole)
+        refuse_end_of_layer(at, pressing, std::nullopt);
+    }
 }
 
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {

@@ -95,6 +95,11 @@ struct Pressed {
 [[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
                                       std::optional<double> fits);
 
+/// The same where the layer ends within a cell or two of what touches, as seen from there.
+/// @throws InputError where it does
+void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
+                       const Pressing& pressing);
+
 /// Semi-axes to begin meshing with: half-space and thin-layer stiffness added. It decides how
 /// many meshes are tried, never the result.
 LayerDiscretisation first_guess(const Pressing& pressing);

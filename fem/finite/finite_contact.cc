@@ -111,6 +111,10 @@ class FiniteContact : public ContactPhysics {
     return measure();
   }
 
+  void refuse_end_beside() const override {
+    fem::refuse_end_beside(pressing_->layer().nodes(), equilibrium().force, task_.pressing);
+  }
+
   std::unique_ptr<ContactPhysics> press_other(const ContactTask& task) override {
     auto other = std::make_unique<FiniteContact>(task);
     pressing_->release_factor();

@@ -14,7 +14,10 @@ namespace {
 
 /// A paraboloid of radius 20 mm over |x|, |y| <= 9 mm, edges of 0.5 mm, as a file.
 std::filesystem::path paraboloid_file() {
-  const auto path = std::filesystem::temp_directory_path() / "softfinger_paraboloid.obj";
+  // Tests run at the same time.
+  const auto path = std::filesystem::temp_directory_path() /
+                    fmt::format("softfinger_paraboloid_{}.obj",
+                                testing::UnitTest::GetInstance()->current_test_info()->name());
   std::ofstream file(path);
   constexpr int kHalf = 18;
   constexpr int kRow = 2 * kHalf + 1;

@@ -40,6 +40,7 @@ class KnownContact : public ContactPhysics {
     throw std::logic_error("no scan");
   }
   const LayerDiscretisation& discretisation() const override { throw std::logic_error("no scan"); }
+  void refuse_end_beside() const override {}
   Measurement measure_clamped(const LayerDiscretisation& mesh) override {
     walls_clamped_on.push_back(mesh.elements_per_semi_axis);
     Measurement measurement = measure();
