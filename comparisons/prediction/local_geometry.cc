@@ -203,18 +203,28 @@ QuadricFit GeometryResolver::lie_of(const input::MeshBody& mesh) const {
   } catch (const InputError&) {
   } catch (const ConvergenceError&) {
   }
-  const internal::SurfaceNeighbourhood neighbourhood(surface(mesh), mesh.point_m, given);
-  QuadricFit plane;
-  plane.origin_m = neighbourhood.centre_m();
-  // At an edge the given normal says how the body is held.
-  plane.normal =
-      given ? given->normalized() : neighbourhood.region(case_.layer.thickness_m).mean_normal;
-  plane.x_axis = surface_axes(plane.normal).col(0);
-  return plane;
+  try {
+    const internal::SurfaceNeighbourhood neighbourhood(surface(mesh), mesh.point_m, given);
+    QuadricFit plane;
+    plane.origin_m = neighbourhood.centre_m();
+    // At an edge the given normal says how the body is held.
+    plane.normal =
+        given ? given->normalized() : neighbourhood.region(case_.layer.thickness_m).mean_normal;
+    plane.x_axis = surface_axes(plane.normal).col(0);
+    return plane;
+  } catch (const InputError& error) {
+    throw InputError(mesh.where, error.field(), error.value(), error.allowed());
+  }
 }
 
 LocalGeometry GeometryResolver::place(double load_N) const {
-  if (!case_.fem_curved) return resolve(load_N);
+  const auto* pair = std::get_if<input::BodyPair>(&case_.geometry);
+  const auto is_mesh = [](const input::CaseBody& body) {
+    return std::holds_alternative<input::MeshBody>(body);
+  };
+  // Radii say all there is about a line or a saddle: what is refused for models is refused here.
+  if (!case_.fem_curved || !pair || !(is_mesh(pair->finger) || is_mesh(pair->object)))
+    return resolve(load_N);
   LocalGeometry result;
   try {
     return resolve(load_N);
@@ -223,14 +233,13 @@ LocalGeometry GeometryResolver::place(double load_N) const {
     result.no_ellipse =
         error.value().empty() ? error.field() : error.field() + " = " + error.value();
   }
-  const auto& pair = std::get<input::BodyPair>(case_.geometry);
   constexpr double radius_per_thickness = 10;
   result.radii = {radius_per_thickness * case_.layer.thickness_m,
                   radius_per_thickness * case_.layer.thickness_m, 0};
   result.patch.emplace();
-  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.finger))
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair->finger))
     result.patch->finger_fit = lie_of(*mesh);
-  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.object))
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair->object))
     result.patch->object_fit = lie_of(*mesh);
   return result;
 }

@@ -46,7 +46,7 @@ class GeometryResolver {
   /// For finite elements, which press curved bodies as they are: bodies that no ellipse describes
   /// (hollow ones, edges, few facets) have theirs placed at their points, and `no_ellipse` says so.
   /// @throws InputError where not even a point and a normal are known, and as `resolve` for bodies
-  /// that are not curved.
+  /// that are not curved, or of which none is a mesh.
   LocalGeometry place(double load_N) const;
 
   /// The triangles of one of the case's mesh bodies, metres.

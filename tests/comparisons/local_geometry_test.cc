@@ -92,6 +92,15 @@ TEST(LocalGeometry, PlacesBodiesThatNoEllipseDescribesForFiniteElements) {
   ASSERT_TRUE(placed.patch);
   EXPECT_NEAR(placed.patch->object_fit->normal.z(), 1, 1e-12);
   EXPECT_NEAR(placed.patch->finger_fit->normal.z(), 1, 1e-3);
+  // Two bodies given by radii that touch along a line stay refused.
+  input::Case line = contact_case;
+  line.geometry = input::BodyPair{input::QuadricBody(), input::QuadricBody()};
+  auto& bodies = std::get<input::BodyPair>(line.geometry);
+  std::get<input::QuadricBody>(bodies.finger).radius_x_m = 12e-3;
+  std::get<input::QuadricBody>(bodies.finger).radius_y_m = INFINITY;
+  std::get<input::QuadricBody>(bodies.object).radius_x_m = INFINITY;
+  std::get<input::QuadricBody>(bodies.object).radius_y_m = INFINITY;
+  EXPECT_THROW(prediction::GeometryResolver(line).place(0.1), InputError);
   // A point beside the body stays a mistake.
   std::get<input::MeshBody>(std::get<input::BodyPair>(contact_case.geometry).object).point_m.z() =
       5e-3;
