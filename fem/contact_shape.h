@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fem/pressure_fit.h"
+#include "fem/rigid_object.h"
 #include "fem/touching_outline.h"
 
 namespace softfinger::fem {
@@ -40,9 +41,19 @@ struct NodalContact {
   bool regular = true;                         ///< faces are a grid of rectangles
 };
 
+/// Semi-axes along x and y of a pressure (1 - r²)^n, in the block, from its second moments; its
+/// exponent n, 1/2 of a half-space to 2 of a thin incompressible layer, from its fourth ones. Rough
+/// but robust.
+Eigen::Vector2d axes_of_moments(const std::vector<SurfaceNode>& nodes,
+                                const Eigen::VectorXd& force);
+
 /// Semi-axes of the ellipse along x and y about the block's origin that holds all nodes that touch,
 /// as long as the ellipse of their second moments.
 Eigen::Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force);
+
+/// Area of an object's surface within outlines seen along the load, over their own area: what
+/// touches has the object's slope.
+double mean_secant(const std::vector<Eigen::Matrix2Xd>& outlines, const RigidObject& object);
 
 /// A symmetric contact's shape is that of a fitted pressure, if there is one. Others, and contacts
 /// without symmetry, have the outline that the nodes tell, as a smooth curve where one follows it.

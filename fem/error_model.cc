@@ -37,7 +37,8 @@ double stated_error(double difference, double refinement, const ErrorConstants& 
                     double crossed_cells, int elements) {
   const double cell = 4.0 / elements;
   return difference / (std::pow(refinement, constants.order) - 1) + constants.common +
-         constants.coarse * cell * cell + constants.across * crossed_cells;
+         constants.coarse * std::pow(cell, constants.coarse_order) +
+         constants.across * crossed_cells;
 }
 
 double crossed_cells(const LevelResult& level) {
@@ -107,9 +108,11 @@ bool is_useful(const RelativeError& error, int own_elements) {
          std::max(error.indentation, error.max_torque) <= known / 5;
 }
 
-ExtrapolatedStiffness extrapolated_stiffness(double coarse, double fine, double refinement) {
+ExtrapolatedStiffness extrapolated_stiffness(double coarse, double fine, double refinement,
+                                             int elements) {
   const double correction = (fine - coarse) / (std::pow(refinement, stuck_stiffness.order) - 1);
-  return {fine + correction, std::abs(correction) / fine + stuck_stiffness.common};
+  return {fine + correction,
+          stated_error(0, refinement, stuck_stiffness, 0, elements) + std::abs(correction) / fine};
 }
 
 double stuck_edge_error(const ErrorTable& table, int elements_per_semi_axis, bool symmetric,

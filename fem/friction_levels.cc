@@ -165,10 +165,12 @@ double curve_difference(const FrictionOfLevel& coarse, const FrictionOfLevel& fi
 /// @param found  on the finer mesh
 /// @param fine   the same, corrected
 Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& found,
-                      const FrictionOfLevel& fine, double refinement, const Problem& problem) {
+                      const FrictionOfLevel& fine, double refinement, int elements,
+                      const Problem& problem) {
   const double h = problem.contact.layer.thickness_m;
   const double torque_unit = problem.contact.layer.youngs_modulus_Pa * h * h * h;
-  const auto stiffness = extrapolated_stiffness(coarse.stiffness, fine.stiffness, refinement);
+  const auto stiffness =
+      extrapolated_stiffness(coarse.stiffness, fine.stiffness, refinement, elements);
   const auto error = [&](double difference) {
     return stated_error(difference, refinement, friction_integral) + fine.neglected_of_twist;
   };
@@ -225,7 +227,8 @@ void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& found,
                     const Problem& problem, Result& result) {
   const FrictionOfLevel fine = corrected(found, coarse);
   if (problem.friction.torsion)
-    result.torsion = state_torsion(coarse, found, fine, refinement, problem);
+    result.torsion = state_torsion(coarse, found, fine, refinement,
+                                   result.finest.elements_per_semi_axis, problem);
   if (fine.limit_surface.empty()) return;
   const double force_limit_N = problem.contact.load.friction_coefficient * result.finest.load_N;
   double largest = 0;

@@ -1,8 +1,10 @@
 #include "fem/frictional_contact.h"
 
 #include <cmath>
+#include <utility>
 
 #include "fem/coulomb_friction.h"
+#include "fem/fixed_point.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -38,16 +40,22 @@ template <class TangentialSolver>
 void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_tangential) {
   constexpr int limit = 60;
   constexpr double tolerance = 1e-6;  // of the load, far below the discretisation's error
+  // A point's shear lifts the surface in front of it and lowers it behind. Whole steps of pressure
+  // and shear after one another settle slowly where the layer is thin and nearly incompressible.
+  FixedPoint settling;
+  NormalContact found = normal_;
   double change = 0;
   for (int iteration = 1; iteration <= limit; ++iteration) {
     limit_ = friction_coefficient_ * normal_.force;
     solve_tangential();
     const Eigen::VectorXd lift = surface_.normal_tangential * tangential_;
-    NormalContact next =
-        solve_normal_contact(surface_.normal, gap_ + lift, load_, &normal_, &touching_);
-    change = (next.force - normal_.force).cwiseAbs().sum() / load_;
-    normal_ = std::move(next);
-    if (change <= tolerance) return;
+    found = solve_normal_contact(surface_.normal, gap_ + lift, load_, &found, &touching_);
+    change = (found.force - normal_.force).cwiseAbs().sum() / load_;
+    if (change <= tolerance) {
+      normal_ = std::move(found);
+      return;
+    }
+    normal_.force = settling.next(normal_.force, found.force).cwiseMax(0.0);
   }
   throw ConvergenceError(stage, limit, change,
                          "pressure and friction keep changing each other; is the coefficient of "

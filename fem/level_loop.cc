@@ -6,6 +6,7 @@
 
 #include "fem/check_problem.h"
 #include "fem/formatted.h"
+#include "fem/friction_study.h"
 #include "fem/memory.h"
 #include "fem/stopwatch.h"
 #include "fem/touching_outline.h"
@@ -29,6 +30,8 @@ constexpr int finer_levels = 2;
 constexpr double growth_at_rim = 1.3;
 /// Relative change of the mesh's size that is worth another try where the load was not reached.
 constexpr double worth_another = 0.25;
+/// Largest patch, over the usual one, where friction moves the contact's edge out of it.
+constexpr double roomiest_patch = 2.5;
 /// A contact larger than its mesh is made for by this much still lies in the refined patch.
 constexpr double spare_size = 0.1;
 
@@ -124,8 +127,14 @@ class LevelLoop {
       physics_.press({}, problem_.level - 1);
     } else {
       mesh_ = first_guess(task_.pressing);
+      if (const auto& hint = problem_.size_hint_m) {
+        mesh_.a = (*hint)[0] / task_.pressing.thickness_m;
+        mesh_.b = (*hint)[1] / task_.pressing.thickness_m;
+      } else {
+        mesh_.a = std::max(mesh_.a, mesh_.b);
+      }
       mesh_.b = rounded(std::clamp(mesh_.b, smallest_guess, largest_guess_b));
-      mesh_.a = rounded(std::clamp(mesh_.a, mesh_.b, largest_guess_a));
+      mesh_.a = rounded(std::clamp(mesh_.a, smallest_guess, largest_guess_a));
       for (int trial = 1; !fits_trial(trial); ++trial)
         if (task_.stop()) throw Interrupted();
     }
@@ -184,7 +193,7 @@ class LevelLoop {
   /// @returns false where shared meshes are too small for the contact
   bool solve_level(int level) {
     const Stopwatch watch;
-    const bool is_pressed = level == 0 && physics_.trial_is_level_0();
+    const bool is_pressed = level == 0 && physics_.trial_is_level_0() && room_ == 1;
     if (!is_pressed) {
       if (!physics_.shares_meshes()) refine(level);
       try {
@@ -215,13 +224,33 @@ class LevelLoop {
       physics_.press(mesh_, level);
       found = physics_.measure();
     }
+    if (problem_.friction.any() && !solve_friction(level)) {
+      if (physics_.shares_meshes()) return false;
+      return solve_level(level);
+    }
     keep(std::move(*found), level, watch);
     return true;
+  }
+
+  /// @returns false where friction moves the contact's edge out of the patch: the next one is
+  /// planned larger
+  bool solve_friction(int level) {
+    try {
+      friction_.push_back(physics_.friction(plan_));
+      return true;
+    } catch (const EdgeLeftMargin& error) {
+      if (!physics_.shares_meshes() && room_ * growth_at_rim > roomiest_patch) throw;
+      room_ *= growth_at_rim;
+      task_.progress(formatted("level %d: %s; once more with %.3g times the room around it", level,
+                               error.what(), room_));
+      return false;
+    }
   }
 
   void refine(int level) {
     choose_elements(mesh_, level);
     mesh_.elements_per_semi_axis *= level_refinement_;
+    mesh_.patch *= room_;
     // The error is estimated from the difference of two meshes. A mesh from outside may be finer
     // than both levels ask for and would stay as it is: its cells are halved for the second level.
     if (problem_.mesh && !result_.levels.empty())
@@ -233,7 +262,6 @@ class LevelLoop {
   }
 
   void keep(Measurement found, int level, const Stopwatch& watch) {
-    if (problem_.friction.any()) friction_.push_back(physics_.friction(plan_));
     LevelResult& result = found.result;
     result.level = level;
     result.wall_s = watch.seconds();
@@ -437,7 +465,8 @@ class LevelLoop {
       result_.first_touch_m[c] = task_.pressing.thickness_m *
                                  task_.pressing.bent.first_touch[static_cast<Eigen::Index>(c)];
     const LevelResult& finest = result_.finest;
-    result_.pressure_exponent = finest.area_m2 * finest.peak_pressure_Pa / finest.load_N - 1;
+    result_.pressure_exponent =
+        finest.area_projected_m2 * finest.peak_pressure_Pa / finest.load_N - 1;
     const std::vector<PressurePoint> pressures = physics_.pressures();
     result_.along_x = profile_of(pressures, problem_.contact.layer, true);
     result_.along_y = profile_of(pressures, problem_.contact.layer, false);
@@ -452,6 +481,7 @@ class LevelLoop {
   LayerDiscretisation mesh_;  ///< of the next level
   int trial_refinement_ = 1;
   int level_refinement_ = 1;
+  double room_ = 1;  ///< of the patch, over that of the usual one
   Measurement trial_;
   Result result_;
   std::optional<FrictionPlan> plan_;

@@ -63,6 +63,7 @@ class LinearContact : public ContactPhysics {
         keeps_meshes_(keeps_meshes),
         shares_meshes_(shared.models.front() != nullptr),
         meshes_(std::move(shared)),
+        object_(rigid_object(task.pressing)),
         series_(task.problem) {}
 
   /// The meshes of the two levels that were solved, if they are kept.
@@ -132,7 +133,7 @@ class LinearContact : public ContactPhysics {
     result.active_nodes = pressed_.contact.active;
     result.iterations = pressed_.contact.iterations;
     set_shape(shape_, h, E, result);
-    result.area_m2 = result.area_projected_m2;
+    result.area_m2 = result.area_projected_m2 * mean_secant(shape_.outlines, *object_);
     result.indentation_m = pressed_.contact.approach * h;
     result.load_N =
         problem.approach_m > 0 ? pressed_.load() * E * h * h : problem.contact.load.normal_force_N;
@@ -216,6 +217,7 @@ class LinearContact : public ContactPhysics {
   const bool keeps_meshes_, shares_meshes_;
   int level_ = 0;
   MeshPair meshes_;
+  const std::shared_ptr<const RigidObject> object_;
   SurfaceSeries series_;
   Pressed pressed_;
   ContactShape shape_;  ///< as measured last

@@ -272,7 +272,6 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
 
   if (pressing.bent.is_scan) require_surface(pressed, pressing, solve);
 
-  double xx = 0, yy = 0;
   const double spacing_a = 0.5 / discretisation.elements_along_a();
   const double spacing_b = 0.5 / discretisation.elements_along_b();
   for (Index i = 0; i < count; ++i) {
@@ -287,24 +286,36 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
       refuse_end_of_surface(nodes[static_cast<std::size_t>(i)], pressing.thickness_m);
     const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
     const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
-    xx += force * x * x;
-    yy += force * y * y;
     if (std::hypot(x / discretisation.a, y / discretisation.b + spacing_b) > discretisation.patch ||
         std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
       pressed.reaches_rim = true;
   }
-  const double total = pressed.contact.force.sum();
-  pressed.moment_a = std::sqrt(square_per_moment * xx / total);
-  pressed.moment_b = std::sqrt(square_per_moment * yy / total);
-  if (discretisation.is_scan) {
-    const Eigen::Vector2d axes = holding_axes(nodes, pressed.contact.force);
-    pressed.moment_a = axes.x();
-    pressed.moment_b = axes.y();
-  }
+  const Eigen::Vector2d axes = discretisation.is_scan
+                                   ? holding_axes(nodes, pressed.contact.force)
+                                   : axes_of_moments(nodes, pressed.contact.force);
   // A row of nodes is as wide as they are apart: no less can be seen.
-  pressed.moment_a = std::max(pressed.moment_a, spacing_a * discretisation.a);
-  pressed.moment_b = std::max(pressed.moment_b, spacing_b * discretisation.b);
+  pressed.moment_a = std::max(axes.x(), spacing_a * discretisation.a);
+  pressed.moment_b = std::max(axes.y(), spacing_b * discretisation.b);
   return pressed;
+}
+
+std::shared_ptr<const RigidObject> rigid_object(const Pressing& pressing) {
+  if (pressing.fingertip) {
+    const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m,
+                         first = pressing.bent.first_touch](double x,
+                                                            double y) -> std::optional<double> {
+      const auto found = object->height(h * (x + first.x()), h * (y + first.y()));
+      if (!found) return std::nullopt;
+      return *found / h - first.z();
+    };
+    // A thousandth of the thickness is far below any radius that a layer bears; an edge rounded
+    // over a tenth of it is one that Newton's steps do not jump across.
+    constexpr double step = 1e-3, rounded_edges = 0.05;
+    if (pressing.fingertip.object->faceted()) return smoothed(height, rounded_edges);
+    return sampled(height, step);
+  }
+  if (std::isfinite(pressing.sphere)) return sphere(pressing.sphere);
+  return quadric(pressing.major, pressing.minor);
 }
 
 void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {

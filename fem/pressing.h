@@ -9,6 +9,7 @@
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
 #include "fem/reference_solver.h"
+#include "fem/rigid_object.h"
 
 /// Pressing without friction, on one mesh, in units of h and E.
 namespace softfinger::fem {
@@ -54,10 +55,6 @@ struct Pressing {
 /// @throws InputError where the layer is too thick for the pad's curvature
 Pressing pressing_of(const Problem& problem);
 
-/// Squared semi-axis over a pressure's second moment: 5 for a half-space, 6 for a thin compressible
-/// layer. One number between the two is used where an error of 5 % does not matter.
-constexpr double square_per_moment = 5.4;
-
 /// A contact pressed on one mesh.
 struct Pressed {
   std::shared_ptr<const LayerModel> model;
@@ -66,7 +63,7 @@ struct Pressed {
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
   Eigen::VectorXd cosine;             ///< of each node's normal with the load
   int copies = 4;                     ///< sums over the nodes times this are sums over the contact
-  double moment_a = 0, moment_b = 0;  ///< semi-axes from second moments, rough but robust; on a
+  double moment_a = 0, moment_b = 0;  ///< semi-axes from moments, rough but robust; on a
                                       ///< scan those of `holding_axes`
   bool reaches_rim = false;           ///< of the region where contact is possible
 
@@ -115,6 +112,9 @@ std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discreti
 /// @param model  of the pressing's own layer
 /// @throws InputError, ConvergenceError
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing);
+
+/// The object's surface with its slopes, faceted ones with their edges rounded.
+std::shared_ptr<const RigidObject> rigid_object(const Pressing& pressing);
 
 /// The shape of a pressed contact (contact_shape.h).
 ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing);

@@ -291,6 +291,10 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
                                             "a finite number > 0, or 0 to press by load_N");
   problem.contact.load = {problem.approach_m != 0 ? 0.0 : root.at("load_N").positive(),
                           root.at("friction_coefficient").positive()};
+  if (const auto hint = root.find("size_hint_m")) {
+    const std::vector<Entry> both = hint->list(2, 2);
+    problem.size_hint_m = {both[0].positive(), both[1].positive()};
+  }
   if (const auto level = root.find("level")) problem.level = level->whole(1, 4);
   if (const auto fingertip = root.find("fingertip"))
     problem.fingertip = read_fingertip(*fingertip, readers);

@@ -48,6 +48,9 @@ struct Problem {
   double sphere_radius_m = std::numeric_limits<double>::infinity();
   /// Presses by this approach in place of the contact's load, which is then ignored; 0: by load.
   double approach_m = 0;
+  /// Semi-axes to expect along x and y, from an earlier contact or a closed form: they save trial
+  /// meshes and decide nothing else. None: guessed.
+  std::optional<std::array<double, 2>> size_hint_m;
   int level = 2;        ///< 1 to 4: elements per contact semi-axis double with each level
   Fingertip fingertip;  ///< none: a flat layer and the gap of the relative radii
   /// The layer's mesh from outside, in place of the flat layer; null: our own.
@@ -76,7 +79,7 @@ struct LevelResult {
   double load_N = 0;     ///< as given, or what the given approach takes
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
   /// What touches, seen along the load, and on the deformed surface. The first is what models of
-  /// contact predict. In linear elasticity the two are the same.
+  /// contact predict. The second has the object's slope, in linear elasticity too.
   double area_projected_m2 = 0, area_m2 = 0;
   double centre_pressure_Pa = 0;  ///< in the contact's middle, where the peak need not be
   /// Points around the contact, seen along the load, in the contact's frame; more than one where it

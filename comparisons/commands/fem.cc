@@ -89,12 +89,12 @@ std::string table_row(const reference::ReferenceResult& result) {
              "  b           {:>10.5g} mm    {}\n"
              "  indentation {:>10.5g} mm    {}\n"
              "  peak        {:>10.5g} kPa   {}\n"
-             "  area        {:>10.5g} mm²   {}\n"
+             "  area        {:>10.5g} mm²   {} seen along the load; {:.5g} mm² on the surface\n"
              "  torque      {:>10.5g} mN·m  {}\n",
              result.a_m * 1e3, within(error.a), result.b_m * 1e3, within(error.b),
              result.indentation_m * 1e3, within(error.indentation), result.peak_pressure_Pa * 1e-3,
-             within(error.peak_pressure), result.area_m2 * 1e6, within(error.area),
-             result.max_torque_Nm * 1e3, within(error.max_torque)) +
+             within(error.peak_pressure), result.area_projected_m2 * 1e6, within(error.area),
+             result.area_m2 * 1e6, result.max_torque_Nm * 1e3, within(error.max_torque)) +
          (result.projected_torque_Nm
               ? fmt::format("  projected   {:>10.5g} mN·m  int mu p n_z r dA, without the slope\n",
                             *result.projected_torque_Nm * 1e3)

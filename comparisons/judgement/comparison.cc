@@ -78,7 +78,7 @@ RelativeErrors relative_errors(const ModelAnswer& answer,
   const auto error = [](double value, double truth) { return (value - truth) / truth; };
   return {error(prediction.a_m, reference.a_m),
           error(prediction.b_m, reference.b_m),
-          error(prediction.area_m2(), reference.area_m2),
+          error(prediction.area_m2(), reference.area_projected_m2),
           error(prediction.indentation_m, reference.indentation_m),
           error(prediction.peak_pressure_Pa, reference.peak_pressure_Pa),
           error(torque_Nm(TorqueRule::exact), reference.max_torque_Nm),

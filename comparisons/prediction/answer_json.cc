@@ -87,6 +87,7 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
       {"indentation_m", number(prediction.indentation_m)},
       {"peak_pressure_Pa", number(prediction.peak_pressure_Pa)},
       {"area_m2", number(prediction.area_m2())},
+      {"area_projected_m2", number(prediction.area_m2())},
       {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
       {"eccentricity_m", number(ellipsoid.eccentricity_m)},
       {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},

@@ -130,9 +130,9 @@ std::optional<TwistedContact> read_twist(const json& document) {
 
 ReferenceResult read(const json& document) {
   if (!document.is_object()) throw Flaw{"no JSON object"};
-  require_positive(
-      document, "",
-      {"load_N", "a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"});
+  require_positive(document, "",
+                   {"load_N", "a_m", "b_m", "indentation_m", "peak_pressure_Pa",
+                    "area_projected_m2", "area_m2", "max_torque_Nm"});
   ReferenceResult result;
   result.load_N = document["load_N"];
   result.a_m = document["a_m"];
@@ -140,6 +140,7 @@ ReferenceResult read(const json& document) {
   result.axis_rad = number_or_nan(document, "axis_rad");
   result.indentation_m = document["indentation_m"];
   result.peak_pressure_Pa = document["peak_pressure_Pa"];
+  result.area_projected_m2 = document["area_projected_m2"];
   result.area_m2 = document["area_m2"];
   result.max_torque_Nm = document["max_torque_Nm"];
   result.eccentricity_m = number_or_nan(document, "eccentricity_m");

@@ -49,7 +49,8 @@ struct ReferenceResult {
   double axis_rad = 0;  ///< of the long axis
   double indentation_m = 0;
   double peak_pressure_Pa = 0;
-  double area_m2 = 0;
+  double area_projected_m2 = 0;  ///< seen along the load: what models predict
+  double area_m2 = 0;            ///< on the deformed surface
   double max_torque_Nm = 0;
   double eccentricity_m = 0;                  ///< e_n = torque / (mu P)
   std::optional<double> projected_torque_Nm;  ///< at finite strain: int mu p n_z r dA

@@ -27,7 +27,7 @@ const std::array<Column, 9> kColumns{{
     {"a", "mm", "a_m", 1e3, "a"},
     {"b", "mm", "b_m", 1e3, "b"},
     {"axis", "°", "axis_rad", kDegrees, ""},
-    {"area", "mm²", "area_m2", 1e6, "area"},
+    {"area", "mm²", "area_projected_m2", 1e6, "area"},
     {"indentation", "mm", "indentation_m", 1e3, "indentation"},
     {"peak pressure", "kPa", "peak_pressure_Pa", 1e-3, "peak_pressure"},
     {"max torque", "mN·m", "max_torque_Nm", 1e3, "max_torque"},
@@ -113,7 +113,11 @@ Html numbers_table(const Json& report, const Json& load) {
   headings.push_back("time");
   Html body = "<tbody>" + reference_row(report, load);
   for (const Json& model : child(load, "models")) body += model_row(report, model);
-  return scrolling("<table class=\"numbers\">" + heading_row(headings) + body + "</tbody></table>");
+  return scrolling("<table class=\"numbers\">" + heading_row(headings) + body +
+                   "</tbody></table>") +
+         "<p>Areas are compared as seen along the load, which is what models "
+         "predict. On the "
+         "deformed surface the finite elements' is larger.</p>\n";
 }
 
 Html validity_table(const Json& report, const Json& load) {

@@ -183,7 +183,7 @@ std::string csv_head() {
   std::string head =
       "case,load_N,thickness_m,youngs_modulus_Pa,poisson_ratio,friction_coefficient,"
       "radius_major_m,radius_minor_m,model,valid,a_m,b_m,axis_rad,indentation_m,peak_pressure_Pa,"
-      "area_m2,max_torque_Nm,eccentricity_m,max_torque_paper_Nm";
+      "area_m2,area_projected_m2,max_torque_Nm,eccentricity_m,max_torque_paper_Nm";
   for (const char* key : kErrors) head += std::string(",relative_error_") + key;
   for (const char* key : kErrors) head += std::string(",stated_error_") + key;
   return head + ",cost_ns,wall_s\n";
@@ -203,8 +203,8 @@ std::string reference_row(const Comparison& load) {
   const reference::ReferenceErrors& error = result.error;
   return contact_cells(load) + ",fem," + (reference::is_trusted(error) ? "yes" : "no") +
          cells({result.a_m, result.b_m, result.axis_rad, result.indentation_m,
-                result.peak_pressure_Pa, result.area_m2, result.max_torque_Nm,
-                result.eccentricity_m}) +
+                result.peak_pressure_Pa, result.area_m2, result.area_projected_m2,
+                result.max_torque_Nm, result.eccentricity_m}) +
          "," + kNoErrors +
          cells({error.a, error.b, error.area, error.indentation, error.peak_pressure,
                 error.max_torque}) +
@@ -218,9 +218,9 @@ std::string model_row(const Comparison& load, const ModelComparison& model) {
   std::string numbers =
       p.has_answer
           ? cells({p.a_m, p.b_m, answer.problem.radii.axis_rad, p.indentation_m, p.peak_pressure_Pa,
-                   p.area_m2(), exact.max_torque_Nm(), exact.eccentricity_m,
+                   p.area_m2(), p.area_m2(), exact.max_torque_Nm(), exact.eccentricity_m,
                    answer.friction_ellipsoid(TorqueRule::paper).max_torque_Nm()})
-          : ",," + cell(answer.problem.radii.axis_rad) + ",,,,,,";
+          : ",," + cell(answer.problem.radii.axis_rad) + ",,,,,,,";
   const auto& errors = model.errors;
   return contact_cells(load) + "," + text::csv_cell(std::string(answer.model->card().name)) + "," +
          (p.valid() ? "yes" : "no") + numbers +

@@ -45,7 +45,7 @@ std::string text_cell(std::string words) {
 /// The columns of `kQuantities`, then those of `kErrors`.
 void append_reference(const reference::ReferenceResult& result, std::string& text) {
   for (const double value : {result.a_m, result.b_m, result.indentation_m, result.peak_pressure_Pa,
-                             result.area_m2, result.max_torque_Nm})
+                             result.area_projected_m2, result.max_torque_Nm})
     append_number(value, text);
   const reference::ReferenceErrors& error = result.error;
   for (const auto& stated :

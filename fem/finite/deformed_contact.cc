@@ -58,34 +58,6 @@ class DeformedSurface : public SurfaceDeformation {
   std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
-/// Integral of the deformed area over a fitted contact of a quarter: midpoints in scaled polar
-/// coordinates.
-double deformed_area(const DeformedSurface& surface, const ContactEdge& edge) {
-  constexpr int steps = 64;
-  constexpr double turn = M_PI / 2 / steps;
-  double area = 0;
-  for (int j = 0; j < steps; ++j) {
-    const double angle = turn * (j + 0.5), rho = edge.radius(angle);
-    for (int i = 0; i < steps; ++i) {
-      const double fraction = (i + 0.5) / steps;
-      const Eigen::Vector2d at = edge.at(angle, fraction);
-      area += edge.a * edge.b * fraction * rho * (rho / steps) * turn *
-              surface.at(at.x(), at.y()).area_ratio;
-    }
-  }
-  return 4 * area;
-}
-
-/// Deformed area over its projection, of the nodes that touch.
-double inclination(const FinitePressing& pressing) {
-  const TouchingNodes nodes = pressing.touching_nodes();
-  const Eigen::VectorXd area = nodal_area(pressing.layer())(nodes.node);
-  double projected = 0;
-  for (Eigen::Index i = 0; i < nodes.size(); ++i)
-    projected += area[i] * nodes.axes[static_cast<std::size_t>(i)](2, 2);
-  return area.sum() / projected;
-}
-
 }  // namespace
 
 DeformedContact measure(const FinitePressing& pressing, double surface_modulus) {
@@ -110,8 +82,8 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   nodal.regular = layer.has_grid();
   DeformedContact contact;
   contact.shape = measure_shape(nodal);
-  contact.area = contact.shape.fit ? deformed_area(surface, contact.shape.fit->edge)
-                                   : contact.shape.projected_area * inclination(pressing);
+  contact.area =
+      contact.shape.projected_area * mean_secant(contact.shape.outlines, *pressing.object());
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   if (layer.whole()) centre = nodal.position * equilibrium.force / equilibrium.force.sum();
   double moment = 0, projected = 0;

@@ -13,7 +13,6 @@
 #include "fem/formatted.h"
 #include "fem/level_loop.h"
 #include "fem/stopwatch.h"
-#include "meshes/generation/object_surface.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -36,25 +35,6 @@ Materials materials_of(const ContactTask& task) {
   return result;
 }
 
-std::shared_ptr<const RigidObject> object_of(const Pressing& pressing) {
-  if (pressing.fingertip) {
-    const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m,
-                         first = pressing.bent.first_touch](double x,
-                                                            double y) -> std::optional<double> {
-      const auto found = object->height(h * (x + first.x()), h * (y + first.y()));
-      if (!found) return std::nullopt;
-      return *found / h - first.z();
-    };
-    // A thousandth of the thickness is far below any radius that a layer bears; an edge rounded
-    // over a tenth of it is one that Newton's steps do not jump across.
-    constexpr double step = 1e-3, rounded_edges = 0.05;
-    if (pressing.fingertip.object->faceted()) return smoothed(height, rounded_edges);
-    return sampled(height, step);
-  }
-  if (std::isfinite(pressing.sphere)) return sphere(pressing.sphere);
-  return quadric(pressing.major, pressing.minor);
-}
-
 /// ", load steps 3 (1 cut), iterations 20 (2 shifted)"
 std::string text_of(const PressingHistory& history) {
   return formatted(", load steps %d%s, iterations %d%s", history.steps,
@@ -72,7 +52,7 @@ class FiniteContact : public ContactPhysics {
         E_(task.problem.contact.layer.youngs_modulus_Pa),
         friction_coefficient_(task.problem.contact.load.friction_coefficient),
         materials_(materials_of(task)),
-        object_(object_of(task.pressing)) {}
+        object_(rigid_object(task.pressing)) {}
 
   const ErrorTable& error_table() const override { return finite_strain; }
 

@@ -212,7 +212,7 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
   equilibrium.energy = copies() * layer_->strain_energy();
   equilibrium.reaches_rim = false;
   equilibrium.steepest_rad = 0;
-  double xx = 0, yy = 0, penetration = 0;
+  double penetration = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto row = static_cast<Index>(i);
     const double force = equilibrium.force[row];
@@ -222,20 +222,14 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
     if (force <= 0) continue;
     equilibrium.steepest_rad =
         std::max(equilibrium.steepest_rad, std::acos(1 / touching[i].secant));
-    const double x = std::abs(nodes[i].x), y = std::abs(nodes[i].y);
-    xx += force * x * x;
-    yy += force * y * y;
     equilibrium.reaches_rim =
         equilibrium.reaches_rim || finite::reaches_rim(discretisation, nodes[i]);
   }
   equilibrium.complementarity_residual = penetration / equilibrium.approach;
-  equilibrium.moment_a = std::sqrt(square_per_moment * xx / equilibrium.force.sum());
-  equilibrium.moment_b = std::sqrt(square_per_moment * yy / equilibrium.force.sum());
-  if (discretisation.is_scan) {
-    const Eigen::Vector2d axes = holding_axes(nodes, equilibrium.force);
-    equilibrium.moment_a = axes.x();
-    equilibrium.moment_b = axes.y();
-  }
+  const Eigen::Vector2d axes = discretisation.is_scan ? holding_axes(nodes, equilibrium.force)
+                                                      : axes_of_moments(nodes, equilibrium.force);
+  equilibrium.moment_a = axes.x();
+  equilibrium.moment_b = axes.y();
 }
 
 void FinitePressing::continue_from(const FinitePressing& other) {

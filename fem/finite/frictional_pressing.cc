@@ -8,7 +8,7 @@
 
 #include "fem/coulomb_friction.h"
 #include "fem/finite/deformed_contact.h"
-#include "fem/finite/fixed_point.h"
+#include "fem/fixed_point.h"
 #include "fem/positive_definite.h"
 #include "fem/surface_frame.h"
 #include "softfinger/input/errors.h"

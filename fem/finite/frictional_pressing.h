@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fem/finite/finite_pressing.h"
-#include "fem/finite/fixed_point.h"
+#include "fem/fixed_point.h"
 #include "fem/frictional_contact.h"
 #include "fem/reference_solver.h"
 

@@ -176,6 +176,7 @@ Result friction_of(const Problem& problem, double a_m, double b_m,
   for (int level = problem.level - 1; level <= problem.level; ++level) {
     const Pressed pressed = press_at_level(problem, a_m, b_m, level);
     const double h = problem.contact.layer.thickness_m;
+    result.finest.elements_per_semi_axis = pressed.model->discretisation().elements_per_semi_axis;
     result.finest.load_N = problem.contact.load.normal_force_N;
     result.finest.max_torque_Nm = problem.contact.load.friction_coefficient *
                                   problem.contact.load.normal_force_N * pressed.torque_arm() * h;

@@ -70,7 +70,8 @@ TEST_F(Compare, WritesReportNumbersAndResults) {
   for (const json& model : load["models"]) {
     if (!model["has_answer"].get<bool>()) continue;
     ASSERT_TRUE(model["relative_error"].is_object());
-    const double error = model["area_m2"].get<double>() / load["fem"]["area_m2"].get<double>() - 1;
+    const double error =
+        model["area_m2"].get<double>() / load["fem"]["area_projected_m2"].get<double>() - 1;
     EXPECT_NEAR(model["relative_error"]["area"].get<double>(), error, 1e-12);
     if (model["profile_x"].is_null()) continue;  // too slow to be drawn
     EXPECT_EQ(model["profile_x"]["position_m"].size(), model["profile_x"]["pressure_Pa"].size());

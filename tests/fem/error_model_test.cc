@@ -14,6 +14,10 @@ namespace {
 /// the solver's tables has to be moved here too, with its reason.
 constexpr double round_off = 1e-14;
 
+/// With eight elements the fourth power of a half of what linear elasticity misses with four.
+constexpr double coarse_edge = 2e-3 / 16, coarse_area = 4e-3 / 16, coarse_peak = 5e-3 / 16,
+                 coarse_integral = 5e-4 / 16;
+
 constexpr double h = 2e-3;
 
 /// A level's result. Its semi-axes are such that the error terms of thin layers and of long
@@ -55,13 +59,13 @@ TEST(ErrorModel, LevelsThatAgreeStateWhatBothMiss) {
   const RelativeError linear = of_levels(linear_elasticity, level(4), level(8));
   // 0.2 (cell/h)³ h/b of the unresolved edge, b = 1e-3 h.
   const double edge = 0.2 * std::pow(1e-3 / 8, 3) / 1e-3;
-  EXPECT_NEAR(linear.a, 1e-3 + edge, round_off);
-  EXPECT_NEAR(linear.b, 1e-3 + edge, round_off);
-  EXPECT_NEAR(linear.area, 1e-3 + 2 * edge, round_off);
-  EXPECT_NEAR(linear.peak_pressure, 2e-3, round_off);
-  EXPECT_NEAR(linear.indentation, 1e-4, round_off);
-  EXPECT_NEAR(linear.load, 1e-4, round_off);
-  EXPECT_NEAR(linear.max_torque, 1e-4, round_off);
+  EXPECT_NEAR(linear.a, 1e-3 + coarse_edge + edge, round_off);
+  EXPECT_NEAR(linear.b, 1e-3 + coarse_edge + edge, round_off);
+  EXPECT_NEAR(linear.area, 1e-3 + coarse_area + 2 * edge, round_off);
+  EXPECT_NEAR(linear.peak_pressure, 2e-3 + coarse_peak, round_off);
+  EXPECT_NEAR(linear.indentation, 1e-4 + coarse_integral, round_off);
+  EXPECT_NEAR(linear.load, 1e-4 + coarse_integral, round_off);
+  EXPECT_NEAR(linear.max_torque, 1e-4 + coarse_integral, round_off);
   const RelativeError finite = of_levels(finite_strain, level(4), level(8));
   // With eight elements a quarter of what is missed with four.
   EXPECT_NEAR(finite.a, 1e-3 + 6e-3 / 4, round_off);
@@ -119,15 +123,16 @@ TEST(ErrorModel, LongContactsLoseInTheCellsAwayFromThem) {
   };
   const double small = away(linear_elasticity, 0.08, 0.02).indentation;  // s = 0.04
   const double larger = away(linear_elasticity, 0.8, 0.2).indentation;   // s = 0.4
-  EXPECT_NEAR(small, 1e-4 + 6e-4, round_off);
-  EXPECT_NEAR(larger, 1e-4 + 6e-4 * 0.1 / 0.4, round_off);
-  EXPECT_NEAR(away(linear_elasticity, 0.1, 0.1).indentation, 1e-4, round_off) << "a circle";
-  EXPECT_NEAR(away(linear_elasticity, 0.0101, 0.01).indentation, 1e-4, round_off)
+  EXPECT_NEAR(small, 1e-4 + coarse_integral + 6e-4, round_off);
+  EXPECT_NEAR(larger, 1e-4 + coarse_integral + 6e-4 * 0.1 / 0.4, round_off);
+  EXPECT_NEAR(away(linear_elasticity, 0.1, 0.1).indentation, 1e-4 + coarse_integral, round_off)
+      << "a circle";
+  EXPECT_NEAR(away(linear_elasticity, 0.0101, 0.01).indentation, 1e-4 + coarse_integral, round_off)
       << "nearly a circle";
-  EXPECT_NEAR(away(linear_elasticity, 0.0103, 0.01).indentation, 7e-4, round_off);
+  EXPECT_NEAR(away(linear_elasticity, 0.0103, 0.01).indentation, 7e-4 + coarse_integral, round_off);
   const RelativeError error = away(linear_elasticity, 0.08, 0.02);
-  EXPECT_NEAR(error.load, 1e-4, round_off);
-  EXPECT_NEAR(error.max_torque, 1e-4, round_off);
+  EXPECT_NEAR(error.load, 1e-4 + coarse_integral, round_off);
+  EXPECT_NEAR(error.max_torque, 1e-4 + coarse_integral, round_off);
   EXPECT_NEAR(away(finite_strain, 0.08, 0.02).indentation, 1e-4 + 2e-4 / 4, round_off)
       << "not measured there";
 }
@@ -138,15 +143,16 @@ TEST(ErrorModel, ThinLayersLeaveTheEdgeUnresolved) {
   const double cell = 20.0 / 24, edge = 0.2 * cell * cell * cell / 20;
   EXPECT_GT(edge, 0.003) << "measured at cells of 0.8 h, b = 20 h";
   const RelativeError error = of_agreeing_levels(linear_elasticity, fine);
-  EXPECT_NEAR(error.a, 1e-3 + edge, round_off);
-  EXPECT_NEAR(error.b, 1e-3 + edge, round_off);
-  EXPECT_NEAR(error.area, 1e-3 + 2 * edge, round_off);
-  EXPECT_NEAR(error.indentation, 1e-4, round_off);
+  const double coarse = std::pow(4.0 / 24, 4);
+  EXPECT_NEAR(error.a, 1e-3 + 2e-3 * coarse + edge, round_off);
+  EXPECT_NEAR(error.b, 1e-3 + 2e-3 * coarse + edge, round_off);
+  EXPECT_NEAR(error.area, 1e-3 + 4e-3 * coarse + 2 * edge, round_off);
+  EXPECT_NEAR(error.indentation, 1e-4 + 5e-4 * coarse, round_off);
   EXPECT_NEAR(of_agreeing_levels(finite_strain, fine).a, 1e-3 + 6e-3 / 36, round_off)
       << "not measured there";
   fine.oversize = 1.001;  // of a mesh whose cells are larger by that
-  EXPECT_NEAR(of_agreeing_levels(linear_elasticity, fine).a, 1e-3 + edge * std::pow(1.001, 3),
-              round_off);
+  EXPECT_NEAR(of_agreeing_levels(linear_elasticity, fine).a,
+              1e-3 + 2e-3 * coarse + edge * std::pow(1.001, 3), round_off);
 }
 
 TEST(ErrorModel, EdgeAcrossTheCellsOfALargerContactsMeshCosts) {
@@ -223,7 +229,7 @@ TEST(ErrorModel, HalfOfWhatAClampedSideWallChangesIsStated) {
   EXPECT_NEAR(error.area, 0.003, round_off);
   EXPECT_NEAR(error.peak_pressure, 0.004, round_off);
   EXPECT_NEAR(error.max_torque, 0.005, round_off);
-  EXPECT_NEAR(error.load, 1e-4 + 0.006, round_off);
+  EXPECT_NEAR(error.load, 1e-4 + coarse_integral + 0.006, round_off);
 }
 
 TEST(ErrorModel, RoundedEdgesMoveTheApproachAndItsLoadTwiceAsMuch) {
@@ -266,9 +272,10 @@ TEST(ErrorModel, AnswerOnALargerContactsMeshIsUsefulUpToAnEighthOfACell) {
 
 TEST(ErrorModel, StuckStiffnessIsExtrapolatedAndTheWholeCorrectionStated) {
   const double correction = (3.0 - 3.3) / (std::pow(2, 1.45) - 1);
-  const ExtrapolatedStiffness stiffness = extrapolated_stiffness(3.3, 3.0, 2);
+  const ExtrapolatedStiffness stiffness = extrapolated_stiffness(3.3, 3.0, 2, 8);
   EXPECT_NEAR(stiffness.value, 3 + correction, 3 * round_off);
-  EXPECT_NEAR(stiffness.error, -correction / 3 + 1e-3, round_off);
+  // With eight elements a quarter of what coarse levels miss.
+  EXPECT_NEAR(stiffness.error, -correction / 3 + 1e-3 + 5.2e-2 / 4, round_off);
 }
 
 TEST(ErrorModel, StuckEdgeBetweenNodesIsKnownToAQuarterOfACell) {
@@ -294,6 +301,7 @@ class FrictionErrors : public testing::Test {
   FrictionErrors() {
     problem.contact = {{0.02, 0.02, 0}, {1, 1, 0.4}, {2, 0.5}};  // mu P = 1, units of the model
     problem.friction.torsion = true;
+    result.finest.elements_per_semi_axis = 8;
     result.finest.load_N = 2;
     result.finest.max_torque_Nm = 4;
     for (FrictionOfLevel* of_level : {&coarse, &fine}) {
@@ -315,7 +323,7 @@ class FrictionErrors : public testing::Test {
 
 TEST_F(FrictionErrors, OfLevelsThatAgreeAreWhatBothMiss) {
   state();
-  EXPECT_NEAR(result.torsion->stiffness_error, 1e-3, round_off);
+  EXPECT_NEAR(result.torsion->stiffness_error, 1e-3 + 5.2e-2 / 4, round_off);
   EXPECT_NEAR(result.torsion->full_slip_error, common, round_off);
   EXPECT_NEAR(result.torsion->curve_error, common, round_off);
   EXPECT_NEAR(result.limit_surface_error, common, round_off);
@@ -346,7 +354,8 @@ TEST_F(FrictionErrors, ContainWhatThePhysicsNeglects) {
   state();
   EXPECT_NEAR(result.torsion->curve_error, common + 0.03, round_off);
   EXPECT_NEAR(result.torsion->full_slip_error, common + 0.03, round_off);
-  EXPECT_NEAR(result.torsion->stiffness_error, 1e-3, round_off) << "the start knows nothing of it";
+  EXPECT_NEAR(result.torsion->stiffness_error, 1e-3 + 5.2e-2 / 4, round_off)
+      << "the start knows nothing of it";
   EXPECT_NEAR(result.limit_surface_error, common + 0.05, round_off);
 }
 

@@ -110,8 +110,8 @@ INSTANTIATE_TEST_SUITE_P(FiniteStrain, AxisymmetricReference, testing::ValuesIn(
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// One layer for several loads, with cells of a quarter of the contact.
-finite::FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> object, double a,
-                                   double b, const MaterialChoice& choice, double poisson_ratio) {
+finite::FinitePressing layer_under(std::shared_ptr<const RigidObject> object, double a, double b,
+                                   const MaterialChoice& choice, double poisson_ratio) {
   LayerDiscretisation mesh;
   mesh.a = a;
   mesh.b = b;
@@ -124,14 +124,14 @@ finite::FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> ob
 
 TEST(FinitePressing, WorkOfTheIndenterIsTheStrainEnergy) {
   for (const double nu : {0.3, 0.4999}) {
-    auto pressing = layer_under(finite::quadric(6, 3), 1.5, 0.8, {}, nu);
+    auto pressing = layer_under(quadric(6, 3), 1.5, 0.8, {}, nu);
     const auto [departure, kinks] = tests::energy_balance(pressing, 0.25);
     EXPECT_NEAR(departure, 0, kinks) << nu;
   }
 }
 
 TEST(FinitePressing, TouchingNodesLieOnTheObject) {
-  auto pressing = layer_under(finite::sphere(5), 1.2, 1.2, {}, 0.49);
+  auto pressing = layer_under(sphere(5), 1.2, 1.2, {}, 0.49);
   pressing.press({0, 0.25});
   const auto& equilibrium = pressing.equilibrium();
   int touching = 0;
@@ -150,19 +150,19 @@ TEST(FinitePressing, TouchingNodesLieOnTheObject) {
 }
 
 TEST(FinitePressing, PathDoesNotMatter) {
-  auto at_once = layer_under(finite::quadric(6, 4), 1.2, 0.9, {}, 0.49);
+  auto at_once = layer_under(quadric(6, 4), 1.2, 0.9, {}, 0.49);
   at_once.press({0, 0.2});
-  auto in_steps = layer_under(finite::quadric(6, 4), 1.2, 0.9, {}, 0.49);
+  auto in_steps = layer_under(quadric(6, 4), 1.2, 0.9, {}, 0.49);
   for (const double approach : {0.05, 0.25, 0.1, 0.2}) in_steps.press({0, approach});
   EXPECT_NEAR(in_steps.equilibrium().load / at_once.equilibrium().load, 1, 1e-9);
-  auto by_load = layer_under(finite::quadric(6, 4), 1.2, 0.9, {}, 0.49);
+  auto by_load = layer_under(quadric(6, 4), 1.2, 0.9, {}, 0.49);
   by_load.press({at_once.equilibrium().load, 0});
   EXPECT_NEAR(by_load.equilibrium().approach, 0.2, 1e-9);
 }
 
 TEST(FinitePressing, NeverPassesThroughTheLayer) {
   // Cells so wide that the object finds room between the nodes: it could go on for ever.
-  auto pressing = layer_under(finite::quadric(6, 4), 60, 60, {}, 0.49);
+  auto pressing = layer_under(quadric(6, 4), 60, 60, {}, 0.49);
   EXPECT_THROW(pressing.press({1e9, 0}), ConvergenceError);
   EXPECT_GT(pressing.equilibrium().approach, 0);
   EXPECT_LT(pressing.equilibrium().approach, 1);
@@ -174,7 +174,7 @@ TEST(FinitePressing, ElementDoesNotLock) {
   // times as large.
   double load[2];
   for (const int i : {0, 1}) {
-    auto pressing = layer_under(finite::sphere(5), 1.4, 1.4, {}, i == 0 ? 0.49 : 0.4999);
+    auto pressing = layer_under(sphere(5), 1.4, 1.4, {}, i == 0 ? 0.49 : 0.4999);
     pressing.press({0, 0.2});
     load[i] = pressing.equilibrium().load;
   }
@@ -193,8 +193,8 @@ TEST(FinitePressing, MaterialsThatAgreeToSecondOrderAgreeForSmallLoads) {
     const double a = std::sqrt(2 * approach * radius);
     double load[2];
     for (const int i : {0, 1}) {
-      auto pressing = layer_under(finite::quadric(radius, radius), a, a,
-                                  i == 0 ? MaterialChoice() : logarithmic, 0);
+      auto pressing =
+          layer_under(quadric(radius, radius), a, a, i == 0 ? MaterialChoice() : logarithmic, 0);
       pressing.press({0, approach});
       load[i] = pressing.equilibrium().load;
     }

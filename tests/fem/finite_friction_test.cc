@@ -39,7 +39,7 @@ LayerDiscretisation mesh_for(double a, double b) {
   return mesh;
 }
 
-FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> object,
+FinitePressing layer_under(std::shared_ptr<const RigidObject> object,
                            const LayerDiscretisation& mesh, double poisson_ratio,
                            bool whole = false, const MaterialChoice& choice = {}) {
   return {std::make_shared<finite::FiniteLayer>(mesh, nullptr, whole,
@@ -57,15 +57,15 @@ std::vector<double> angles(const FinitePressing& pressing, const SuperposedMotio
 }
 
 /// A quadric turned about the normal.
-class TurnedQuadric : public finite::RigidObject {
+class TurnedQuadric : public RigidObject {
  public:
   TurnedQuadric(double major, double minor, double angle_rad) {
     const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
     curvature_ = turn * Eigen::Vector2d(1 / major, 1 / minor).asDiagonal() * turn.transpose();
   }
-  std::optional<finite::ObjectHeight> over(double x, double y) const override {
+  std::optional<ObjectHeight> over(double x, double y) const override {
     const Eigen::Vector2d at(x, y), slope = curvature_ * at;
-    return finite::ObjectHeight{0.5 * slope.dot(at), slope, curvature_};
+    return ObjectHeight{0.5 * slope.dot(at), slope, curvature_};
   }
 
  private:
@@ -109,7 +109,7 @@ TEST(SuperposedMotion, IsTheSameByAQuarterAndAsAWhole) {
   for (const bool whole : {false, true}) {
     LayerDiscretisation mesh = mesh_for(1.1, 0.8);
     mesh.elements_per_semi_axis = 3;
-    auto pressing = layer_under(finite::quadric(8, 4), mesh, 0.49, whole);
+    auto pressing = layer_under(quadric(8, 4), mesh, 0.49, whole);
     pressing.press({0, 0.12});
     SuperposedMotion twist(pressing, kFriction);
     stiffness[whole] = twist.stiffness();
@@ -132,7 +132,7 @@ TEST(SuperposedMotion, LosesAndStoresWhatTheObjectDoes) {
   // Under an object of revolution friction's moment is all of the torque. Between two increments it
   // is nearly a straight line; the law holds at the end of each, which dissipates more by what the
   // slipping forces turn, to second order in the step.
-  auto pressing = layer_under(finite::sphere(5), mesh_for(1.6, 1.6), 0.49);
+  auto pressing = layer_under(sphere(5), mesh_for(1.6, 1.6), 0.49);
   pressing.press({0, 0.3});
   SuperposedMotion twist(pressing, kFriction);
   const double end = 2 * angles(pressing, twist).back() / 20;
@@ -153,7 +153,7 @@ TEST(SuperposedMotion, LosesAndStoresWhatTheObjectDoes) {
 
 TEST(SuperposedMotion, GoesFromStickToTheTorqueOfItsPressure) {
   for (const double nu : {0.3, 0.49}) {
-    auto pressing = layer_under(finite::sphere(5), mesh_for(1.5, 1.5), nu);
+    auto pressing = layer_under(sphere(5), mesh_for(1.5, 1.5), nu);
     pressing.press({0, 0.3});
     SuperposedMotion twist(pressing, kFriction);
     double torque = 0, slip = 0;
@@ -192,9 +192,9 @@ struct SmallContact {
     // other one the volumetric strain that the pressures do not resolve is softer.
     MaterialChoice choice;
     choice.volumetric = finite::VolumetricLaw::logarithmic;
-    pressing = std::make_unique<FinitePressing>(
-        layer_under(finite::quadric(linear.major, linear.minor), mesh, poisson_ratio,
-                    /*whole=*/false, choice));
+    pressing = std::make_unique<FinitePressing>(layer_under(quadric(linear.major, linear.minor),
+                                                            mesh, poisson_ratio,
+                                                            /*whole=*/false, choice));
     pressing->press({0, approach});
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(contact(), Invariance::none));
@@ -315,7 +315,7 @@ TEST(SuperposedSlide, IsTheSameByAQuarterAndAsAWhole) {
     LayerDiscretisation mesh = mesh_for(1.1, 0.8);
     mesh.elements_per_semi_axis = 3;
     mesh.extent = 2;
-    auto pressing = layer_under(finite::quadric(8, 4), mesh, 0.49, whole);
+    auto pressing = layer_under(quadric(8, 4), mesh, 0.49, whole);
     pressing.press({0, 0.12});
     load = pressing.equilibrium().load;
     const finite::SuperposedSlide slides(pressing, kFriction);
@@ -350,7 +350,7 @@ struct SmallContactWithoutSymmetry {
     pressing = std::make_unique<FinitePressing>(
         std::make_shared<finite::FiniteLayer>(mesh, linear.bent.shape, /*whole=*/true,
                                               finite::make_material(choice, 1.0, 0.45)),
-        finite::sampled(
+        sampled(
             [object = linear.fingertip.object](double x, double y) { return object->height(x, y); },
             0.1));
     pressing->press({0, approach});
@@ -416,7 +416,7 @@ TEST(SuperposedSlide, OfAContactWithoutSymmetryIsLinearElasticityForSmallLoads) 
 TEST(Slide, DissipatesMostInItsOwnDirection) {
   // Among all friction forces within Coulomb's limits, those of a motion dissipate most in it. The
   // wrenches of full slip therefore lie on a convex surface whose normals are the velocities.
-  auto pressing = layer_under(finite::quadric(8, 4), mesh_for(1.6, 1.1), 0.49);
+  auto pressing = layer_under(quadric(8, 4), mesh_for(1.6, 1.1), 0.49);
   pressing.press({0, 0.2});
   const std::vector<PlaneMotion> velocities = spread_velocities(30, 0.8);
   std::vector<FrictionWrench> wrenches;
@@ -537,8 +537,7 @@ TEST(FiniteFriction, OfADeeplyPressedSphereIsSolvedFor) {
 /// Pressed by a sphere, all of the layer.
 class SolvedFriction : public testing::Test {
  protected:
-  SolvedFriction()
-      : pressing(layer_under(finite::sphere(5), mesh_for(1.2, 1.2), 0.45, /*whole=*/true)) {
+  SolvedFriction() : pressing(layer_under(sphere(5), mesh_for(1.2, 1.2), 0.45, /*whole=*/true)) {
     pressing.press({0, 0.25});
   }
   FinitePressing pressing;

@@ -43,7 +43,7 @@ LayerDiscretisation mesh_for(double a, double b) {
   return mesh;
 }
 
-FinitePressing layer_under(std::shared_ptr<const finite::RigidObject> object,
+FinitePressing layer_under(std::shared_ptr<const RigidObject> object,
                            const LayerDiscretisation& mesh, std::shared_ptr<const LayerShape> shape,
                            double poisson_ratio, bool whole = true,
                            const MaterialChoice& choice = {}) {
@@ -63,11 +63,11 @@ std::shared_ptr<const LayerShape> bent_onto(std::shared_ptr<const meshes::PadSur
   return bent.shape;
 }
 
-std::unique_ptr<const finite::RigidObject> sampled(
+std::unique_ptr<const RigidObject> sampled_object(
     std::shared_ptr<const meshes::ObjectSurface> object) {
   // Quadrics have no error from it: wide, against round-off.
   constexpr double step = 0.1;
-  return finite::sampled([object](double x, double y) { return object->height(x, y); }, step);
+  return sampled([object](double x, double y) { return object->height(x, y); }, step);
 }
 
 /// Two presses that Newton's method ends at 1e-9, through factors of condition about 1e5 whose
@@ -95,13 +95,13 @@ void expect_the_same(FinitePressing& quarter, FinitePressing& whole, double appr
 
 TEST(FiniteWhole, IsTheQuarterOfASymmetricContact) {
   LayerDiscretisation mesh = mesh_for(1.4, 0.9);
-  auto quarter = layer_under(finite::quadric(8, 4), mesh, nullptr, 0.49, false);
-  auto whole = layer_under(finite::quadric(8, 4), mesh, nullptr, 0.49);
+  auto quarter = layer_under(quadric(8, 4), mesh, nullptr, 0.49, false);
+  auto whole = layer_under(quadric(8, 4), mesh, nullptr, 0.49);
   expect_the_same(quarter, whole, 0.2);
   mesh = mesh_for(1.3, 1.2);
   const auto shape = bent_onto(meshes::ellipsoid_pad(6, 5), mesh);
-  auto bent_quarter = layer_under(finite::sphere(20), mesh, shape, 0.3, false);
-  auto bent_whole = layer_under(finite::sphere(20), mesh, shape, 0.3);
+  auto bent_quarter = layer_under(sphere(20), mesh, shape, 0.3, false);
+  auto bent_whole = layer_under(sphere(20), mesh, shape, 0.3);
   expect_the_same(bent_quarter, bent_whole, 0.2);
 }
 
@@ -115,7 +115,7 @@ TEST(FiniteWhole, TurnsWithFingerAndObject) {
     LayerDiscretisation mesh = mesh_for(1.4, 1.1);
     const auto shape = bent_onto(meshes::paraboloid_pad(9, 5, i * angle), mesh);
     auto pressing =
-        layer_under(sampled(meshes::quadric_object(40, 12, i * angle)), mesh, shape, 0.45);
+        layer_under(sampled_object(meshes::quadric_object(40, 12, i * angle)), mesh, shape, 0.45);
     pressing.press({0, 0.2});
     contact[i] = measure(pressing, 1);
     load[i] = pressing.equilibrium().load;
@@ -134,7 +134,7 @@ TEST(FiniteWhole, WorkOfTheIndenterIsTheStrainEnergy) {
   for (const double nu : {0.3, 0.4999}) {
     LayerDiscretisation mesh = mesh_for(1.6, 1.0);
     const auto shape = bent_onto(meshes::tapered_pad(8, 4, 0.1), mesh);
-    auto pressing = layer_under(finite::quadric(30, 12), mesh, shape, nu);
+    auto pressing = layer_under(quadric(30, 12), mesh, shape, nu);
     const auto [departure, kinks] = tests::energy_balance(pressing, 0.2);
     EXPECT_NEAR(departure, 0, kinks) << nu;
   }
@@ -144,7 +144,7 @@ TEST(SmoothedObject, IsASmoothSurfaceThroughTheFacets) {
   // Smoothing leaves planes unchanged. A quadric keeps its slope and curvature and moves along the
   // load.
   constexpr double spacing = 0.05, slope = 0.3, curvature = 0.2;
-  const auto object = finite::smoothed(
+  const auto object = smoothed(
       [](double x, double y) { return slope * x + 0.5 * curvature * (x * x + y * y); }, spacing);
   const auto at = object->over(0.123, -0.456);
   ASSERT_TRUE(at);
@@ -156,8 +156,7 @@ TEST(SmoothedObject, IsASmoothSurfaceThroughTheFacets) {
                   spacing * spacing * curvature / 3,
               1e-12);
   // Across an edge slope and curvature are the height's own derivatives, without a jump.
-  const auto edge =
-      finite::smoothed([](double x, double y) { return std::abs(x + 0.3 * y); }, spacing);
+  const auto edge = smoothed([](double x, double y) { return std::abs(x + 0.3 * y); }, spacing);
   constexpr double step = 1e-5;
   for (double x = -0.2; x < 0.2; x += 0.013) {
     const auto here = edge->over(x, 0.1), there = edge->over(x + step, 0.1);
@@ -433,8 +432,8 @@ Departure departure(double approach) {
   // About the undeformed state this energy has the very element of linear elasticity.
   MaterialChoice choice;
   choice.volumetric = finite::VolumetricLaw::logarithmic;
-  auto finite_strain =
-      layer_under(sampled(pressing.fingertip.object), mesh, pressing.bent.shape, nu, true, choice);
+  auto finite_strain = layer_under(sampled_object(pressing.fingertip.object), mesh,
+                                   pressing.bent.shape, nu, true, choice);
   finite_strain.press({0, approach});
   const DeformedContact contact = measure(finite_strain, 1 / (1 - nu * nu));
   return {finite_strain.equilibrium().load / linear.load() - 1,

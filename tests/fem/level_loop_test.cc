@@ -125,6 +125,20 @@ TEST_F(LevelLoop, PressesTrialMeshesUntilTheyFitAndThenTwoLevels) {
   EXPECT_GE(lines.size(), contact.pressed.size() + 2);
 }
 
+TEST_F(LevelLoop, AHintOfTheSizeSavesTrialMeshesAndNothingElse) {
+  const Result guessed = *solve();
+  const auto meshes = contact.pressed.size();
+  contact.pressed.clear();
+  contact.levels.clear();
+  problem.size_hint_m = {KnownContact::a * pressing.thickness_m,
+                         KnownContact::b * pressing.thickness_m};
+  const Result hinted = *solve();
+  EXPECT_LT(contact.pressed.size(), meshes);
+  EXPECT_EQ(contact.pressed.size(), 3u) << "a trial mesh and two levels";
+  EXPECT_EQ(hinted.finest.a_m, guessed.finest.a_m);
+  EXPECT_EQ(hinted.error.a, guessed.error.a);
+}
+
 TEST_F(LevelLoop, StatesTheErrorOfItsTwoLevels) {
   const Result result = *solve();
   const RelativeError expected =

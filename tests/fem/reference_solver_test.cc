@@ -122,6 +122,54 @@ TEST(ReferenceSolver, DoesNotLockNearIncompressibility) {
   expect_inside(result.finest.a_m, expected.a_m, result.error.a, "a");
 }
 
+TEST(ReferenceSolver, AnswersWideContactsOfThinIncompressibleLayers) {
+  // A bonded film under a smooth object squeezes out like a viscous one: h³ lap p = -3 G (d -
+  // r²/2R), with p and its slope zero at the edge. Then P = pi G a⁶ / (32 R h³), d = a²/(4 R).
+  const double h = 1e-3, E = 3e5, R = 1, G = E / 3;
+  for (const double s : {35.0, 45.0}) {
+    const double a = s * h, load = M_PI * G * std::pow(a, 6) / (32 * R * h * h * h);
+    Problem problem;
+    problem.level = 1;
+    problem.contact = {{R, R, 0}, {h, E, 0.5}, {load, 0.5}};
+    const Result result = solve(problem, quiet);
+    // The film's edge is not known to better than the thickness.
+    EXPECT_NEAR(result.finest.a_m / a, 1, 1.2 / s + result.error.a);
+    EXPECT_NEAR(result.finest.indentation_m / (a * a / (4 * R)), 1, 1.2 / s);
+  }
+}
+
+TEST(ReferenceSolver, GivesFrictionTheRoomItMovesTheContactTo) {
+  // Shear moves the pressure of a thin incompressible layer by more than the usual patch holds.
+  Problem problem;
+  problem.level = 1;
+  problem.friction.limit_surface = 6;
+  problem.contact = {{0.2, 0.03, 0}, {2e-3, 3e5, 0.499}, {80, 0.8}};
+  bool moved = false;
+  const Result result = solve(problem, [&](const std::string& line) {
+    moved = moved || line.find("times the room") != std::string::npos;
+  });
+  EXPECT_TRUE(moved);
+  ASSERT_EQ(result.limit_surface.size(), 6u);
+  const double limit = 0.8 * 80;
+  for (const LimitPoint& point : result.limit_surface)
+    EXPECT_LE(std::hypot(point.wrench.force_x_N, point.wrench.force_y_N), limit * (1 + 1e-6));
+}
+
+TEST(ReferenceSolver, TellsTheAreaOnTheObjectsSlope) {
+  // A spherical cap of radius a is 2 pi R (R - sqrt(R² - a²)) large.
+  Problem problem;
+  problem.level = 1;
+  const double R = 8e-3;
+  problem.contact = {{R, R, 0}, {2e-3, 3e5, 0.3}, {3, 0.8}};
+  problem.sphere_radius_m = R;
+  const LevelResult found = solve(problem, quiet).finest;
+  const double square = found.area_projected_m2 / M_PI;
+  const double cap = 2 * M_PI * R * (R - std::sqrt(R * R - square));
+  EXPECT_GT(cap, 1.02 * found.area_projected_m2);
+  // Nodes make no perfect circle; the quadrature is exact up to slopes cubed.
+  EXPECT_NEAR(found.area_m2 / cap, 1, 1e-3);
+}
+
 TEST(ReferenceSolver, IsIndifferentToUnits) {
   Problem problem;
   problem.level = 1;

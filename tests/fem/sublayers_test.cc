@@ -198,7 +198,7 @@ TEST(Sublayers, AtFiniteStrainAreThoseOfSmallStrainForSmallLoads) {
   mesh.a = mesh.b = 0.3;
   mesh.patch = 1.6;
   constexpr double radius = 50;
-  const auto object = finite::quadric(radius, radius);
+  const auto object = quadric(radius, radius);
   const LayerModel linear(mesh, materials);
   Eigen::VectorXd gap(static_cast<Eigen::Index>(linear.nodes().size()));
   for (Eigen::Index i = 0; i < gap.size(); ++i) {
@@ -212,7 +212,7 @@ TEST(Sublayers, AtFiniteStrainAreThoseOfSmallStrainForSmallLoads) {
       of_sublayers.push_back(finite::make_material({}, youngs_ratio, poisson_ratio));
     finite::FinitePressing pressing(
         std::make_shared<finite::FiniteLayer>(mesh, nullptr, false, of_sublayers),
-        finite::quadric(radius, radius));
+        quadric(radius, radius));
     pressing.press({0, approach});
     const NormalContact contact = solve_normal_contact_at(linear.compliance(), gap, approach);
     differences.push_back(pressing.equilibrium().load / (4 * contact.force.sum()) - 1);
@@ -272,7 +272,7 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
   mesh.patch = 1.5;
   constexpr double radius = 5, approach = 0.12;
   const auto pressed = [&](std::shared_ptr<finite::FiniteLayer> layer) {
-    finite::FinitePressing pressing(std::move(layer), finite::sphere(radius));
+    finite::FinitePressing pressing(std::move(layer), sphere(radius));
     pressing.press({0, approach});
     return pressing;
   };

@@ -105,7 +105,7 @@ TEST(ReportPage, ShowsEveryNumberOfEveryLoadAsText) {
                                                        {"axis_rad", 180 / 3.14159265358979},
                                                        {"indentation_m", 1e3},
                                                        {"peak_pressure_Pa", 1e-3},
-                                                       {"area_m2", 1e6},
+                                                       {"area_projected_m2", 1e6},
                                                        {"max_torque_Nm", 1e3},
                                                        {"max_torque_paper_Nm", 1e3},
                                                        {"eccentricity_m", 1e3}})

@@ -52,7 +52,7 @@ Json common(const Answer& answer, double load_N, double friction) {
           {"axis_rad", 0.35},
           {"indentation_m", answer.indentation_m},
           {"peak_pressure_Pa", peak_pressure(answer, load_N)},
-          {"area_m2", kPi * answer.a_m * answer.b_m},
+          {"area_projected_m2", kPi * answer.a_m * answer.b_m},
           {"max_torque_Nm", max_torque},
           {"eccentricity_m", max_torque / (friction * load_N)}};
 }
@@ -116,7 +116,7 @@ Json model_entry(const std::string& name, const Answer& answer, double load_N, d
     for (const auto& [key, member] :
          std::vector<std::pair<std::string, std::string>>{{"a", "a_m"},
                                                           {"b", "b_m"},
-                                                          {"area", "area_m2"},
+                                                          {"area", "area_projected_m2"},
                                                           {"indentation", "indentation_m"},
                                                           {"peak_pressure", "peak_pressure_Pa"},
                                                           {"max_torque", "max_torque_Nm"}})
@@ -323,7 +323,7 @@ Json sample_report() {
                                      {"limit", 0.5},
                                      {"holds", false},
                                      {"message", "an incompressible bed of springs is rigid"}}});
-  for (const char* key : {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2",
+  for (const char* key : {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_projected_m2",
                           "max_torque_Nm", "max_torque_paper_Nm", "eccentricity_m"})
     silent[key] = nullptr;
   loads[2]["models"][0].erase("profile_x");

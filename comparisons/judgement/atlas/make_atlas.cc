@@ -84,14 +84,14 @@ void take_answer(const reference::ReferenceResult& result, AtlasRun& run) {
   run.answer = {result.a_m / h,
                 result.b_m / h,
                 scale * result.indentation_m / h,
-                result.area_m2 / (h * h),
+                result.area_projected_m2 / (h * h),
                 scale * result.peak_pressure_Pa / kModulus_Pa,
                 result.max_torque_Nm / (mu * load_N * h)};
   const reference::ReferenceLevel& coarse = result.levels.front();
   run.coarse_error = {coarse.a_m / result.a_m - 1,
                       coarse.b_m / result.b_m - 1,
                       coarse.indentation_m / result.indentation_m - 1,
-                      kPi * coarse.a_m * coarse.b_m / result.area_m2 - 1,
+                      kPi * coarse.a_m * coarse.b_m / result.area_projected_m2 - 1,
                       coarse.peak_pressure_Pa / result.peak_pressure_Pa - 1,
                       coarse.max_torque_Nm / result.max_torque_Nm - 1};
   run.cost_s = result.cpu_s;

@@ -32,6 +32,7 @@ std::vector<std::string> seeds() {
   nlohmann::json result = level;
   result.update({{"load_N", 1},
                  {"peak_pressure_Pa", 1e4},
+                 {"area_projected_m2", 3e-6},
                  {"area_m2", 3e-6},
                  {"error", {{"a", 1e-3}, {"b", nullptr}, {"indentation", 1e-3}, {"max_torque", 0}}},
                  {"levels", {level}},

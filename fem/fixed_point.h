@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace softfinger::fem::finite {
+namespace softfinger::fem {
 
 /// Anderson's mixing for x = g(x) (D. G. Anderson, J. ACM 12, 1965): the next x is the combination
 /// of the latest images g(x) whose residuals g(x) - x would cancel best if g were affine.
@@ -24,4 +24,4 @@ class FixedPoint {
   Eigen::MatrixXd residuals_, images_;  ///< latest first
 };
 
-}  // namespace softfinger::fem::finite
+}  // namespace softfinger::fem

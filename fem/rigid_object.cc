@@ -1,10 +1,10 @@
-#include "fem/finite/rigid_object.h"
+#include "fem/rigid_object.h"
 
 #include <cmath>
 #include <map>
 #include <utility>
 
-namespace softfinger::fem::finite {
+namespace softfinger::fem {
 namespace {
 
 class Quadric : public RigidObject {
@@ -140,4 +140,4 @@ std::unique_ptr<const RigidObject> smoothed(
   return std::make_unique<Smoothed>(std::move(height), spacing);
 }
 
-}  // namespace softfinger::fem::finite
+}  // namespace softfinger::fem

@@ -1,10 +1,10 @@
-#include "fem/finite/fixed_point.h"
+#include "fem/fixed_point.h"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <utility>
 
-namespace softfinger::fem::finite {
+namespace softfinger::fem {
 
 using Eigen::Index;
 
@@ -45,4 +45,4 @@ void FixedPoint::restart() {
   images_.resize(0, 0);
 }
 
-}  // namespace softfinger::fem::finite
+}  // namespace softfinger::fem

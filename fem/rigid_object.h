@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-namespace softfinger::fem::finite {
+namespace softfinger::fem {
 
 /// Height of a rigid object's surface above the contact plane with its derivatives by x and y.
 struct ObjectHeight {
@@ -41,4 +41,4 @@ std::unique_ptr<const RigidObject> sampled(
 std::unique_ptr<const RigidObject> smoothed(
     std::function<std::optional<double>(double x, double y)> height, double spacing);
 
-}  // namespace softfinger::fem::finite
+}  // namespace softfinger::fem
