@@ -146,12 +146,15 @@ Vector2d axes_of_moments(const std::vector<SurfaceNode>& nodes, const Eigen::Vec
         force[static_cast<Index>(i)] / total *
         std::pow(nodes[i].x * nodes[i].x / second.x() + nodes[i].y * nodes[i].y / second.y(), 2);
   // <r²> = 1 / (n + 2) and <r⁴> = 2 / ((n + 2) (n + 3)); <x²> is half of <r²>. With the second
-  // moments scaled to 1, <r⁴> / <r²>² is a quarter of the fourth. Pressures whose exponent is about
-  // 1/2 or not told by it get a number between those of a half-space and of a thin compressible
-  // layer, where an error of 5 % does not matter.
-  constexpr double usual = 5.4, steepest = 8;
+  // moments scaled to 1, <r⁴> / <r²>² is a quarter of the fourth. It gives a² / <x²> = 2 (n + 2): 5
+  // for a half-space, 6 for a thin compressible layer, 8 for a thin incompressible one. Up to 6 one
+  // number is used, for an error of 5 % does not matter and coarse cells blur the fourth moments.
+  constexpr double usual = 5.4, compressible_film = 6, incompressible_film = 8;
   const double ratio = std::min(fourth / 4, 1.9);
-  const double square_per_moment = std::clamp(2 * ratio / (2 - ratio), usual, steepest);
+  const double told = std::clamp(2 * ratio / (2 - ratio), compressible_film, incompressible_film);
+  const double square_per_moment = usual + (incompressible_film - usual) *
+                                               (told - compressible_film) /
+                                               (incompressible_film - compressible_film);
   return (square_per_moment * second).cwiseSqrt();
 }
 
