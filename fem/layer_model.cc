@@ -59,6 +59,11 @@ void LayerModel::Implementation::set_frames() {
   require_unconstrained_surface();
 }
 
+long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
+                        double thickness_m) {
+  return LayerSpace(discretisation, mesh, thickness_m).free_unknowns(Parity{}).count;
+}
+
 LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
                        std::shared_ptr<const LayerShape> shape, bool whole)
     : LayerModel(discretisation, std::vector<ElasticConstants>{{1, poisson_ratio}},

@@ -101,6 +101,11 @@ struct ElasticConstants {
   }
 };
 
+/// Unknowns of the layer that LayerModel would make of a mesh from outside: cells are halved and
+/// counted, nothing is assembled.
+long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
+                        double thickness_m);
+
 /// Elastic layer bonded to a rigid base, condensed on the displacements of its surface nodes: a
 /// quarter of it where layer and load are symmetric about x = 0 and y = 0, else the whole. Lengths
 /// / h, stresses / E: one model serves every load, radius, modulus and coefficient of friction for

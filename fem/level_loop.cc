@@ -258,6 +258,12 @@ class LevelLoop {
     task_.progress(formatted("level %d: %d elements per semi-axis%s", level,
                              mesh_.elements_per_semi_axis,
                              time_to_go(result_.levels, mesh_.elements_per_semi_axis).c_str()));
+    // Uneven cells of a mesh from outside are halved until the largest is small enough, which may
+    // make far more of them than anybody expects.
+    if (problem_.mesh)
+      task_.progress(formatted("level %d: the mesh from outside makes %ld unknowns", level,
+                               predicted_unknowns(mesh_, *problem_.mesh,
+                                                  problem_.contact.layer.thickness_m)));
     check_reach(mesh_, problem_);
   }
 

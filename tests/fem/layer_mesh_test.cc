@@ -73,7 +73,11 @@ TEST_F(UserMesh, OfAFlatLayerAnswersLikeTheFlatLayer) {
   flat.level = 2;
   const Result expected = solve(flat, quiet);
   problem.mesh = read();
-  const Result result = solve(problem, quiet);
+  long predicted = 0;
+  const Result result = solve(problem, [&](const std::string& line) {
+    std::sscanf(line.c_str(), "level %*d: the mesh from outside makes %ld", &predicted);
+  });
+  EXPECT_EQ(predicted, result.finest.unknowns) << "told before the work";
   const auto compare = [&](const char* what, double LevelResult::*quantity,
                            double RelativeError::*stated) {
     const double error = result.finest.*quantity / (expected.finest.*quantity) - 1;
