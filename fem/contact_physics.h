@@ -74,6 +74,8 @@ class ContactPhysics {
   virtual ~ContactPhysics() = default;
 
   virtual const ErrorTable& error_table() const = 0;
+  /// Of a mesh from outside with its cells halved as `press` would.
+  virtual long predicted_unknowns(const LayerDiscretisation& mesh) const = 0;
 
   /// The two levels have their meshes already, made for an earlier contact of the run.
   virtual bool shares_meshes() const { return false; }

@@ -262,8 +262,7 @@ class LevelLoop {
     // make far more of them than anybody expects.
     if (problem_.mesh)
       task_.progress(formatted("level %d: the mesh from outside makes %ld unknowns", level,
-                               predicted_unknowns(mesh_, *problem_.mesh,
-                                                  problem_.contact.layer.thickness_m)));
+                               physics_.predicted_unknowns(mesh_)));
     check_reach(mesh_, problem_);
   }
 

@@ -70,6 +70,9 @@ class LinearContact : public ContactPhysics {
   const MeshPair& meshes() const { return meshes_; }
 
   const ErrorTable& error_table() const override { return linear_elasticity; }
+  long predicted_unknowns(const LayerDiscretisation& mesh) const override {
+    return fem::predicted_unknowns(mesh, *task_.pressing.mesh, task_.pressing.thickness_m);
+  }
   bool shares_meshes() const override { return shares_meshes_; }
   bool trial_is_level_0() const override { return true; }
 

@@ -55,6 +55,9 @@ class FiniteContact : public ContactPhysics {
         object_(rigid_object(task.pressing)) {}
 
   const ErrorTable& error_table() const override { return finite_strain; }
+  long predicted_unknowns(const LayerDiscretisation& mesh) const override {
+    return fem::predicted_unknowns(mesh, *task_.pressing.mesh, h_);
+  }
 
   /// Level 0 has a mesh made for the size that the trial found: its edge lies on cell edges.
   bool trial_is_level_0() const override { return false; }
