@@ -58,10 +58,9 @@ struct ErrorTable {
 constexpr double edge_on_cells = 2e-3;
 
 constexpr ErrorTable linear_elasticity{
-    // Observed order 2 to 3. Common: the mesh away from the contact. Coarse: against level 4 (nu 0
-    // to
-    // 1/2, a/h 0.2 to 7, R'/R'' 1 to 7) level 1 was up to 0.04 % farther off in d, 0.2 % in the
-    // torque, 0.2 % in b, 0.5 % in the peak than without it.
+    // Observed order 2 to 3. Common: the mesh away from the contact. Coarse: against level 4, with
+    // nu from 0 to 1/2, a/h from 0.2 to 7 and R'/R'' to 7, level 1 was up to 0.04 % farther off in
+    // d, 0.2 % in the torque, 0.2 % in b, 0.5 % in the peak than without it.
     /*integral*/ {1.6, 1e-4, 2e-4, 5e-4, 4},
     // The edge is found to a fraction of a cell: observed order 1 to 2, not always of one sign.
     // Common: the shape that is fitted to the pressure.

@@ -26,16 +26,16 @@ struct Place {
 };
 
 template <class Values>
-void data_array(std::ostream& out, const char* name, int components,
-                const std::vector<Place>& places, const Values& values) {
+void data_array(std::ostream& out, const char* name, int components, const RubbedSurface& surface,
+                const Values& values) {
   out << "<DataArray type=\"Float64\" Name=\"" << name << "\" NumberOfComponents=\"" << components
       << "\" format=\"ascii\">\n";
-  for (const Place& place : places) out << values(place) << '\n';
+  for (const RubbedSurface::Point& point : surface.points) out << values(point) << '\n';
   out << "</DataArray>\n";
 }
 
-std::string vector_text(double x, double y, double z = 0) {
-  return formatted("%.9g %.9g %.9g", x, y, z);
+std::string text_of(const Eigen::Vector3d& vector) {
+  return formatted("%.9g %.9g %.9g", vector.x(), vector.y(), vector.z());
 }
 
 /// The contact's points and, of half a contact, their copies by a half turn.
@@ -83,36 +83,47 @@ std::vector<Quadrilateral> quadrilaterals(const SurfaceCompliance& surface,
   return cells;
 }
 
-void write_points(const FrictionalContact& contact, const std::vector<Place>& places, double h,
-                  std::ostream& out) {
+RubbedSurface rubbed(const FrictionalContact& contact) {
   const SurfaceCompliance& surface = contact.surface();
+  const std::vector<Place> places = places_of(surface);
+  RubbedSurface result;
+  for (const auto& [i, sign] : places) {
+    const double area = surface.area[i];
+    const auto along = [&, turn = sign](const Eigen::VectorXd& field) {
+      return Eigen::Vector3d(turn * field[2 * i], turn * field[2 * i + 1], 0);
+    };
+    RubbedSurface::Point& point = result.points.emplace_back();
+    point.position = {sign * surface.position(0, i), sign * surface.position(1, i),
+                      surface.height[i]};
+    point.pressure = contact.normal_force()[i] / area;
+    point.shear = along(contact.tangential_force()) / area;
+    point.slip = along(contact.slip());
+    if (contact.normal_force()[i] > 0)
+      point.state = contact.slips(i) ? RubbedSurface::slips : RubbedSurface::sticks;
+  }
+  result.quadrilaterals = quadrilaterals(surface, places);
+  return result;
+}
+
+void write_points(const RubbedSurface& surface, double h, std::ostream& out) {
+  using Point = RubbedSurface::Point;
   out << "<Points>\n";
-  data_array(out, "position_m", 3, places, [&](const Place& p) {
-    return vector_text(p.sign * h * surface.position(0, p.point),
-                       p.sign * h * surface.position(1, p.point), h * surface.height[p.point]);
-  });
+  data_array(out, "position_m", 3, surface,
+             [&](const Point& point) { return text_of(h * point.position); });
   out << "</Points>\n";
 }
 
-void write_point_data(const FrictionalContact& contact, const std::vector<Place>& places, double h,
-                      double E, std::ostream& out) {
-  const SurfaceCompliance& surface = contact.surface();
+void write_point_data(const RubbedSurface& surface, double h, double E, std::ostream& out) {
+  using Point = RubbedSurface::Point;
   out << "<PointData>\n";
-  data_array(out, "contact_pressure_Pa", 1, places, [&](const Place& p) {
-    return E * contact.normal_force()[p.point] / surface.area[p.point];
-  });
-  data_array(out, "contact_shear_Pa", 3, places, [&](const Place& p) {
-    const Eigen::Vector2d force = contact.tangential_force().segment<2>(2 * p.point);
-    const double scale = p.sign * E / surface.area[p.point];
-    return vector_text(scale * force.x(), scale * force.y());
-  });
-  data_array(out, "slip_m", 3, places, [&](const Place& p) {
-    const Eigen::Vector2d slip = p.sign * h * contact.slip().segment<2>(2 * p.point);
-    return vector_text(slip.x(), slip.y());
-  });
-  data_array(out, "state", 1, places, [&](const Place& p) {
-    return contact.normal_force()[p.point] <= 0 ? 0 : contact.slips(p.point) ? 2 : 1;
-  });
+  data_array(out, "contact_pressure_Pa", 1, surface,
+             [&](const Point& point) { return E * point.pressure; });
+  data_array(out, "contact_shear_Pa", 3, surface,
+             [&](const Point& point) { return text_of(E * point.shear); });
+  data_array(out, "slip_m", 3, surface,
+             [&](const Point& point) { return text_of(h * point.slip); });
+  data_array(out, "state", 1, surface,
+             [](const Point& point) { return static_cast<int>(point.state); });
   out << "</PointData>\n";
 }
 
@@ -129,16 +140,14 @@ void write_cells(const std::vector<Quadrilateral>& cells, std::ostream& out) {
 }
 
 /// By hand: deal.II writes fields of its own meshes only, and this one has none.
-void write_surface(const FrictionalContact& contact, double thickness_m, double youngs_modulus_Pa,
+void write_surface(const RubbedSurface& surface, double thickness_m, double youngs_modulus_Pa,
                    std::ostream& out) {
-  const std::vector<Place> places = places_of(contact.surface());
-  const std::vector<Quadrilateral> cells = quadrilaterals(contact.surface(), places);
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
          "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\""
-      << places.size() << "\" NumberOfCells=\"" << cells.size() << "\">\n";
-  write_points(contact, places, thickness_m, out);
-  write_point_data(contact, places, thickness_m, youngs_modulus_Pa, out);
-  write_cells(cells, out);
+      << surface.points.size() << "\" NumberOfCells=\"" << surface.quadrilaterals.size() << "\">\n";
+  write_points(surface, thickness_m, out);
+  write_point_data(surface, thickness_m, youngs_modulus_Pa, out);
+  write_cells(surface.quadrilaterals, out);
   out << "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
 }
 
@@ -148,19 +157,19 @@ OnState SurfaceSeries::of(int level) {
   if (level != problem_.level || problem_.output_directory.empty())
     return [](const FrictionalContact&, const FrictionState&) {};
   return [this](const FrictionalContact& contact, const FrictionState& state) {
-    write(contact, state);
+    add(state.motion.turn_rad, rubbed(contact));
   };
 }
 
-void SurfaceSeries::write(const FrictionalContact& contact, const FrictionState& state) {
-  // A twist that is begun anew replaces the one before.
-  if (!angles_rad_.empty() && state.motion.turn_rad <= angles_rad_.back()) angles_rad_.clear();
+void SurfaceSeries::add(double turn_rad, const RubbedSurface& surface) {
+  if (problem_.output_directory.empty()) return;
+  if (!angles_rad_.empty() && turn_rad <= angles_rad_.back()) angles_rad_.clear();
   const ElasticLayer& layer = problem_.contact.layer;
   write_file(problem_.output_directory + "/" + file_name(angles_rad_.size()), "VTU file",
              [&](std::ostream& out) {
-               write_surface(contact, layer.thickness_m, layer.youngs_modulus_Pa, out);
+               write_surface(surface, layer.thickness_m, layer.youngs_modulus_Pa, out);
              });
-  angles_rad_.push_back(state.motion.turn_rad);
+  angles_rad_.push_back(turn_rad);
 }
 
 std::string SurfaceSeries::finish() {

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "fem/formatted.h"
 #include "fem/level_loop.h"
 #include "fem/stopwatch.h"
+#include "fem/surface_series.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -52,7 +54,8 @@ class FiniteContact : public ContactPhysics {
         E_(task.problem.contact.layer.youngs_modulus_Pa),
         friction_coefficient_(task.problem.contact.load.friction_coefficient),
         materials_(materials_of(task)),
-        object_(rigid_object(task.pressing)) {}
+        object_(rigid_object(task.pressing)),
+        series_(task.problem) {}
 
   const ErrorTable& error_table() const override { return finite_strain; }
   long predicted_unknowns(const LayerDiscretisation& mesh) const override {
@@ -155,8 +158,10 @@ class FiniteContact : public ContactPhysics {
     if (pressing_->layer().whole() || !plan->velocities.empty()) slip(plan->velocities, result);
     // What superposed motions neglect is found on the coarse mesh, where it is worth the work.
     constexpr double worthwhile = 0.002;
-    if (is_first && std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile)
-      correct(result);
+    const bool matters =
+        std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile;
+    const bool is_written = problem_.friction.torsion && !problem_.output_directory.empty();
+    if (is_first && (matters || is_written)) correct(result);
     return result;
   }
 
@@ -177,6 +182,7 @@ class FiniteContact : public ContactPhysics {
     if (problem_.output_directory.empty()) return files;
     files.vtu = problem_.output_directory + "/solution.vtu";
     pressing_->layer().write_vtu(files.vtu, nodal_pressure(*pressing_), h_, E_);
+    files.pvd = series_.finish();
     return files;
   }
 
@@ -284,7 +290,7 @@ class FiniteContact : public ContactPhysics {
   }
 
   /// Solves the states of the plan on the whole layer, each as far as it goes.
-  void correct(FrictionOfLevel& result) const {
+  void correct(FrictionOfLevel& result) {
     const Stopwatch watch;
     std::optional<FinitePressing> whole;
     if (!pressing_->layer().whole()) {
@@ -297,7 +303,8 @@ class FiniteContact : public ContactPhysics {
     FrictionalPressing solved(whole ? *whole : *pressing_, friction_coefficient_);
     const double force = friction_coefficient_ * equilibrium().load, torque = result.full_slip;
     FrictionCorrection& correction = result.correction.emplace();
-    correction.twist = moved(solved, result.twist, torque, correction.twist_error);
+    correction.twist = moved(solved, result.twist, torque, correction.twist_error,
+                             [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
     if (problem_.friction.torsion)
       correction.full_slip = slid(solved, {{{}, {}, 1}, {0, 0, result.full_slip}, 1, 0}, force,
                                   torque, correction.twist_error)
@@ -305,7 +312,8 @@ class FiniteContact : public ContactPhysics {
     correction.limit_surface =
         slid(solved, result.limit_surface, force, torque, correction.slide_error);
     for (const std::vector<FrictionState>& path : result.paths)
-      correction.paths.push_back(moved(solved, path, torque, correction.slide_error));
+      correction.paths.push_back(
+          moved(solved, path, torque, correction.slide_error, [](double) {}));
     const ShearedContact last = correction.twist.empty() || !correction.twist.back().sheared
                                     ? ShearedContact()
                                     : *correction.twist.back().sheared;
@@ -343,10 +351,12 @@ class FiniteContact : public ContactPhysics {
     return std::max(0.15 * correction, 1.5 * correction * correction);
   }
 
-  /// @param error  raised to the relative error of what is so corrected
+  /// @param error      raised to the relative error of what is so corrected
+  /// @param on_solved  called with the turn, in radians, of each state that is solved
   std::vector<FrictionState> moved(FrictionalPressing& solved,
                                    const std::vector<FrictionState>& superposed, double torque,
-                                   double& error) const {
+                                   double& error,
+                                   const std::function<void(double)>& on_solved) const {
     const double force = friction_coefficient_ * equilibrium().load;
     std::vector<FrictionState> changes;
     solved.restart();
@@ -361,6 +371,7 @@ class FiniteContact : public ContactPhysics {
       if (!is_stuck) {
         changes.push_back(difference(solved, 1, state));
         error = std::max(error, error_of(size_of(changes.back().wrench, force, torque)));
+        on_solved(state.motion.turn_rad);
         continue;
       }
       // Where it does not go on, what is left out grows at most with the square of friction.
@@ -439,6 +450,7 @@ class FiniteContact : public ContactPhysics {
   const std::shared_ptr<const RigidObject> object_;
   std::unique_ptr<FinitePressing> pressing_;
   DeformedContact contact_;  ///< as measured last
+  SurfaceSeries series_;
 };
 
 }  // namespace

@@ -28,6 +28,18 @@ PlaneMotion between(const PlaneMotion& from, const PlaneMotion& to, double share
           from.turn_rad + share * (to.turn_rad - from.turn_rad)};
 }
 
+/// Where the object takes points on it when it moves from one place to another and nearer.
+Eigen::Matrix3Xd carried(Eigen::Matrix3Xd points, const PlaneMotion& from, const PlaneMotion& to,
+                         double approached) {
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(to.turn_rad - from.turn_rad).toRotationMatrix();
+  for (auto point : points.colwise()) {
+    point.head<2>() = turn * (point.head<2>() - Eigen::Vector2d(from.x, from.y)).eval() +
+                      Eigen::Vector2d(to.x, to.y);
+    point.z() -= approached;
+  }
+  return points;
+}
+
 Eigen::Matrix3Xd only_normal(const Eigen::VectorXd& normal_force) {
   Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, normal_force.size());
   result.row(2) = normal_force.transpose();
@@ -81,6 +93,7 @@ FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, double fri
       pressed_approach_(pressed.equilibrium().approach) {
   spacing_ = node_spacing(layer_->discretisation());
   restart();
+  pressed_position_ = kept_position_;
   pressed_area_ = projected_area();
   pressed_peak_ = peak_pressure();
 }
@@ -139,18 +152,13 @@ std::vector<FrictionalPressing::Touch> FrictionalPressing::touches() const {
 /// increment's end.
 Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touching,
                                                  double approach) const {
-  const Eigen::Matrix2d turn =
-      Eigen::Rotation2Dd(motion_.turn_rad - kept_motion_.turn_rad).toRotationMatrix();
+  const Eigen::Matrix3Xd taken =
+      carried(kept_position_, kept_motion_, motion_, approach - kept_approach_);
   Eigen::VectorXd result(2 * force_.cols());
   for (Index i = 0; i < force_.cols(); ++i) {
-    const Eigen::Vector3d start = kept_position_.col(i);
-    Eigen::Vector3d carried;
-    carried.head<2>() = turn * (start.head<2>() - Eigen::Vector2d(kept_motion_.x, kept_motion_.y)) +
-                        Eigen::Vector2d(motion_.x, motion_.y);
-    carried.z() = start.z() - (approach - kept_approach_);
     const auto node = static_cast<std::size_t>(i);
-    result.segment<2>(2 * i) =
-        touching[node].frame.axes.leftCols<2>().transpose() * (carried - layer_->position(node));
+    result.segment<2>(2 * i) = touching[node].frame.axes.leftCols<2>().transpose() *
+                               (taken.col(i) - layer_->position(node));
   }
   return result;
 }
@@ -381,17 +389,21 @@ FrictionWrench FrictionalPressing::wrench() const {
   return result;
 }
 
+bool FrictionalPressing::slips(Index node) const {
+  constexpr double nearly = 1 - 1e-4;  // forces are known to Newton's tolerance
+  return force_.col(node).head<2>().norm() >= nearly * friction_coefficient_ * force_(2, node);
+}
+
 double FrictionalPressing::slip_fraction() const {
   const Eigen::VectorXd area = nodal_area(*layer_);
   double slipping = 0, touching = 0;
   for (Index i = 0; i < force_.cols(); ++i) {
-    const double limit = friction_coefficient_ * force_(2, i);
     // The centre of a twist does not move, and carries nothing.
-    if (limit <= 0 || layer_->position(static_cast<std::size_t>(i)).head<2>().norm() < 1e-9)
+    if (friction_coefficient_ * force_(2, i) <= 0 ||
+        layer_->position(static_cast<std::size_t>(i)).head<2>().norm() < 1e-9)
       continue;
     touching += area[i];
-    constexpr double nearly = 1 - 1e-4;  // forces are known to Newton's tolerance
-    if (force_.col(i).head<2>().norm() >= nearly * limit) slipping += area[i];
+    if (slips(i)) slipping += area[i];
   }
   return touching > 0 ? slipping / touching : 0;
 }
@@ -407,6 +419,49 @@ double FrictionalPressing::projected_area() const {
 
 double FrictionalPressing::peak_pressure() const {
   return force_.row(2).transpose().cwiseQuotient(nodal_area(*layer_)).maxCoeff();
+}
+
+namespace {
+
+/// The four quarters of each face all of whose nodes can be touched.
+std::vector<std::array<std::size_t, 4>> quarters_of(const std::vector<SurfaceFace>& faces) {
+  std::vector<std::array<std::size_t, 4>> result;
+  for (const SurfaceFace& face : faces)
+    for (const std::size_t first : {0, 1, 3, 4}) {
+      const std::array<std::size_t, 4> corners = {first, first + 1, first + 4, first + 3};
+      std::array<std::size_t, 4> quarter;
+      bool is_whole = true;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const int node = face.node[corners[k]];
+        is_whole = is_whole && node >= 0;
+        quarter[k] = static_cast<std::size_t>(std::max(node, 0));
+      }
+      if (is_whole) result.push_back(quarter);
+    }
+  return result;
+}
+
+}  // namespace
+
+RubbedSurface FrictionalPressing::surface() const {
+  const Eigen::VectorXd area = nodal_area(*layer_);
+  const std::vector<Touch> touching = touches();
+  const Eigen::Matrix3Xd taken =
+      carried(pressed_position_, {}, motion_, approach_ - pressed_approach_);
+  RubbedSurface result;
+  for (Index i = 0; i < force_.cols(); ++i) {
+    const auto node = static_cast<std::size_t>(i);
+    RubbedSurface::Point& point = result.points.emplace_back();
+    point.position = layer_->position(node);
+    if (!(force_(2, i) > 0)) continue;
+    const auto tangents = touching[node].frame.axes.leftCols<2>();
+    point.pressure = force_(2, i) / area[i];
+    point.shear = tangents * force_.col(i).head<2>() / area[i];
+    point.slip = tangents * (tangents.transpose() * (taken.col(i) - point.position));
+    point.state = slips(i) ? RubbedSurface::slips : RubbedSurface::sticks;
+  }
+  result.quadrilaterals = quarters_of(layer_->faces());
+  return result;
 }
 
 ShearedContact FrictionalPressing::sheared() const {

@@ -11,6 +11,7 @@
 #include "fem/fixed_point.h"
 #include "fem/frictional_contact.h"
 #include "fem/reference_solver.h"
+#include "fem/surface_series.h"
 
 namespace softfinger::fem::finite {
 
@@ -53,6 +54,8 @@ class FrictionalPressing {
   /// Share of the touching area that slips, 0 to 1.
   double slip_fraction() const;
   ShearedContact sheared() const;
+  /// Where the surface lies deformed. Slip is that since the contact was pressed.
+  RubbedSurface surface() const;
   /// Of Newton's method, and factorisations among them, so far.
   int iterations() const { return iterations_; }
   int factorisations() const { return factorisations_; }
@@ -82,6 +85,7 @@ class FrictionalPressing {
   double advance(double shortest, const std::function<bool(double)>& try_share);
   void keep();
   void take_back();
+  bool slips(Eigen::Index node) const;
   double projected_area() const;
   double peak_pressure() const;
 
@@ -91,6 +95,7 @@ class FrictionalPressing {
   const std::shared_ptr<const FiniteLayer::State> pressed_state_;
   const Eigen::Matrix3Xd pressed_force_;
   const double pressed_approach_;
+  Eigen::Matrix3Xd pressed_position_;
   double pressed_area_ = 0, pressed_peak_ = 0;
   double spacing_ = 0;  ///< of the nodes
 

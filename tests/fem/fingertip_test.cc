@@ -62,11 +62,10 @@ TEST(Fingertip, RefusesALayerThickerThanItsCurvatureBears) {
   EXPECT_THROW(shape_fingertip(fingertip, 0.006), InputError);
 }
 
-TEST(SurfaceSeries, HasAFilePerIncrementAndOneThatNamesThem) {
-  Problem problem = small_contact();
+void expect_series(Problem problem, const std::string& name) {
   problem.friction.torsion = true;
   problem.friction.increments = 3;
-  const auto folder = std::filesystem::temp_directory_path() / "softfinger_surface_series_test";
+  const auto folder = std::filesystem::temp_directory_path() / name;
   std::filesystem::remove_all(folder);
   problem.output_directory = folder;
   const Result result = solve(problem, quiet);
@@ -89,6 +88,16 @@ TEST(SurfaceSeries, HasAFilePerIncrementAndOneThatNamesThem) {
   }
   EXPECT_EQ(files, problem.friction.increments);
   std::filesystem::remove_all(folder);
+}
+
+TEST(SurfaceSeries, HasAFilePerIncrementAndOneThatNamesThem) {
+  expect_series(small_contact(), "softfinger_surface_series_test");
+}
+
+TEST(SurfaceSeries, IsWrittenAtFiniteStrainToo) {
+  Problem problem = small_contact();
+  problem.finite_strain = finite::MaterialChoice();
+  expect_series(problem, "softfinger_surface_series_finite_test");
 }
 
 }  // namespace

@@ -580,6 +580,52 @@ TEST_F(SolvedFriction, WorkOfAStuckObjectIsStrainEnergy) {
   EXPECT_NEAR((pressing.layer().strain_energy() - energy) / (work + load * approached), 1, 0.01);
 }
 
+// The surface that is written carries the torque that is stated. What sticks has not moved against
+// the object, and what slips carries mu p.
+TEST_F(SolvedFriction, IsWrittenAsItIs) {
+  finite::FrictionalPressing solved(pressing, kFriction);
+  solved.move_to({0, 0, 0.3});
+  const RubbedSurface surface = solved.surface();
+  const double slip_fraction = solved.slip_fraction();
+  ASSERT_GT(slip_fraction, 0.1);
+  ASSERT_LT(slip_fraction, 0.9);
+  double largest_slip = 0, torque = 0;
+  for (const auto& corners : surface.quadrilaterals) {
+    // By the midpoint of the corners: the lattice is fine against the field.
+    const auto at = [&](std::size_t k) -> const RubbedSurface::Point& {
+      return surface.points[corners[k]];
+    };
+    const Eigen::Vector3d diagonal = at(2).position - at(0).position,
+                          other = at(3).position - at(1).position;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector3d& place = at(k).position;
+      torque += 0.125 * diagonal.cross(other).norm() *
+                (place.x() * at(k).shear.y() - place.y() * at(k).shear.x());
+    }
+  }
+  for (const RubbedSurface::Point& point : surface.points)
+    largest_slip = std::max(largest_slip, point.slip.norm());
+  int slipping = 0, sticking = 0;
+  for (const RubbedSurface::Point& point : surface.points) {
+    const double limit = kFriction * point.pressure;
+    if (point.state == RubbedSurface::slips) {
+      ++slipping;
+      EXPECT_NEAR(point.shear.norm(), limit, 1e-3 * limit);
+    } else if (point.state == RubbedSurface::sticks) {
+      ++sticking;
+      EXPECT_LE(point.shear.norm(), limit);
+      EXPECT_LT(point.slip.norm(), 0.02 * largest_slip);  // Newton's tolerance
+    } else {
+      EXPECT_EQ(point.pressure, 0);
+      EXPECT_EQ(point.shear.norm(), 0);
+    }
+  }
+  EXPECT_GT(slipping, 0);
+  EXPECT_GT(sticking, 0);
+  // The areas of the nodes weigh corners, middles and centres of faces differently.
+  EXPECT_NEAR(torque / solved.wrench().torque, 1, 0.1);
+}
+
 TEST_F(SolvedFriction, SlidesTheSameWayInAllDirections) {
   finite::FrictionalPressing solved(pressing, kFriction);
   EXPECT_EQ(solved.slide({1, 0, 0}), 1);
