@@ -14,12 +14,17 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "fem/reference_solver.h"
 #include "fem/verification/torsion_reference.h"
+#include "meshes/generation/object_surface.h"
+#include "meshes/generation/surfaces.h"
+#include "meshes/placement/placed_surface.h"
 #include "softfinger/layer/circular_contact.h"
 #include "tests/bench/calculix_job.h"
 
@@ -34,15 +39,15 @@ const fem::Progress quiet = [](const std::string&) {};
 struct Cost {
   double cpu_s = 0, peak_MB = 0;
   bool succeeded = false;
+  std::string report;  ///< what the work returned, or why it failed
 };
 
-/// Runs `work` in a child and prints what it returns after what it cost.
-Cost run_case(const std::string& name, const std::function<std::string()>& work) {
+Cost run_in_child(const std::function<std::string()>& work) {
   int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error("no pipe for " + name);
+  if (pipe(ends) != 0) throw std::runtime_error("no pipe to a child");
   std::cout.flush();
   const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no process for " + name);
+  if (child < 0) throw std::runtime_error("no child process");
   if (child == 0) {
     close(ends[0]);
     std::string report;
@@ -68,10 +73,16 @@ Cost run_case(const std::string& name, const std::function<std::string()>& work)
   const auto seconds = [](const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
-  const Cost cost{seconds(usage.ru_utime) + seconds(usage.ru_stime),
-                  static_cast<double>(usage.ru_maxrss) / 1024,
-                  WIFEXITED(status) && WEXITSTATUS(status) == 0};
-  std::printf("%-34s %7.2f %6.0f  %s\n", name.c_str(), cost.cpu_s, cost.peak_MB, report.c_str());
+  return {seconds(usage.ru_utime) + seconds(usage.ru_stime),
+          static_cast<double>(usage.ru_maxrss) / 1024,
+          WIFEXITED(status) && WEXITSTATUS(status) == 0, report};
+}
+
+/// Prints what the work returns after what it cost.
+Cost run_case(const std::string& name, const std::function<std::string()>& work) {
+  Cost cost = run_in_child(work);
+  std::printf("%-34s %7.2f %6.0f  %s\n", name.c_str(), cost.cpu_s, cost.peak_MB,
+              cost.report.c_str());
   std::fflush(stdout);
   return cost;
 }
@@ -176,6 +187,61 @@ bool run_friction(const std::string& name, double s, double nu, const TwistCurve
   return normal.succeeded && friction.succeeded;
 }
 
+/// A generated fingertip with its facets, where it protrudes most, on a plane.
+fem::Problem fingertip(double load_N, double nu, bool is_finite) {
+  TriangleSurface pad = meshes::fingertip_pad({});
+  const Eigen::Vector3d front = *std::min_element(
+      pad.vertices_m.begin(), pad.vertices_m.end(),
+      [](const Eigen::Vector3d& one, const Eigen::Vector3d& other) { return one.y() < other.y(); });
+  fem::Problem problem;
+  problem.contact = {
+      {12e-3, 8e-3, 0}, {thickness_m, youngs_modulus_Pa, nu}, {load_N, friction_coefficient}};
+  problem.fingertip.scan = std::make_shared<const TriangleSurface>(
+      meshes::PlacedSurface(pad, {front, -Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX(), 0},
+                            meshes::PlacedSurface::Body::below)
+          .in_contact_frame());
+  problem.fingertip.object = meshes::plane_object();
+  if (is_finite) problem.finite_strain = fem::finite::MaterialChoice();
+  return problem;
+}
+
+/// A whole fingertip without symmetry: level 2 against level 3 on the same surface, then what
+/// friction adds. Nothing exact is known of it.
+bool run_fingertip(const std::string& name, double load_N, double nu, bool is_finite) {
+  const fem::Problem problem = fingertip(load_N, nu, is_finite);
+  const Cost finer = run_in_child([&] {
+    fem::Problem with_finer_mesh = problem;
+    with_finer_mesh.level = 3;
+    const fem::LevelResult found = fem::solve(with_finer_mesh, quiet).finest;
+    char report[128];
+    std::snprintf(report, sizeof report, "%.17g %.17g %.17g %.17g", found.a_m, found.b_m,
+                  found.indentation_m, found.max_torque_Nm);
+    return std::string(report);
+  });
+  if (!finer.succeeded) {
+    std::printf("%-34s level 3 %s\n", name.c_str(), finer.report.c_str());
+    return false;
+  }
+  Truth truth;
+  std::istringstream(finer.report) >> truth.a_m >> truth.b_m >> truth.indentation_m >>
+      truth.max_torque_Nm;
+  const Cost pressing = run_case(name, [&] { return compare(fem::solve(problem, quiet), truth); });
+  const Cost friction = run_case(name + ", friction", [&] {
+    fem::Problem with_friction = problem;
+    with_friction.friction.torsion = true;
+    with_friction.friction.increments = 20;
+    with_friction.friction.limit_surface = 24;
+    const fem::Result result = fem::solve(with_friction, quiet);
+    return "stated: T(angle)" +
+           text(" %.3f %%, stiffness %.3f %%", 100 * result.torsion->curve_error,
+                100 * result.torsion->stiffness_error) +
+           text(", full slip %.3f %%, limit surface %.3f %%", 100 * result.torsion->full_slip_error,
+                100 * result.limit_surface_error);
+  });
+  std::printf("%-34s %7.2f CPU s\n", (name + ", on top").c_str(), friction.cpu_s - pressing.cpu_s);
+  return pressing.succeeded && friction.succeeded;
+}
+
 /// The same contact, a/h = 1, nu = 0.3, by CalculiX at the true approach. Its load's error is given
 /// as that of the approach at the true load: they go together as P ~ d^1.9 there.
 bool run_calculix(double contact_stiffness) {
@@ -234,6 +300,13 @@ int run(const std::vector<std::string>& words) {
     if (layer.s <= 1 && wanted(name))
       succeeded &= run_friction(name, layer.s, layer.nu, TwistCurve(layer));
   }
+  for (const bool is_finite : {false, true})
+    for (const double load_N : {1.0, 5.0})
+      for (const double nu : {0.45, 0.49}) {
+        std::snprintf(name, sizeof name, "finger%s, %g N, nu %g", is_finite ? ", finite" : "",
+                      load_N, nu);
+        if (wanted(name)) succeeded &= run_fingertip(name, load_N, nu, is_finite);
+      }
   {
     auto large = elliptic(elliptic_layers[0]);
     large.first.level = 4;  // 300,000 unknowns
