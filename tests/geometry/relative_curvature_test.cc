@@ -64,6 +64,18 @@ TEST(RelativeCurvature, SumOfCurvaturesDoesNotDependOnTheAngle) {
   }
 }
 
+TEST(RelativeCurvature, OfRoundOnRoundHasItsRadiiInOrder) {
+  // 12 mm on 7 mm and 6 mm on 33 mm came out with R' an ulp below R'', which every model refuses.
+  for (int finger_mm = 1; finger_mm <= 40; ++finger_mm)
+    for (int object_mm = 1; object_mm <= 40; ++object_mm) {
+      const double finger_m = finger_mm * 1e-3, object_m = object_mm * 1e-3;
+      const auto relative =
+          exact(quadric_from_radii(finger_m, finger_m), quadric_from_radii(object_m, object_m));
+      EXPECT_EQ(relative.kind, ContactKind::elliptic);
+      EXPECT_GE(relative.radii.major_m, relative.radii.minor_m) << finger_mm << " " << object_mm;
+    }
+}
+
 TEST(RelativeCurvature, OfAConvexInALessCurvedConcaveBodyIsElliptic) {
   const auto r = exact(quadric_from_radii(0.01, 0.01), quadric_from_radii(-0.03, -0.02));
   EXPECT_EQ(r.kind, ContactKind::elliptic);

@@ -416,8 +416,15 @@ std::array<double, 2> principal_curvatures_per_m(const Quadric& q) {
   // The eigenvalue nearer to zero as determinant over the other one: mean - half_difference would
   // lose the digits of the flat direction.
   const double determinant = 4 * q.A_per_m * q.B_per_m - q.C_per_m * q.C_per_m;
-  if (mean > 0) return {determinant / (mean + half_difference), mean + half_difference};
-  if (mean < 0) return {mean - half_difference, determinant / (mean - half_difference)};
+  // On a round surface the quotient's rounding must not turn the order round.
+  if (mean > 0) {
+    const double larger = mean + half_difference;
+    return {std::min(determinant / larger, larger), larger};
+  }
+  if (mean < 0) {
+    const double smaller = mean - half_difference;
+    return {smaller, std::max(determinant / smaller, smaller)};
+  }
   return {-half_difference, half_difference};
 }
 
