@@ -26,6 +26,9 @@ constexpr double trial_agreement = 0.08;
 constexpr int finest_trial = 3;
 /// Cells of both levels, times those of the usual ones, where the coarse one does not reach it.
 constexpr int finer_levels = 2;
+/// Trial after which the next mesh lies half-way to what was found: coarse cells may tell one size on
+/// another's mesh in turn.
+constexpr int whole_way = 3;
 /// At the rim of the patch the moments only bound the contact from below.
 constexpr double growth_at_rim = 1.3;
 /// Relative change of the mesh's size that is worth another try where the load was not reached.
@@ -180,8 +183,12 @@ class LevelLoop {
     if (trial == most_trials)
       throw ConvergenceError("size of the refined patch", most_trials, difference,
                              "the contact's size depends on the mesh; is the contact elliptic?");
-    const double growth = found.reaches_rim ? growth_at_rim : 1;
-    fit_mesh_to(growth * found.a, growth * found.b);
+    if (found.reaches_rim)
+      fit_mesh_to(growth_at_rim * found.a, growth_at_rim * found.b);
+    else if (trial <= whole_way)
+      fit_mesh_to(found.a, found.b);
+    else
+      fit_mesh_to(std::sqrt(found.a * mesh_.a), std::sqrt(found.b * mesh_.b));
     return false;
   }
 
