@@ -26,8 +26,8 @@ constexpr double trial_agreement = 0.08;
 constexpr int finest_trial = 3;
 /// Cells of both levels, times those of the usual ones, where the coarse one does not reach it.
 constexpr int finer_levels = 2;
-/// Trial after which the next mesh lies half-way to what was found: coarse cells may tell one size on
-/// another's mesh in turn.
+/// Trial after which the next mesh lies half-way to what was found: coarse cells may tell one size
+/// on another's mesh in turn.
 constexpr int whole_way = 3;
 /// At the rim of the patch the moments only bound the contact from below.
 constexpr double growth_at_rim = 1.3;

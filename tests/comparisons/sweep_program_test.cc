@@ -269,24 +269,24 @@ TEST_F(SweepOnRanks, DoesWhatIsMissingAfterARankWasKilled) {
   start.environment.push_back("FAKE_FEM_SLOW_S=0.3");
   const pid_t shell = fork();
   if (shell == 0) {
-    execl("/bin/sh", "sh", "-c", command("sweep.toml --output ranks").c_str(), nullptr);
+    execl("/bin/sh", "sh", "-c", command("sweep.toml --output killed").c_str(), nullptr);
     _exit(127);
   }
   for (int i = 0; i < 1000 && solves() < 6; ++i) usleep(10000);
-  // A rank that is no launcher: the last one started.
-  std::system(
-      ("pkill -KILL -n -f '^" + std::string(SOFTFINGER_SWEEP_PROGRAM) + " sweep.toml'").c_str());
+  // A rank that is no launcher: the last one started. No other test's output has this name.
+  const std::string ranks = std::string(SOFTFINGER_SWEEP_PROGRAM) + " sweep.toml --output killed";
+  std::system(("pkill -KILL -n -f '^" + ranks + "'").c_str());
   int status = 0;
   waitpid(shell, &status, 0);
   EXPECT_NE(status, 0) << "MPI ends the run";
   const int done = static_cast<int>(std::distance(
-      fs::directory_iterator(folder.path() / "ranks" / "fem"), fs::directory_iterator()));
+      fs::directory_iterator(folder.path() / "killed" / "fem"), fs::directory_iterator()));
   EXPECT_LT(done, 12);
   start.environment.pop_back();
   const int before = solves();
-  ASSERT_EQ(run("sweep.toml --output ranks"), 0) << messages();
+  ASSERT_EQ(run("sweep.toml --output killed"), 0) << messages();
   EXPECT_EQ(solves() - before, 12 - done) << "exactly what is missing";
-  EXPECT_EQ(lines(file_text(folder.path() / "ranks" / "results.csv")).size(), 13u);
+  EXPECT_EQ(lines(file_text(folder.path() / "killed" / "results.csv")).size(), 13u);
 }
 
 TEST_F(SweepOnRanks, EndsWithOneWhenSomeSolvesFail) {
