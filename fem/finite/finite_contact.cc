@@ -429,6 +429,9 @@ class FiniteContact : public ContactPhysics {
   FrictionState slid(FrictionalPressing& solved, const FrictionState& superposed, double force,
                      double torque, double& error) const {
     const double share = solved.slide(superposed.motion);
+    if (share < 1)
+      task_.progress(formatted("friction: a slide is solved to %.3g of full friction: %s", share,
+                               solved.failure().c_str()));
     if (!(share > 0)) {
       error = std::max(error, 1.0);
       FrictionState unchanged = superposed;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "fem/coulomb_friction.h"
@@ -320,38 +321,63 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
                    friction);
   };
   const PlaneMotion start = motion_;
-  const double reached = advance(
-      1.0 / 8, [&](double share) { return try_motion(between(start, motion, share), rub); });
+  double length = 1;
+  const double reached = advance(length, 1.0 / 8, [&](double share) {
+    return try_motion(between(start, motion, share), rub);
+  });
   if (reached < 1)
     throw ConvergenceError("friction at finite strain", iterations_, reached, failure_);
 }
 
-/// Goes from 0 to 1 in one step, or in shorter ones where that does not converge.
+/// Goes from 0 to 1 in steps, in shorter ones where they do not converge.
+/// @param length  of the steps, becomes the one that converged last
 /// @returns how far it came
-double FrictionalPressing::advance(double shortest, const std::function<bool(double)>& try_share) {
-  double done = 0, length = 1;
+double FrictionalPressing::advance(double& length, double shortest,
+                                   const std::function<bool(double)>& try_share) {
+  double done = 0, before = 0;
+  std::optional<Mixed> earlier;  // converged at `before`
   while (done < 1 && length >= shortest) {
     const double next = std::min(1.0, done + length);
     bool converged = false;
     try {
+      if (earlier) extrapolate(*earlier, (next - done) / (done - before));
       converged = try_share(next);
     } catch (const ConvergenceError& error) {
       failure_ = error.what();
     }
     if (converged) {
+      earlier = {kept_state_, kept_force_, kept_approach_};
       keep();
+      before = done;
       done = next;
       continue;
     }
     take_back();
     tangent_.reset();
+    earlier.reset();
     length /= 2;
   }
   return done;
 }
 
+/// Starts from where the last two converged states point to: in steps of friction that is far
+/// nearer than the last one.
+void FrictionalPressing::extrapolate(const Mixed& earlier, double share) {
+  layer_->restore({kept_state_, earlier.state}, Eigen::Vector2d(1 + share, -share));
+  if (!(layer_->smallest_volume_ratio() > 0)) {
+    layer_->restore(*kept_state_);
+    return;
+  }
+  force_ = (1 + share) * kept_force_ - share * earlier.force;
+  for (auto force : force_.colwise())
+    if (!(force.z() > 0)) force.setZero();
+  approach_ = (1 + share) * kept_approach_ - share * earlier.approach;
+}
+
 double FrictionalPressing::slide(const PlaneMotion& velocity) {
   restart();
+  tangent_.reset();
+  constexpr double shortest_ramp = 1.0 / 32;
   double ramp = 0;
   const Rub rub = [&](const Rubbed& rubbed, Eigen::VectorXd& friction) {
     const std::vector<Touch> touching = touches();
@@ -370,7 +396,8 @@ double FrictionalPressing::slide(const PlaneMotion& velocity) {
                                    along;
     }
   };
-  return advance(1.0 / 4, [&](double share) {
+  ramp_ = std::clamp(2 * ramp_, 4 * shortest_ramp, 1.0);
+  return advance(ramp_, shortest_ramp, [&](double share) {
     ramp = share;
     return try_motion({}, rub);
   });

@@ -57,6 +57,8 @@ class FrictionalPressing {
   /// Where the surface lies deformed. Slip is that since the contact was pressed.
   RubbedSurface surface() const;
   /// Of Newton's method, and factorisations among them, so far.
+  /// Why the latest motion or slide that went not all the way stopped.
+  const std::string& failure() const { return failure_; }
   int iterations() const { return iterations_; }
   int factorisations() const { return factorisations_; }
 
@@ -82,7 +84,8 @@ class FrictionalPressing {
   Eigen::VectorXd stuck_target(const std::vector<Touch>& touching, double approach) const;
   bool try_motion(const PlaneMotion& motion, const Rub& rub);
   void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<Mixed>& history);
-  double advance(double shortest, const std::function<bool(double)>& try_share);
+  double advance(double& length, double shortest, const std::function<bool(double)>& try_share);
+  void extrapolate(const Mixed& earlier, double share);
   void keep();
   void take_back();
   bool slips(Eigen::Index node) const;
@@ -110,6 +113,8 @@ class FrictionalPressing {
   PlaneMotion kept_motion_;
 
   std::unique_ptr<Tangent> tangent_;
+  /// Step of friction's share that the last slide ended with: the next one begins with it.
+  double ramp_ = 1;
   int iterations_ = 0, factorisations_ = 0;
   std::string failure_;  ///< why the last try did not converge
 };

@@ -643,5 +643,25 @@ TEST_F(SolvedFriction, SlidesTheSameWayInAllDirections) {
   EXPECT_GT(along.force_x, force);
 }
 
+// Full friction is far from none: it is reached in steps, and how long they are changes nothing.
+// Every slide begins with steps as long as the last one could take.
+TEST_F(SolvedFriction, IsTheSameInStepsOfAnyLength) {
+  constexpr double high = 0.7;
+  const PlaneMotion velocity{1, 0, 0.5};
+  finite::FrictionalPressing solved(pressing, high);
+  ASSERT_EQ(solved.slide(velocity), 1);
+  const FrictionWrench once = solved.wrench();
+  const ShearedContact sheared = solved.sheared();
+  ASSERT_EQ(solved.slide({0, 1, 0}), 1);
+  ASSERT_EQ(solved.slide(velocity), 1);
+  const FrictionWrench again = solved.wrench();
+  constexpr double newton = 1e-3;  // of its steps, relative to the approach
+  const double force = high * pressing.equilibrium().load;
+  EXPECT_NEAR(again.force_x, once.force_x, newton * force);
+  EXPECT_NEAR(again.force_y, once.force_y, newton * force);
+  EXPECT_NEAR(again.torque, once.torque, newton * once.torque);
+  EXPECT_NEAR(solved.sheared().area_ratio, sheared.area_ratio, newton);
+}
+
 }  // namespace
 }  // namespace softfinger::fem
