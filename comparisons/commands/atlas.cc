@@ -18,7 +18,7 @@ struct AtlasOptions {
   std::string folder = "softfinger-atlas", output, command_line;
   int jobs = suite::default_job_count(), random = 0;
   unsigned seed = 1;
-  bool models_only = false, finite_strain = false;
+  bool models_only = false, finite_strain = false, fingers = false;
   reference::FemLimits fem_limits;
 };
 
@@ -73,14 +73,15 @@ int run_atlas(const AtlasOptions& options) {
   settings.command = options.command_line;
   settings.fem_limits = options.fem_limits;
   const auto [atlas, signal] = judgement::make_atlas(
-      options.random > 0      ? judgement::random_runs(options.random, options.seed)
+      options.fingers         ? judgement::random_fingers(options.random, options.seed)
+      : options.random > 0    ? judgement::random_runs(options.random, options.seed)
       : options.finite_strain ? judgement::finite_strain_runs()
                               : judgement::designed_runs(),
       settings);
   if (signal != 0) return 128 + signal;
   if (!atlas) return 1;
   if (!options.output.empty()) system::write_file_atomically(options.output, to_csv(*atlas));
-  if (options.random > 0) system::write_text_to_stdout(test_bounds(*atlas));
+  if (options.random > 0 && !options.fingers) system::write_text_to_stdout(test_bounds(*atlas));
   return 0;
 }
 
@@ -118,6 +119,10 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
       "instead the atlas at finite strain: rubber layers under large indentation, each solved "
       "with linear elasticity too");
   finite_strain->excludes(random);
+  command
+      ->add_flag("--fingers", options->fingers,
+                 "of the random contacts: curved fingers on curved objects at finite strain")
+      ->needs(random);
   command
       ->add_flag(
           "--models-only", options->models_only,

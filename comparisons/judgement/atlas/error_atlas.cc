@@ -39,7 +39,7 @@ const std::vector<std::string>& own_columns() {
          {"stiffness/(G h3)", "error stiffness", "full slip/(mu P h)", "error full slip"})
       all.emplace_back(name);
     for (const char* name : kQuantityNames) all.push_back(std::string("coarse ") + name);
-    for (const char* name : {"cost s", "coarse cost s"}) all.emplace_back(name);
+    for (const char* name : {"cost s", "coarse cost s", "finger share x", "finger share y"}) all.emplace_back(name);
     return all;
   }();
   return columns;
@@ -55,7 +55,7 @@ double contact_size(const ContactProblem& problem) {
 
 bool is_finite_strain(AtlasKind kind) {
   return kind == AtlasKind::finite_sphere || kind == AtlasKind::finite_curved ||
-         kind == AtlasKind::finite_pad;
+         kind == AtlasKind::finite_pad || kind == AtlasKind::finger;
 }
 
 bool has_own_radius(const AtlasRun& run) {
@@ -127,6 +127,7 @@ std::string to_csv(const AtlasFile& atlas) {
       text += friction ? cell(value, digits) : ",";
     for (const double value : run.coarse_error) text += cell(value, 3);
     text += cell(run.cost_s, 3) + cell(run.coarse_cost_s, 3);
+    text += cell(run.finger_share_x, 6) + cell(run.finger_share_y, 6);
     for (const auto& [model, errors] : atlas.errors)
       for (const double value : errors[r]) text += cell(value, 4);
     text += "\n";
@@ -204,6 +205,8 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
     for (double& error : run.coarse_error) error = value(column++);
     run.cost_s = value(column++);
     run.coarse_cost_s = value(column++);
+    run.finger_share_x = value(column++);
+    run.finger_share_y = value(column++);
     atlas.runs.push_back(run);
     for (std::vector<QuantityErrors>* errors : models) {
       errors->emplace_back();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "comparisons/prediction/quantity.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -30,11 +31,12 @@ enum class AtlasKind {
   finite_pad,     ///< a paraboloid on a flat layer, finite strain
   linear_sphere,  ///< the contacts of the three above, linear
   linear_curved,
-  linear_pad
+  linear_pad,
+  finger  ///< a finger and an object, both curved, at finite strain
 };
-constexpr std::array<const char*, 9> kAtlasKindNames = {
+constexpr std::array<const char*, 10> kAtlasKindNames = {
     "flat",       "curved",        "friction",      "finite_sphere", "finite_curved",
-    "finite_pad", "linear_sphere", "linear_curved", "linear_pad"};
+    "finite_pad", "linear_sphere", "linear_curved", "linear_pad",    "finger"};
 inline const char* name_of(AtlasKind kind) { return kAtlasKindNames[std::size_t(kind)]; }
 bool is_finite_strain(AtlasKind kind);
 
@@ -46,6 +48,9 @@ struct AtlasRun {
   double thickness_over_radius =
       0;  ///< h/R of a curved finger, sphere or pad, R = sqrt(R' R''); else 0
   double friction_coefficient = 0;
+  /// Of kind "finger": the finger's part of the relative curvature along the long and the short
+  /// axis, the object has the rest. NaN for others.
+  double finger_share_x = kNaN, finger_share_y = kNaN;
   /// a/h, b/h, d/h, area/h², peak pressure/E*, max torque/(mu P h).
   QuantityErrors answer{};
   QuantityErrors stated_error{};  ///< of the finite elements, relative; area: of a and b

@@ -29,9 +29,12 @@ const std::vector<double> kSizes = {0.06, 0.1, 0.17, 0.28, 0.45, 0.75, 1.25, 2, 
 constexpr double kThickness_m = 1e-3, kModulus_Pa = 1e6;
 
 std::string name_of(const AtlasRun& run) {
-  return fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind),
-                     run.poisson_ratio, run.radii_ratio, run.s, run.thickness_over_radius,
-                     run.friction_coefficient);
+  std::string name = fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind),
+                                 run.poisson_ratio, run.radii_ratio, run.s,
+                                 run.thickness_over_radius, run.friction_coefficient);
+  if (run.kind == AtlasKind::finger)
+    name += fmt::format("_share{:g}_{:g}", run.finger_share_x, run.finger_share_y);
+  return name;
 }
 
 /// A linear curved finger's own radius over the one of `problem_of`. s stays with the load times
@@ -52,6 +55,19 @@ bool is_on_sphere(const AtlasRun& run) {
   return run.kind == AtlasKind::linear_sphere || run.kind == AtlasKind::finite_sphere;
 }
 
+/// Both bodies of a run of kind "finger".
+reference::FemProblem::Bodies bodies_of(const AtlasRun& run, const RelativeRadii& radii) {
+  const auto body = [&](double share_x, double share_y, input::FingerShape round) {
+    // No ellipsoid has a flat direction.
+    const bool flat = share_x == 0 || share_y == 0;
+    return input::QuadricBody{radii.major_m / share_x, radii.minor_m / share_y,
+                              flat ? input::FingerShape::paraboloid : round, 0};
+  };
+  return {{body(run.finger_share_x, run.finger_share_y, input::FingerShape::ellipsoid), 0},
+          {body(1 - run.finger_share_x, 1 - run.finger_share_y, input::FingerShape::paraboloid),
+           0}};
+}
+
 reference::FemProblem fem_problem_of(const AtlasRun& run) {
   const ContactProblem unit = problem_of(run);
   const double scale = radius_scale(run, unit);
@@ -70,6 +86,7 @@ reference::FemProblem fem_problem_of(const AtlasRun& run) {
     const input::QuadricBody plane{kInfinity, kInfinity, input::FingerShape::paraboloid, 0};
     problem.bodies = {{finger, 0}, {plane, 0}};
   }
+  if (run.kind == AtlasKind::finger) problem.bodies = bodies_of(run, problem.radii);
   if (run.kind == AtlasKind::friction) problem.friction.emplace().torsion = true;
   return problem;
 }
@@ -189,20 +206,71 @@ std::vector<AtlasRun> finite_strain_runs() {
   return runs;
 }
 
+namespace {
+
+/// Not std::uniform_real_distribution: its numbers differ between libraries.
+class Draws {
+ public:
+  explicit Draws(unsigned seed) : generator_(seed) {}
+  double between(double lowest, double highest) {
+    return lowest + (highest - lowest) * double(generator_() >> 11) * 0x1p-53;
+  }
+  double logarithmic(double lowest, double highest) {
+    return std::exp(between(std::log(lowest), std::log(highest)));
+  }
+  /// 0 to 1/2, even in -ln(0.501 - nu).
+  double poisson_ratio() { return 0.501 - logarithmic(0.001, 0.501); }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+/// Whether a fingertip can be pressed so: d/h is about s² h/R / 2, and half of it where the layer
+/// cannot change its volume. Beyond a d/h of 0.4 the layer is as good as pressed through, beyond a
+/// slope of 0.6 it is no fingertip any more.
+bool is_a_fingertip(const AtlasRun& run) {
+  const double deepest = run.poisson_ratio > 0.4 ? 0.8 : 0.55;
+  if (run.s * run.s * run.thickness_over_radius > deepest) return false;
+  const ContactProblem problem = problem_of(run);
+  const Prediction found = find_pressure_model("bonded_layer")->predict(problem);
+  return found.has_answer && found.a_m <= 0.6 * problem.radii.major_m &&
+         found.b_m <= 0.6 * problem.radii.minor_m;
+}
+
+}  // namespace
+
+std::vector<AtlasRun> random_fingers(int count, unsigned seed) {
+  Draws draws(seed);
+  std::vector<AtlasRun> runs;
+  while (int(runs.size()) < count) {
+    AtlasRun run;
+    run.kind = AtlasKind::finger;
+    run.poisson_ratio = draws.poisson_ratio();
+    run.radii_ratio = draws.between(0, 1) < 1. / 3 ? 1 : draws.logarithmic(1, 20);
+    run.thickness_over_radius = draws.logarithmic(0.005, 0.6);
+    run.s = draws.logarithmic(0.02, 20);
+    run.friction_coefficient = 0.5;
+    const double who_is_curved = draws.between(0, 1);
+    run.finger_share_x = run.finger_share_y = 1;
+    if (who_is_curved > 0.4) run.finger_share_x = run.finger_share_y = 0;
+    if (who_is_curved > 0.6) {
+      run.finger_share_x = draws.between(0, 1);
+      run.finger_share_y = draws.between(0, 1);
+    }
+    if (is_a_fingertip(run)) runs.push_back(run);
+  }
+  return runs;
+}
+
 std::vector<AtlasRun> random_runs(int count, unsigned seed) {
-  std::mt19937_64 generator(seed);
-  // Not std::uniform_real_distribution: its numbers differ between libraries.
-  const auto draw = [&generator](double lowest, double highest) {
-    return lowest + (highest - lowest) * double(generator() >> 11) * 0x1p-53;
-  };
+  Draws draws(seed);
   std::vector<AtlasRun> runs;
   for (int i = 0; i < count; ++i) {
     AtlasRun run;
     run.kind = AtlasKind::flat;
-    run.poisson_ratio = 0.501 - std::exp(draw(std::log(0.501 - kPoissonRatios.back()),
-                                              std::log(0.501 - kPoissonRatios.front())));
-    run.radii_ratio = std::exp(draw(std::log(kRadiiRatios.front()), std::log(kRadiiRatios.back())));
-    run.s = std::exp(draw(std::log(kSizes.front()), std::log(kSizes.back())));
+    run.poisson_ratio = draws.poisson_ratio();
+    run.radii_ratio = draws.logarithmic(kRadiiRatios.front(), kRadiiRatios.back());
+    run.s = draws.logarithmic(kSizes.front(), kSizes.back());
     run.friction_coefficient = 0.5;
     runs.push_back(run);
   }
@@ -278,7 +346,8 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
 namespace {
 
 /// The kind of the same contacts in linear elasticity.
-AtlasKind linear_counterpart(AtlasKind kind) {
+std::optional<AtlasKind> linear_counterpart(AtlasKind kind) {
+  if (kind == AtlasKind::finger) return std::nullopt;
   if (kind == AtlasKind::finite_sphere) return AtlasKind::linear_sphere;
   return kind == AtlasKind::finite_curved ? AtlasKind::linear_curved : AtlasKind::linear_pad;
 }
@@ -290,7 +359,8 @@ void judge_linear_theory(AtlasFile& atlas) {
   for (const AtlasRun& run : atlas.runs) {
     errors.emplace_back().fill(is_finite_strain(run.kind) ? kNaN : 0);
     if (!is_finite_strain(run.kind)) continue;
-    const AtlasKind kind = linear_counterpart(run.kind);
+    const std::optional<AtlasKind> kind = linear_counterpart(run.kind);
+    if (!kind) errors.back().fill(kNaN);
     for (const AtlasRun& linear : atlas.runs)
       if (linear.kind == kind && linear.poisson_ratio == run.poisson_ratio && linear.s == run.s &&
           linear.radii_ratio == run.radii_ratio &&
