@@ -14,6 +14,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
     std::string output = "softfinger-report";
     int jobs = suite::default_job_count();
     bool full = false;
+    reference::Idealisations idealisations;
     reference::FemLimits fem_limits;
   };
   auto options = std::make_shared<Options>();
@@ -26,6 +27,12 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
                       "folder for the report, created when missing; default: ./softfinger-report");
   command->add_flag("--full", options->full,
                     "one finite-element level finer: slower and more accurate");
+  command->add_flag("--linear", options->idealisations.linear,
+                    "finite elements of linear elasticity; default: finite strain where it changes "
+                    "a number by more than their stated error");
+  command->add_flag("--flat", options->idealisations.flat,
+                    "finite elements on a flat layer; default: on the finger itself, where a case "
+                    "has one");
   command
       ->add_option(
           "--jobs", options->jobs,
@@ -34,6 +41,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       ->check(CLI::Range(1, 64));
   add_fem_limits(*command, options->fem_limits);
   command->footer(
+      "A case's [fem] geometry and kinematics come before all of these.\n"
       "Finished results are kept: the same command continues after an interruption.\n"
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
       "Samples:\n"
@@ -53,6 +61,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
         throw InputError("command line", "--output", "\"\"", "the name of a folder");
       compare_options.output = options->output;
       compare_options.full = options->full;
+      compare_options.idealisations = options->idealisations;
       compare_options.jobs = options->jobs;
       compare_options.fem_limits = options->fem_limits;
       compare_options.command = command_line;

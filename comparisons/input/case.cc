@@ -29,6 +29,7 @@ double checked_radius(const TomlReader& reader, const toml::node& node, const st
 
 void read_finger_shape(const TomlReader& reader, const toml::table& table, QuadricBody& quadric) {
   if (const toml::node* shape = table.get("shape")) {
+    quadric.shape_typed = true;
     const std::string chosen =
         reader.choice(*shape, "finger.shape", {"paraboloid", "ellipsoid", "tapered"});
     if (chosen == "ellipsoid") quadric.shape = FingerShape::ellipsoid;
@@ -296,6 +297,8 @@ void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
   reader.check_keys(table, "[fem]", {"level", "geometry", "kinematics", "mesh", "mesh_unit"});
   if (const toml::node* level = table.get("level"))
     result.fem_level = reader.integer(*level, "level", 1, 3, "1, 2 or 3");
+  result.fem_geometry_typed = table.contains("geometry");
+  result.fem_kinematics_typed = table.contains("kinematics");
   if (const toml::node* geometry = table.get("geometry"))
     if (reader.choice(*geometry, "geometry", {"flat", "curved"}) == "curved") {
       if (!std::holds_alternative<BodyPair>(result.geometry))
@@ -369,15 +372,17 @@ void read_materials(const TomlReader& reader, const toml::table& root, Case& res
   if (result.fem_finite) result.fem_finite = material;
 }
 
-/// At finite strain the shape of the finger counts, not only its curvature at the contact. A finger
-/// without a given shape is then an ellipsoid (a sphere for equal radii) and not a paraboloid.
-void settle_finger_shape(const toml::table& geometry, Case& result) {
-  if (!result.fem_finite || !result.fem_curved) return;
-  auto* finger = std::get_if<QuadricBody>(&std::get<BodyPair>(result.geometry).finger);
-  if (finger && !geometry.at_path("finger.shape")) finger->shape = FingerShape::ellipsoid;
-}
-
 }  // namespace
+
+void settle_finger_shape(Case& contact_case) {
+  if (!contact_case.fem_finite || !contact_case.fem_curved) return;
+  auto* finger = std::get_if<QuadricBody>(&std::get<BodyPair>(contact_case.geometry).finger);
+  if (!finger || finger->shape_typed) return;
+  // No ellipsoid is flat or hollow.
+  const auto bulges = [](double radius_m) { return radius_m > 0 && std::isfinite(radius_m); };
+  if (bulges(finger->radius_x_m) && bulges(finger->radius_y_m))
+    finger->shape = FingerShape::ellipsoid;
+}
 
 Case case_of(const toml::table& root, const std::string& text, const fs::path& file) {
   const TomlReader reader(file.string());
@@ -403,7 +408,7 @@ Case case_of(const toml::table& root, const std::string& text, const fs::path& f
     reader.say(*core.node(),
                "finger.core needs [fem] geometry = \"curved\": a flat layer has none");
   read_materials(reader, root, result);
-  settle_finger_shape(geometry, result);
+  settle_finger_shape(result);
   return result;
 }
 

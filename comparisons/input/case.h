@@ -23,6 +23,7 @@ struct QuadricBody {
   double radius_x_m = 0, radius_y_m = 0;
   FingerShape shape = FingerShape::paraboloid;
   double taper_per_m = 0;  ///< of `tapered`: relative change of the cross-section's radius along x
+  bool shape_typed = false;
 };
 
 /// An exact sphere.
@@ -92,11 +93,18 @@ struct Case {
   std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
   double fem_mesh_metres_per_unit = 1e-3;
   std::optional<FiniteStrain> fem_finite;  ///< none: linear elasticity
+  /// Whether [fem] chose them. `reference::with_full_reference` settles those that it left open.
+  bool fem_geometry_typed = false, fem_kinematics_typed = false;
 
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
     return {radii, layer, {load_N, friction_coefficient}, object_layer, options};
   }
 };
+
+/// At finite strain the shape of the finger counts, not only its curvature at the contact. A finger
+/// by its radii on a curved core is then an ellipsoid (a sphere for equal radii) and not a
+/// paraboloid, unless a shape was typed.
+void settle_finger_shape(Case& contact_case);
 
 /// Reads and checks a case file. Mesh files are looked up relative to the case's folder, then among
 /// the built-in meshes, but not opened.

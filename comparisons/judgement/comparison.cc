@@ -1,5 +1,7 @@
 #include "comparisons/judgement/comparison.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -100,6 +102,28 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
   return comparison;
 }
 
+bool is_sound(const Prediction& prediction, const input::Case& contact_case) {
+  constexpr std::array<std::string_view, 6> of_deformation = {
+      "small_strain", "small_slope",          "fitted_indentation",
+      "fitted_slope", "fitted_poisson_ratio", "round_contact"};
+  const auto is_measured = [&](const ValidityCheck& check) {
+    if (std::string_view(check.check) == "homogeneous") return !contact_case.sublayers.empty();
+    return contact_case.fem_finite && std::find(of_deformation.begin(), of_deformation.end(),
+                                                check.check) != of_deformation.end();
+  };
+  return prediction.has_answer &&
+         std::all_of(
+             prediction.validity.begin(), prediction.validity.end(),
+             [&](const ValidityCheck& check) { return check.holds() || is_measured(check); });
+}
+
+std::string reference_in_words(const input::Case& contact_case) {
+  const char* const what = contact_case.fem_curved         ? "the finger"
+                           : contact_case.fem_mesh.empty() ? "a flat layer"
+                                                           : "the meshed layer";
+  return std::string(what) + (contact_case.fem_finite ? " at finite strain" : " in linear theory");
+}
+
 LoadErrors errors_of(const Comparison& comparison) {
   LoadErrors errors;
   errors.load_N = comparison.load_N;
@@ -114,7 +138,7 @@ LoadErrors errors_of(const Comparison& comparison) {
     ModelError error;
     error.model = model.answer.model->card().name;
     error.has_answer = model.answer.prediction.has_answer;
-    error.valid = model.answer.prediction.valid();
+    error.sound = is_sound(model.answer.prediction, *comparison.contact_case);
     error.hot_path = model.answer.model->card().hot_path;
     error.applicable = is_applicable(model.answer);
     error.area = model.errors ? model.errors->area : kNaN;
@@ -128,7 +152,8 @@ CaseComparison compare_case(const input::Case& contact_case, std::vector<Compari
                             double tolerance) {
   std::vector<LoadErrors> errors;
   for (const Comparison& load : loads) errors.push_back(errors_of(load));
-  return {&contact_case, std::move(loads), compose_verdict(errors, tolerance)};
+  return {&contact_case, std::move(loads),
+          compose_verdict(errors, tolerance, reference_in_words(contact_case))};
 }
 
 }  // namespace softfinger::judgement

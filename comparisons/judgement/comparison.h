@@ -59,6 +59,13 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
                    double load_N, std::optional<reference::ReferenceResult> reference,
                    const std::string& failure);
 
+/// Whether no assumption of the model fails but such that the case's reference does without: strain
+/// and slope at finite strain, and sublayers. What these cost, the comparison measures.
+bool is_sound(const Prediction& prediction, const input::Case& contact_case);
+
+/// What the case's reference is: "the finger at finite strain".
+std::string reference_in_words(const input::Case& contact_case);
+
 /// The errors from which verdicts are made.
 LoadErrors errors_of(const Comparison& comparison);
 

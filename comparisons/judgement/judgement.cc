@@ -4,9 +4,9 @@
 
 namespace softfinger::judgement {
 
-Judgement judge(double error, bool claims_to_hold, double tolerance) {
+Judgement judge(double error, bool sound, double tolerance) {
   if (!(error <= tolerance)) return Judgement::off;
-  return claims_to_hold ? Judgement::usable : Judgement::accident;
+  return sound ? Judgement::usable : Judgement::accident;
 }
 
 std::string label(const std::string& model) {

@@ -5,14 +5,13 @@
 namespace softfinger::judgement {
 
 /// A model at one load, compared with the finite elements.
-///   usable    its error is within the tolerance, and the model says that its assumptions hold
-///   accident  its error is within the tolerance, but its assumptions do not hold: the error may
-///   just
+///   usable    its error is within the tolerance, and it is sound there (`ModelError::sound`)
+///   accident  its error is within the tolerance outside the model's own range: the error may just
 ///             change its sign there
 ///   off       its error is larger than the tolerance
 ///   silent    there is no answer or no reference
 enum class Judgement { usable, accident, off, silent };
-Judgement judge(double error, bool claims_to_hold, double tolerance);
+Judgement judge(double error, bool sound, double tolerance);
 
 /// The name as people read it: `thin_incompressible` -> `Thin incompressible`, `fem` -> `FEM`.
 std::string label(const std::string& model);

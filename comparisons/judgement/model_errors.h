@@ -16,7 +16,9 @@ namespace softfinger::judgement {
 struct ModelError {
   std::string model;
   bool has_answer = false;
-  bool valid = false;  ///< by the model's own statement
+  /// No assumption of the model fails but such that the reference does without: what those cost is
+  /// in the errors.
+  bool sound = false;
   double area = 0, max_torque = 0;
   /// The larger of the two without sign; NaN when one is missing.
   double larger() const;

@@ -33,10 +33,10 @@ std::vector<std::string> model_names(const CaseErrors& errors) {
   return names;
 }
 
-bool is_valid_at_all_loads(const CaseErrors& errors, const std::string& name) {
+bool is_sound_at_all_loads(const CaseErrors& errors, const std::string& name) {
   return std::all_of(errors.loads.begin(), errors.loads.end(), [&](const LoadErrors& load) {
     const ModelError* model = find_model(load, name);
-    return !model || !load.fem_finished || model->valid;
+    return !model || !load.fem_finished || model->sound;
   });
 }
 
@@ -54,7 +54,7 @@ std::optional<Score> score(const LoadErrors& load, const ModelError& model) {
 
 Judgement judge(const LoadErrors& load, const ModelError& model, double tolerance) {
   if (!load.fem_finished || !model.has_answer) return Judgement::silent;
-  return judge(model.larger(), model.valid, tolerance);
+  return judge(model.larger(), model.sound, tolerance);
 }
 
 std::optional<Score> worst_score(const CaseErrors& errors, const std::string& model) {
@@ -71,14 +71,14 @@ std::optional<Score> worst_score(const CaseErrors& errors, const std::string& mo
 
 std::optional<Best> best_model(const CaseErrors& errors, double tolerance) {
   const auto rank = [&](const Best& one) {
-    return std::pair(judge(one.score.error, one.valid, tolerance) != Judgement::usable,
+    return std::pair(judge(one.score.error, one.sound, tolerance) != Judgement::usable,
                      one.score.error);
   };
   std::optional<Best> best;
   for (const std::string& name : model_names(errors)) {
     const auto worst = worst_score(errors, name);
     if (!worst) continue;
-    const Best here{name, *worst, is_valid_at_all_loads(errors, name)};
+    const Best here{name, *worst, is_sound_at_all_loads(errors, name)};
     if (!best || rank(here) < rank(*best)) best = here;
   }
   return best;
@@ -99,8 +99,8 @@ std::vector<Usability> usability(const std::vector<CaseErrors>& cases,
         ++use.compared;
         errors.push_back(here->error);
         const Judgement judgement = judge(load, *model, tolerance);
-        if (model->valid) ++use.valid;
-        if (model->valid && judgement == Judgement::off) ++use.broken_claims;
+        if (model->sound) ++use.sound;
+        if (model->sound && judgement == Judgement::off) ++use.broken_claims;
         if (judgement == Judgement::accident) ++use.accidents;
         if (judgement != Judgement::usable) continue;
         ++use.usable;

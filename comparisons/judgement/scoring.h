@@ -30,7 +30,7 @@ std::optional<Score> worst_score(const CaseErrors& errors, const std::string& mo
 struct Best {
   std::string model;
   Score score;
-  bool valid = false;  ///< at every load inside what the model itself claims
+  bool sound = false;  ///< at every load
 };
 std::optional<Best> best_model(const CaseErrors& errors, double tolerance);
 
@@ -38,9 +38,9 @@ std::optional<Best> best_model(const CaseErrors& errors, double tolerance);
 struct Usability {
   std::string model;
   int compared = 0, usable = 0;
-  int accidents = 0;      ///< within the tolerance, outside its validity
-  int valid = 0;          ///< loads at which the model claims to hold
-  int broken_claims = 0;  ///< claims to hold, yet beyond the tolerance
+  int accidents = 0;      ///< within the tolerance, outside its range
+  int sound = 0;          ///< loads at which it is
+  int broken_claims = 0;  ///< sound, yet beyond the tolerance
   double worst = 0, median = 0;
   std::optional<double> smallest_s, largest_s;  ///< where it is usable, s = sqrt(a b)/h
   std::optional<double> smallest_nu, largest_nu;

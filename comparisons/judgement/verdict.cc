@@ -112,8 +112,9 @@ std::string nearest(const std::vector<Record>& records, const Loads& open, bool&
   by_accident = best->among(open, Judgement::accident).size() == open.size();
   const Worst errors = worst(*best, open);
   return by_accident
-             ? fmt::format("{} agrees ({}) outside its stated validity, which counts for little",
-                           best->name, agreement(errors))
+             ? fmt::format(
+                   "nearest is {} ({}), outside its range, where its error may just cross zero",
+                   best->name, agreement(errors))
              : fmt::format("nearest is {}, {}", best->name, departure(errors));
 }
 
@@ -163,7 +164,8 @@ std::string load_list(const std::vector<double>& loads_N) {
   return text + " N";
 }
 
-Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) {
+Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
+                        const std::string& reference) {
   std::vector<const LoadErrors*> finished;
   std::vector<double> failed_N, doubtful_N;
   std::string failure;
@@ -192,7 +194,8 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
   const Record* const best = most_usable(records, all);
   if (best && best->among(all, Judgement::usable).size() == all.size()) {
     verdict.verdict_class = VerdictClass::good;
-    verdict.sentence = fmt::format("Use {} ({} of FEM)", best->name, agreement(worst(*best, all)));
+    verdict.sentence =
+        fmt::format("Use {} ({} of {})", best->name, agreement(worst(*best, all)), reference);
     // A second fast model is a choice; a slow one beside a fast one is none.
     std::vector<Record> rest;
     for (const Record& record : records)
@@ -217,7 +220,8 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance) 
     if (!open.empty())
       verdict.sentence += fmt::format("{} model can be relied on at {}: {}",
                                       verdict.sentence.empty() ? "No" : "; no", in_words(open),
-                                      nearest(records, open, by_accident));
+                                      nearest(records, open, by_accident)) +
+                          "; ask the finite elements there";
     verdict.verdict_class = best || by_accident ? VerdictClass::mixed : VerdictClass::bad;
   }
   if (!doubtful_N.empty())

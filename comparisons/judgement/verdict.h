@@ -13,7 +13,7 @@ enum class VerdictClass {
   /// path and at most one more. It names a slower model only if no model of the hot path is usable
   /// at all loads.
   good,
-  /// Models are usable at some of the loads only, or one agrees outside its validity. The sentence
+  /// Models are usable at some of the loads only, or one agrees outside its range. The sentence
   /// says which model is usable at which loads, and gives the smallest error at the other loads.
   mixed,
   bad,    ///< no model is usable at any load
@@ -30,7 +30,9 @@ struct Verdict {
 
 /// One sentence that answers which model can be used, with numbers.
 /// @param tolerance  relative, in area and torque
-Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance);
+/// @param reference  what the errors are relative to, in words
+Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
+                        const std::string& reference);
 
 /// "0.5 N", "1, 2 and 5 N", "0.5 to 10 N"
 std::string load_list(const std::vector<double>& loads_N);

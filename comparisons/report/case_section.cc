@@ -89,11 +89,11 @@ Html deviation(double error, double limit) {
 
 Html model_row(const Json& report, const Json& model) {
   Html row = html("<tr{}><th scope=\"row\">{}{}</th>",
-                  flag(model, "valid") ? Html("") : " class=\"outside\"",
+                  flag(model, "sound") ? Html("") : " class=\"outside\"",
                   model_key(report, text(model, "model")),
-                  flag(model, "has_answer") && !flag(model, "valid")
-                      ? Html("<small>outside its validity</small>")
-                      : "");
+                  !flag(model, "has_answer") || flag(model, "valid") ? Html("")
+                  : flag(model, "sound") ? Html("<small>beyond its limits, measured here</small>")
+                                         : Html("<small>outside its range</small>"));
   if (!flag(model, "has_answer"))
     return row +
            html("<td colspan=\"{}\" class=\"words\">no answer</td></tr>\n", kColumns.size() + 1);
@@ -154,7 +154,9 @@ Html warnings(const Json& load) {
       if (!flag(check, "holds")) reasons.push_back(escape(text(check, "message")));
     if (!reasons.empty())
       items += html("<li><b>{}</b> {}: {}</li>\n", label(text(model, "model")),
-                    flag(model, "has_answer") ? "is outside its validity" : "has no answer",
+                    !flag(model, "has_answer") ? "has no answer"
+                    : flag(model, "sound")     ? "is beyond its limits (its errors say what of it)"
+                                               : "is outside its range",
                     joined(reasons, "; "));
   }
   return items.empty() ? "" : "<ul class=\"warnings\">" + items + "</ul>\n";

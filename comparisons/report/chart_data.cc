@@ -69,7 +69,7 @@ Json drawn_model(const judgement::LoadErrors& load, const Json& model, double li
       copied(model, {"a_m", "b_m", "axis_rad", "max_torque_Nm", "max_torque_paper_Nm", "cost_ns"});
   out["model"] = text(model, "model");
   out["has_answer"] = flag(model, "has_answer");
-  out["valid"] = flag(model, "valid");
+  out["sound"] = flag(model, "sound");
   out["relative_error"] =
       copied(child(model, "relative_error"), {"max_torque", "max_torque_paper"});
   const judgement::ModelError error = compared_model(model);

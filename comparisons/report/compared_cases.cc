@@ -11,7 +11,7 @@ judgement::ModelError compared_model(const Json& model) {
   const Json& relative = child(model, "relative_error");
   error.model = text(model, "model");
   error.has_answer = flag(model, "has_answer");
-  error.valid = flag(model, "valid");
+  error.sound = flag(model, "sound");
   error.area = number(relative, "area").value_or(NAN);
   error.max_torque = number(relative, "max_torque").value_or(NAN);
   return error;

@@ -7,7 +7,7 @@
 
   // The reference first and broad, models on top and thin: a model that agrees hides neither.
   const entries = (load) => [
-    ...(load.fem ? [{...load.fem, model: "fem", valid: true, style: FEM}] : []),
+    ...(load.fem ? [{...load.fem, model: "fem", sound: true, style: FEM}] : []),
     ...load.models.filter((m) => m.has_answer).map((m) => ({...m, style: styleOf(m.model)})),
   ];
   const lineOptions = (entry) => ({
@@ -197,7 +197,7 @@
       const cost = isFem ? (present(e.wall_s) ? 1e9 * e.wall_s : null) : e.cost_ns;
       if (!present(error) || !(cost > 0)) return null;
       return {
-        x: cost, y: Math.max(FLOOR, Math.abs(error)), model: e.model, style: e.style, valid: e.valid,
+        x: cost, y: Math.max(FLOOR, Math.abs(error)), model: e.model, style: e.style, sound: e.sound,
         title: () => `${e.style.label}\n${c.id}, ${number(load.load_N)} N\ntorque ${isFem ? "± " + (100 * error).toPrecision(2) + " %" : percent(error)}\n${duration(cost)}`,
       };
     }).filter(present);
@@ -220,7 +220,7 @@
         Plot.ruleY([report.tolerance], {strokeOpacity: 0.5, strokeDasharray: "3 3"}),
         Plot.text([0], {x: [domain[1]], y: [report.tolerance], text: [`tolerance ${Number((100 * report.tolerance).toPrecision(3))} %`], textAnchor: "end", dy: -8, dx: -2, fillOpacity: 0.7}),
         Plot.line(front, {x: "x", y: "y", strokeOpacity: 0.5, strokeWidth: 1.5}),
-        Plot.dot(points, {x: "x", y: "y", r: 3, stroke: (p) => p.style.colour, fill: (p) => (p.valid ? p.style.colour : "none"), strokeOpacity: 0.55, fillOpacity: 0.4}),
+        Plot.dot(points, {x: "x", y: "y", r: 3, stroke: (p) => p.style.colour, fill: (p) => (p.sound ? p.style.colour : "none"), strokeOpacity: 0.55, fillOpacity: 0.4}),
         Plot.dot(medians, {x: "x", y: "y", r: 6.5, fill: (m) => m.style.colour, stroke: "var(--page)", strokeWidth: 1.5}),
         tip(points),
       ],
@@ -240,7 +240,7 @@
         x: load.s, y: poissonRatio, colour: styleOf(best.model).colour, label: styleOf(best.model).label,
         usable: best.usable,
         title: () => [`${c.id}, ${number(load.load_N)} N`, `s ${number(load.s)}, ν ${poissonRatio}`,
-          ...ranked.map((m) => `${styleOf(m.model).label}: off by ${percent(m.score).replace("+", "")}${m.valid ? "" : ", outside its validity"}`)].join("\n"),
+          ...ranked.map((m) => `${styleOf(m.model).label}: off by ${percent(m.score).replace("+", "")}${m.sound ? "" : ", outside its range"}`)].join("\n"),
       };
     })).filter(present);
     if (!points.length) return null;

@@ -90,10 +90,10 @@ Html overview_table(const Json& report) {
     Html model = "–", error = "–";
     if (best) {
       model = model_key(report, best->model) +
-              (best->valid ? Html("") : "<small>outside its validity</small>");
+              (best->sound ? Html("") : "<small>outside its range</small>");
       error = html("<span class=\"{}\">{}</span><small>{} at {}</small>",
                    best->score.error > tolerance(report) ? "beyond"
-                   : best->valid                         ? "within"
+                   : best->sound                         ? "within"
                                                          : "",
                    percent(best->score.error),
                    best->score.quantity == prediction::Quantity::area ? "area" : "torque",
@@ -123,15 +123,15 @@ Html usability_table(const Json& report) {
         "<td>{}</td><td{}>{}</td><td>{}</td></tr>\n",
         model_key(report, use.model), use.usable, use.compared,
         range(use.smallest_s, use.largest_s), input_range(use.smallest_nu, use.largest_nu),
-        percent(use.median), percent(use.worst), use.valid,
+        percent(use.median), percent(use.worst), use.sound,
         use.broken_claims ? Html(" class=\"beyond\"") : "", use.broken_claims, use.accidents);
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
          "<th scope=\"col\">usable at</th><th scope=\"col\">there, s = √(ab)/h</th>"
          "<th scope=\"col\">there, ν</th><th scope=\"col\">median error</th>"
-         "<th scope=\"col\">worst error</th><th scope=\"col\">claims to hold at</th>"
+         "<th scope=\"col\">worst error</th><th scope=\"col\">in its range at</th>"
          "<th scope=\"col\">and fails at</th>"
-         "<th scope=\"col\">agrees outside its validity at</th></tr></thead>\n<tbody>" +
+         "<th scope=\"col\">agrees outside its range at</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table></div>\n";
 }
 
@@ -190,9 +190,10 @@ Html how_to_read(const Json& report) {
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
 <li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
-<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where area and maximal torque are both within ±{} and the model itself says that its assumptions hold.</li>
+<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where area and maximal torque are both within ±{} and the contact lies in the model’s own range.</li>
+<li>The reference is the finger itself at finite strain, unless the case or the command asks for less: what a flat layer, small strain and small slopes cost a model is then part of its errors. “Beyond its limits, measured here” means just that.</li>
 <li>± behind an FEM value is the error that it states itself, from its last two meshes. A smaller difference says nothing about a model.</li>
-<li>“Outside its validity” means that the model’s own assumptions fail; the model decides that without the FEM. A small error there can be a coincidence, or the FEM may make the same assumption (small strain, small slopes). Such agreement does not make the model usable.</li>
+<li>“Outside its range” means that another assumption of the model fails, or one that this reference shares. A small error there can be a coincidence, where the error changes its sign. Such agreement does not make the model usable.</li>
 <li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
 </ul>
 )",

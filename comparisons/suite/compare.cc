@@ -118,11 +118,14 @@ std::vector<std::string> cases_left_out(const fs::path& report_file,
 }
 
 /// @throws InputError also where two cases share an id
-std::vector<input::Case> read_cases(const std::vector<fs::path>& files) {
+std::vector<input::Case> read_cases(const std::vector<fs::path>& files,
+                                    const reference::Idealisations& idealisations) {
   std::vector<input::Case> cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
-    cases.push_back(input::read_case(file));
+    input::Case typed = input::read_case(file);
+    const prediction::GeometryResolver geometry(typed);
+    cases.push_back(reference::with_full_reference(typed, geometry, idealisations));
     const auto [entry, is_new] = file_of_id.emplace(cases.back().id, file.string());
     if (!is_new)
       throw InputError(file.string(), "id", cases.back().id,
@@ -212,7 +215,7 @@ int default_job_count() {
 
 int compare(const CompareOptions& options) {
   const auto start = Clock::now();
-  const std::vector<input::Case> cases = read_cases(options.case_files);
+  const std::vector<input::Case> cases = read_cases(options.case_files, options.idealisations);
   system::Progress progress;
   std::vector<LoadRun> runs = plan_runs(cases, options, progress);
   // These refuse before anything is written.

@@ -5,12 +5,15 @@
 #include <vector>
 
 #include "comparisons/reference/fem_process.h"
+#include "comparisons/reference/full_reference.h"
 
 namespace softfinger::suite {
 
 struct CompareOptions {
   std::vector<std::filesystem::path> case_files;
-  std::filesystem::path output;     ///< folder, created when missing
+  std::filesystem::path output;  ///< folder, created when missing
+  /// Of the reference where a case's [fem] leaves them open.
+  reference::Idealisations idealisations;
   bool full = false;                ///< one FEM level finer than the case says, at most 3
   int jobs = 1;                     ///< FEM processes side by side
   reference::FemLimits fem_limits;  ///< of each load

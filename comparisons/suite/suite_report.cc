@@ -91,7 +91,10 @@ json geometry_json(const Comparison& load) {
 
 json to_json(const Comparison& load) {
   json models = json::array();
-  for (const ModelComparison& model : load.models) models.push_back(to_json(model));
+  for (const ModelComparison& model : load.models) {
+    models.push_back(to_json(model));
+    models.back()["sound"] = judgement::is_sound(model.answer.prediction, *load.contact_case);
+  }
   json object = {{"load_N", load.load_N},
                  {"geometry", geometry_json(load)},
                  {"fem", reference_json(load)},
@@ -111,6 +114,7 @@ json to_json(const CaseComparison& compared) {
   return {{"id", contact_case.id},
           {"question", contact_case.question},
           {"verdict", compared.verdict.sentence},
+          {"reference", judgement::reference_in_words(contact_case)},
           {"verdict_class", judgement::name_of(compared.verdict.verdict_class)},
           {"file", contact_case.file.filename().string()},
           {"case_toml", contact_case.text},

@@ -178,7 +178,7 @@ TEST(Comparison, ErrorsCarryWhatVerdictsNeed) {
       EXPECT_NEAR(one.area, 1 / kMovedArea - 1, 1e-14);
       EXPECT_NEAR(one.max_torque, 1 / kMovedTorque - 1, 1e-14);
       EXPECT_TRUE(one.has_answer && one.hot_path && one.applicable);
-      EXPECT_EQ(one.valid, layer.valid());
+      EXPECT_EQ(one.sound, layer.valid()) << "nothing fails that a linear reference measures";
     }
     EXPECT_EQ(one.applicable, one.model != "power_law") << "nobody gave it data";
     EXPECT_EQ(one.hot_path, find_pressure_model(one.model)->card().hot_path);
@@ -397,7 +397,7 @@ TEST(Scoring, PrefersAModelThatClaimsToHoldOverABetterAccident) {
   const auto best = judgement::best_model(errors, 0.1);
   ASSERT_TRUE(best);
   EXPECT_EQ(best->model, "sound");
-  errors.loads[0].models[1].valid = false;
+  errors.loads[0].models[1].sound = false;
   EXPECT_EQ(judgement::best_model(errors, 0.1)->model, "accident");
   const auto summary = judgement::reference_summary({errors}, 0.1);
   EXPECT_EQ(summary.solved, 1);

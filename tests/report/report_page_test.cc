@@ -296,17 +296,17 @@ TEST(ExtremesPage, NamesTheViolatedInvariantAndItsProblem) {
 }
 
 // 0.10 is the tolerance of the sample; errors are set by hand.
-Json one_case(std::vector<std::pair<double, bool>> torque_error_and_validity) {
+Json one_case(std::vector<std::pair<double, bool>> torque_error_and_soundness) {
   Json loads = Json::array();
   double load_N = 1;
-  for (const auto& [error, valid] : torque_error_and_validity)
+  for (const auto& [error, sound] : torque_error_and_soundness)
     loads.push_back({{"load_N", load_N++},
                      {"geometry", {{"s", 0.1 * load_N}}},
                      {"fem", {{"error", {{"max_torque", 0.001}}}, {"trusted", true}}},
                      {"models",
                       {{{"model", "hertz"},
                         {"has_answer", true},
-                        {"valid", valid},
+                        {"sound", sound},
                         {"relative_error", {{"area", 0.01}, {"max_torque", error}}}}}}});
   return {{"tolerance", 0.10}, {"cases", {{{"id", "one"}, {"loads", loads}}}}};
 }
@@ -359,7 +359,7 @@ TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   EXPECT_EQ(best->score.error, 0.05);
   EXPECT_EQ(best->score.quantity, prediction::Quantity::max_torque);
   EXPECT_EQ(best->score.load_N, 2);
-  EXPECT_FALSE(best->valid);
+  EXPECT_FALSE(best->sound);
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ const std::vector<std::string>& own_columns() {
          {"stiffness/(G h3)", "error stiffness", "full slip/(mu P h)", "error full slip"})
       all.emplace_back(name);
     for (const char* name : kQuantityNames) all.push_back(std::string("coarse ") + name);
-    for (const char* name : {"cost s", "coarse cost s", "finger share x", "finger share y"}) all.emplace_back(name);
+    for (const char* name : {"cost s", "coarse cost s", "finger share x", "finger share y"})
+      all.emplace_back(name);
     return all;
   }();
   return columns;

@@ -29,9 +29,9 @@ const std::vector<double> kSizes = {0.06, 0.1, 0.17, 0.28, 0.45, 0.75, 1.25, 2, 
 constexpr double kThickness_m = 1e-3, kModulus_Pa = 1e6;
 
 std::string name_of(const AtlasRun& run) {
-  std::string name = fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind),
-                                 run.poisson_ratio, run.radii_ratio, run.s,
-                                 run.thickness_over_radius, run.friction_coefficient);
+  std::string name =
+      fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind), run.poisson_ratio,
+                  run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
   if (run.kind == AtlasKind::finger)
     name += fmt::format("_share{:g}_{:g}", run.finger_share_x, run.finger_share_y);
   return name;
@@ -63,9 +63,9 @@ reference::FemProblem::Bodies bodies_of(const AtlasRun& run, const RelativeRadii
     return input::QuadricBody{radii.major_m / share_x, radii.minor_m / share_y,
                               flat ? input::FingerShape::paraboloid : round, 0};
   };
-  return {{body(run.finger_share_x, run.finger_share_y, input::FingerShape::ellipsoid), 0},
-          {body(1 - run.finger_share_x, 1 - run.finger_share_y, input::FingerShape::paraboloid),
-           0}};
+  return {
+      {body(run.finger_share_x, run.finger_share_y, input::FingerShape::ellipsoid), 0},
+      {body(1 - run.finger_share_x, 1 - run.finger_share_y, input::FingerShape::paraboloid), 0}};
 }
 
 reference::FemProblem fem_problem_of(const AtlasRun& run) {

@@ -24,8 +24,8 @@ std::vector<AtlasRun> finite_strain_runs();
 std::vector<AtlasRun> random_runs(int count, unsigned seed);
 
 /// Random fingers on objects at finite strain, from a touch to a hard grip: nu 0 to 1/2, R'/R'' to
-/// 20, h/R 0.005 to 0.6, s 0.02 to 20; two of five round on a plane, one of five flat under a curved
-/// object, the others curved like their objects. The same seed gives the same contacts.
+/// 20, h/R 0.005 to 0.6, s 0.02 to 20; two of five round on a plane, one of five flat under a
+/// curved object, the others curved like their objects. The same seed gives the same contacts.
 std::vector<AtlasRun> random_fingers(int count, unsigned seed);
 
 struct AtlasOptions {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/local_geometry.h"
+
+namespace softfinger::reference {
+
+/// What the reference is asked to leave out, although the case leaves it open.
+struct Idealisations {
+  bool linear = false;  ///< linear elasticity
+  bool flat = false;    ///< a flat layer under the quadric gap
+};
+
+/// The case with the reference that it deserves, where its [fem] chooses none: two bodies as they
+/// are, the layer bent over the finger's own core; finite strain as soon as it changes a number by
+/// more than the finite elements' stated error. A user's own mesh of the layer stays what it is.
+/// @param geometry  of the case
+input::Case with_full_reference(input::Case contact_case,
+                                const prediction::GeometryResolver& geometry,
+                                const Idealisations& idealisations);
+
+}  // namespace softfinger::reference
