@@ -70,6 +70,7 @@ int run_atlas(const AtlasOptions& options) {
   judgement::AtlasOptions settings;
   settings.folder = options.folder;
   settings.jobs = options.jobs;
+  settings.without_failed = options.fingers;
   settings.command = options.command_line;
   settings.fem_limits = options.fem_limits;
   const auto [atlas, signal] = judgement::make_atlas(

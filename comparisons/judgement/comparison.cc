@@ -54,6 +54,8 @@ ModelComparison compare_model(const PressureModel& model, const Comparison& load
     comparison.along_x = profile(comparison.answer, true);
     comparison.along_y = profile(comparison.answer, false);
   }
+  if (load.geometry.patch)
+    prediction::propagate_radii_uncertainty(load.geometry.patch->relative, comparison.answer);
   if (load.reference) comparison.errors = relative_errors(comparison.answer, *load.reference);
   return comparison;
 }

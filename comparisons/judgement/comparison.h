@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/input/case.h"
+#include "comparisons/judgement/ladder.h"
 #include "comparisons/judgement/model_errors.h"
 #include "comparisons/judgement/verdict.h"
 #include "comparisons/prediction/ask_model.h"
@@ -37,6 +38,7 @@ struct Comparison {
   std::optional<reference::ReferenceResult> reference;
   std::string failure;  ///< why there is no reference
   std::vector<ModelComparison> models;
+  std::optional<Ladder> ladder;  ///< of a reference that finished, where it was asked for
 
   /// sqrt(a b)/h of the reference.
   std::optional<double> size() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "comparisons/judgement/median.h"
@@ -71,14 +72,15 @@ std::optional<Score> worst_score(const CaseErrors& errors, const std::string& mo
 
 std::optional<Best> best_model(const CaseErrors& errors, double tolerance) {
   const auto rank = [&](const Best& one) {
-    return std::pair(judge(one.score.error, one.sound, tolerance) != Judgement::usable,
-                     one.score.error);
+    const bool usable = judge(one.score.error, one.sound, tolerance) == Judgement::usable;
+    return std::tuple(!usable, usable && !one.hot_path, one.score.error);
   };
   std::optional<Best> best;
   for (const std::string& name : model_names(errors)) {
     const auto worst = worst_score(errors, name);
     if (!worst) continue;
-    const Best here{name, *worst, is_sound_at_all_loads(errors, name)};
+    const Best here{name, *worst, is_sound_at_all_loads(errors, name),
+                    find_model(errors.loads.front(), name)->hot_path};
     if (!best || rank(here) < rank(*best)) best = here;
   }
   return best;

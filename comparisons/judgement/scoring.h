@@ -26,11 +26,13 @@ Judgement judge(const LoadErrors& load, const ModelError& model, double toleranc
 /// A model over all loads of a case that have a reference; nothing when it misses one of them.
 std::optional<Score> worst_score(const CaseErrors& errors, const std::string& model);
 
-/// The model with the smallest worst error in the case, those that are usable at every load first.
+/// The model with the smallest worst error in the case; those that are usable at every load first,
+/// and of them the fast ones, as in the verdict.
 struct Best {
   std::string model;
   Score score;
   bool sound = false;  ///< at every load
+  bool hot_path = true;
 };
 std::optional<Best> best_model(const CaseErrors& errors, double tolerance);
 

@@ -7,6 +7,7 @@
 
 #include "comparisons/exporting/mujoco_friction.h"
 #include "comparisons/report/compared_cases.h"
+#include "comparisons/report/ladder_section.h"
 #include "comparisons/report/style.h"
 
 namespace softfinger::report {
@@ -299,8 +300,9 @@ Html load_section(const Json& report, const Json& report_case, const Json& load,
              "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n"
              "<p class=\"facts\">{}</p>\n",
              index, newton(number(load, "load_N").value_or(0)), joined(facts, " · ")) +
-         numbers_table(report, load) + warnings(load) + simulator_line(report_case, load) +
-         reference_details(load) + patch_table(load) + validity_table(report, load) + "</div>\n";
+         numbers_table(report, load) + ladder_section(load) + warnings(load) +
+         simulator_line(report_case, load) + reference_details(load) + patch_table(load) +
+         validity_table(report, load) + "</div>\n";
 }
 
 Html chart(const Html& kind, const Html& heading, const Html& caption) {

@@ -70,6 +70,7 @@ Json drawn_model(const judgement::LoadErrors& load, const Json& model, double li
   out["model"] = text(model, "model");
   out["has_answer"] = flag(model, "has_answer");
   out["sound"] = flag(model, "sound");
+  out["hot_path"] = flag(model, "hot_path");
   out["relative_error"] =
       copied(child(model, "relative_error"), {"max_torque", "max_torque_paper"});
   const judgement::ModelError error = compared_model(model);

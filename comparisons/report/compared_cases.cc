@@ -12,6 +12,7 @@ judgement::ModelError compared_model(const Json& model) {
   error.model = text(model, "model");
   error.has_answer = flag(model, "has_answer");
   error.sound = flag(model, "sound");
+  error.hot_path = flag(model, "hot_path");
   error.area = number(relative, "area").value_or(NAN);
   error.max_torque = number(relative, "max_torque").value_or(NAN);
   return error;

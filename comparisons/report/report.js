@@ -120,7 +120,7 @@
     const label = (r) => r.style.label;
     const bars = rows.filter((r) => r.has_answer && present(r.max_torque_Nm)).map((r) => ({
       ...r, row: label(r), x: 1e3 * r.max_torque_Nm, paper: present(r.max_torque_paper_Nm) ? 1e3 * r.max_torque_paper_Nm : null,
-      note: r.model === "fem" ? `${number(1e3 * r.max_torque_Nm)} ± ${(100 * stated).toPrecision(2)} %`
+      note: r.model === "fem" ? `${number(1e3 * r.max_torque_Nm)} ± ${(1e3 * r.max_torque_Nm * stated).toPrecision(2)}`
         : present(r.relative_error?.max_torque) ? percent(r.relative_error.max_torque) : number(1e3 * r.max_torque_Nm),
       title: () => [label(r), `exact rule ${number(1e3 * r.max_torque_Nm)} mN·m`,
         ...(present(r.max_torque_paper_Nm) ? [`paper rule ${number(1e3 * r.max_torque_paper_Nm)} mN·m` +
@@ -231,7 +231,7 @@
 
   function drawMap(width) {
     const points = report.cases.flatMap((c) => c.loads.map((load) => {
-      const ranked = d3.sort(load.models.filter((m) => present(m.score)), (m) => !m.usable, (m) => m.score);
+      const ranked = d3.sort(load.models.filter((m) => present(m.score)), (m) => !m.usable, (m) => m.usable && !m.hot_path, (m) => m.score);
       if (!ranked.length || !(load.s > 0) || !present(c.poisson_ratio)) return null;
       const best = ranked[0];
       // A mean over sublayers has all the digits of a double.

@@ -138,7 +138,7 @@ Html usability_table(const Json& report) {
 Html overview_charts() {
   return R"(<div class="charts">
 <figure data-chart="cost"><figcaption><b>Speed against accuracy.</b> Small marks: one prediction each (hollow where the model’s assumptions fail); large marks: medians. The line joins those for which no other is both faster and more accurate. FEM is shown with the error that it states itself.</figcaption><div class="plot"></div></figure>
-<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model. Hollow: none is usable; the colour is that of the most accurate one.</figcaption><div class="plot"></div></figure>
+<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model, a fast one where there is any. Hollow: none is usable; the colour is that of the most accurate one.</figcaption><div class="plot"></div></figure>
 </div>
 )";
 }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+#include <tuple>
 
 #include "comparisons/input/case.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
@@ -34,6 +35,7 @@ constexpr double kTolerance = 0.10;
 
 /// One load of one case on its way from geometry to reference.
 struct LoadRun {
+  std::size_t case_index = 0;
   const input::Case* contact_case = nullptr;
   double load_N = 0;
   prediction::LocalGeometry geometry;
@@ -42,8 +44,38 @@ struct LoadRun {
   std::optional<reference::ReferenceResult> reference;
   std::string failure;
 
-  std::string title() const { return fmt::format("{} {} N", contact_case->id, load_N); }
+  /// Of a case with fewer effects than its reference, for the ladder: in words; else empty.
+  std::string idealised;
+
+  std::string title() const {
+    return fmt::format("{} {} N{}", contact_case->id, load_N,
+                       idealised.empty() ? "" : ", " + idealised);
+  }
 };
+
+/// A case's reference, and what the ladder needs beside it.
+struct PlannedCase {
+  input::Case reference;
+  std::optional<input::Case> flat_linear, flat_finite;
+};
+
+constexpr const char* kFlatLinear = "flat, linear";
+constexpr const char* kFlatFinite = "flat, finite strain";
+
+PlannedCase planned(input::Case reference) {
+  PlannedCase plan{std::move(reference), {}, {}};
+  if (!plan.reference.fem_mesh.empty()) return plan;
+  if (plan.reference.fem_curved || plan.reference.fem_finite) {
+    plan.flat_linear = plan.reference;
+    plan.flat_linear->fem_curved = false;
+    plan.flat_linear->fem_finite.reset();
+  }
+  if (plan.reference.fem_curved && plan.reference.fem_finite) {
+    plan.flat_finite = plan.reference;
+    plan.flat_finite->fem_curved = false;
+  }
+  return plan;
+}
 
 /// Runs what is not finished yet. @returns 0 or the signal that interrupted.
 int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
@@ -57,21 +89,23 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
   // A case's loads share their process, the largest contact first, whose mesh may serve the others.
   std::vector<std::size_t> order(runs.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto case_of = [&](std::size_t run) {
-    return runs[run].contact_case - runs[0].contact_case;
+  const auto key = [&](std::size_t run) {
+    return std::tuple(runs[run].case_index, runs[run].idealised, -runs[run].load_N);
   };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t left, std::size_t right) {
-    return std::pair(case_of(left), -runs[left].load_N) <
-           std::pair(case_of(right), -runs[right].load_N);
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t left, std::size_t right) { return key(left) < key(right); });
   std::vector<reference::FemJob> jobs;
+  std::size_t previous = 0;
   for (const std::size_t i : order) {
     reference::FemJob job;
     job.title = runs[i].title();
     job.problem = runs[i].problem;
     job.file = runs[i].folder / "result.json";
-    job.output_directory = runs[i].folder;
-    job.group = static_cast<std::size_t>(case_of(i));
+    if (runs[i].idealised.empty()) job.output_directory = runs[i].folder;
+    const bool next = !jobs.empty() && (runs[i].case_index != runs[previous].case_index ||
+                                        runs[i].idealised != runs[previous].idealised);
+    job.group = jobs.empty() ? 0 : jobs.back().group + next;
+    previous = i;
     jobs.push_back(std::move(job));
   }
   const auto run_of = [&](const reference::FemJob& job) -> LoadRun& {
@@ -103,7 +137,7 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
 
 /// Cases of a report that is there already and that a new one would leave out.
 std::vector<std::string> cases_left_out(const fs::path& report_file,
-                                        const std::vector<input::Case>& cases) {
+                                        const std::vector<PlannedCase>& cases) {
   std::vector<std::string> ids;
   std::ifstream file(report_file);
   const json report =
@@ -112,51 +146,58 @@ std::vector<std::string> cases_left_out(const fs::path& report_file,
   for (const json& entry : report["cases"])
     if (entry.is_object() && entry.contains("id") && entry["id"].is_string() &&
         std::none_of(cases.begin(), cases.end(),
-                     [&](const input::Case& one) { return one.id == entry["id"]; }))
+                     [&](const PlannedCase& one) { return one.reference.id == entry["id"]; }))
       ids.push_back(entry["id"]);
   return ids;
 }
 
 /// @throws InputError also where two cases share an id
-std::vector<input::Case> read_cases(const std::vector<fs::path>& files,
+std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
                                     const reference::Idealisations& idealisations) {
-  std::vector<input::Case> cases;
+  std::vector<PlannedCase> cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
     input::Case typed = input::read_case(file);
     const prediction::GeometryResolver geometry(typed);
-    cases.push_back(reference::with_full_reference(typed, geometry, idealisations));
-    const auto [entry, is_new] = file_of_id.emplace(cases.back().id, file.string());
+    cases.push_back(planned(reference::with_full_reference(typed, geometry, idealisations)));
+    const auto [entry, is_new] = file_of_id.emplace(typed.id, file.string());
     if (!is_new)
-      throw InputError(file.string(), "id", cases.back().id,
+      throw InputError(file.string(), "id", typed.id,
                        "an id of its own; " + entry->second + " has the same");
   }
   return cases;
 }
 
 /// All loads of all cases, checked.
-std::vector<LoadRun> plan_runs(const std::vector<input::Case>& cases, const CompareOptions& options,
+std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const CompareOptions& options,
                                system::Progress& progress) {
   std::vector<LoadRun> runs;
-  for (const input::Case& contact_case : cases) {
+  for (const PlannedCase& plan : cases) {
+    const input::Case& contact_case = plan.reference;
     const prediction::GeometryResolver geometry(contact_case);
     for (const std::string& remark : geometry.remarks()) progress.say("softfinger: " + remark);
     for (double load_N : contact_case.loads_N) {
       LoadRun run;
-      run.contact_case = &contact_case;
+      run.case_index = std::size_t(&plan - cases.data());
       run.load_N = load_N;
       run.geometry = geometry.resolve(load_N);
-      run.problem =
-          reference::fem_problem(contact_case, run.geometry, load_N,
-                                 std::min(3, contact_case.fem_level + (options.full ? 1 : 0)));
-      run.folder = options.output / "fem" / reference::load_folder(contact_case.id, load_N);
-      runs.push_back(std::move(run));
+      const auto add = [&](const input::Case& solved, const char* idealised, const char* suffix) {
+        run.contact_case = &solved;
+        run.idealised = idealised;
+        run.problem = reference::fem_problem(
+            solved, run.geometry, load_N, std::min(3, solved.fem_level + (options.full ? 1 : 0)));
+        run.folder = options.output / "fem" / (reference::load_folder(solved.id, load_N) + suffix);
+        runs.push_back(run);
+      };
+      add(contact_case, "", "");
+      if (plan.flat_linear) add(*plan.flat_linear, kFlatLinear, "_flat_linear");
+      if (plan.flat_finite) add(*plan.flat_finite, kFlatFinite, "_flat_finite");
     }
   }
   return runs;
 }
 
-void say_what_is_replaced(const std::vector<input::Case>& cases, const fs::path& output,
+void say_what_is_replaced(const std::vector<PlannedCase>& cases, const fs::path& output,
                           system::Progress& progress) {
   const auto ids = cases_left_out(output / "report.json", cases);
   if (ids.empty()) return;
@@ -167,16 +208,23 @@ void say_what_is_replaced(const std::vector<input::Case>& cases, const fs::path&
       ids.size() > 1 ? fmt::format(" and {} more", ids.size() - 1) : ""));
 }
 
-SuiteComparison compare_all(const std::vector<input::Case>& cases, std::vector<LoadRun> runs) {
+SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<LoadRun> runs) {
   SuiteComparison suite;
   suite.tolerance = kTolerance;
   auto run = runs.begin();
-  for (const input::Case& contact_case : cases) {
+  for (std::size_t i = 0; i < cases.size(); ++i) {
     std::vector<judgement::Comparison> loads;
-    for (; run != runs.end() && run->contact_case == &contact_case; ++run)
-      loads.push_back(judgement::compare(contact_case, run->geometry, run->load_N,
+    while (run != runs.end() && run->case_index == i) {
+      loads.push_back(judgement::compare(cases[i].reference, run->geometry, run->load_N,
                                          std::move(run->reference), run->failure));
-    suite.cases.push_back(judgement::compare_case(contact_case, std::move(loads), kTolerance));
+      judgement::IdealisedReferences idealised;
+      for (++run; run != runs.end() && !run->idealised.empty(); ++run)
+        (run->idealised == kFlatLinear ? idealised.flat_linear : idealised.flat_finite) =
+            std::move(run->reference);
+      loads.back().ladder = judgement::make_ladder(loads.back(), idealised);
+    }
+    suite.cases.push_back(
+        judgement::compare_case(cases[i].reference, std::move(loads), kTolerance));
   }
   return suite;
 }
@@ -215,7 +263,7 @@ int default_job_count() {
 
 int compare(const CompareOptions& options) {
   const auto start = Clock::now();
-  const std::vector<input::Case> cases = read_cases(options.case_files, options.idealisations);
+  const std::vector<PlannedCase> cases = read_cases(options.case_files, options.idealisations);
   system::Progress progress;
   std::vector<LoadRun> runs = plan_runs(cases, options, progress);
   // These refuse before anything is written.
@@ -225,9 +273,9 @@ int compare(const CompareOptions& options) {
   const system::OutputFolder output(options.output);
   // After all that may be refused in a single line.
   say_what_is_replaced(cases, options.output, progress);
-  for (const input::Case& contact_case : cases)
-    for (const std::string& remark : prediction::power_law_remarks(contact_case))
-      progress.say("softfinger: " + contact_case.id + ": " + remark);
+  for (const PlannedCase& plan : cases)
+    for (const std::string& remark : prediction::power_law_remarks(plan.reference))
+      progress.say("softfinger: " + plan.reference.id + ": " + remark);
   if (const int signal = run_pending(runs, options, progress)) return 128 + signal;
 
   SuiteComparison suite = compare_all(cases, std::move(runs));

@@ -52,6 +52,7 @@ json to_json(const ModelComparison& model) {
   const bool has_answer = answer.prediction.has_answer;
   const double paper_Nm = answer.friction_ellipsoid(TorqueRule::paper).max_torque_Nm();
   object["has_answer"] = has_answer;
+  object["hot_path"] = answer.model->card().hot_path;
   object["max_torque_paper_Nm"] = has_answer ? finite_or_null(paper_Nm) : json();
   object["relative_error"] = to_json(model.errors);
   object["profile_x"] = to_json(model.along_x);
@@ -89,6 +90,20 @@ json geometry_json(const Comparison& load) {
   return object;
 }
 
+json to_json(const judgement::LadderStep& step) {
+  json quantity;
+  for (std::size_t q = 0; q < step.departure.size(); ++q)
+    quantity[judgement::kLadderQuantities[q]] = finite_or_null(step.departure[q]);
+  return {{"step", step.step}, {"words", step.words}, {"quantity", quantity}};
+}
+
+json to_json(const judgement::Ladder& ladder) {
+  json steps = json::array();
+  for (const judgement::LadderStep& step : ladder.steps) steps.push_back(to_json(step));
+  for (const judgement::LadderStep& doubt : ladder.doubts) steps.push_back(to_json(doubt));
+  return steps;
+}
+
 json to_json(const Comparison& load) {
   json models = json::array();
   for (const ModelComparison& model : load.models) {
@@ -100,6 +115,8 @@ json to_json(const Comparison& load) {
                  {"fem", reference_json(load)},
                  {"models", models}};
   if (!load.reference) object["fem_failure"] = load.failure;
+  object["ladder"] = load.ladder ? to_json(*load.ladder) : json::array();
+  object["largest_step"] = load.ladder ? load.ladder->sentence : "";
   return object;
 }
 

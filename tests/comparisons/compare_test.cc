@@ -22,7 +22,13 @@ class Compare : public testing::Test {
   fs::path output = folder.path() / "report";
   fs::path two_loads = folder.write("two.toml", case_text("two", "[1.0, 5.0]"));
 
+  /// In linear theory, which needs one solve per load.
   ProgramRun compare(std::vector<std::string> more = {}) {
+    more.insert(more.begin(), "--linear");
+    return compare_in_full(more);
+  }
+
+  ProgramRun compare_in_full(const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"compare",       two_loads.string(), "--output",
                                           output.string(), "--jobs",           "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -152,8 +158,8 @@ TEST_F(Compare, EndsASolveBeyondItsTimeOrMemoryAndGoesOn) {
 
 TEST_F(Compare, RefusesAFolderInUseAndNamesWhoUsesIt) {
   start.environment.push_back("FAKE_FEM_LINGER_N=1");
-  const pid_t first = start_softfinger(
-      start, {"compare", two_loads.string(), "--output", output.string(), "--jobs", "1"});
+  const pid_t first = start_softfinger(start, {"compare", two_loads.string(), "--output",
+                                               output.string(), "--jobs", "1", "--linear"});
   for (int i = 0; i < 1000 && solves() < 2; ++i) usleep(10000);
   TemporaryFolder elsewhere;
   const ProgramRun second = run_softfinger(
@@ -183,8 +189,8 @@ class InterruptedCompare : public Compare, public testing::WithParamInterface<in
 
 TEST_P(InterruptedCompare, KeepsFinishedResultsAndContinues) {
   start.environment.push_back("FAKE_FEM_LINGER_N=1");
-  const pid_t process = start_softfinger(
-      start, {"compare", two_loads.string(), "--output", output.string(), "--jobs", "1"});
+  const pid_t process = start_softfinger(start, {"compare", two_loads.string(), "--output",
+                                                 output.string(), "--jobs", "1", "--linear"});
   // Until the first result is there and the second solve has begun.
   for (int i = 0;
        i < 1000 && (solves() < 2 || !fs::exists(output / "fem" / "two_5N" / "result.json")); ++i)
@@ -242,6 +248,30 @@ TEST_F(Compare, SolvesTheLoadsOfACaseInOneProcessTheLargestFirst) {
   EXPECT_EQ(pid, other_pid);
   EXPECT_EQ(load_N, 5);
   EXPECT_EQ(other_load_N, 1);
+}
+
+TEST_F(Compare, SolvesWhatTheLadderNeedsBesideTheReference) {
+  ASSERT_EQ(compare_in_full().status, 0);
+  EXPECT_EQ(solves(), 4) << "at finite strain and in linear theory";
+  const json report = json::parse(file_text(output / "report.json"));
+  EXPECT_EQ(report["cases"][0]["reference"], "a flat layer at finite strain");
+  for (const json& load : report["cases"][0]["loads"]) {
+    std::vector<std::string> steps;
+    for (const json& step : load["ladder"]) {
+      steps.push_back(step["step"]);
+      EXPECT_EQ(step["quantity"].size(), 5u);
+    }
+    EXPECT_EQ(steps, (std::vector<std::string>{"closed_form", "layer_flat_linear",
+                                               "fem_flat_linear", "fem_flat_finite", "elements"}));
+    EXPECT_EQ(load["ladder"][3]["quantity"]["area"], 0.0) << "the reference itself";
+    double area = 0;
+    for (const json& model : load["models"])
+      if (model["model"] == "bonded_layer") area = model["relative_error"]["area"];
+    EXPECT_EQ(load["ladder"][1]["quantity"]["area"], area);
+    EXPECT_EQ(load["largest_step"].get<std::string>().rfind("The largest step is from ", 0), 0u);
+  }
+  EXPECT_NE(file_text(output / "report.html").find("What each idealisation costs"),
+            std::string::npos);
 }
 
 TEST_F(Compare, LosesOnlyTheLoadThatCrashes) {

@@ -232,6 +232,10 @@ bool is_a_fingertip(const AtlasRun& run) {
   const double deepest = run.poisson_ratio > 0.4 ? 0.8 : 0.55;
   if (run.s * run.s * run.thickness_over_radius > deepest) return false;
   const ContactProblem problem = problem_of(run);
+  // A core must be left.
+  const double smallest_radius = std::min(problem.radii.major_m / run.finger_share_x,
+                                          problem.radii.minor_m / run.finger_share_y);
+  if (problem.layer.thickness_m > 0.85 * smallest_radius) return false;
   const Prediction found = find_pressure_model("bonded_layer")->predict(problem);
   return found.has_answer && found.a_m <= 0.6 * problem.radii.major_m &&
          found.b_m <= 0.6 * problem.radii.minor_m;
@@ -297,18 +301,21 @@ std::vector<reference::FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
 std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
                                        const std::vector<reference::FemJob>& jobs,
                                        const reference::FemJobOptions& settings,
-                                       const std::string& command) {
+                                       const std::string& command, bool without_failed) {
   AtlasFile atlas;
-  atlas.runs = runs;
   std::size_t missing = 0;
   for (std::size_t run = 0; run < runs.size(); ++run) {
     const auto result = reference::finished_result(jobs[run], settings).result;
-    if (result)
-      take_answer(*result, atlas.runs[run]);
-    else
+    if (result) {
+      atlas.runs.push_back(runs[run]);
+      take_answer(*result, atlas.runs.back());
+    } else {
       ++missing;
+    }
   }
-  if (missing > 0) {
+  if (missing > 0 && without_failed)
+    system::Progress().say(fmt::format("{} of {} runs failed, left out", missing, runs.size()));
+  else if (missing > 0) {
     system::Progress().say(fmt::format("{} of {} runs are not finished; the same command goes on",
                                        missing, runs.size()));
     return std::nullopt;
@@ -339,7 +346,8 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
       [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
         shown.finished(job, describe(answer));
       });
-  outcome.atlas = collect_atlas(runs, jobs, settings, options.command);
+  outcome.atlas = collect_atlas(runs, jobs, settings, options.command,
+                                options.without_failed && outcome.signal == 0);
   return outcome;
 }
 

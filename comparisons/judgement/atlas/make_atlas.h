@@ -32,6 +32,7 @@ struct AtlasOptions {
   std::filesystem::path folder;  ///< keeps finished runs, so that the same command continues
   int jobs = 1;
   reference::FemLimits fem_limits;  ///< of each run
+  bool without_failed = false;      ///< runs that fail are left out and told
   std::string command;
 };
 
@@ -41,10 +42,11 @@ std::vector<reference::FemJob> atlas_jobs(const std::vector<AtlasRun>& runs,
 
 /// The runs with what the finite elements found and each model's errors; nothing when results are
 /// missing, which is said on standard error.
+/// @param without_failed  leaves missing ones out instead
 std::optional<AtlasFile> collect_atlas(const std::vector<AtlasRun>& runs,
                                        const std::vector<reference::FemJob>& jobs,
                                        const reference::FemJobOptions& settings,
-                                       const std::string& command);
+                                       const std::string& command, bool without_failed = false);
 
 struct AtlasOutcome {
   std::optional<AtlasFile> atlas;  ///< nothing when runs failed or are missing
