@@ -7,6 +7,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
+#include "comparisons/judgement/atlas/fit_departure.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
 #include "comparisons/suite/compare.h"
 #include "comparisons/system/files.h"
@@ -15,7 +16,7 @@ namespace softfinger::commands {
 namespace {
 
 struct AtlasOptions {
-  std::string folder = "softfinger-atlas", output, command_line;
+  std::string folder = "softfinger-atlas", output, fit, test, command_line;
   int jobs = suite::default_job_count(), random = 0;
   unsigned seed = 1;
   bool models_only = false, finite_strain = false, fingers = false;
@@ -58,7 +59,40 @@ std::string test_bounds(const judgement::AtlasFile& unseen) {
                             ratios_all[ratios_all.size() / 2]);
 }
 
+/// The same for the bounds against whole fingers.
+std::string test_finger_bounds(const judgement::AtlasFile& unseen) {
+  std::string text = fmt::format("{:<22}{:<16}{:>10}{:>12}{:>22}\n", "model, against finger",
+                                 "quantity", "inside", "of", "bound/true, median");
+  for (const auto& [model, test] : judgement::test_departure(unseen))
+    for (std::size_t q = 0; q < judgement::kQuantities; ++q)
+      text +=
+          fmt::format("{:<22}{:<16}{:>9.1f} %{:>11}{:>22.2f}\n", model,
+                      judgement::kQuantityNames[q], 100 * test.inside[q], test.runs, test.ratio[q]);
+  return text;
+}
+
+judgement::AtlasFile read_atlas_file(const std::string& name) {
+  return judgement::parse_atlas(system::read_text_file(name), name);
+}
+
+/// Writes the table of finger_departure.h from runs of fingers and the installed atlas at finite
+/// strain.
+int fit_departure(const AtlasOptions& options) {
+  judgement::AtlasFile runs = read_atlas_file(options.fit);
+  const judgement::AtlasFile& known = judgement::finite_strain_atlas().file();
+  runs.runs.insert(runs.runs.end(), known.runs.begin(), known.runs.end());
+  const judgement::FittedDeparture fitted = judgement::fit_departure(runs);
+  system::write_file_atomically(
+      options.output, judgement::departure_table(fitted, "softfinger atlas --fit fingers.csv"));
+  return 0;
+}
+
 int run_atlas(const AtlasOptions& options) {
+  if (!options.test.empty()) {
+    system::write_text_to_stdout(test_finger_bounds(read_atlas_file(options.test)));
+    return 0;
+  }
+  if (!options.fit.empty()) return fit_departure(options);
   require_single_process("softfinger-sweep --atlas FILE.csv --output FOLDER");
   if (options.models_only) {
     judgement::AtlasFile atlas =
@@ -82,7 +116,9 @@ int run_atlas(const AtlasOptions& options) {
   if (signal != 0) return 128 + signal;
   if (!atlas) return 1;
   if (!options.output.empty()) system::write_file_atomically(options.output, to_csv(*atlas));
-  if (options.random > 0 && !options.fingers) system::write_text_to_stdout(test_bounds(*atlas));
+  if (options.random > 0)
+    system::write_text_to_stdout(options.fingers ? test_finger_bounds(*atlas)
+                                                 : test_bounds(*atlas));
   return 0;
 }
 
@@ -124,6 +160,16 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
       ->add_flag("--fingers", options->fingers,
                  "of the random contacts: curved fingers on curved objects at finite strain")
       ->needs(random);
+  command
+      ->add_option("--fit", options->fit,
+                   "FILE.csv of --fingers: writes the table of the bounds against whole fingers to "
+                   "--output, C++")
+      ->needs(output)
+      ->excludes(random, finite_strain);
+  command
+      ->add_option("--test", options->test,
+                   "FILE.csv of --fingers: how many errors lie inside these bounds")
+      ->excludes(random, finite_strain);
   command
       ->add_flag(
           "--models-only", options->models_only,

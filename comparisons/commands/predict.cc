@@ -6,6 +6,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/input/layer_json.h"
+#include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
@@ -21,6 +22,7 @@ namespace {
 
 struct PredictOptions {
   std::string case_file, models = "all", torque_rule = "exact", gap = "quadric";
+  double tolerance = 0.1;
   int limit_surface = 0;
   bool json = false;
 };
@@ -89,6 +91,8 @@ int run_predict(const PredictOptions& options) {
       estimate(contact_case, rule, answers.back());
       if (geometry.patch)
         prediction::propagate_radii_uncertainty(geometry.patch->relative, answers.back());
+      answers.back().assessment =
+          judgement::assess(contact_case, geometry, answers.back(), rule, options.tolerance);
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
     geometries.push_back({{"load_N", load_N},
@@ -151,6 +155,10 @@ void add_predict(CLI::App& app, Action& action) {
   command->add_option("--model", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");
+  command
+      ->add_option("--tolerance", options->tolerance,
+                   "of area and torque, within which an answer is usable, relative; default: 0.1")
+      ->check(CLI::Range(1e-6, 10.));
   command
       ->add_option(
           "--torque-rule", options->torque_rule,

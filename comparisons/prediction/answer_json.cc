@@ -98,6 +98,19 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
       {"error_estimate_remark",
        answer.no_bound.empty() ? nlohmann::json() : nlohmann::json(answer.no_bound)},
       {"cost_ns", answer.cost_ns}};
+  if (answer.assessment) {
+    const auto numbers = [](const std::optional<QuantityErrors>& errors) {
+      if (!errors) return nlohmann::json();
+      nlohmann::json object;
+      for (std::size_t q = 0; q < kQuantities; ++q)
+        object[kQuantityNames[q]] = text::finite_or_null((*errors)[q]);
+      return object;
+    };
+    result["usable"] = answer.assessment->usable;
+    result["error_bound"] = numbers(answer.assessment->bound);
+    result["error_evidence"] = answer.assessment->evidence;
+    result["geometry_error"] = numbers(answer.assessment->geometry);
+  }
   if (answer.deviations) {
     const auto& deviations = *answer.deviations;
     const double arm_m =

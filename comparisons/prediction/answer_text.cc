@@ -70,21 +70,37 @@ std::string describe(const LocalGeometry& geometry) {
   return text;
 }
 
+namespace {
+
+/// "1.8%", one word, of the error against the finger, what the fit leaves open included.
+std::string bound_of(const ModelAnswer& answer, Quantity quantity) {
+  if (!answer.assessment || !answer.assessment->bound) return "?";
+  const auto q = std::size_t(quantity);
+  const double total = (*answer.assessment->bound)[q] + (*answer.assessment->geometry)[q];
+  if (!std::isfinite(total)) return "?";
+  return fmt::format(total < 0.0995 ? "{:.1f}%" : "{:.0f}%", 100 * total);
+}
+
+}  // namespace
+
 std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
-  std::string text = fmt::format(
-      "  {:<19} {:>9} {:>9} {:>9} {:>10} {:>10} {:>12} {:>9} {:>5} {:>9}\n", "model", "a mm",
-      "b mm", "d mm", "peak kPa", "area mm²", "torque mN·m", "e_n mm", "valid", "cost ns");
+  std::string text =
+      fmt::format("  {:<19} {:>9} {:>9} {:>9} {:>10} {:>10} {:>12} {:>9} {:>6} {:>8} {:>6} {:>9}\n",
+                  "model", "a mm", "b mm", "d mm", "peak kPa", "area mm²", "torque mN·m", "e_n mm",
+                  "area ±", "torque ±", "usable", "cost ns");
   std::string remarks;
   for (const ModelAnswer& answer : answers) {
     const Prediction& p = answer.prediction;
     const std::string name(answer.model->card().name);
     if (p.has_answer) {
       text += fmt::format(
-          "  {:<19} {:>9.4g} {:>9.4g} {:>9.4g} {:>10.4g} {:>10.4g} {:>12.4g} {:>9.4g} {:>5} "
-          "{:>9.0f}\n",
+          "  {:<19} {:>9.4g} {:>9.4g} {:>9.4g} {:>10.4g} {:>10.4g} {:>12.4g} {:>9.4g} {:>6} {:>8} "
+          "{:>6} {:>9.0f}\n",
           name, p.a_m * 1e3, p.b_m * 1e3, p.indentation_m * 1e3, p.peak_pressure_Pa * 1e-3,
           p.area_m2() * 1e6, answer.friction_ellipsoid(rule).max_torque_Nm() * 1e3,
-          answer.eccentricity_m(rule) * 1e3, p.valid() ? "yes" : "no", answer.cost_ns);
+          answer.eccentricity_m(rule) * 1e3, bound_of(answer, Quantity::area),
+          bound_of(answer, Quantity::max_torque),
+          answer.assessment && answer.assessment->usable ? "yes" : "no", answer.cost_ns);
     } else {
       text += fmt::format("  {:<19} {:>9}\n", name, "no answer");
     }

@@ -33,6 +33,14 @@ struct SampledGapResult {
   Changes changes_by_rounding;
 };
 
+/// How far an answer is from the finger itself, as `judgement::assess` finds it.
+struct Assessment {
+  bool usable = false;  ///< area and torque are within the tolerance, geometry included
+  std::optional<QuantityErrors> bound;     ///< of |relative error| against the full reference
+  std::optional<QuantityErrors> geometry;  ///< what the fit of the radii adds, NaN: not known
+  std::string evidence;                    ///< for the bound, or why there is none
+};
+
 /// The answer of one model at one load, and the time that it takes.
 struct ModelAnswer {
   const PressureModel* model = nullptr;
@@ -49,6 +57,7 @@ struct ModelAnswer {
   /// Bounds of the |relative errors|, or in words why there are none.
   std::optional<QuantityErrors> error_bound;
   std::string no_bound;
+  std::optional<Assessment> assessment;  ///< where it was asked for
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m

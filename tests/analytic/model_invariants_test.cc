@@ -205,6 +205,11 @@ RC_GTEST_PROP(ModelInvariants, LargerLoadsMakeLargerContactsAndTorqueArms, ()) {
     heavier.load.normal_force_N *= factor;
     const Prediction other = model->predict(heavier);
     if (!one.has_answer) continue;
+    // A model that solves may refuse the heavier contact, in words. A closed form has no reason to.
+    if (!other.has_answer && !model->card().hot_path) {
+      RC_ASSERT(other.validity.begin() != other.validity.end());
+      continue;
+    }
     RC_ASSERT(other.a_m > one.a_m);
     RC_ASSERT(other.b_m > one.b_m);
     RC_ASSERT(other.indentation_m > one.indentation_m);

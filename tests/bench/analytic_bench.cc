@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 
+#include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/math/elliptic_integrals.h"
@@ -162,6 +163,14 @@ int main(int argc, char** argv) {
   for (const double q : {1.0, 0.25, 1e-8})
     benchmark::RegisterBenchmark(("elliptic_integrals/q:" + std::to_string(q)).c_str(),
                                  [=](benchmark::State& state) { integrals(state, q); });
+  for (const char* name : {"hertz", "bonded_layer"})
+    benchmark::RegisterBenchmark(("error_bound/" + std::string(name)).c_str(),
+                                 [name](benchmark::State& state) {
+                                   const PressureModel& model = *find_pressure_model(name);
+                                   const ContactProblem problem = fingertip(4);
+                                   for ([[maybe_unused]] auto _ : state)
+                                     benchmark::DoNotOptimize(error_bound(model, problem, {1, 1}));
+                                 });
   benchmark::RegisterBenchmark("fit_quadric/points:200", fit);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

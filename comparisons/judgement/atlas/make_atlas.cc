@@ -249,7 +249,8 @@ std::vector<AtlasRun> random_fingers(int count, unsigned seed) {
   while (int(runs.size()) < count) {
     AtlasRun run;
     run.kind = AtlasKind::finger;
-    run.poisson_ratio = draws.poisson_ratio();
+    // Few foams would be drawn by the stiffness alone.
+    run.poisson_ratio = draws.between(0, 1) < 0.5 ? draws.between(0, 0.5) : draws.poisson_ratio();
     run.radii_ratio = draws.between(0, 1) < 1. / 3 ? 1 : draws.logarithmic(1, 20);
     run.thickness_over_radius = draws.logarithmic(0.005, 0.6);
     run.s = draws.logarithmic(0.02, 20);

@@ -1,0 +1,130 @@
+#include "comparisons/judgement/assessment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "softfinger/input/constants.h"
+
+namespace softfinger::judgement {
+namespace {
+
+using prediction::Assessment;
+using prediction::Quantity;
+using prediction::QuantityErrors;
+
+/// Standard deviations to a bound of 95 %.
+constexpr double kTwoSided = 2;
+
+/// Curvatures of a body along the contact's axes.
+struct Curvatures {
+  double x_per_m = 0, y_per_m = 0;
+};
+
+/// @param turn_rad  from the body's x axis to the contact's
+Curvatures curvatures_of(const input::CaseBody& body, const std::optional<QuadricFit>& fit,
+                         double turn_rad) {
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  if (const auto* sphere = std::get_if<input::SphereBody>(&body))
+    return {1 / sphere->radius_m, 1 / sphere->radius_m};
+  if (const auto* quadric = std::get_if<input::QuadricBody>(&body)) {
+    const double x = 1 / quadric->radius_x_m, y = 1 / quadric->radius_y_m;
+    return {x * c * c + y * s * s, x * s * s + y * c * c};
+  }
+  if (!fit) return {};
+  const auto along = [&](double x, double y) {
+    return 2 * (fit->quadric.A_per_m * x * x + fit->quadric.B_per_m * y * y +
+                fit->quadric.C_per_m * x * y);
+  };
+  return {along(c, s), along(-s, c)};
+}
+
+/// Round-off and the fit leave a share of 1 + 1e-4 of a finger on a plane.
+double settled(double share) {
+  constexpr double kSlack = 1e-3;
+  return share > 1 - kSlack && share < 1 + kSlack ? 1 : std::abs(share) < kSlack ? 0 : share;
+}
+
+const char* reason_without_bound(const input::Case& contact_case,
+                                 const prediction::ModelAnswer& answer) {
+  if (!answer.prediction.has_answer) return "the model has no answer";
+  if (answer.sampled) return "bounds are known for the fitted quadric, not for a sampled gap";
+  if (!contact_case.sublayers.empty()) return "bounds are known for homogeneous layers only";
+  if (!contact_case.fem_mesh.empty()) return "no bounds are known for layers of a user's own mesh";
+  if (contact_case.fem_finite && (contact_case.fem_finite->material != "neo_hookean" ||
+                                  contact_case.fem_finite->volumetric != "quadratic"))
+    return "bounds are known for neo-Hookean layers of quadratic volume energy only";
+  if (std::string_view(answer.model->card().name) == "power_law")
+    return "a measured law holds for the finger that it was measured on";
+  return nullptr;
+}
+
+/// What the fit of the radii leaves open.
+QuantityErrors geometry_error(const prediction::ModelAnswer& answer) {
+  QuantityErrors error;
+  error.fill(answer.deviations ? kNaN : 0);
+  if (!answer.deviations) return error;
+  const Prediction& prediction = answer.prediction;
+  const double a = kTwoSided * answer.deviations->a_m / prediction.a_m;
+  const double b = kTwoSided * answer.deviations->b_m / prediction.b_m;
+  error[std::size_t(Quantity::a)] = a;
+  error[std::size_t(Quantity::b)] = b;
+  error[std::size_t(Quantity::area)] = a + b;
+  error[std::size_t(Quantity::max_torque)] =
+      kTwoSided * answer.deviations->arm_exact_m / prediction.torque_arm_exact_m;
+  return error;
+}
+
+}  // namespace
+
+FingerShare finger_share(const input::Case& contact_case,
+                         const prediction::LocalGeometry& geometry) {
+  const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
+  if (!pair) return {};
+  const std::optional<QuadricFit> none;
+  const auto& patch = geometry.patch;
+  const double axis_rad = geometry.radii.axis_rad;
+  const Curvatures finger =
+      contact_case.layer_on_object
+          ? curvatures_of(pair->object, patch ? patch->object_fit : none,
+                          axis_rad - pair->angle_rad)
+          : curvatures_of(pair->finger, patch ? patch->finger_fit : none, axis_rad);
+  return {settled(finger.x_per_m * geometry.radii.major_m),
+          settled(finger.y_per_m * geometry.radii.minor_m)};
+}
+
+Assessment assess(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                  const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
+                  double tolerance) {
+  Assessment result;
+  if (answer.prediction.has_answer) result.geometry = geometry_error(answer);
+  if (const char* reason = reason_without_bound(contact_case, answer)) {
+    result.evidence = reason;
+    return result;
+  }
+  Prediction told = answer.prediction;
+  // The bound is of the torque that is told, whichever rule it comes from.
+  told.torque_arm_exact_m = answer.eccentricity_m(rule);
+  const ErrorBound bound = error_bound(answer.problem, told, finger_share(contact_case, geometry));
+  if (!bound.known) {
+    result.evidence = bound.outside;
+    return result;
+  }
+  result.bound = bound.bound;
+  result.evidence =
+      "this model against bonded_layer, and how far that is from whole fingers at finite strain, "
+      "fitted to finite-element runs: 95 % lie inside";
+  const auto total = [&](Quantity quantity) {
+    return bound.bound[std::size_t(quantity)] + (*result.geometry)[std::size_t(quantity)];
+  };
+  // NaN is not usable.
+  result.usable = total(Quantity::area) <= tolerance && total(Quantity::max_torque) <= tolerance;
+  if (!(std::max((*result.geometry)[std::size_t(Quantity::area)],
+                 (*result.geometry)[std::size_t(Quantity::max_torque)]) <= tolerance))
+    result.evidence +=
+        "; the mesh does not determine the contact: a finer scan, another point or a larger load "
+        "would";
+  return result;
+}
+
+}  // namespace softfinger::judgement

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "softfinger/accuracy/error_bound.h"
+
+/// The one place that says whether a model's answer is usable without finite elements: its bounds
+/// against the finger itself, and what the geometry leaves open.
+namespace softfinger::judgement {
+
+/// The finger's part of the relative curvature, by the bodies of a case: 0 for radii alone, which
+/// stand for a flat layer. The body with the layer is the finger.
+FingerShare finger_share(const input::Case& contact_case,
+                         const prediction::LocalGeometry& geometry);
+
+/// @param answer     of the case's contact, with `deviations` if a body is a mesh
+/// @param rule       by which the torque is told
+/// @param tolerance  of area and torque, relative
+prediction::Assessment assess(const input::Case& contact_case,
+                              const prediction::LocalGeometry& geometry,
+                              const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
+                              double tolerance);
+
+}  // namespace softfinger::judgement

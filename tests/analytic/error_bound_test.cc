@@ -1,0 +1,75 @@
+// Bounds against the finger: where they are known, what they grow with, and that they cost nothing.
+#include "softfinger/accuracy/error_bound.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "softfinger/accuracy/finger_departure.h"
+#include "tests/allocation_counter.h"
+
+namespace softfinger {
+namespace {
+
+ContactProblem contact(double load_N, double nu = 0.45, double radius_m = 0.01) {
+  return {{radius_m, radius_m, 0}, {0.002, 3e5, nu}, {load_N, 0.5}, {}, {}};
+}
+
+constexpr std::size_t kTorque = 5;
+
+TEST(ErrorBound, IsSmallForALayerAndLargeForAHalfSpaceOnAThinOne) {
+  const ErrorBound layer = error_bound(*find_pressure_model("bonded_layer"), contact(2));
+  const ErrorBound hertz = error_bound(*find_pressure_model("hertz"), contact(2));
+  ASSERT_TRUE(layer.known && hertz.known);
+  EXPECT_LT(layer.bound[kTorque], 0.05);
+  EXPECT_GT(hertz.bound[kTorque], 0.1);
+  EXPECT_GT(hertz.expected[kTorque], 0.1) << "a half-space is softer";
+}
+
+TEST(ErrorBound, VanishesWithTheLoadUpToTheScatterOfTheElements) {
+  const PressureModel& layer = *find_pressure_model("bonded_layer");
+  const ErrorBound light = error_bound(layer, contact(1e-6, 0.45, 0.5), {1, 1});
+  ASSERT_TRUE(light.known);
+  for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
+    EXPECT_LT(std::abs(light.expected[q]), 1e-3) << q;
+    EXPECT_LT(light.bound[q], kDepartureFits[q].width_least + 2e-3) << q;
+  }
+  // A firmer press may move one quantity through zero, but widens every bound's own width.
+  const ErrorBound firm = error_bound(layer, contact(3), {1, 1});
+  for (std::size_t q = 0; q < kBoundedQuantities; ++q)
+    EXPECT_GE(firm.bound[q] - std::abs(firm.expected[q]),
+              light.bound[q] - std::abs(light.expected[q]));
+}
+
+TEST(ErrorBound, SaysWhereNothingIsKnown) {
+  const PressureModel& layer = *find_pressure_model("bonded_layer");
+  const auto reason = [&](const ContactProblem& problem, const FingerShare& share = {}) {
+    const ErrorBound bound = error_bound(layer, problem, share);
+    EXPECT_FALSE(bound.known);
+    return std::string(bound.outside);
+  };
+  EXPECT_NE(reason(contact(2), {1.5, 1}).find("hollow"), std::string::npos);
+  EXPECT_NE(reason(contact(2), {NAN, 1}).find("hollow"), std::string::npos);
+  ContactProblem slender = contact(0.1);
+  slender.radii = {0.3, 0.01, 0};
+  EXPECT_NE(reason(slender).find("R'/R''"), std::string::npos);
+  EXPECT_NE(reason(contact(1000)).find("not known"), std::string::npos);
+  ContactProblem two = contact(1);
+  two.object_layer = two.layer;
+  EXPECT_NE(reason(two).find(""), std::string::npos);
+  EXPECT_FALSE(error_bound(layer, contact(std::numeric_limits<double>::infinity())).known);
+}
+
+TEST(ErrorBound, NeverAllocates) {
+  const PressureModel& hertz = *find_pressure_model("hertz");
+  error_bound(hertz, contact(1));
+  const std::size_t before = testing::allocations();
+  const ErrorBound bound = error_bound(hertz, contact(1.5), {1, 1});
+  EXPECT_EQ(testing::allocations(), before);
+  EXPECT_TRUE(bound.known);
+}
+
+}  // namespace
+}  // namespace softfinger

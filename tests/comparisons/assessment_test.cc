@@ -1,0 +1,133 @@
+// Whether a model's answer is usable, as predict says it without finite elements.
+#include "comparisons/judgement/assessment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "comparisons/judgement/atlas/fit_departure.h"
+#include "comparisons/system/files.h"
+
+namespace softfinger {
+namespace {
+
+using prediction::Assessment;
+using prediction::Quantity;
+using prediction::TorqueRule;
+
+std::string assessed_case_text(const std::string& geometry, const std::string& rest = "") {
+  return "id = \"x\"\n[geometry]\n" + geometry +
+         "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"
+         "[contact]\nload_N = 2\nfriction_coefficient = 0.5\n" +
+         rest;
+}
+
+struct Asked {
+  input::Case contact_case;
+  prediction::LocalGeometry geometry;
+  prediction::ModelAnswer answer;
+
+  Asked(const std::string& text, const char* model)
+      : contact_case(input::parse_case(text, "x.toml")),
+        geometry(prediction::GeometryResolver(contact_case).resolve(2)),
+        answer(prediction::ask_model(*find_pressure_model(model), contact_case, geometry.radii, 2,
+                                     0)) {}
+  Assessment assess(double tolerance = 0.1, TorqueRule rule = TorqueRule::exact) const {
+    return judgement::assess(contact_case, geometry, answer, rule, tolerance);
+  }
+  FingerShare share() const { return judgement::finger_share(contact_case, geometry); }
+};
+
+double torque_bound(const Assessment& assessment) {
+  return (*assessment.bound)[std::size_t(Quantity::max_torque)];
+}
+
+TEST(FingerShare, FollowsFromTheBodies) {
+  const auto share = [](const std::string& geometry) {
+    return Asked(assessed_case_text(geometry), "hertz").share();
+  };
+  const FingerShare plane = share("finger.radii_mm = [20, 9]\nobject.radii_mm = [inf, inf]");
+  EXPECT_EQ(plane.x, 1);
+  EXPECT_EQ(plane.y, 1);
+  const FingerShare ball = share("finger.radii_mm = [inf, inf]\nobject.sphere_radius_mm = 8");
+  EXPECT_EQ(ball.x, 0);
+  EXPECT_EQ(ball.y, 0);
+  EXPECT_EQ(share("relative_radii_mm = [20, 9]").x, 0) << "a flat layer";
+  // Crossed cylinders: the gap is as curved along x by the object as along y by the finger.
+  const FingerShare crossed =
+      share("finger.radii_mm = [inf, 9]\nobject.radii_mm = [inf, 12]\nangle_deg = 90");
+  EXPECT_NEAR(crossed.x + crossed.y, 1, 1e-12);
+  EXPECT_NEAR(crossed.y, 1, 1e-12) << "the short axis lies along the finger's smaller radius";
+  const FingerShare both = share("finger.radii_mm = [20, 10]\nobject.sphere_radius_mm = 30");
+  EXPECT_NEAR(both.x, (1 / 20.) / (1 / 20. + 1 / 30.), 1e-12);
+  EXPECT_NEAR(both.y, (1 / 10.) / (1 / 10. + 1 / 30.), 1e-12);
+}
+
+TEST(Assessment, SaysUsableWithinTheToleranceOnly) {
+  const Asked layer(assessed_case_text("finger.radii_mm = [20, 9]\nobject.radii_mm = [inf, inf]"),
+                    "bonded_layer");
+  const Assessment found = layer.assess();
+  ASSERT_TRUE(found.bound);
+  EXPECT_TRUE(found.usable);
+  EXPECT_FALSE(layer.assess(1e-3).usable);
+  const double area = (*found.bound)[std::size_t(Quantity::area)];
+  EXPECT_FALSE(layer.assess(0.99 * std::max(area, torque_bound(found))).usable);
+  EXPECT_TRUE(layer.assess(1.01 * std::max(area, torque_bound(found))).usable);
+  EXPECT_EQ((*found.geometry)[0], 0) << "typed radii are exact";
+}
+
+TEST(Assessment, IsOfTheTorqueThatIsTold) {
+  const Asked slender(assessed_case_text("relative_radii_mm = [90, 10]"), "bonded_layer");
+  const double ratio =
+      slender.answer.prediction.torque_arm_paper_m / slender.answer.prediction.torque_arm_exact_m;
+  ASSERT_LT(ratio, 0.9);
+  EXPECT_GT(torque_bound(slender.assess(0.1, TorqueRule::paper)), 1 - ratio - 0.05);
+  EXPECT_LT(torque_bound(slender.assess()), 0.05);
+}
+
+TEST(Assessment, SaysWhyThereIsNoBound) {
+  const std::string pad = "relative_radii_mm = [20, 10]";
+  EXPECT_NE(Asked(assessed_case_text(pad), "power_law").assess().evidence.find("no answer"),
+            std::string::npos);
+  const Assessment rubber =
+      Asked("id = \"x\"\n[geometry]\n" + pad +
+                "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"
+                "volumetric = \"logarithmic\"\n[contact]\nload_N = 2\nfriction_coefficient = 0.5\n"
+                "[fem]\nkinematics = \"finite\"\n",
+            "hertz")
+          .assess();
+  EXPECT_FALSE(rubber.bound || rubber.usable);
+  EXPECT_NE(rubber.evidence.find("neo-Hookean"), std::string::npos);
+}
+
+TEST(Assessment, HoldsTheRunsThatItWasFittedTo) {
+  const std::string file = SOFTFINGER_FINGERS;
+  const judgement::AtlasFile runs =
+      judgement::parse_atlas(system::read_text_file(file), "fingers.csv");
+  const auto tests = judgement::test_departure(runs);
+  EXPECT_GE(tests.size(), 6u);
+  for (const auto& [model, test] : tests) {
+    EXPECT_GT(test.runs, 100u) << model;
+    for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
+      EXPECT_GE(test.inside[q], 0.95) << model << ' ' << prediction::kQuantityNames[q];
+      EXPECT_LE(test.ratio[q], 3) << model << ' ' << prediction::kQuantityNames[q];
+    }
+  }
+}
+
+TEST(Assessment, IsMadeFromTheseRuns) {
+  judgement::AtlasFile runs = judgement::parse_atlas(
+      system::read_text_file(std::string(SOFTFINGER_FINGERS)), "fingers.csv");
+  const auto& known = judgement::finite_strain_atlas().file().runs;
+  runs.runs.insert(runs.runs.end(), known.begin(), known.end());
+  const judgement::FittedDeparture fitted = judgement::fit_departure(runs);
+  for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
+    // Six digits are in the table; the normal equations of 36 terms cost some of them.
+    EXPECT_NEAR(fitted.fits[q].width_least, kDepartureFits[q].width_least, 1e-4);
+    EXPECT_NEAR(fitted.fits[q].width_per_size, kDepartureFits[q].width_per_size, 1e-4);
+  }
+}
+
+}  // namespace
+}  // namespace softfinger
