@@ -14,7 +14,8 @@ namespace softfinger::judgement {
 FingerShare finger_share(const input::Case& contact_case,
                          const prediction::LocalGeometry& geometry);
 
-/// @param answer     of the case's contact, with `deviations` if a body is a mesh
+/// @param answer     of the case's contact; where a body is a mesh, with the `deviations` of a fast
+/// model
 /// @param rule       by which the torque is told
 /// @param tolerance  of area and torque, relative
 prediction::Assessment assess(const input::Case& contact_case,

@@ -86,6 +86,23 @@ TEST(Assessment, IsOfTheTorqueThatIsTold) {
   EXPECT_LT(torque_bound(slender.assess()), 0.05);
 }
 
+TEST(Assessment, AddsWhatTheMeshLeavesOpenForSlowModelsToo) {
+  const std::string pad = assessed_case_text(
+      "finger = { mesh = \"shadow_like_pad.stl\", point_mm = [0, -7, 0], normal = [0, -1, 0] }\n"
+      "object.radii_mm = [inf, inf]");
+  const auto torque = std::size_t(Quantity::max_torque);
+  Asked fast(pad, "bonded_layer");
+  ASSERT_TRUE(fast.geometry.patch);
+  prediction::propagate_radii_uncertainty(fast.geometry.patch->relative, fast.answer);
+  const Asked slow(pad, "layer_fft");
+  const Assessment one = fast.assess(), other = slow.assess();
+  EXPECT_GT((*one.geometry)[torque], 0);
+  EXPECT_EQ((*one.geometry)[torque], (*other.geometry)[torque]);
+  EXPECT_TRUE(std::isnan((*one.geometry)[std::size_t(Quantity::indentation)])) << "not known";
+  const double total = torque_bound(one) + (*one.geometry)[torque];
+  EXPECT_FALSE(fast.assess(0.99 * total).usable);
+}
+
 TEST(Assessment, SaysWhyThereIsNoBound) {
   const std::string pad = "relative_radii_mm = [20, 10]";
   EXPECT_NE(Asked(assessed_case_text(pad), "power_law").assess().evidence.find("no answer"),
