@@ -56,9 +56,9 @@ class FrictionalPressing {
   ShearedContact sheared() const;
   /// Where the surface lies deformed. Slip is that since the contact was pressed.
   RubbedSurface surface() const;
-  /// Of Newton's method, and factorisations among them, so far.
   /// Why the latest motion or slide that went not all the way stopped.
   const std::string& failure() const { return failure_; }
+  /// Of Newton's method, and factorisations among them, so far.
   int iterations() const { return iterations_; }
   int factorisations() const { return factorisations_; }
 
