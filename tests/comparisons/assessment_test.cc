@@ -2,12 +2,16 @@
 #include "comparisons/judgement/assessment.h"
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "comparisons/judgement/atlas/fit_departure.h"
 #include "comparisons/system/files.h"
+#include "meshes/io/read_surface.h"
+#include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger {
 namespace {
@@ -87,9 +91,16 @@ TEST(Assessment, IsOfTheTorqueThatIsTold) {
 }
 
 TEST(Assessment, AddsWhatTheMeshLeavesOpenForSlowModelsToo) {
-  const std::string pad = assessed_case_text(
-      "finger = { mesh = \"shadow_like_pad.stl\", point_mm = [0, -7, 0], normal = [0, -1, 0] }\n"
-      "object.radii_mm = [inf, inf]");
+  // Long-edged facets, so that the fitted radii are uncertain.
+  const double R = 0.012;
+  std::string folder = ::testing::TempDir() + "/softfinger-assessment-XXXXXX";
+  ASSERT_TRUE(mkdtemp(folder.data()));
+  meshes::write_stl_mm(meshes::triangulated_ellipsoid({2 * R, R, R}, {0, 0, 0}, 16),
+                       folder + "/finger.stl");
+  const std::string pad =
+      assessed_case_text("finger = { mesh = \"" + folder +
+                         "/finger.stl\", point_mm = [0, -12, 0], normal = [0, -1, 0] }\n"
+                         "object.radii_mm = [inf, inf]");
   const auto torque = std::size_t(Quantity::max_torque);
   Asked fast(pad, "bonded_layer");
   ASSERT_TRUE(fast.geometry.patch);
@@ -101,6 +112,7 @@ TEST(Assessment, AddsWhatTheMeshLeavesOpenForSlowModelsToo) {
   EXPECT_TRUE(std::isnan((*one.geometry)[std::size_t(Quantity::indentation)])) << "not known";
   const double total = torque_bound(one) + (*one.geometry)[torque];
   EXPECT_FALSE(fast.assess(0.99 * total).usable);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Assessment, SaysWhyThereIsNoBound) {
