@@ -28,6 +28,7 @@ using exporting::SoftContact;
 
 struct ExportOptions {
   std::string case_file, to, model = "bonded_layer", load, load_range, fit = "nominal";
+  double tolerance = 0.1;
   bool json = false;
 };
 
@@ -100,7 +101,22 @@ struct Export {
   }
 };
 
-nlohmann::json to_json(const Export& made, const std::string& fit) {
+/// "±4.2 %", "±?" where it is not known.
+std::string short_error(const LoadPoint& point) {
+  const double error = point.error_bound();
+  if (!std::isfinite(error)) return "±?";
+  return fmt::format(error < 0.0995 ? "±{:.1f} %" : "±{:.0f} %", 100 * error);
+}
+
+/// "±4.2 % of the finger's", or why that is not known.
+std::string error_in_words(const LoadPoint& point) {
+  const std::string error = short_error(point);
+  return point.assessment.bound && point.assessment.determined
+             ? error + " of the finger's"
+             : error + ": " + point.assessment.evidence;
+}
+
+nlohmann::json to_json(const Export& made, const std::string& fit, double tolerance) {
   const ContactCurve& curve = made.curve;
   nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array();
   for (const auto& [name, value] : made.lines.values) values[name] = text::finite_or_null(value);
@@ -113,7 +129,9 @@ nlohmann::json to_json(const Export& made, const std::string& fit) {
           text::finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
          {"simulator_eccentricity_m", text::finite_or_null(made.eccentricity_m(point.load_N))},
          {"relative_error", text::finite_or_null(made.errors[i])},
-         {"valid", point.valid()}});
+         {"valid", point.valid(tolerance)},
+         {"usable", point.error_bound() <= tolerance},
+         {"error_bound", text::finite_or_null(point.error_bound())}});
   }
   return {{"case", curve.case_id},
           {"simulator", made.simulator.name},
@@ -124,6 +142,8 @@ nlohmann::json to_json(const Export& made, const std::string& fit) {
           {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
           {"friction_coefficient", curve.friction_coefficient},
           {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
+          {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
+          {"error_evidence", curve.nominal.assessment.evidence},
           {"load_exponent", text::finite_or_null(curve.load_exponent)},
           {"simulator_load_exponent", made.simulator.load_exponent},
           {"lines", made.lines.text},
@@ -141,13 +161,14 @@ std::string to_text(const Export& made) {
           ? title + " keeps it constant"
           : fmt::format("in {} with P^{:g}", title, made.simulator.load_exponent);
   std::string text = fmt::format(
-      "{} for {:.4g} N, by {}: e_n {:.4g} mm, largest torque {:.4g} mN·m; e_n goes with P^{:.3f} "
-      "there, {}\n{}: {}\n\n{}\n",
+      "{} for {:.4g} N, by {}: e_n {:.4g} mm ({}), largest torque {:.4g} mN·m; e_n goes with "
+      "P^{:.3f} there, {}\n{}: {}\n\n{}\n",
       title, curve.nominal.load_N, curve.model, curve.nominal.eccentricity_m * 1e3,
+      error_in_words(curve.nominal),
       curve.friction_coefficient * curve.nominal.load_N * curve.nominal.eccentricity_m * 1e3,
       curve.load_exponent, growth, title, made.simulator.law, made.lines.text);
   text += fmt::format("  {:>9} {:>12} {:>9} {:>16} {:>13} {:>6}\n", "load N", "torque mN·m",
-                      "e_n mm", "e_n there mm", "its torque %", "valid");
+                      "e_n mm", "e_n there mm", "its torque %", "e_n ±");
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const LoadPoint& point = curve.points[i];
     text += fmt::format("  {:>9.4g} {:>12.4g} {:>9.4g} {:>16.4g} {:>+13.1f} {:>6}\n", point.load_N,
@@ -155,7 +176,7 @@ std::string to_text(const Export& made) {
                         point.eccentricity_m * 1e3, made.eccentricity_m(point.load_N) * 1e3,
                         // A value that rounds to zero is printed without a sign.
                         std::abs(made.errors[i]) < 5e-4 ? 0.0 : made.errors[i] * 100,
-                        point.valid() ? "yes" : "no");
+                        short_error(point));
   }
   text += fmt::format("Worst over {:g} to {:g} N: {:+.1f} % of the torque, at {:.4g} N\n",
                       curve.points.front().load_N, curve.points.back().load_N,
@@ -172,17 +193,20 @@ int run_export(const ExportOptions& options) {
   const auto loads = choose_loads(contact_case.loads_N, choice);
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
-  const ContactCurve curve = ask_contact_curve(contact_case, resolver, model, loads);
+  const ContactCurve curve =
+      ask_contact_curve(contact_case, resolver, model, loads, options.tolerance);
   const Export made(simulator, curve,
                     options.fit == "range" ? exporting::Fit::range : exporting::Fit::nominal);
   for (const LoadPoint& point : curve.points)
-    if (!point.valid()) {
-      remark(fmt::format("{} does not hold everywhere, at {:.4g} N for one: {}", curve.model,
-                         point.load_N, point.objection));
+    if (!(point.error_bound() <= options.tolerance)) {
+      remark(fmt::format(
+          "{} is not known to be within {:g} % everywhere, at {:.4g} N for one: {}{}", curve.model,
+          100 * options.tolerance, point.load_N, error_in_words(point),
+          point.assessment.determined && !point.objection.empty() ? "; " + point.objection : ""));
       break;
     }
   if (options.json)
-    system::write_to_stdout(to_json(made, options.fit).dump(2) + "\n");
+    system::write_to_stdout(to_json(made, options.fit, options.tolerance).dump(2) + "\n");
   else
     system::write_text_to_stdout(prediction::describe(contact_case) + "\n" + to_text(made));
   return 0;
@@ -217,6 +241,10 @@ void add_export(CLI::App& app, Action& action) {
           "\"nominal\" (default): exact at the nominal load; \"range\": the smallest worst "
           "error over the range")
       ->check(CLI::IsMember({"nominal", "range"}));
+  command
+      ->add_option("--tolerance", options->tolerance,
+                   "of the torque, within which an answer is usable, relative; default: 0.1")
+      ->check(CLI::Range(1e-6, 10.));
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "

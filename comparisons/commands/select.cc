@@ -44,13 +44,14 @@ std::vector<std::string> allowed_models(const std::string& typed) {
   return names;
 }
 
-/// e_n by the finite elements at six loads, evenly spaced in ln P.
+/// e_n by finite elements of a flat layer at finite strain at six loads, evenly spaced in ln P.
 judgement::FemEccentricity fem_table(const ContactProblem& problem, double least_N,
                                      double largest_N) {
   constexpr int kLoads = 6;
   input::Case contact;
   contact.id = "contact";
   contact.layer = problem.layer;
+  contact.fem_finite = input::FiniteStrain{};
   contact.friction_coefficient = problem.load.friction_coefficient;
   prediction::LocalGeometry geometry;
   geometry.radii = problem.radii;
@@ -132,7 +133,7 @@ int run_select(SelectOptions options) {
     judgement::LoadChoice& load = loads.emplace_back();
     load.geometry = resolver.resolve(load_N);
     load.problem = contact_case.problem(load.geometry.radii, load_N);
-    load.choice = judgement::choose_model(contact_case, load.problem, options.selection);
+    load.choice = judgement::choose_model(contact_case, load.geometry, load_N, options.selection);
     choices.push_back(to_json(load.choice));
     text += table(load.choice, options.selection);
   }
@@ -190,10 +191,9 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "For a scene: which contacts can be points, ellipsoids or exact limit surfaces, and with\n"
       "which model. It measures how much of its friction limit each contact uses, and how much\n"
       "the simpler models change the motion.\n"
-      "Stated errors are bounds from the error atlas, some 400 finite-element runs: |error| "
-      "interpolated\n"
-      "between them, plus half its spread among neighbours, plus a quarter of the error that the\n"
-      "finite elements state.\n"
+      "Stated errors are bounds against the finger itself, curved and at finite strain, fitted to\n"
+      "finite-element runs: 95 % of them lie inside. What the fit of a mesh leaves open is added.\n"
+      "predict states the same ones. Models that take milliseconds are not asked.\n"
       "Samples:\n"
       "  softfinger select seed_thumb --tolerance 0.05\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.05 --output my_choice\n"

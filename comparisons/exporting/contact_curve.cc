@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/prediction/ask_model.h"
+#include "comparisons/judgement/assessment.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::exporting {
@@ -20,10 +20,11 @@ double middle_of(std::vector<double> loads_N) {
 
 bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 
-LoadPoint ask(const input::Case& contact_case, const RelativeRadii& radii,
-              const PressureModel& model, double load_N) {
-  Prediction prediction = model.predict(contact_case.problem(radii, load_N));
-  prediction::check_homogeneity(contact_case, prediction.validity);
+LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+              const PressureModel& model, double load_N, double tolerance) {
+  const prediction::ModelAnswer answer =
+      prediction::ask_model(model, contact_case, geometry.radii, load_N, 0);
+  const Prediction& prediction = answer.prediction;
   std::string objections;
   for (const ValidityCheck& check : prediction.validity)
     if (!check.holds()) objections += (objections.empty() ? "" : "; ") + std::string(check.message);
@@ -31,7 +32,9 @@ LoadPoint ask(const input::Case& contact_case, const RelativeRadii& radii,
     throw InputError(contact_case.id, "--model", std::string(model.card().name),
                      fmt::format("a model with a torque at {:g} N{}", load_N,
                                  objections.empty() ? "" : " (" + objections + ")"));
-  return {load_N, prediction.torque_arm_exact_m, prediction.indentation_m, objections};
+  return {
+      load_N, prediction.torque_arm_exact_m, prediction.indentation_m, objections,
+      judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, tolerance)};
 }
 
 }  // namespace
@@ -70,14 +73,15 @@ LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice
 
 ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
-                               const PressureModel& model, const LoadRange& loads) {
+                               const PressureModel& model, const LoadRange& loads,
+                               double tolerance) {
   ContactCurve curve;
   curve.case_id = contact_case.id;
   curve.model = std::string(model.card().name);
   curve.friction_coefficient = contact_case.friction_coefficient;
   curve.radii = resolver.resolve(loads.nominal_N).radii;
   const auto at = [&](double load_N) {
-    return ask(contact_case, resolver.resolve(load_N).radii, model, load_N);
+    return ask(contact_case, resolver.resolve(load_N), model, load_N, tolerance);
   };
   curve.nominal = at(loads.nominal_N);
 

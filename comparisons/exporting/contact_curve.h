@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/input/case.h"
+#include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -39,8 +40,14 @@ struct LoadPoint {
   double eccentricity_m = 0;  ///< e_n = max torque / (mu P), (6) of Ciocarlie et al. 2007
   double indentation_m = 0;
   std::string objection;  ///< which assumptions of the model fail there; empty: all hold
+  prediction::Assessment assessment;
 
-  bool valid() const { return objection.empty(); }
+  /// Where a bound is known it decides, as `ModelAnswer::valid`; else no assumption may fail.
+  bool valid(double tolerance) const {
+    return assessment.bound ? error_bound() <= tolerance : objection.empty();
+  }
+  /// Of e_n, relative, what the fit of a mesh leaves open included; NaN where it is not known.
+  double error_bound() const { return assessment.total(prediction::Quantity::max_torque); }
 };
 
 /// The torsional friction limit of a contact against the load, by one model.
@@ -56,9 +63,11 @@ struct ContactCurve {
 };
 
 /// Asks the model at each of these loads, about ten.
+/// @param tolerance  within which the assessments call an answer usable
 /// @throws InputError with the model's reason when it has no answer for one of them.
 ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
-                               const PressureModel& model, const LoadRange& loads);
+                               const PressureModel& model, const LoadRange& loads,
+                               double tolerance);
 
 }  // namespace softfinger::exporting

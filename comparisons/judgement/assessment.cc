@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "softfinger/accuracy/finger_departure.h"
 #include "softfinger/input/constants.h"
 
 namespace softfinger::judgement {
@@ -59,28 +60,33 @@ const char* reason_without_bound(const input::Case& contact_case,
   return nullptr;
 }
 
-/// What the fit of the radii leaves open. A model that is too slow to be asked twenty times gets
-/// that of bonded_layer: it follows from the geometry far more than from the model.
+/// What the fit of the radii leaves open. A model that is too slow to be asked repeatedly gets that
+/// of bonded_layer: it follows from the geometry far more than from the model.
 QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
-                              const prediction::ModelAnswer& asked) {
+                              const prediction::ModelAnswer& asked, prediction::TorqueRule rule) {
   QuantityErrors error;
   error.fill(geometry.patch ? kNaN : 0);
   if (!geometry.patch) return error;
   prediction::ModelAnswer answer = asked;
   if (!answer.deviations) {
-    answer.model = find_pressure_model("bonded_layer");
-    answer.prediction = answer.model->predict(answer.problem);
+    if (!answer.model->card().hot_path) {
+      answer.model = find_pressure_model("bonded_layer");
+      answer.prediction = answer.model->predict(answer.problem);
+    }
     prediction::propagate_radii_uncertainty(geometry.patch->relative, answer);
     if (!answer.deviations) return error;
   }
-  const Prediction& prediction = answer.prediction;
-  const double a = kTwoSided * answer.deviations->a_m / prediction.a_m;
-  const double b = kTwoSided * answer.deviations->b_m / prediction.b_m;
-  error[std::size_t(Quantity::a)] = a;
-  error[std::size_t(Quantity::b)] = b;
-  error[std::size_t(Quantity::area)] = a + b;
-  error[std::size_t(Quantity::max_torque)] =
-      kTwoSided * answer.deviations->arm_exact_m / prediction.torque_arm_exact_m;
+  const Prediction& value = answer.prediction;
+  const prediction::ModelAnswer::Deviations& std = *answer.deviations;
+  const double arm_std_m =
+      rule == prediction::TorqueRule::exact ? std.arm_exact_m : std.arm_paper_m;
+  error = {std.a_m / value.a_m,
+           std.b_m / value.b_m,
+           std.indentation_m / value.indentation_m,
+           std.area_m2 / value.area_m2(),
+           std.peak_pressure_Pa / value.peak_pressure_Pa,
+           arm_std_m / answer.eccentricity_m(rule)};
+  for (double& one : error) one *= kTwoSided;
   return error;
 }
 
@@ -106,7 +112,7 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
                   const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
                   double tolerance) {
   Assessment result;
-  if (answer.prediction.has_answer) result.geometry = geometry_error(geometry, answer);
+  if (answer.prediction.has_answer) result.geometry = geometry_error(geometry, answer, rule);
   if (const char* reason = reason_without_bound(contact_case, answer)) {
     result.evidence = reason;
     return result;
@@ -123,16 +129,34 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   result.evidence =
       "this model against bonded_layer, and how far that is from whole fingers at finite strain, "
       "fitted to finite-element runs: 95 % lie inside";
-  const auto total = [&](Quantity quantity) {
-    return bound.bound[std::size_t(quantity)] + (*result.geometry)[std::size_t(quantity)];
-  };
-  // NaN is not usable.
-  result.usable = total(Quantity::area) <= tolerance && total(Quantity::max_torque) <= tolerance;
-  if (!(std::max((*result.geometry)[std::size_t(Quantity::area)],
-                 (*result.geometry)[std::size_t(Quantity::max_torque)]) <= tolerance))
+  const auto open = [&](Quantity quantity) { return (*result.geometry)[std::size_t(quantity)]; };
+  // NaN is neither.
+  result.determined = open(Quantity::area) <= tolerance && open(Quantity::max_torque) <= tolerance;
+  result.usable =
+      result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;
+  if (!result.determined)
     result.evidence +=
         "; the mesh does not determine the contact: a finer scan, another point or a larger load "
         "would";
+  return result;
+}
+
+Assessment assess_finite_elements(const input::Case& contact_case,
+                                  const prediction::LocalGeometry& geometry, double load_N,
+                                  double tolerance) {
+  // Where a fast model can be assessed the runs lie, by which both are known.
+  Assessment result = assess(contact_case, geometry,
+                             prediction::ask_model(*find_pressure_model("bonded_layer"),
+                                                   contact_case, geometry.radii, load_N, 0),
+                             prediction::TorqueRule::exact, tolerance);
+  if (!result.bound) {
+    result.evidence += "; they state their own error when they have run";
+    return result;
+  }
+  result.bound = kFiniteElementErrors;
+  result.evidence = "95 % of the runs of whole fingers at finite strain stated less";
+  result.usable =
+      result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;
   return result;
 }
 

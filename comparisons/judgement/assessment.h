@@ -14,13 +14,17 @@ namespace softfinger::judgement {
 FingerShare finger_share(const input::Case& contact_case,
                          const prediction::LocalGeometry& geometry);
 
-/// @param answer     of the case's contact; where a body is a mesh, with the `deviations` of a fast
-/// model
+/// @param answer     of the case's contact
 /// @param rule       by which the torque is told
 /// @param tolerance  of area and torque, relative
 prediction::Assessment assess(const input::Case& contact_case,
                               const prediction::LocalGeometry& geometry,
                               const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
                               double tolerance);
+
+/// The same of finite elements of the whole finger that have not run.
+prediction::Assessment assess_finite_elements(const input::Case& contact_case,
+                                              const prediction::LocalGeometry& geometry,
+                                              double load_N, double tolerance);
 
 }  // namespace softfinger::judgement

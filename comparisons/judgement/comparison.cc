@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "comparisons/judgement/assessment.h"
 #include "softfinger/input/constants.h"
 
 namespace softfinger::judgement {
@@ -18,6 +19,8 @@ using prediction::TorqueRule;
 using reference::PressureProfile;
 using Clock = std::chrono::steady_clock;
 
+/// Of the assessments, which say only how far off a model is.
+constexpr double kUsualTolerance = 0.1;
 constexpr double kCostBudget_ns = 1e5;  // per model and load: milliseconds for the whole suite
 
 /// Whether a profile of the model's pressure may be drawn without being felt: some models solve
@@ -49,13 +52,15 @@ ModelComparison compare_model(const PressureModel& model, const Comparison& load
   ModelComparison comparison;
   comparison.answer = prediction::ask_model(model, *load.contact_case, load.geometry.radii,
                                             load.load_N, kCostBudget_ns);
+  if (load.geometry.patch)
+    prediction::propagate_radii_uncertainty(load.geometry.patch->relative, comparison.answer);
+  comparison.answer.assessment = assess(*load.contact_case, load.geometry, comparison.answer,
+                                        TorqueRule::exact, kUsualTolerance);
   if (!comparison.answer.prediction.has_answer) return comparison;
   if (has_cheap_pressure(comparison.answer)) {
     comparison.along_x = profile(comparison.answer, true);
     comparison.along_y = profile(comparison.answer, false);
   }
-  if (load.geometry.patch)
-    prediction::propagate_radii_uncertainty(load.geometry.patch->relative, comparison.answer);
   if (load.reference) comparison.errors = relative_errors(comparison.answer, *load.reference);
   return comparison;
 }
@@ -71,6 +76,13 @@ bool is_applicable(const ModelAnswer& answer) {
 std::optional<double> Comparison::size() const {
   if (!reference) return std::nullopt;
   return std::sqrt(reference->a_m * reference->b_m) / contact_case->layer.thickness_m;
+}
+
+std::optional<prediction::QuantityErrors> Comparison::geometry_error() const {
+  for (const ModelComparison& model : models)
+    if (model.answer.model->card().name == "bonded_layer" && model.answer.assessment)
+      return model.answer.assessment->geometry;
+  return std::nullopt;
 }
 
 RelativeErrors relative_errors(const ModelAnswer& answer,
@@ -132,6 +144,12 @@ LoadErrors errors_of(const Comparison& comparison) {
   errors.fem_finished = comparison.reference.has_value();
   errors.fem_failure = comparison.failure;
   errors.size = comparison.size();
+  if (const auto open = comparison.geometry_error()) {
+    errors.geometry_error = std::max((*open)[std::size_t(prediction::Quantity::area)],
+                                     (*open)[std::size_t(prediction::Quantity::max_torque)]);
+    // What is not known may be anything.
+    if (std::isnan(errors.geometry_error)) errors.geometry_error = kInfinity;
+  }
   if (comparison.reference) {
     errors.stated = comparison.reference->error;
     errors.fem_trusted = reference::is_trusted(errors.stated);

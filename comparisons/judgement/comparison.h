@@ -42,6 +42,8 @@ struct Comparison {
 
   /// sqrt(a b)/h of the reference.
   std::optional<double> size() const;
+  /// What the fit of the radii leaves open; nothing where no model has an answer.
+  std::optional<prediction::QuantityErrors> geometry_error() const;
 };
 
 struct CaseComparison {

@@ -34,6 +34,8 @@ struct LoadErrors {
   std::string fem_failure;
   std::vector<ModelError> models;   ///< the same models in the same order for every load of a case
   std::optional<double> size = {};  ///< sqrt(a b)/h of the reference
+  /// The larger of what the geometry leaves open in area and torque; 0 for exact bodies.
+  double geometry_error = 0;
   reference::ReferenceErrors stated = {};
 };
 

@@ -55,7 +55,9 @@ std::optional<Score> score(const LoadErrors& load, const ModelError& model) {
 
 Judgement judge(const LoadErrors& load, const ModelError& model, double tolerance) {
   if (!load.fem_finished || !model.has_answer) return Judgement::silent;
-  return judge(model.larger(), model.sound, tolerance);
+  const Judgement judgement = judge(model.larger(), model.sound, tolerance);
+  const bool determined = load.geometry_error <= tolerance;
+  return judgement == Judgement::usable && !determined ? Judgement::undetermined : judgement;
 }
 
 std::optional<Score> worst_score(const CaseErrors& errors, const std::string& model) {

@@ -138,6 +138,14 @@ std::string others(const std::vector<Record>& records, const Loads& all) {
                      percent(most));
 }
 
+/// "up to 35 % of area or torque"
+std::string open_in_words(const std::vector<const LoadErrors*>& finished, const Loads& loads) {
+  double largest = 0;
+  for (const std::size_t load : loads) largest = std::max(largest, finished[load]->geometry_error);
+  if (!(largest < 1)) return "all of area or torque";
+  return fmt::format("up to {} of area or torque", percent(largest));
+}
+
 }  // namespace
 
 const char* name_of(VerdictClass verdict_class) {
@@ -148,6 +156,8 @@ const char* name_of(VerdictClass verdict_class) {
       return "mixed";
     case VerdictClass::bad:
       return "bad";
+    case VerdictClass::undetermined:
+      return "undetermined";
     case VerdictClass::failed:
       break;
   }
@@ -216,13 +226,24 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
                           std::back_inserter(left));
       open = left;
     }
+    Loads undetermined, known;
+    for (const std::size_t load : open)
+      (finished[load]->geometry_error > tolerance ? undetermined : known).push_back(load);
+    if (!undetermined.empty())
+      verdict.sentence += fmt::format(
+          "{} mesh does not determine the contact at {}: its radii leave {} open; a finer scan, "
+          "another point or a larger load would",
+          verdict.sentence.empty() ? "The" : "; the", in_words(undetermined),
+          open_in_words(finished, undetermined));
     bool by_accident = false;
-    if (!open.empty())
+    if (!known.empty())
       verdict.sentence += fmt::format("{} model can be relied on at {}: {}",
-                                      verdict.sentence.empty() ? "No" : "; no", in_words(open),
-                                      nearest(records, open, by_accident)) +
+                                      verdict.sentence.empty() ? "No" : "; no", in_words(known),
+                                      nearest(records, known, by_accident)) +
                           "; ask the finite elements there";
-    verdict.verdict_class = best || by_accident ? VerdictClass::mixed : VerdictClass::bad;
+    verdict.verdict_class = best || by_accident ? VerdictClass::mixed
+                            : known.empty()     ? VerdictClass::undetermined
+                                                : VerdictClass::bad;
   }
   if (!doubtful_N.empty())
     verdict.sentence +=

@@ -16,11 +16,12 @@ enum class VerdictClass {
   /// Models are usable at some of the loads only, or one agrees outside its range. The sentence
   /// says which model is usable at which loads, and gives the smallest error at the other loads.
   mixed,
-  bad,    ///< no model is usable at any load
-  failed  ///< the finite elements finished at no load
+  bad,           ///< no model is usable at any load
+  undetermined,  ///< at no load, because the mesh does not determine the contact
+  failed         ///< the finite elements finished at no load
 };
 
-/// "good", "mixed", "bad" or "failed".
+/// "good", "mixed", "bad", "undetermined" or "failed".
 const char* name_of(VerdictClass verdict_class);
 
 struct Verdict {

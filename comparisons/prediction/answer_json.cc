@@ -57,7 +57,8 @@ nlohmann::json vector_json(const Eigen::Vector3d& vector) {
 nlohmann::json to_json(const std::optional<QuantityErrors>& bound) {
   if (!bound) return nullptr;
   nlohmann::json json;
-  for (std::size_t q = 0; q < kQuantities; ++q) json[kQuantityNames[q]] = (*bound)[q];
+  for (std::size_t q = 0; q < kQuantities; ++q)
+    json[kQuantityNames[q]] = text::finite_or_null((*bound)[q]);
   return json;
 }
 
@@ -92,24 +93,17 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
       {"eccentricity_m", number(ellipsoid.eccentricity_m)},
       {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
       {"gap", answer.sampled ? "sampled" : "quadric"},
-      {"valid", prediction.valid()},
+      {"valid", answer.valid()},
       {"validity", to_json(prediction.validity)},
       {"error_estimate", to_json(answer.error_bound)},
       {"error_estimate_remark",
        answer.no_bound.empty() ? nlohmann::json() : nlohmann::json(answer.no_bound)},
       {"cost_ns", answer.cost_ns}};
   if (answer.assessment) {
-    const auto numbers = [](const std::optional<QuantityErrors>& errors) {
-      if (!errors) return nlohmann::json();
-      nlohmann::json object;
-      for (std::size_t q = 0; q < kQuantities; ++q)
-        object[kQuantityNames[q]] = text::finite_or_null((*errors)[q]);
-      return object;
-    };
     result["usable"] = answer.assessment->usable;
-    result["error_bound"] = numbers(answer.assessment->bound);
+    result["error_bound"] = to_json(answer.assessment->bound);
     result["error_evidence"] = answer.assessment->evidence;
-    result["geometry_error"] = numbers(answer.assessment->geometry);
+    result["geometry_error"] = to_json(answer.assessment->geometry);
   }
   if (answer.deviations) {
     const auto& deviations = *answer.deviations;

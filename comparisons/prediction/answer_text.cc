@@ -74,9 +74,7 @@ namespace {
 
 /// "1.8%", one word, of the error against the finger, what the fit leaves open included.
 std::string bound_of(const ModelAnswer& answer, Quantity quantity) {
-  if (!answer.assessment || !answer.assessment->bound) return "?";
-  const auto q = std::size_t(quantity);
-  const double total = (*answer.assessment->bound)[q] + (*answer.assessment->geometry)[q];
+  const double total = answer.assessment ? answer.assessment->total(quantity) : NAN;
   if (!std::isfinite(total)) return "?";
   return fmt::format(total < 0.0995 ? "{:.1f}%" : "{:.0f}%", 100 * total);
 }

@@ -121,17 +121,17 @@ void check_homogeneity(const input::Case& contact_case, Validity& validity) {
 
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
-  const auto deviation = [&](double Prediction::*quantity) {
-    return propagated_std(relative, [&](const RelativeRadii& radii) {
-      ContactProblem problem = answer.problem;
-      problem.radii = radii;
-      const Prediction moved = answer.model->predict(problem);
-      return moved.has_answer ? moved.*quantity : std::numeric_limits<double>::quiet_NaN();
-    });
-  };
-  answer.deviations = {deviation(&Prediction::a_m), deviation(&Prediction::b_m),
-                       deviation(&Prediction::torque_arm_exact_m),
-                       deviation(&Prediction::torque_arm_paper_m)};
+  const Eigen::VectorXd std = propagated_std(relative, [&](const RelativeRadii& radii) {
+    ContactProblem problem = answer.problem;
+    problem.radii = radii;
+    const Prediction moved = answer.model->predict(problem);
+    Eigen::VectorXd quantities(7);
+    quantities << moved.a_m, moved.b_m, moved.indentation_m, moved.area_m2(),
+        moved.peak_pressure_Pa, moved.torque_arm_exact_m, moved.torque_arm_paper_m;
+    if (!moved.has_answer) quantities.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return quantities;
+  });
+  answer.deviations = {std[0], std[1], std[2], std[3], std[4], std[5], std[6]};
 }
 
 }  // namespace softfinger::prediction

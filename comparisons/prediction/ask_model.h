@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,10 +36,18 @@ struct SampledGapResult {
 
 /// How far an answer is from the finger itself, as `judgement::assess` finds it.
 struct Assessment {
-  bool usable = false;  ///< area and torque are within the tolerance, geometry included
+  bool usable = false;      ///< area and torque are within the tolerance, geometry included
+  bool determined = false;  ///< what the geometry leaves open of them is
   std::optional<QuantityErrors> bound;     ///< of |relative error| against the full reference
   std::optional<QuantityErrors> geometry;  ///< what the fit of the radii adds, NaN: not known
   std::string evidence;                    ///< for the bound, or why there is none
+
+  /// Both together, of one quantity; NaN where one is not known.
+  double total(Quantity quantity) const {
+    const auto q = std::size_t(quantity);
+    return bound && geometry ? (*bound)[q] + (*geometry)[q]
+                             : std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 /// The answer of one model at one load, and the time that it takes.
@@ -47,10 +56,11 @@ struct ModelAnswer {
   ContactProblem problem;
   Prediction prediction;
   double cost_ns = 0;  ///< median of repeated calls; slow models are called once
-  /// Standard deviations of a, b and the torque arm (exact, paper) that follow from the uncertainty
-  /// of the fitted radii. Set for meshes and models that are fast enough to be asked repeatedly.
+  /// Standard deviations that follow from the uncertainty of the fitted radii. Set for meshes and
+  /// models that are fast enough to be asked repeatedly.
   struct Deviations {
-    double a_m = 0, b_m = 0, arm_exact_m = 0, arm_paper_m = 0;
+    double a_m = 0, b_m = 0, indentation_m = 0, area_m2 = 0, peak_pressure_Pa = 0;
+    double arm_exact_m = 0, arm_paper_m = 0;
   };
   std::optional<Deviations> deviations;
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
@@ -58,6 +68,11 @@ struct ModelAnswer {
   std::optional<QuantityErrors> error_bound;
   std::string no_bound;
   std::optional<Assessment> assessment;  ///< where it was asked for
+
+  /// Where a bound is known it decides; else none of the model's assumptions may fail.
+  bool valid() const {
+    return assessment && assessment->bound ? assessment->usable : prediction.valid();
+  }
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m
@@ -89,7 +104,7 @@ void check_homogeneity(const input::Case& contact_case, Validity& validity);
 
 /// Sets `deviations` for a fast model that has an answer: to first order, from the covariance of
 /// the fitted R' and R'' (propagated_std). NaN if a neighbouring problem has no answer. Costs
-/// twenty predictions.
+/// five predictions.
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer);
 
 }  // namespace softfinger::prediction

@@ -344,6 +344,7 @@ Html verdict_badge(const Json& report_case) {
   if (verdict == "good") return badge("good", "✓ usable");
   if (verdict == "mixed") return badge("mixed", "◐ partly");
   if (verdict == "bad") return badge("bad", "✕ not usable");
+  if (verdict == "undetermined") return badge("failed", "? the mesh leaves it open");
   return badge("failed", "? no reference");
 }
 

@@ -1,5 +1,6 @@
 #include "comparisons/report/compared_cases.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace softfinger::report {
@@ -26,7 +27,11 @@ judgement::LoadErrors compared_load(const Json& load) {
   errors.fem_finished = !fem.is_null();
   errors.fem_trusted = flag(fem, "trusted");
   errors.fem_failure = text(load, "fem_failure");
-  errors.size = number(child(load, "geometry"), "s");
+  const Json& geometry = child(load, "geometry");
+  errors.size = number(geometry, "s");
+  if (const Json& open = child(geometry, "error"); open.is_object())
+    errors.geometry_error = std::max(number(open, "area").value_or(INFINITY),
+                                     number(open, "max_torque").value_or(INFINITY));
   errors.stated.a = number(stated, "a");
   errors.stated.b = number(stated, "b");
   errors.stated.indentation = number(stated, "indentation");

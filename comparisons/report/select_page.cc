@@ -241,17 +241,17 @@ Html select_body(const Json& selection) {
                sentence(text(choice, "reason"))) +
            candidates_table(selection, choice) + causes_of_case(selection, choice) + "</div>\n";
   out +=
-      "<p class=\"facts\">Stated errors are bounds: |error| interpolated between the "
-      "finite-element runs of the atlas, plus half its change between neighbours, plus the finite "
-      "elements’ own error.</p>\n";
+      "<p class=\"facts\">Stated errors are bounds against the finger itself, curved and at finite "
+      "strain, fitted to finite-element runs of which 95 % lie inside; what the fit of a mesh "
+      "leaves open is added.</p>\n";
   const Json& curve_loads = child(child(selection, "curves"), "load_N");
   if (curve_loads.is_array() && curve_loads.size() > 1)
     out +=
         "<div class=\"charts single\"><figure data-chart=\"sweep\"><figcaption><b>Stated error "
         "over "
         "the load.</b> Where a line crosses the dashed tolerance, another model takes over; thin "
-        "verticals are the case’s loads; where a line is missing, the atlas knows no "
-        "error.</figcaption>"
+        "verticals are the case’s loads; where a line is missing, no error is "
+        "known.</figcaption>"
         "<div class=\"plot\"></div></figure></div>\n";
   out += speed + validity_map_section(selection) + "</section>\n" + error_causes_section(selection);
   if (!text(selection, "case_toml").empty())

@@ -49,6 +49,9 @@ json to_json(const ModelComparison& model) {
   json object = prediction::to_json(answer, TorqueRule::exact, 0);
   object.erase("load_N");
   object.erase("error_estimate");
+  object.erase("error_estimate_remark");
+  // Here it is measured: the verdict says it.
+  object.erase("usable");
   const bool has_answer = answer.prediction.has_answer;
   const double paper_Nm = answer.friction_ellipsoid(TorqueRule::paper).max_torque_Nm();
   object["has_answer"] = has_answer;
@@ -87,6 +90,7 @@ json geometry_json(const Comparison& load) {
     object["radii_std_m"] = {finite_or_null(deviations[0]), finite_or_null(deviations[1])};
   }
   if (const auto size = load.size()) object["s"] = *size;
+  object["error"] = prediction::to_json(load.geometry_error());
   return object;
 }
 

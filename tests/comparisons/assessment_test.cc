@@ -108,8 +108,8 @@ TEST(Assessment, AddsWhatTheMeshLeavesOpenForSlowModelsToo) {
   const Asked slow(pad, "layer_fft");
   const Assessment one = fast.assess(), other = slow.assess();
   EXPECT_GT((*one.geometry)[torque], 0);
-  EXPECT_EQ((*one.geometry)[torque], (*other.geometry)[torque]);
-  EXPECT_TRUE(std::isnan((*one.geometry)[std::size_t(Quantity::indentation)])) << "not known";
+  EXPECT_EQ(*one.geometry, *other.geometry);
+  for (const double open : *one.geometry) EXPECT_GT(open, 0);
   const double total = torque_bound(one) + (*one.geometry)[torque];
   EXPECT_FALSE(fast.assess(0.99 * total).usable);
   std::filesystem::remove_all(folder);

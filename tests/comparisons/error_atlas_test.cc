@@ -10,7 +10,6 @@
 
 #include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
-#include "comparisons/judgement/selection/model_choice.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -370,69 +369,6 @@ TEST(CaseEstimate, HasNoBoundForLayersThatTheAtlasDoesNotKnow) {
   input::Case own_mesh = simple_case();
   own_mesh.fem_mesh = "layer.msh";
   EXPECT_NE(outside(own_mesh).find("mesh"), std::string::npos);
-}
-
-TEST(ModelChoice, ClosedFormsAreRefusedInWordsWhereNoneHolds) {
-  judgement::SelectionOptions options;
-  options.tolerance = 0.05;
-  options.models = {"hertz", "winkler", "thin_incompressible"};
-  const judgement::Choice choice =
-      judgement::choose_model(simple_case(), judgement::problem_of(run_at(0.49, 1, 2)), options);
-  EXPECT_EQ(choice.chosen, -1);
-  EXPECT_NE(choice.reason.find("none"), std::string::npos) << choice.reason;
-  options.models.push_back("bonded_layer");
-  const judgement::Choice with_layer =
-      judgement::choose_model(simple_case(), judgement::problem_of(run_at(0.49, 1, 2)), options);
-  ASSERT_GE(with_layer.chosen, 0);
-  EXPECT_EQ(with_layer.candidates[std::size_t(with_layer.chosen)].model, "bonded_layer");
-}
-
-TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
-  judgement::SelectionOptions options;
-  const ContactProblem problem = judgement::problem_of(run_at(0.3, 2, 0.07));
-  for (const double tolerance : {0.3, 0.1, 0.03, 0.015, 1e-3, 1e-5}) {
-    options.tolerance = tolerance;
-    const judgement::Choice choice = judgement::choose_model(simple_case(), problem, options);
-    const auto& all = choice.candidates;
-    ASSERT_EQ(all.size(), all_pressure_models().size() + 1) << "and fem";
-    for (std::size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].cost_us, all[i].cost_us);
-    for (int i = 0; i < int(all.size()); ++i) {
-      const judgement::Candidate& candidate = all[std::size_t(i)];
-      if (candidate.accurate) {
-        ASSERT_TRUE(candidate.bound);
-        for (const double bound : *candidate.bound) EXPECT_LE(bound, tolerance);
-        EXPECT_LE(choice.chosen, i);
-      }
-      if (i == choice.chosen) {
-        EXPECT_TRUE(candidate.meets());
-      } else if (i == choice.next_better) {
-        EXPECT_LT(candidate.worst, all[std::size_t(choice.chosen)].worst);
-      } else if (i == choice.next_cheaper) {
-        EXPECT_LE(candidate.cost_us, all[std::size_t(choice.chosen)].cost_us);
-      }
-    }
-    EXPECT_FALSE(choice.reason.empty());
-  }
-  options.tolerance = 0.02;
-  options.budget_us = 1e-3;
-  const judgement::Choice none = judgement::choose_model(simple_case(), problem, options);
-  EXPECT_EQ(none.chosen, -1);
-  EXPECT_NE(none.reason.find("costs at most"), std::string::npos) << none.reason;
-}
-
-TEST(ModelChoice, JudgesTheQuantitiesThatCount) {
-  judgement::SelectionOptions options;
-  options.tolerance = 1;
-  options.models = {"winkler"};
-  options.quantities = judgement::quantities_by_name("max_torque,a");
-  const judgement::Choice choice =
-      judgement::choose_model(simple_case(), judgement::problem_of(run_at(0.3, 2, 1)), options);
-  const judgement::Candidate& winkler = choice.candidates.front();
-  ASSERT_TRUE(winkler.bound);
-  EXPECT_EQ(winkler.worst,
-            std::max((*winkler.bound)[std::size_t(judgement::Quantity::a)],
-                     (*winkler.bound)[std::size_t(judgement::Quantity::max_torque)]));
-  EXPECT_THROW(judgement::quantities_by_name("max_torqe"), InputError);
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST(SceneChoice, KeepsAModelThatIsKnownBetterThanFiniteElements) {
   const input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/pinch.toml");
   // Finer than any model's bound.
   const judgement::SceneChoice choice =
-      judgement::choose_for_scene(scene, 1e-5, PretendedFem{1, 0.01, calls}, silent);
+      judgement::choose_for_scene(scene, 1e-5, PretendedFem{1, 0.3, calls}, silent);
   EXPECT_EQ(calls, 1);
   for (const judgement::PairChoice& pair : choice.pairs) {
     EXPECT_EQ(pair.detail, judgement::ContactDetail::limit_surface) << pair.reason;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "comparisons/judgement/scoring.h"
+
 namespace softfinger {
 namespace {
 
@@ -35,6 +37,25 @@ TEST(Verdict, ClaimsNoBetterBoundThanATenthOfAPerCent) {
                                        kReference)
                 .sentence,
             "Use Hertz (area within 0.1 %, torque within 0.1 % of the finger) at 1 N.");
+}
+
+TEST(Verdict, DoesNotClaimWhatTheMeshLeavesOpen) {
+  judgement::LoadErrors open = load(0.2, {{"hertz", true, true, 0.01, 0.02}});
+  open.geometry_error = 0.35;
+  EXPECT_EQ(judge(open, open.models[0], kTolerance), judgement::Judgement::undetermined);
+  const judgement::Verdict alone = judgement::compose_verdict({open}, kTolerance, kReference);
+  EXPECT_EQ(alone.verdict_class, judgement::VerdictClass::undetermined);
+  EXPECT_EQ(alone.sentence,
+            "The mesh does not determine the contact at 0.2 N: its radii leave up to 35 % of area "
+            "or torque open; a finer scan, another point or a larger load would.");
+  const judgement::Verdict partly = judgement::compose_verdict(
+      {open, load(5, {{"hertz", true, true, 0.01, 0.02}})}, kTolerance, kReference);
+  EXPECT_EQ(partly.verdict_class, judgement::VerdictClass::mixed);
+  EXPECT_TRUE(contains(partly.sentence, "Use Hertz at 5 N")) << partly.sentence;
+  EXPECT_TRUE(contains(partly.sentence, "the mesh does not determine the contact at 0.2 N"))
+      << partly.sentence;
+  open.geometry_error = 0.05;
+  EXPECT_EQ(judge(open, open.models[0], kTolerance), judgement::Judgement::usable);
 }
 
 TEST(Verdict, SaysAtWhichLoadsAModelHoldsAndWhatIsNearestElsewhere) {
@@ -148,6 +169,7 @@ TEST(Verdict, ClassesHaveTheNamesOfTheReport) {
   EXPECT_STREQ(judgement::name_of(VerdictClass::good), "good");
   EXPECT_STREQ(judgement::name_of(VerdictClass::mixed), "mixed");
   EXPECT_STREQ(judgement::name_of(VerdictClass::bad), "bad");
+  EXPECT_STREQ(judgement::name_of(VerdictClass::undetermined), "undetermined");
   EXPECT_STREQ(judgement::name_of(VerdictClass::failed), "failed");
 }
 

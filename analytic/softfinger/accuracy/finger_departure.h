@@ -30,6 +30,9 @@ struct DepartureFit {
 };
 extern const std::array<DepartureFit, kBoundedQuantities> kDepartureFits;
 
+/// What 95 % of these runs state at most as their own errors.
+extern const BoundedErrors kFiniteElementErrors;
+
 /// Where the runs lie. Beyond them nothing is known.
 struct DepartureRange {
   double largest_size = 20;         ///< s = sqrt(ab)/h

@@ -55,4 +55,6 @@ const std::array<DepartureFit, kBoundedQuantities> kDepartureFits = {{
      0.05},
 }};
 
+const BoundedErrors kFiniteElementErrors = {0.0133, 0.0136, 0.00284, 0.026, 0.0112, 0.0012};
+
 }  // namespace softfinger

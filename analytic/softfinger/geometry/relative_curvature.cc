@@ -86,17 +86,20 @@ RelativeCurvature relative_curvature(const Quadric& finger,
   return result;
 }
 
-double propagated_std(const RelativeCurvature& relative,
-                      const std::function<double(const RelativeRadii&)>& quantity) {
-  if (relative.kind != ContactKind::elliptic) return std::numeric_limits<double>::quiet_NaN();
+Eigen::VectorXd propagated_std(
+    const RelativeCurvature& relative,
+    const std::function<Eigen::VectorXd(const RelativeRadii&)>& quantities) {
+  const Eigen::VectorXd here = quantities(relative.radii);
+  const auto all = [&](double value) { return Eigen::VectorXd::Constant(here.size(), value); };
+  if (relative.kind != ContactKind::elliptic) return all(std::numeric_limits<double>::quiet_NaN());
   const Eigen::Matrix2d& covariance = relative.log_radii_covariance;
-  if (covariance.isZero(0)) return 0;
-  if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
+  if (covariance.isZero(0)) return all(0);
+  if (!covariance.allFinite()) return all(std::numeric_limits<double>::infinity());
   // Three points on one side: second order, and R' stays the larger one also where both are equal.
   // The third order leaves 1e-6 of the result; errors of the quantity itself are multiplied by a
   // thousand.
-  const double step = 1e-3, here = quantity(relative.radii);
-  Eigen::Vector2d gradient;
+  const double step = 1e-3;
+  Eigen::MatrixX2d gradients(here.size(), 2);
   for (int i : {0, 1}) {
     const auto at = [&](double steps) {
       RelativeRadii radii = relative.radii;
@@ -104,13 +107,16 @@ double propagated_std(const RelativeCurvature& relative,
         radii.major_m *= std::exp(steps * step);
       else
         radii.minor_m *= std::exp(-steps * step);
-      return quantity(radii);
+      return quantities(radii);
     };
-    const double outwards = (4 * at(1) - at(2) - 3 * here) / (2 * step);
-    gradient[i] = i == 0 ? outwards : -outwards;
+    const Eigen::VectorXd outwards = (4 * at(1) - at(2) - 3 * here) / (2 * step);
+    gradients.col(i) = i == 0 ? outwards : Eigen::VectorXd(-outwards);
   }
-  const double variance = gradient.dot(covariance * gradient);
-  return std::sqrt(variance < 0 ? 0 : variance);
+  const Eigen::VectorXd variances =
+      (gradients * covariance).cwiseProduct(gradients).rowwise().sum();
+  // Round-off may leave a variance below zero; NaN stays.
+  return variances.unaryExpr(
+      [](double variance) { return std::sqrt(variance < 0 ? 0 : variance); });
 }
 
 }  // namespace softfinger

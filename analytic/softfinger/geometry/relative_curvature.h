@@ -45,12 +45,14 @@ RelativeCurvature relative_curvature(const Quadric& finger,
                                      const Eigen::Matrix3d& object_covariance_per_m2,
                                      double angle_rad);
 
-/// Standard deviation, first order, of a quantity of the relative radii (an ellipse's semi-axis, a
-/// torque) in the quantity's own unit: sqrt(g^T S g) with its derivatives g with respect to (ln R',
+/// Standard deviations, first order, of quantities of the relative radii (an ellipse's semi-axes, a
+/// torque), each in its own unit: sqrt(g^T S g) with its derivatives g with respect to (ln R',
 /// ln R''), by differences outwards from R' >= R'', five calls, and S = `log_radii_covariance`.
-/// 0 for exact quadrics, infinite where the covariance is, NaN unless `elliptic` or where
-/// `quantity` is NaN. What it throws is passed on.
-double propagated_std(const RelativeCurvature& relative,
-                      const std::function<double(const RelativeRadii&)>& quantity);
+/// 0 for exact quadrics, infinite where the covariance is, NaN unless `elliptic` or where the
+/// quantity is NaN. What it throws is passed on.
+/// @param quantities  the same number of them at every call
+Eigen::VectorXd propagated_std(
+    const RelativeCurvature& relative,
+    const std::function<Eigen::VectorXd(const RelativeRadii&)>& quantities);
 
 }  // namespace softfinger

@@ -126,6 +126,14 @@ FittedDeparture fit_departure(const AtlasFile& atlas) {
     Eigen::Map<Eigen::VectorXd>(fit.coefficients.data(), kDepartureTerms) =
         solve(samples, of_quantity, weight, -1);
   }
+  for (std::size_t q = 0; q < kQuantities; ++q) {
+    std::vector<double> stated;
+    for (const AtlasRun* run : samples.runs)
+      if (std::isfinite(run->stated_error[q])) stated.push_back(run->stated_error[q]);
+    const auto place = stated.begin() + std::ptrdiff_t(0.95 * double(stated.size()));
+    std::nth_element(stated.begin(), place, stated.end());
+    fitted.finite_elements[q] = *place;
+  }
   return fitted;
 }
 
@@ -175,7 +183,10 @@ std::string departure_table(const FittedDeparture& fitted, const std::string& co
     text +=
         fmt::format("}}}},\n     {:.4g},\n     {:.4g}}},\n", fit.width_least, fit.width_per_size);
   }
-  return text + "}};\n\n}  // namespace softfinger\n";
+  text += "}};\n\nconst BoundedErrors kFiniteElementErrors = {";
+  for (std::size_t q = 0; q < fitted.finite_elements.size(); ++q)
+    text += fmt::format("{}{:.4g}", q == 0 ? "" : ", ", fitted.finite_elements[q]);
+  return text + "};\n\n}  // namespace softfinger\n";
 }
 
 }  // namespace softfinger::judgement

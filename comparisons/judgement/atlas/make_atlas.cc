@@ -252,10 +252,12 @@ std::vector<AtlasRun> random_fingers(int count, unsigned seed) {
     // Few foams would be drawn by the stiffness alone.
     run.poisson_ratio = draws.between(0, 1) < 0.5 ? draws.between(0, 0.5) : draws.poisson_ratio();
     run.radii_ratio = draws.between(0, 1) < 1. / 3 ? 1 : draws.logarithmic(1, 20);
-    run.thickness_over_radius = draws.logarithmic(0.005, 0.6);
+    const double who_is_curved = draws.between(0, 1);
+    // A thicker layer leaves no core in a finger, but may lie flat under an object.
+    const bool flat = who_is_curved > 0.4 && who_is_curved <= 0.6;
+    run.thickness_over_radius = draws.logarithmic(0.005, flat ? 5 : 0.6);
     run.s = draws.logarithmic(0.02, 20);
     run.friction_coefficient = 0.5;
-    const double who_is_curved = draws.between(0, 1);
     run.finger_share_x = run.finger_share_y = 1;
     if (who_is_curved > 0.4) run.finger_share_x = run.finger_share_y = 0;
     if (who_is_curved > 0.6) {

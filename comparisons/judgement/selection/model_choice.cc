@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/atlas/error_atlas.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::judgement {
@@ -22,39 +24,39 @@ constexpr double kShortBudget_ns = 2e5;
 /// A smaller stated error than that is an accident of the atlas, not a better model.
 constexpr double kBetter = 0.9;
 
-/// Median of repeated calls, or, of models that take longer than microseconds, what it was when the
-/// atlas was made.
+void take(const prediction::Assessment& found, Candidate& candidate) {
+  if (found.bound) {
+    candidate.bound.emplace();
+    for (std::size_t q = 0; q < kQuantities; ++q) (*candidate.bound)[q] = found.total(Quantity(q));
+  }
+  candidate.usable = found.usable;
+  candidate.remark = found.evidence;
+}
+
 Candidate candidate_of(const PressureModel& model, const input::Case& contact_case,
-                       const ContactProblem& problem) {
+                       const prediction::LocalGeometry& geometry, double load_N, double tolerance) {
   Candidate candidate;
   candidate.model = std::string(model.card().name);
-  bool has_answer = true;
-  if (model.card().hot_path) {
-    const prediction::ModelAnswer answer = prediction::ask_model(model, problem, kShortBudget_ns);
-    candidate.cost_us = answer.cost_ns * 1e-3;
-    has_answer = answer.prediction.has_answer;
-  } else {
+  if (!model.card().hot_path) {
     candidate.cost_us = error_atlas().cost_ns(candidate.model) * 1e-3;
-  }
-  if (!has_answer) {
-    candidate.remark = "no answer for this contact";
+    candidate.remark = "not asked, because of its time; predict --model " + candidate.model +
+                       " tells how far off it is";
     return candidate;
   }
-  const auto estimate = estimate_error(candidate.model, contact_case, problem);
-  candidate.bound = estimate.bound;
-  candidate.remark = estimate.outside;
+  const prediction::ModelAnswer answer =
+      prediction::ask_model(model, contact_case, geometry.radii, load_N, kShortBudget_ns);
+  candidate.cost_us = answer.cost_ns * 1e-3;
+  take(assess(contact_case, geometry, answer, prediction::TorqueRule::exact, tolerance), candidate);
   return candidate;
 }
 
-Candidate finite_elements(const input::Case& contact_case, const ContactProblem& problem) {
+Candidate finite_elements(const input::Case& contact_case,
+                          const prediction::LocalGeometry& geometry, double load_N,
+                          double tolerance) {
   Candidate candidate;
   candidate.model = "fem";
-  const ErrorAtlas& atlas = contact_case.fem_finite ? finite_strain_atlas() : error_atlas();
-  candidate.cost_us = atlas.cost_ns("fem") * 1e-3;
-  const auto estimate = estimate_error("fem", contact_case, problem);
-  candidate.bound = estimate.bound;
-  if (!estimate.bound)
-    candidate.remark = estimate.outside + "; it states its own error when it has run";
+  candidate.cost_us = finite_strain_atlas().cost_ns("fem") * 1e-3;
+  take(assess_finite_elements(contact_case, geometry, load_N, tolerance), candidate);
   return candidate;
 }
 
@@ -68,8 +70,10 @@ void judge(Candidate& candidate, const SelectionOptions& options) {
         std::find(options.quantities.begin(), options.quantities.end(), quantity) ==
             options.quantities.end())
       continue;
-    if ((*candidate.bound)[q] > candidate.worst) {
-      candidate.worst = (*candidate.bound)[q];
+    const double total = (*candidate.bound)[q];
+    // What is not known is not within any tolerance.
+    if (!(total <= candidate.worst)) {
+      candidate.worst = std::isnan(total) ? kInfinity : total;
       candidate.worst_quantity = quantity;
     }
   }
@@ -136,18 +140,20 @@ std::vector<Quantity> quantities_by_name(const std::string& names) {
   return quantities;
 }
 
-Choice choose_model(const input::Case& contact_case, const ContactProblem& problem,
-                    const SelectionOptions& options) {
+Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                    double load_N, const SelectionOptions& options) {
   Choice choice;
-  choice.load_N = problem.load.normal_force_N;
+  choice.load_N = load_N;
   const auto allowed = [&](std::string_view name) {
     return options.models.empty() ||
            std::find(options.models.begin(), options.models.end(), name) != options.models.end();
   };
   for (const PressureModel* model : all_pressure_models())
     if (allowed(model->card().name))
-      choice.candidates.push_back(candidate_of(*model, contact_case, problem));
-  if (allowed("fem")) choice.candidates.push_back(finite_elements(contact_case, problem));
+      choice.candidates.push_back(
+          candidate_of(*model, contact_case, geometry, load_N, options.tolerance));
+  if (allowed("fem"))
+    choice.candidates.push_back(finite_elements(contact_case, geometry, load_N, options.tolerance));
   for (Candidate& candidate : choice.candidates) judge(candidate, options);
   std::stable_sort(
       choice.candidates.begin(), choice.candidates.end(),
@@ -190,7 +196,8 @@ nlohmann::json to_json(const Choice& choice) {
         {{"model", candidate.model},
          {"cost_us", text::finite_or_null(candidate.cost_us)},
          {"error_estimate", prediction::to_json(candidate.bound)},
-         {"worst", candidate.bound ? json(candidate.worst) : json()},
+         {"usable", candidate.usable},
+         {"worst", candidate.bound ? text::finite_or_null(candidate.worst) : json()},
          {"worst_quantity",
           candidate.bound ? json(kQuantityNames[std::size_t(candidate.worst_quantity)]) : json()},
          {"accurate", candidate.accurate},

@@ -6,10 +6,16 @@
 #include <vector>
 
 #include "comparisons/input/case.h"
-#include "comparisons/judgement/atlas/error_atlas.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/quantity.h"
 
 /// Which model is enough for a contact: the cheapest one whose stated error meets a tolerance.
 namespace softfinger::judgement {
+
+using prediction::kQuantities;
+using prediction::kQuantityNames;
+using prediction::Quantity;
+using prediction::QuantityErrors;
 
 struct SelectionOptions {
   double tolerance = 0.05;           ///< of every chosen quantity, relative
@@ -22,10 +28,11 @@ struct SelectionOptions {
 struct Candidate {
   std::string model;
   double cost_us = 0;
-  std::optional<QuantityErrors> bound;  ///< of its errors
-  double worst = 0;                     ///< largest bound among the chosen quantities
+  std::optional<QuantityErrors> bound;  ///< `Assessment::total`: what the fit leaves open included
+  bool usable = false;  ///< area and torque within the tolerance, as predict says it
+  double worst = 0;     ///< largest bound among the chosen quantities
   Quantity worst_quantity = Quantity::a;
-  std::string remark;  ///< why there is no bound
+  std::string remark;  ///< the evidence for the bound, or why there is none
   bool accurate = false, affordable = false;
 
   bool meets() const { return accurate && affordable; }
@@ -41,8 +48,9 @@ struct Choice {
   std::string reason;     ///< one or two sentences
 };
 
-Choice choose_model(const input::Case& contact_case, const ContactProblem& problem,
-                    const SelectionOptions& options);
+/// Models that take longer than microseconds are not asked, and have no bound.
+Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                    double load_N, const SelectionOptions& options);
 
 /// The names of the quantities that were typed, separated by commas.
 /// @throws InputError for an unknown one

@@ -75,6 +75,29 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
   return uses;
 }
 
+/// A simulation knows the relative radii, not which body is as curved as that: the choice for a
+/// curved finger on a plane or for a curved object on a flat finger, whichever demands more.
+Choice choose_for_either_finger(const ContactProblem& problem, const SelectionOptions& options) {
+  input::Case contact;
+  contact.layer = problem.layer;
+  contact.object_layer = problem.object_layer;
+  contact.friction_coefficient = problem.load.friction_coefficient;
+  prediction::LocalGeometry geometry;
+  geometry.radii = problem.radii;
+  const double load_N = problem.load.normal_force_N;
+  Choice flat = choose_model(contact, geometry, load_N, options);
+  const input::QuadricBody plane{kInfinity, kInfinity, input::FingerShape::paraboloid, 0};
+  const input::QuadricBody finger{problem.radii.major_m, problem.radii.minor_m,
+                                  input::FingerShape::ellipsoid, 0};
+  contact.geometry = input::BodyPair{finger, plane, 0};
+  geometry.radii.axis_rad = 0;
+  Choice curved = choose_model(contact, geometry, load_N, options);
+  const auto error = [](const Choice& choice) {
+    return choice.chosen < 0 ? kInfinity : choice.candidates[std::size_t(choice.chosen)].worst;
+  };
+  return error(flat) > error(curved) ? flat : curved;
+}
+
 void decide(PairUse& use, double tolerance) {
   PairChoice& choice = use.choice;
   // A contact that sticks goes on sticking with a smaller e_n, until its limit meets its wrench.
@@ -86,10 +109,10 @@ void decide(PairUse& use, double tolerance) {
   options.tolerance = choice.allowed_error;
   options.quantities = {Quantity::max_torque};
   for (const PressureModel* model : all_pressure_models())
-    if (model->card().hot_path && model->card().name != "power_law")
+    // The most accurate simulation has bonded layers: those of finite strain would differ from it.
+    if (model->card().hot_path && !model->card().finite_strain && model->card().name != "power_law")
       options.models.emplace_back(model->card().name);
-  input::Case flat;  // relative radii on one layer: what the atlas knows
-  choice.pressure = choose_model(flat, use.problem, options);
+  choice.pressure = choose_for_either_finger(use.problem, options);
 
   if (choice.torsion <= tolerance) {
     choice.detail = ContactDetail::point;
@@ -304,7 +327,7 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
       PairChoice& choice = use.choice;
       if (choice.detail == least && least < ContactDetail::limit_surface) {
         choice.detail = ContactDetail(int(least) + 1);
-        choice.reason = fmt::format("as a {}: the motion would change by {:.3g} mm, {:.3g}°",
+        choice.reason = fmt::format("as {}: the motion would change by {:.3g} mm, {:.3g}°",
                                     kContactDetailNames[int(least)], 1e3 * result.change.position_m,
                                     result.change.rotation_rad * 180 / kPi);
       } else if (least < ContactDetail::limit_surface) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
@@ -40,7 +41,7 @@ json error_curves(const input::Case& contact_case, const prediction::GeometryRes
       std::minmax_element(contact_case.loads_N.begin(), contact_case.loads_N.end());
   const double first_N = *least / 5, last_N = *largest * 5;
   json loads = json::array(), models = json::array();
-  std::vector<ContactProblem> problems;
+  std::map<std::string, json> worst;
   for (int i = 0; i < kLoads; ++i) {
     const double load_N = first_N * std::pow(last_N / first_N, i / (kLoads - 1.));
     loads.push_back(load_N);
@@ -52,24 +53,15 @@ json error_curves(const input::Case& contact_case, const prediction::GeometryRes
           };
           return distance(left) < distance(right);
         });
-    const RelativeRadii radii =
-        nearest.geometry.patch ? nearest.geometry.radii : resolver.resolve(load_N).radii;
-    problems.push_back(contact_case.problem(radii, load_N));
+    const Choice choice = choose_model(
+        contact_case, nearest.geometry.patch ? nearest.geometry : resolver.resolve(load_N), load_N,
+        options);
+    for (const Candidate& candidate : choice.candidates)
+      worst[candidate.model].push_back(candidate.bound ? text::finite_or_null(candidate.worst)
+                                                       : json());
   }
-  for (const std::string& name : judged_models(options)) {
-    json worst = json::array();
-    for (const ContactProblem& problem : problems) {
-      const auto bound = estimate_error(name, contact_case, problem).bound;
-      double largest_error = 0;
-      for (std::size_t q = 0; bound && q < kQuantities; ++q)
-        if (options.quantities.empty() ||
-            std::find(options.quantities.begin(), options.quantities.end(), Quantity(q)) !=
-                options.quantities.end())
-          largest_error = std::max(largest_error, (*bound)[q]);
-      worst.push_back(bound ? text::finite_or_null(largest_error) : json());
-    }
-    models.push_back({{"model", name}, {"worst", worst}});
-  }
+  for (const std::string& name : judged_models(options))
+    models.push_back({{"model", name}, {"worst", worst[name]}});
   return {{"load_N", loads}, {"models", models}};
 }
 
