@@ -60,6 +60,43 @@ const char* reason_without_bound(const input::Case& contact_case,
   return nullptr;
 }
 
+/// Whether the surface does not end within the contact.
+bool is_covered(const ContactPatch& patch) {
+  constexpr double kLeast = 0.9;
+  return patch.covered >= kLeast;
+}
+
+/// Largest relative change of each quantity in regions of 0.8 and 1.25 times the radius. Where the
+/// region is not the one that the contact asks for, as many times that as there are such steps to
+/// it.
+QuantityErrors change_with_region(const ContactPatch& patch,
+                                  const prediction::ModelAnswer& answer) {
+  constexpr double kStepOfArea = 1.25 * 1.25;
+  QuantityErrors change{};
+  const auto numbers_of = [](const Prediction& prediction) {
+    return QuantityErrors{prediction.a_m,
+                          prediction.b_m,
+                          prediction.indentation_m,
+                          prediction.area_m2(),
+                          prediction.peak_pressure_Pa,
+                          prediction.torque_arm_exact_m};
+  };
+  const QuantityErrors here = numbers_of(answer.prediction);
+  for (const RelativeRadii& radii : patch.radii_of_other_regions) {
+    ContactProblem problem = answer.problem;
+    problem.radii = radii;
+    const Prediction there = answer.model->predict(problem);
+    const QuantityErrors moved = numbers_of(there);
+    for (std::size_t q = 0; q < change.size(); ++q)
+      change[q] =
+          there.has_answer ? std::max(change[q], std::abs(moved[q] / here[q] - 1)) : kInfinity;
+  }
+  const double steps = std::abs(std::log(patch.region_area_m2 / (2 * patch.predicted_area_m2))) /
+                       std::log(kStepOfArea);
+  for (double& one : change) one *= std::max(1., steps);
+  return change;
+}
+
 /// What the fit of the radii leaves open. A model that is too slow to be asked repeatedly gets that
 /// of bonded_layer: it follows from the geometry far more than from the model.
 QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
@@ -86,7 +123,9 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
            std.area_m2 / value.area_m2(),
            std.peak_pressure_Pa / value.peak_pressure_Pa,
            arm_std_m / answer.eccentricity_m(rule)};
-  for (double& one : error) one *= kTwoSided;
+  const QuantityErrors by_region = change_with_region(*geometry.patch, answer);
+  for (std::size_t q = 0; q < error.size(); ++q)
+    error[q] = is_covered(*geometry.patch) ? std::hypot(kTwoSided * error[q], by_region[q]) : kNaN;
   return error;
 }
 
@@ -136,8 +175,12 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
       result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;
   if (!result.determined)
     result.evidence +=
-        "; the mesh does not determine the contact: a finer scan, another point or a larger load "
-        "would";
+        geometry.patch && !is_covered(*geometry.patch)
+            ? "; the mesh does not determine the contact: it is narrower, or ends beside it; more "
+              "of "
+              "the surface would"
+            : "; the mesh does not determine the contact: a finer scan, another point or a larger "
+              "load would";
   return result;
 }
 

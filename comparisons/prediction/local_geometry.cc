@@ -17,23 +17,12 @@ std::string surface_key(const input::MeshBody& mesh) {
   return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit);
 }
 
-/// The model that predicts how large a contact is. Named, so that a new model does not move the
-/// fitted regions of old cases; asked many times per load, so that only closed forms are there.
+/// The model that predicts how large a contact is: one and the same as far as it has answers, so
+/// that the region grows with the load. Asked many times per load, therefore a closed form.
 const PressureModel& patch_model(const ContactProblem& problem) {
-  // bonded_layer holds for most contacts. The others are asked in the order of their names.
-  static const std::vector<const PressureModel*> by_reach = [] {
-    std::vector<const PressureModel*> models;
-    for (const char* name : {"bonded_layer", "finite_strain_layer", "hertz", "power_law",
-                             "thin_incompressible", "winkler"})
-      if (const PressureModel* model = find_pressure_model(name)) models.push_back(model);
-    return models;
-  }();
-  for (const PressureModel* model : by_reach)
-    if (model->predict(problem).valid()) return *model;
-  // Outside every validity the first that answers still knows the size best.
-  for (const PressureModel* model : by_reach)
-    if (model->predict(problem).has_answer) return *model;
-  return *by_reach.front();
+  static const PressureModel &layer = *find_pressure_model("bonded_layer"),
+                             &half_space = *find_pressure_model("hertz");
+  return layer.predict(problem).has_answer ? layer : half_space;
 }
 
 bool is_flat(const input::CaseBody& body) {
@@ -172,13 +161,15 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
     return result;
   }
   try {
-    result.patch = fit_contact_patch(contact_body(pair.finger), contact_body(pair.object),
-                                     pair.angle_rad, [&](const RelativeRadii& radii) {
-                                       const ContactProblem problem = case_.problem(radii, load_N);
-                                       const PressureModel& model = patch_model(problem);
-                                       result.patch_model = model.card().name;
-                                       return model.predict(problem).area_m2();
-                                     });
+    if (!contact_surface_)
+      contact_surface_.emplace(contact_body(pair.finger), contact_body(pair.object),
+                               pair.angle_rad);
+    result.patch = contact_surface_->patch([&](const RelativeRadii& radii) {
+      const ContactProblem problem = case_.problem(radii, load_N);
+      return patch_model(problem).predict(problem).area_m2();
+    });
+    result.patch_model =
+        patch_model(case_.problem(result.patch->relative.radii, load_N)).card().name;
   } catch (const InputError& error) {
     // The fit does not know the file: the line of the case is added here.
     if (error.field() == "point_mm") throw;

@@ -26,7 +26,8 @@ struct LocalGeometry {
   std::string no_ellipse;
 };
 
-/// From a case's bodies to relative radii. Reads each mesh file once, however many loads there are.
+/// From a case's bodies to relative radii. Reads each mesh file once and fits each region of it
+/// once, however many loads there are. Not for several threads at once.
 class GeometryResolver {
  public:
   /// @throws InputError when a mesh cannot be read. `contact_case` must outlive this object.
@@ -37,8 +38,7 @@ class GeometryResolver {
   GeometryResolver(const input::Case& contact_case, const GeometryResolver* known);
 
   /// For meshes the fitted region depends on the load: region and predicted contact are iterated
-  /// until they agree. The area is predicted by the first closed form whose assumptions hold for
-  /// the current radii, bonded_layer before all others.
+  /// until they agree. The area is predicted by bonded_layer, by hertz where that has no answer.
   /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in
   /// words.
   LocalGeometry resolve(double load_N) const;
@@ -62,6 +62,7 @@ class GeometryResolver {
   const input::Case& case_;
   std::map<std::string, std::shared_ptr<const TriangleSurface>> surfaces_;  ///< by path and unit
   std::vector<std::string> remarks_;
+  mutable std::optional<ContactSurface> contact_surface_;  ///< of meshes, for all loads
 };
 
 /// "3 degenerate and 1 duplicate triangles were left out", "all triangles were turned round", or

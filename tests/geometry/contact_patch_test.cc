@@ -28,7 +28,7 @@ TEST(ContactPatch, OfASphereIsTwiceThePredictedArea) {
                                        area_at(indentation));
   EXPECT_TRUE(patch.agrees) << patch.remark;
   EXPECT_TRUE(patch.remark.empty());
-  EXPECT_NEAR(patch.region_area_m2 / (2 * patch.predicted_area_m2), 1, 0.02);
+  EXPECT_NEAR(patch.region_area_m2 / (2 * patch.predicted_area_m2), 1, 1e-8);
   // Chords of 0.5 mm and the quadric's own error over the region: r²/R² = 4 d/R.
   const double tolerance = 0.05 * 0.05 + 4 * indentation / 10e-3;
   EXPECT_NEAR(patch.relative.radii.major_m / 10e-3, 1, tolerance);
@@ -107,6 +107,70 @@ TEST(ContactPatch, FitsTwoMeshesOverOneRegion) {
   EXPECT_EQ(patch.finger_fit->region_radius_m, patch.object_fit->region_radius_m);
   EXPECT_NEAR(1 / patch.relative.radii.major_m, 100 + 25.0, 0.05 * 125);
   EXPECT_NEAR(1 / patch.relative.radii.minor_m, 100 + 50.0, 0.05 * 150);
+}
+
+TEST(ContactPatch, SaysThatTheSurfaceIsNarrowerThanTheContact) {
+  auto strip = samples::quadric(8e-3, 60, 20e-3, 10e-3);
+  for (Vector3d& vertex : strip.vertices_m) vertex.y() *= 0.1;
+  for (Vector3d& vertex : strip.vertices_m)
+    vertex.z() = -vertex.x() * vertex.x() / 40e-3 - vertex.y() * vertex.y() / 20e-3;
+  const auto patch = fit_contact_patch(MeshContactPoint{&strip, Vector3d::Zero(), {}}, Quadric{}, 0,
+                                       area_at(0.3e-3));
+  EXPECT_TRUE(patch.agrees) << patch.remark;
+  // Of a disc the strip of 1.6 mm covers about 2 r w / (pi r²).
+  const double radius_m = std::sqrt(patch.region_area_m2 / kPi);
+  EXPECT_NEAR(patch.covered, 2 * 1.6e-3 / (kPi * radius_m), 0.03);
+  EXPECT_NE(patch.remark.find("narrower than the contact"), std::string::npos) << patch.remark;
+}
+
+/// A finger that is pointed along x at its middle, blunter outside, and the other way along y, and
+/// noisy all over: its ellipses change with the region.
+TriangleSurface uneven_finger(double noise_m) {
+  unsigned state = 1;
+  return samples::graph(8e-3, 64, [=](double x, double y) mutable {
+    state = state * 1664525u + 1013904223u;
+    const double noise = noise_m * (double(state >> 8) / (1 << 24) - 0.5);
+    const double waves = 20e-6 * std::cos(x / 0.7e-3) * std::cos(y / 0.9e-3);
+    return -x * x / 16e-3 + 3e6 * x * x * x * x * 1e-3 - y * y / 50e-3 + waves + noise;
+  });
+}
+
+TEST(ContactSurface, GrowsInAllDirectionsWithTheLoad) {
+  for (const double noise_m : {0., 2e-6, 20e-6}) {
+    const TriangleSurface finger = uneven_finger(noise_m);
+    ContactSurface surface(MeshContactPoint{&finger, Vector3d::Zero(), Vector3d(0, 0, 1)},
+                           Quadric{}, 0);
+    // Semi-axes of the overlap's ellipse, a² = 2 R' d; its direction may turn.
+    double region = 0, major_m = 0, minor_m = 0;
+    for (double indentation_m = 1e-6; indentation_m < 0.6e-3; indentation_m *= 1.07) {
+      const ContactPatch patch = surface.patch(area_at(indentation_m));
+      ASSERT_EQ(patch.relative.kind, ContactKind::elliptic);
+      const RelativeRadii& radii = patch.relative.radii;
+      const double a_m = std::sqrt(2 * radii.major_m * indentation_m),
+                   b_m = std::sqrt(2 * radii.minor_m * indentation_m);
+      SCOPED_TRACE(indentation_m);
+      EXPECT_GE(patch.region_area_m2, region * (1 - 1e-8));
+      EXPECT_GE(a_m, major_m * (1 - 1e-8));
+      EXPECT_GE(b_m, minor_m * (1 - 1e-8));
+      region = patch.region_area_m2;
+      major_m = a_m;
+      minor_m = b_m;
+    }
+  }
+}
+
+TEST(ContactSurface, FitsEachRegionOnceForAllLoads) {
+  const auto ball = samples::sphere(10e-3, 5);
+  ContactSurface surface(MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, Quadric{}, 0);
+  EXPECT_GT(surface.patch(area_at(0.2e-3)).iterations, 2);
+  const ContactPatch again = surface.patch(area_at(0.2e-3));
+  EXPECT_EQ(again.iterations, 0);
+  EXPECT_EQ(
+      again.relative.radii.major_m,
+      fit_contact_patch(MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, Quadric{}, 0, area_at(0.2e-3))
+          .relative.radii.major_m);
+  EXPECT_EQ(again.radii_of_other_regions.size(), 2u);
+  EXPECT_NEAR(again.covered, 1, 0.02);
 }
 
 TEST(ContactPatch, PassesOnWhatThePredictionThrows) {

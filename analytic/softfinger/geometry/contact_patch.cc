@@ -1,9 +1,12 @@
 #include "softfinger/geometry/contact_patch.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <map>
 #include <sstream>
 
 #include "softfinger/geometry/quadric_fit_internal.h"
@@ -16,9 +19,11 @@ namespace {
 
 // Two more than a quadric has unknowns, so that the residual means something.
 constexpr int kFewestPoints = 8;
-// The first region has so many points that its radii are not noise. From the smallest region on a
-// fine mesh the iteration could converge to radii that are.
+// The search begins where a region has so many points that its radii are not noise. From the
+// smallest region of a fine mesh it would end at radii that are.
 constexpr int kStartingPoints = 40;
+// Ratio of the radii of neighbouring regions.
+constexpr double kStep = 1.25;
 
 std::string number(double value) {
   std::ostringstream out;
@@ -43,65 +48,89 @@ struct Body {
   }
 };
 
-/// A region, the radii of curvature fitted in it, and the region's radius that follows from them.
-struct Trial {
-  ContactPatch patch;
+/// Both bodies' quadrics over regions of one radius.
+struct Fits {
   double radius_m = 0;
-  double wanted_m = kInfinity;  ///< infinite without an ellipse: a flat or saddle-like middle
-                                ///< becomes elliptic, if at all, in a larger region
-  bool elliptic() const { return patch.relative.kind == ContactKind::elliptic; }
-  double area_ratio() const { return radius_m * radius_m / (wanted_m * wanted_m); }
-  double mismatch() const { return std::abs(std::log(area_ratio())); }
+  std::optional<QuadricFit> finger, object;
 };
 
-class PatchProblem {
- public:
-  PatchProblem(const ContactBody& finger, const ContactBody& object, double angle_rad,
-               const std::function<double(const RelativeRadii&)>& predicted_area_m2)
-      : finger_(finger), object_(object), angle_(angle_rad), predicted_area_(predicted_area_m2) {}
+QuadricFit between(const QuadricFit& smaller, const QuadricFit& larger, double weight) {
+  const auto blend = [weight](const auto& one, const auto& other) {
+    return (1 - weight) * one + weight * other;
+  };
+  QuadricFit fit = weight < 0.5 ? smaller : larger;
+  fit.quadric = {blend(smaller.quadric.A_per_m, larger.quadric.A_per_m),
+                 blend(smaller.quadric.B_per_m, larger.quadric.B_per_m),
+                 blend(smaller.quadric.C_per_m, larger.quadric.C_per_m)};
+  // Nested regions have correlated errors, whose variance is at most the mean one.
+  if (smaller.covariance_per_m2.allFinite() && larger.covariance_per_m2.allFinite())
+    fit.covariance_per_m2 =
+        (1 - weight) * smaller.covariance_per_m2 + weight * larger.covariance_per_m2;
+  else
+    fit.covariance_per_m2.setConstant(kInfinity);
+  fit.origin_m = (1 - weight) * smaller.origin_m + weight * larger.origin_m;
+  fit.normal = ((1 - weight) * smaller.normal + weight * larger.normal).normalized();
+  fit.x_axis = surface_axes(fit.normal).col(0);
+  fit.residual_rms_m = blend(smaller.residual_rms_m, larger.residual_rms_m);
+  fit.region_radius_m =
+      smaller.region_radius_m * std::pow(larger.region_radius_m / smaller.region_radius_m, weight);
+  internal::set_principal_radii(fit, fit.region_radius_m);
+  fit.area_m2 = smaller.area_m2 * std::pow(larger.area_m2 / smaller.area_m2, weight);
+  fit.points = int(std::lround(blend(double(smaller.points), double(larger.points))));
+  fit.surface_kind = larger.surface_kind;
+  fit.sharpest_kink_rad = larger.sharpest_kink_rad;
+  return fit;
+}
 
-  bool has_mesh() const { return finger_.mesh || object_.mesh; }
+std::optional<QuadricFit> between(const std::optional<QuadricFit>& smaller,
+                                  const std::optional<QuadricFit>& larger, double weight) {
+  if (!smaller || !larger) return std::nullopt;
+  return between(*smaller, *larger, weight);
+}
 
-  /// @throws InputError, ConvergenceError from the fits: regions too small, too large.
-  Trial fit(double radius_m) const {
-    Trial trial;
-    trial.radius_m = radius_m;
-    auto& patch = trial.patch;
-    const auto local = [radius_m](const Body& body, std::optional<QuadricFit>& fit,
-                                  Eigen::Matrix3d& covariance) {
-      covariance.setZero();
-      if (body.exact) return *body.exact;
-      fit = internal::fit_quadric(*body.mesh, radius_m);
-      covariance = fit->covariance_per_m2;
-      return fit->quadric;
-    };
-    Eigen::Matrix3d finger_covariance, object_covariance;
-    const Quadric finger = local(finger_, patch.finger_fit, finger_covariance);
-    Quadric object = local(object_, patch.object_fit, object_covariance);
-    if (object_.mesh) {
-      // The object's own frame looks along its own outward normal; the finger sees it in a mirror.
-      object.C_per_m = -object.C_per_m;
-      object_covariance.row(2) *= -1;
-      object_covariance.col(2) *= -1;
+}  // namespace
+
+/// The regions have radii r0 kStep^x, with integer x for those that are fitted. Between two of them
+/// the quadrics are blended, linearly in x: the surface's curvature is one continuous function of
+/// x, the same for all loads.
+struct ContactSurface::State {
+  Body finger, object;
+  double angle;
+  double smallest_m = 0, largest_m = 0;  ///< radii of regions
+  double start_m = 0;                    ///< at x = 0
+  int lowest = 0, highest = 0;           ///< x of the two ends
+  std::map<int, Fits> fitted;
+  std::map<int, std::exception_ptr> failed;
+  std::map<int, bool> failed_too_small;
+  int fits = 0;
+
+  State(const ContactBody& one, const ContactBody& other, double angle_rad)
+      : finger(one), object(other), angle(angle_rad) {
+    if (!has_mesh()) return;
+    largest_m = largest_radius();
+    smallest_m = std::min(radius_with_points(kFewestPoints), largest_m);
+    try {
+      start_m = std::min(radius_with_points(kStartingPoints), largest_m);
+    } catch (const InputError&) {
+      start_m = std::min(2 * smallest_m, largest_m);  // a coarse mesh: it has fewer altogether
     }
-    patch.relative =
-        relative_curvature(finger, finger_covariance, object, object_covariance, angle_);
-    patch.region_area_m2 = has_mesh() ? kPi * radius_m * radius_m : 0;
-    return trial;
+    start_m = std::max(start_m, smallest_m);
+    const auto steps = [&](double radius_m) {
+      return std::log(radius_m / start_m) / std::log(kStep);
+    };
+    lowest = int(std::floor(steps(smallest_m) + 1e-9));
+    highest = int(std::ceil(steps(largest_m) - 1e-9));
   }
 
-  void predict(Trial& trial) const {
-    if (!trial.elliptic()) return;
-    const double area = predicted_area_(trial.patch.relative.radii);
-    if (!(area > 0) || !std::isfinite(area))
-      throw InputError("contact", "predicted area", number(area) + " m²", "positive and finite");
-    trial.patch.predicted_area_m2 = area;
-    trial.wanted_m = std::sqrt(2 * area / kPi);
+  bool has_mesh() const { return finger.mesh || object.mesh; }
+
+  double radius_of(double x) const {
+    return std::clamp(start_m * std::pow(kStep, x), smallest_m, largest_m);
   }
 
   double radius_with_points(int count) const {
     double radius = 0;
-    for (const Body* body : {&finger_, &object_}) {
+    for (const Body* body : {&finger, &object}) {
       if (!body->mesh) continue;
       radius = std::max(
           {radius, body->mesh->radius_with_points(count), body->mesh->distance_m() * (1 + 1e-9)});
@@ -112,128 +141,267 @@ class PatchProblem {
   /// Beyond it no region grows any more.
   double largest_radius() const {
     double radius = kInfinity;
-    for (const Body* body : {&finger_, &object_})
+    for (const Body* body : {&finger, &object})
       if (body->mesh) radius = std::min(radius, body->mesh->extent_m());
     return radius;
   }
 
-  int points(const Trial& trial) const {
-    int count = std::numeric_limits<int>::max();
-    for (const auto* fit : {&trial.patch.finger_fit, &trial.patch.object_fit})
-      if (*fit) count = std::min(count, (*fit)->points);
-    return count;
-  }
-
   int vertices_within(double radius_m) const {
     int count = std::numeric_limits<int>::max();
-    for (const Body* body : {&finger_, &object_})
+    for (const Body* body : {&finger, &object})
       if (body->mesh) count = std::min(count, body->mesh->vertices_within(radius_m));
     return count;
   }
 
- private:
-  Body finger_, object_;
-  double angle_;
-  const std::function<double(const RelativeRadii&)>& predicted_area_;
+  /// Null where no quadric can be fitted: `failed` says why.
+  const Fits* at(int x) {
+    if (const auto found = fitted.find(x); found != fitted.end()) return &found->second;
+    if (failed.count(x)) return nullptr;
+    Fits fit;
+    fit.radius_m = radius_of(x);
+    ++fits;
+    try {
+      if (finger.mesh) fit.finger = internal::fit_quadric(*finger.mesh, fit.radius_m);
+      if (object.mesh) fit.object = internal::fit_quadric(*object.mesh, fit.radius_m);
+    } catch (const InputError&) {  // vertices that do not determine a quadric: more are needed
+      failed[x] = std::current_exception();
+      failed_too_small[x] = true;
+      return nullptr;
+    } catch (const ConvergenceError&) {  // too strongly curved: less of it
+      failed[x] = std::current_exception();
+      failed_too_small[x] = false;
+      return nullptr;
+    }
+    if (x != 0)
+      if (const Fits* inner = at(x > 0 ? x - 1 : x + 1)) keep_growing(*inner, fit);
+    return &fitted.emplace(x, std::move(fit)).first->second;
+  }
+
+  /// The relative curvatures as a matrix in the finger's axes; nothing without an ellipse.
+  std::optional<Eigen::Matrix2d> curvature(const Fits& fit) const {
+    const RelativeCurvature relative = patch_of(fit).relative;
+    if (relative.kind != ContactKind::elliptic) return std::nullopt;
+    const Eigen::Rotation2Dd turn(relative.radii.axis_rad);
+    const Eigen::Vector2d curvatures(1 / relative.radii.major_m, 1 / relative.radii.minor_m);
+    return turn.toRotationMatrix() * curvatures.asDiagonal() * turn.toRotationMatrix().transpose();
+  }
+
+  /// Contacts of one pair of bodies grow in all directions when the load rises: regions are nested.
+  /// With a b = r²/2 both semi-axes grow if ln(a/b) changes by less than 2 ln r to the next
+  /// region, where a/b is at most (R'/R'')^(2/3), as of a half-space. Half of that is allowed, for
+  /// between the regions it does not change evenly. Where noise changes the curvatures by more, the
+  /// quadric is blended with that of the neighbour, which lies nearer to the start.
+  void keep_growing(const Fits& neighbour, Fits& fit) const {
+    const double most = 1.5 * std::abs(std::log(fit.radius_m / neighbour.radius_m));
+    const auto from = curvature(neighbour);
+    if (!from || !curvature(fit)) return;
+    const auto too_much = [&](const Fits& blended) {
+      const auto to = curvature(blended);
+      if (!to) return true;
+      const Eigen::Vector2d ratios =
+          Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d>(*to, *from).eigenvalues();
+      return !(std::log(ratios[1] / ratios[0]) <= most);
+    };
+    if (!too_much(fit)) return;
+    double kept = 0, dropped = 1;
+    const auto blend = [&](double weight) {
+      return Fits{fit.radius_m, between(neighbour.finger, fit.finger, weight),
+                  between(neighbour.object, fit.object, weight)};
+    };
+    for (int i = 0; i < 30; ++i) {
+      const double weight = (kept + dropped) / 2;
+      (too_much(blend(weight)) ? dropped : kept) = weight;
+    }
+    fit = blend(kept);
+  }
+
+  /// Nothing where one of the neighbours could not be fitted.
+  std::optional<Fits> between_fits(double x) {
+    const double rounded = std::round(x);
+    if (x == rounded) {
+      const Fits* fit = at(int(rounded));
+      return fit ? std::optional<Fits>(*fit) : std::nullopt;
+    }
+    const int below = int(std::floor(x));
+    const Fits *const smaller = at(below), *const larger = at(below + 1);
+    if (!smaller || !larger) return std::nullopt;
+    const double weight = x - below;
+    return Fits{smaller->radius_m * std::pow(larger->radius_m / smaller->radius_m, weight),
+                between(smaller->finger, larger->finger, weight),
+                between(smaller->object, larger->object, weight)};
+  }
+
+  ContactPatch patch_of(const Fits& fits_there) const {
+    ContactPatch patch;
+    patch.finger_fit = fits_there.finger;
+    patch.object_fit = fits_there.object;
+    const auto covariance = [](const std::optional<QuadricFit>& fit) {
+      return fit ? fit->covariance_per_m2 : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+    };
+    Quadric mirrored = object.exact ? *object.exact : fits_there.object->quadric;
+    Eigen::Matrix3d object_covariance = covariance(fits_there.object);
+    if (object.mesh) {
+      // The object's own frame looks along its own outward normal; the finger sees it in a mirror.
+      mirrored.C_per_m = -mirrored.C_per_m;
+      object_covariance.row(2) *= -1;
+      object_covariance.col(2) *= -1;
+    }
+    patch.relative =
+        relative_curvature(finger.exact ? *finger.exact : fits_there.finger->quadric,
+                           covariance(fits_there.finger), mirrored, object_covariance, angle);
+    patch.region_area_m2 = kPi * fits_there.radius_m * fits_there.radius_m;
+    return patch;
+  }
 };
 
+namespace {
+
+/// A region and the contact that is predicted with its radii of curvature.
+struct Trial {
+  double x = 0;
+  double radius_m = 0;
+  double wanted_m = kInfinity;        ///< radius of the region that the contact asks for; infinite
+                                      ///< without an ellipse: a flat or saddle-like middle becomes
+                                      ///< elliptic, if at all, in a larger region
+  std::optional<ContactPatch> patch;  ///< none where no quadric can be fitted
+  bool elliptic() const { return patch && patch->relative.kind == ContactKind::elliptic; }
+  bool too_small() const { return wanted_m > radius_m; }
+  double area_ratio() const { return radius_m * radius_m / (wanted_m * wanted_m); }
+  double mismatch() const { return std::abs(std::log(area_ratio())); }
+};
+
+int points_of(const ContactPatch& patch) {
+  int count = std::numeric_limits<int>::max();
+  for (const auto* fit : {&patch.finger_fit, &patch.object_fit})
+    if (*fit) count = std::min(count, (*fit)->points);
+  return count;
+}
+
 }  // namespace
+
+ContactSurface::ContactSurface(const ContactBody& finger, const ContactBody& object,
+                               double angle_rad)
+    : state_(std::make_unique<State>(finger, object, angle_rad)) {}
+ContactSurface::~ContactSurface() = default;
+ContactSurface::ContactSurface(ContactSurface&&) noexcept = default;
+ContactSurface& ContactSurface::operator=(ContactSurface&&) noexcept = default;
+
+ContactPatch ContactSurface::patch(
+    const std::function<double(const RelativeRadii&)>& predicted_area_m2) {
+  State& state = *state_;
+  const auto predict = [&](ContactPatch& patch) {
+    const double area = predicted_area_m2(patch.relative.radii);
+    if (!(area > 0) || !std::isfinite(area))
+      throw InputError("contact", "predicted area", number(area) + " m²", "positive and finite");
+    patch.predicted_area_m2 = area;
+  };
+  if (!state.has_mesh()) {
+    ContactPatch patch = state.patch_of({});
+    patch.region_area_m2 = 0;
+    if (patch.relative.kind == ContactKind::elliptic) predict(patch);
+    return patch;
+  }
+
+  const int fits_before = state.fits;
+  std::optional<Trial> best, first;
+  const auto trial_at = [&](double x) {
+    Trial trial;
+    trial.x = x;
+    trial.radius_m = state.radius_of(x);
+    if (const auto fits = state.between_fits(x)) {
+      trial.radius_m = fits->radius_m;
+      trial.patch = state.patch_of(*fits);
+      if (trial.elliptic()) {
+        predict(*trial.patch);
+        trial.wanted_m = std::sqrt(2 * trial.patch->predicted_area_m2 / kPi);
+        if (!best || trial.mismatch() < best->mismatch()) best = trial;
+      }
+      if (!first || !first->elliptic()) first = trial;
+    } else if (x == std::round(x) && !state.failed_too_small.at(int(x))) {
+      trial.wanted_m = 0;
+    }
+    return trial;
+  };
+
+  // From the start outwards to the first region that is large enough, or inwards to the first that
+  // is not. As larger loads ask for larger regions, it grows with the load.
+  Trial small = trial_at(0), large = small;
+  if (small.too_small()) {
+    // Beyond the ellipses there may be others, of another part of the surface.
+    while (large.too_small() && large.x < state.highest &&
+           (large.elliptic() || !small.elliptic())) {
+      small = large;
+      large = trial_at(large.x + 1);
+    }
+  } else {
+    while (!small.too_small() && small.x > state.lowest) {
+      large = small;
+      small = trial_at(small.x - 1);
+    }
+  }
+  if (small.elliptic() && large.elliptic() && small.too_small() && !large.too_small()) {
+    // Blended quadrics of two ellipses are elliptic, and the mismatch is continuous.
+    for (int i = 0; i < 60 && best->mismatch() > 1e-9; ++i) {
+      const Trial middle = trial_at((small.x + large.x) / 2);
+      (middle.too_small() ? small : large) = middle;
+    }
+  }
+  if (!first) std::rethrow_exception(state.failed.begin()->second);
+
+  const double tolerance = 0.02;
+  const Trial& chosen = best ? *best : *first;
+  ContactPatch patch = *chosen.patch;
+  patch.agrees = best && std::abs(chosen.area_ratio() - 1) <= tolerance;
+  if (best) {
+    for (const double x : {chosen.x - 1, chosen.x + 1})
+      if (x >= state.lowest && x <= state.highest)
+        if (const auto fits = state.between_fits(x)) {
+          const RelativeCurvature there = state.patch_of(*fits).relative;
+          if (there.kind == ContactKind::elliptic)
+            patch.radii_of_other_regions.push_back(there.radii);
+        }
+  }
+  patch.iterations = state.fits - fits_before;
+  for (const auto* fit : {&patch.finger_fit, &patch.object_fit})
+    if (*fit) patch.covered = std::min(patch.covered, (*fit)->area_m2 / patch.region_area_m2);
+  // Facets cut corners, and a rim just within the region is outside of the contact.
+  constexpr double kCovered = 0.9;
+  if (patch.agrees) {
+    if (patch.covered < kCovered)
+      patch.remark = "the surface covers " + number(100 * patch.covered) +
+                     " % of the region: it is narrower than the contact, or ends beside it";
+    return patch;
+  }
+  if (!best) {
+    patch.remark = "no region from " + internal::millimetres(state.smallest_m) + " to " +
+                   internal::millimetres(large.radius_m) + " gives an elliptic contact";
+    return patch;
+  }
+  const std::string ratio = "the region of " + internal::millimetres(chosen.radius_m) + " (" +
+                            std::to_string(points_of(patch)) + " vertices) is used, " +
+                            number(chosen.area_ratio()) + " times twice the predicted area";
+  if (chosen.too_small() && !large.patch) {
+    patch.remark = "in larger regions no quadric follows the surface: " + ratio;
+  } else if (chosen.too_small() && !large.elliptic()) {
+    patch.remark = "in larger regions there is no elliptic contact: " + ratio;
+  } else if (chosen.too_small()) {
+    patch.remark = "the surface ends within " + internal::millimetres(chosen.wanted_m) +
+                   " of the contact point: " + ratio;
+  } else if (!small.elliptic() && small.patch) {
+    patch.remark = "in smaller regions there is no elliptic contact: " + ratio;
+  } else {
+    patch.remark = "the mesh has only " + std::to_string(state.vertices_within(chosen.wanted_m)) +
+                   " vertices within " + internal::millimetres(chosen.wanted_m) +
+                   " of the contact point, " + std::to_string(kFewestPoints) +
+                   " are needed: " + ratio;
+  }
+  return patch;
+}
 
 ContactPatch fit_contact_patch(
     const ContactBody& finger, const ContactBody& object, double angle_rad,
     const std::function<double(const RelativeRadii&)>& predicted_area_m2) {
-  const PatchProblem problem(finger, object, angle_rad, predicted_area_m2);
-  if (!problem.has_mesh()) {
-    Trial exact = problem.fit(0);
-    problem.predict(exact);
-    return exact.patch;
-  }
-
-  const double largest = problem.largest_radius();
-  const double smallest = std::min(problem.radius_with_points(kFewestPoints), largest);
-  double start = smallest;
-  try {
-    start = std::min(problem.radius_with_points(kStartingPoints), largest);
-  } catch (const InputError&) {
-    start = std::min(2 * smallest, largest);  // a coarse mesh: it has fewer altogether
-  }
-
-  std::optional<Trial> first, best, last;
-  double below = 0, above = kInfinity;  // regions known to be too small, too large
-  double radius = std::max(start, smallest);
-  int iterations = 0;
-  const int max_iterations = 60;
-  const double tolerance = 0.02;
-  bool discrete = false;
-  std::exception_ptr failure;
-  while (iterations < max_iterations) {
-    ++iterations;
-    double wanted = kInfinity;
-    // Only the fit may fail here; a prediction that throws is the caller's business.
-    try {
-      last = problem.fit(radius);
-    } catch (const InputError&) {  // vertices that do not determine a quadric: more are needed
-      last.reset();
-      failure = std::current_exception();
-    } catch (const ConvergenceError&) {  // too strongly curved: less of it
-      last.reset();
-      wanted = 0;
-      failure = std::current_exception();
-    }
-    if (last) {
-      problem.predict(*last);
-      wanted = last->wanted_m;
-    }
-    if (last && (!first || !first->elliptic())) first = last;
-    if (last && last->elliptic() && (!best || last->mismatch() < best->mismatch())) best = last;
-    if (best && std::abs(best->area_ratio() - 1) <= tolerance) break;
-    (wanted > radius ? below : above) = radius;
-    if (below > 0 && above < 1.001 * below) {
-      discrete = true;
-      break;
-    }
-    // Damped: the geometric mean of the region's radius and the wanted one. Bisection where that
-    // leaves the bracket, and now and then anyway, so that the bracket shrinks from both sides.
-    double next = std::isfinite(wanted) ? std::sqrt(radius * wanted) : 2 * radius;
-    next = std::clamp(next, radius / 2, radius * 2);
-    const bool bracketed = below > 0 && std::isfinite(above);
-    if (bracketed && (next <= below || next >= above || iterations % 4 == 0))
-      next = std::sqrt(below * above);
-    next = std::clamp(next, smallest, largest);
-    if (next == radius) break;
-    radius = next;
-  }
-  if (!first) std::rethrow_exception(failure);
-
-  const Trial& chosen = best ? *best : *first;
-  ContactPatch patch = chosen.patch;
-  patch.iterations = iterations;
-  patch.agrees = best && std::abs(best->area_ratio() - 1) <= tolerance;
-  if (patch.agrees) return patch;
-  if (!best) {
-    patch.remark = "no region from " + internal::millimetres(smallest) + " to " +
-                   internal::millimetres(std::max(radius, chosen.radius_m)) +
-                   " gives an elliptic contact";
-    return patch;
-  }
-  const std::string ratio = "the region of " + internal::millimetres(chosen.radius_m) + " (" +
-                            std::to_string(problem.points(chosen)) + " vertices) is used, " +
-                            number(chosen.area_ratio()) + " times twice the predicted area";
-  if (chosen.wanted_m < smallest && chosen.radius_m <= smallest * 1.001) {
-    patch.remark = "the mesh has only " + std::to_string(problem.vertices_within(chosen.wanted_m)) +
-                   " vertices within " + internal::millimetres(chosen.wanted_m) +
-                   " of the contact point, " + std::to_string(kFewestPoints) +
-                   " are needed: " + ratio;
-  } else if (chosen.wanted_m > largest && chosen.radius_m >= largest * 0.999) {
-    patch.remark = "the surface ends within " + internal::millimetres(chosen.wanted_m) +
-                   " of the contact point: " + ratio;
-  } else if (discrete) {
-    patch.remark =
-        "region and contact jump past each other as single vertices enter the region: " + ratio;
-  } else {
-    patch.remark = "region and contact do not agree: " + ratio;
-  }
-  return patch;
+  return ContactSurface(finger, object, angle_rad).patch(predicted_area_m2);
 }
 
 }  // namespace softfinger

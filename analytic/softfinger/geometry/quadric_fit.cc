@@ -511,8 +511,9 @@ RobustFit fit_without_spikes(Facets& facets, const SurfaceRegion& region) {
   return found;
 }
 
-/// The principal radii, their axis and standard deviations, from the quadric and its covariance.
-void set_radii(QuadricFit& result, double per_metre) {
+}  // namespace
+
+void set_principal_radii(QuadricFit& result, double region_radius_m) {
   const auto curvatures = principal_curvatures_per_m(result.quadric);
   const Eigen::Matrix2d curvature_covariance =
       principal_curvature_covariance_per_m2(result.quadric, result.covariance_per_m2);
@@ -525,13 +526,12 @@ void set_radii(QuadricFit& result, double per_metre) {
     // of zero and at most a hundredth of the larger one: noise could otherwise give a cylinder a
     // concave direction.
     const double noise = std::min(3 * std, 1e-2 * largest);
-    const double radius = radius_from_curvature(curvatures[i], std::max(2e-6 * per_metre, noise));
+    const double radius =
+        radius_from_curvature(curvatures[i], std::max(2e-6 / region_radius_m, noise));
     result.principal.radii_m[i] = radius;
     result.radii_std_m[i] = std::isinf(radius) ? kInfinity : radius_std_m(curvatures[i], std);
   }
 }
-
-}  // namespace
 
 QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
   check_radius(neighbourhood, region_radius_m);
@@ -562,7 +562,7 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   result.covariance_per_m2 =
       (covariance(found.scatter) + other_reading * other_reading.transpose() / 4) * per_metre *
       per_metre;
-  set_radii(result, per_metre);
+  set_principal_radii(result, region_radius_m);
   result.normal = fit.normal;
   result.x_axis = fit.frame.col(0);
   result.origin_m = neighbourhood.point_m() - fit.coefficients[5] * region_radius_m * fit.normal;

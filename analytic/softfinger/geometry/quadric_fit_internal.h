@@ -22,6 +22,9 @@ Eigen::Matrix2d principal_curvature_covariance_per_m2(const Quadric& quadric,
 /// standard deviations of its curvature: 1/(k - 2 s) - 1/k = 2 (s/k²)/(1 - 2 s/k).
 double radius_std_m(double curvature_per_m, double std_per_m);
 
+/// Sets the principal radii, their axis and standard deviations, from quadric and covariance.
+void set_principal_radii(QuadricFit& fit, double region_radius_m);
+
 /// Principal curvatures, ascending, in 1/m; the smaller one without cancellation.
 std::array<double, 2> principal_curvatures_per_m(const Quadric& quadric);
 
