@@ -13,7 +13,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
     std::vector<std::string> cases;
     std::string output = "softfinger-report";
     int jobs = suite::default_job_count();
-    bool full = false;
+    bool full = false, quick = false;
     reference::Idealisations idealisations;
     reference::FemLimits fem_limits;
   };
@@ -25,8 +25,14 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       "case files (TOML) or names of built-in cases; default: the whole built-in suite");
   command->add_option("--output", options->output,
                       "folder for the report, created when missing; default: ./softfinger-report");
-  command->add_flag("--full", options->full,
-                    "one finite-element level finer: slower and more accurate");
+  CLI::Option* full = command->add_flag(
+      "--full", options->full,
+      "one finite-element level finer, more accurate: minutes instead of seconds for a load");
+  command
+      ->add_flag("--quick", options->quick,
+                 "the reference alone, without what each idealisation between it and the models "
+                 "costs: half the time")
+      ->excludes(full);
   command->add_flag("--linear", options->idealisations.linear,
                     "finite elements of linear elasticity; default: finite strain where it changes "
                     "a number by more than their stated error");
@@ -61,6 +67,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
         throw InputError("command line", "--output", "\"\"", "the name of a folder");
       compare_options.output = options->output;
       compare_options.full = options->full;
+      compare_options.quick = options->quick;
       compare_options.idealisations = options->idealisations;
       compare_options.jobs = options->jobs;
       compare_options.fem_limits = options->fem_limits;

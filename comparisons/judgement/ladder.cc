@@ -46,13 +46,13 @@ const ModelComparison* nearest_closed_form(const Comparison& comparison) {
 }
 
 void add_doubts(const Comparison& comparison, Ladder& ladder) {
-  if (const ModelComparison* layer = compared(comparison, "bonded_layer");
-      layer && layer->answer.deviations) {
-    const prediction::ModelAnswer& answer = layer->answer;
-    const double a = answer.deviations->a_m / answer.prediction.a_m,
-                 b = answer.deviations->b_m / answer.prediction.b_m,
-                 torque = answer.deviations->arm_exact_m / answer.prediction.torque_arm_exact_m;
-    ladder.doubts.push_back({"fit", "fit of the radii", {a, b, a + b, kNaN, torque}});
+  if (const auto open = comparison.geometry_error(); open && comparison.geometry.patch) {
+    const auto of = [&](prediction::Quantity quantity) { return (*open)[std::size_t(quantity)]; };
+    using prediction::Quantity;
+    ladder.doubts.push_back({"fit",
+                             "fit of the radii, and its region",
+                             {of(Quantity::a), of(Quantity::b), of(Quantity::area),
+                              of(Quantity::indentation), of(Quantity::max_torque)}});
   }
   const nlohmann::json& document = comparison.reference->document;
   if (const auto facets = document.find("geometry_error");

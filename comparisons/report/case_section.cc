@@ -272,8 +272,14 @@ Html simulator_line(const Json& report_case, const Json& load) {
   const auto torque = number(child(load, "fem"), "max_torque_Nm");
   const auto friction = number(report_case, "friction_coefficient");
   if (!force || !torque || !friction || *force <= 0) return "";
-  return html("<p class=\"simulator\">MuJoCo at this load: <code>condim=\"4\" {}</code></p>\n",
-              exporting::mujoco_friction(*friction, *torque / *force));
+  const auto stated = number(child(child(load, "fem"), "error"), "max_torque"),
+             open = number(child(child(load, "geometry"), "error"), "max_torque");
+  return html(
+      "<p class=\"simulator\">MuJoCo at this load: <code>condim=\"4\" {}</code>, the torque "
+      "{}</p>\n",
+      exporting::mujoco_friction(*friction, *torque / *force),
+      stated && open ? html("±\u00a0{}", percent(*stated + *open))
+                     : Html("not known to any per cent"));
 }
 
 Html load_section(const Json& report, const Json& report_case, const Json& load,
@@ -296,6 +302,12 @@ Html load_section(const Json& report, const Json& report_case, const Json& load,
       axis && element(radii, 0) != element(radii, 1))
     facts.push_back("long axis at " + significant(*axis * kDegrees, 3) + "°");
   if (const auto s = number(geometry, "s")) facts.push_back("s = √(ab)/h = " + significant(*s, 3));
+  if (const Json& open = child(geometry, "error"); !child(geometry, "patch").is_null())
+    facts.push_back(
+        number(open, "area") && number(open, "max_torque")
+            ? html("the mesh leaves ±\u00a0{} of the area and ±\u00a0{} of the torque open",
+                   percent(*number(open, "area")), percent(*number(open, "max_torque")))
+            : Html("the mesh does not determine the contact"));
   return html(
              "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n"
              "<p class=\"facts\">{}</p>\n",

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include "comparisons/exporting/simulator.h"
@@ -59,27 +62,116 @@ std::vector<judgement::Usability> usability(const Json& report) {
   return judgement::usability(compared_cases(report), model_names(report), tolerance(report));
 }
 
-Html summary(const Json& report) {
-  const judgement::ReferenceSummary reference =
-      judgement::reference_summary(compared_cases(report), tolerance(report));
-  const double limit = tolerance(report);
-  std::vector<Html> models;
-  for (const judgement::Usability& use : usability(report)) {
-    if (use.compared == 0) continue;
-    models.push_back(html("<b>{}</b> at {}", label(use.model), use.usable));
+/// One load of one case, by its place in the report.
+struct ComparedLoad {
+  const judgement::CaseErrors* of;
+  const judgement::LoadErrors* load;
+};
+
+/// The usable models of a load, and their errors.
+std::vector<const judgement::ModelError*> usable_models(const judgement::LoadErrors& load,
+                                                        double limit) {
+  std::vector<const judgement::ModelError*> found;
+  for (const judgement::ModelError& model : load.models)
+    if (judgement::judge(load, model, limit) == judgement::Judgement::usable)
+      found.push_back(&model);
+  return found;
+}
+
+/// "seed_thumb at 5 N", for each load.
+Html names_of(const std::vector<ComparedLoad>& loads) {
+  std::vector<Html> names;
+  for (const ComparedLoad& one : loads) {
+    const std::string anchor = case_anchor({{"id", one.of->id}});
+    names.push_back(
+        html("<a href=\"#{}\">{}</a> at {}", anchor, one.of->id, newton(one.load->load_N)));
   }
-  Html out = html("<p class=\"lead\">{} at {}. {}", plural(reference.cases, "case"),
-                  plural(reference.loads, "load"), trust_sentence(reference, limit));
-  if (reference.solved > 0) {
+  return joined(names, ", ");
+}
+
+/// The model that is usable at most of the loads, a fast one where there is any, and its worst
+/// error there.
+struct Recommended {
+  std::string model;
+  bool hot_path = false;
+  double worst = 0;
+  std::vector<ComparedLoad> usable_at;
+};
+
+std::optional<Recommended> recommended(const std::vector<ComparedLoad>& loads, double limit) {
+  std::map<std::string, Recommended> found;
+  for (const ComparedLoad& one : loads)
+    for (const judgement::ModelError* model : usable_models(*one.load, limit)) {
+      Recommended& use = found[model->model];
+      use.model = model->model;
+      use.hot_path = model->hot_path;
+      use.worst = std::max(use.worst, model->larger());
+      use.usable_at.push_back(one);
+    }
+  const auto rank = [](const Recommended& use) {
+    return std::tuple(use.usable_at.size(), use.hot_path, -use.worst);
+  };
+  std::optional<Recommended> best;
+  for (const auto& [name, use] : found)
+    if (!best || rank(use) > rank(*best)) best = use;
+  return best;
+}
+
+/// What shall I use for these contacts?
+Html answer(const Json& report, const std::vector<judgement::CaseErrors>& cases) {
+  const double limit = tolerance(report);
+  std::vector<ComparedLoad> open, unsolved, undetermined, none;
+  for (const judgement::CaseErrors& one : cases)
+    for (const judgement::LoadErrors& load : one.loads)
+      (load.fem_finished ? open : unsolved).push_back({&one, &load});
+  const std::size_t all = open.size();
+  std::vector<Html> sentences;
+  while (const auto use = recommended(open, limit)) {
+    const std::size_t count = use->usable_at.size();
+    const Html where = count == all        ? html("everywhere")
+                       : sentences.empty() ? html("at {} of {}", count, plural(int(all), "load"))
+                                           : html("for {}", names_of(use->usable_at));
+    sentences.push_back(html("Use <b>{}</b> {}: area and torque within {}.", label(use->model),
+                             where, percent(use->worst)));
+    std::vector<ComparedLoad> left;
+    for (const ComparedLoad& one : open)
+      if (std::none_of(use->usable_at.begin(), use->usable_at.end(),
+                       [&](const ComparedLoad& here) { return here.load == one.load; }))
+        left.push_back(one);
+    open = left;
+  }
+  for (const ComparedLoad& one : open)
+    (one.load->geometry_error > limit ? undetermined : none).push_back(one);
+  if (!none.empty())
+    sentences.push_back(
+        html("Ask the finite elements for {}: no model is usable there.", names_of(none)));
+  if (!undetermined.empty())
+    sentences.push_back(
+        html("The mesh does not determine {}: take a finer scan, another point or "
+             "a larger load.",
+             names_of(undetermined)));
+  if (!unsolved.empty())
+    sentences.push_back(html("There is no reference for {}.", names_of(unsolved)));
+  return joined(sentences, " ");
+}
+
+/// The first paragraph says what to use, the second how sure that is.
+Html summary(const Json& report) {
+  const std::vector<judgement::CaseErrors> cases = compared_cases(report);
+  const double limit = tolerance(report);
+  const judgement::ReferenceSummary reference = judgement::reference_summary(cases, limit);
+  Html out = "<p class=\"lead\">" + answer(report, cases) + "</p>\n";
+  out += html("<p>{} at {}, compared with finite elements. {}", plural(reference.cases, "case"),
+              plural(reference.loads, "load"), trust_sentence(reference, limit));
+  std::vector<Html> models;
+  for (const judgement::Usability& use : usability(report))
+    if (use.compared > 0) models.push_back(html("{} at {}", label(use.model), use.usable));
+  if (reference.solved > 0)
     out += html(
         " Of {}, these models are usable (area and torque within ±{}, and their assumptions hold): "
         "{}.",
         plural(reference.solved, "load") + " with a reference", plain(limit, 100) + " %",
         models.empty() ? "none" : joined(models, ", "));
-    out += reference.without_usable_model == 0
-               ? Html(" Everywhere at least one model is usable.")
-               : html(" At <b>{}</b> no model is usable.", reference.without_usable_model);
-  }
   return out + "</p>\n";
 }
 
@@ -101,16 +193,16 @@ Html overview_table(const Json& report) {
     }
     rows += html(
         "<tr data-filtered=\"{}\"><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
-        "<td class=\"words\">{}<span>{}</span></td><td class=\"words\" data-label=\"best "
-        "model\">{}</td>"
-        "<td data-label=\"its worst error\">{}</td></tr>\n",
+        "<td class=\"words\" data-label=\"nearest\">{}</td>"
+        "<td data-label=\"its worst error\">{}</td>"
+        "<td class=\"words\">{}<span>{}</span></td></tr>\n",
         searched_text(report_case), case_anchor(report_case), text(report_case, "id"),
-        text(report_case, "question"), verdict_badge(report_case), text(report_case, "verdict"),
-        model, error);
+        text(report_case, "question"), model, error, verdict_badge(report_case),
+        text(report_case, "verdict"));
   }
   return "<table class=\"overview\"><thead><tr><th scope=\"col\">case and question</th>"
-         "<th scope=\"col\">verdict</th><th scope=\"col\">best model</th>"
-         "<th scope=\"col\">its worst error</th></tr></thead>\n<tbody>" +
+         "<th scope=\"col\">nearest model</th><th scope=\"col\">its worst error</th>"
+         "<th scope=\"col\">verdict</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table>\n";
 }
 

@@ -62,9 +62,9 @@ struct PlannedCase {
 constexpr const char* kFlatLinear = "flat, linear";
 constexpr const char* kFlatFinite = "flat, finite strain";
 
-PlannedCase planned(input::Case reference) {
+PlannedCase planned(input::Case reference, bool quick) {
   PlannedCase plan{std::move(reference), {}, {}};
-  if (!plan.reference.fem_mesh.empty()) return plan;
+  if (quick || !plan.reference.fem_mesh.empty()) return plan;
   if (plan.reference.fem_curved || plan.reference.fem_finite) {
     plan.flat_linear = plan.reference;
     plan.flat_linear->fem_curved = false;
@@ -153,13 +153,14 @@ std::vector<std::string> cases_left_out(const fs::path& report_file,
 
 /// @throws InputError also where two cases share an id
 std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
-                                    const reference::Idealisations& idealisations) {
+                                    const CompareOptions& options) {
   std::vector<PlannedCase> cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
     input::Case typed = input::read_case(file);
     const prediction::GeometryResolver geometry(typed);
-    cases.push_back(planned(reference::with_full_reference(typed, geometry, idealisations)));
+    cases.push_back(planned(reference::with_full_reference(typed, geometry, options.idealisations),
+                            options.quick));
     const auto [entry, is_new] = file_of_id.emplace(typed.id, file.string());
     if (!is_new)
       throw InputError(file.string(), "id", typed.id,
@@ -263,7 +264,7 @@ int default_job_count() {
 
 int compare(const CompareOptions& options) {
   const auto start = Clock::now();
-  const std::vector<PlannedCase> cases = read_cases(options.case_files, options.idealisations);
+  const std::vector<PlannedCase> cases = read_cases(options.case_files, options);
   system::Progress progress;
   std::vector<LoadRun> runs = plan_runs(cases, options, progress);
   // These refuse before anything is written.

@@ -14,8 +14,10 @@ struct CompareOptions {
   std::filesystem::path output;  ///< folder, created when missing
   /// Of the reference where a case's [fem] leaves them open.
   reference::Idealisations idealisations;
-  bool full = false;                ///< one FEM level finer than the case says, at most 3
-  int jobs = 1;                     ///< FEM processes side by side
+  bool full = false;  ///< one FEM level finer than the case says, at most 3
+  bool quick =
+      false;     ///< the reference alone, without the ladder's steps between it and the models
+  int jobs = 1;  ///< FEM processes side by side
   reference::FemLimits fem_limits;  ///< of each load
   std::string command;              ///< as typed, for the report's provenance
 };
