@@ -39,9 +39,14 @@ const char* reason_outside(const ContactProblem& problem, const Prediction& flat
   const RelativeRadii& radii = problem.radii;
   if (radii.major_m > kDepartureRange.largest_radii_ratio * radii.minor_m)
     return "not known for R'/R'' above 20";
-  if (problem.layer.thickness_m >
-      kDepartureRange.largest_thickness * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m))
-    return "not known for layers thicker than 0.6 of the relative radius";
+  const double thickness =
+      problem.layer.thickness_m / (std::sqrt(radii.major_m) * std::sqrt(radii.minor_m));
+  if (share.x == 0 && share.y == 0) {
+    if (thickness > kDepartureRange.largest_flat_thickness)
+      return "not known for flat layers thicker than five times the relative radius";
+  } else if (thickness > kDepartureRange.largest_thickness) {
+    return "not known for fingers' layers thicker than 0.6 of the relative radius";
+  }
   if (std::sqrt(flat.a_m) * std::sqrt(flat.b_m) >
       kDepartureRange.largest_size * problem.layer.thickness_m)
     return "not known for contacts larger than 20 h";

@@ -35,11 +35,12 @@ extern const BoundedErrors kFiniteElementErrors;
 
 /// Where the runs lie. Beyond them nothing is known.
 struct DepartureRange {
-  double largest_size = 20;         ///< s = sqrt(ab)/h
-  double largest_radii_ratio = 20;  ///< R'/R''
-  double largest_thickness = 0.6;   ///< h/sqrt(R' R'')
-  double largest_slope = 0.6;       ///< a/R' and b/R''
-  double largest_strain = 0.4;      ///< d/h
+  double largest_size = 20;           ///< s = sqrt(ab)/h
+  double largest_radii_ratio = 20;    ///< R'/R''
+  double largest_thickness = 0.6;     ///< h/sqrt(R' R'') of a finger, in which a core is left
+  double largest_flat_thickness = 5;  ///< the same of a flat layer under a curved object
+  double largest_slope = 0.6;         ///< a/R' and b/R''
+  double largest_strain = 0.4;        ///< d/h
 };
 constexpr DepartureRange kDepartureRange;
 
