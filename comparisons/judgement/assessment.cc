@@ -46,6 +46,19 @@ double settled(double share) {
   return share > 1 - kSlack && share < 1 + kSlack ? 1 : std::abs(share) < kSlack ? 0 : share;
 }
 
+/// Whether the finger is no ellipsoid where that matters: at a slope a/R its gap differs by the
+/// part (a/R)²/4 from the paraboloid's.
+bool is_steep_paraboloid(const input::Case& contact_case, const prediction::ModelAnswer& answer) {
+  constexpr double kSteep = 0.2;
+  const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
+  const auto* finger = pair ? std::get_if<input::QuadricBody>(&pair->finger) : nullptr;
+  if (!finger || !finger->shape_typed || finger->shape == input::FingerShape::ellipsoid)
+    return false;
+  const RelativeRadii& radii = answer.problem.radii;
+  return answer.prediction.a_m > kSteep * radii.major_m ||
+         answer.prediction.b_m > kSteep * radii.minor_m;
+}
+
 const char* reason_without_bound(const input::Case& contact_case,
                                  const prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer) return "the model has no answer";
@@ -55,6 +68,8 @@ const char* reason_without_bound(const input::Case& contact_case,
   if (contact_case.fem_finite && (contact_case.fem_finite->material != "neo_hookean" ||
                                   contact_case.fem_finite->volumetric != "quadratic"))
     return "bounds are known for neo-Hookean layers of quadratic volume energy only";
+  if (is_steep_paraboloid(contact_case, answer))
+    return "bounds are known for ellipsoidal fingers, and this one is of another shape";
   if (std::string_view(answer.model->card().name) == "power_law")
     return "a measured law holds for the finger that it was measured on";
   return nullptr;

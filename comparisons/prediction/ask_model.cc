@@ -97,7 +97,18 @@ ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_cas
                       const RelativeRadii& radii, double load_N, double time_budget_ns) {
   ModelAnswer answer = ask_model(model, contact_case.problem(radii, load_N), time_budget_ns);
   check_homogeneity(contact_case, answer.prediction.validity);
+  if (model.card().finite_strain) check_energy(contact_case, answer.prediction.validity);
   return answer;
+}
+
+void check_energy(const input::Case& contact_case, Validity& validity) {
+  if (!contact_case.fem_finite) return;
+  const bool known = contact_case.fem_finite->material == "neo_hookean" &&
+                     contact_case.fem_finite->volumetric == "quadratic";
+  if (!known)
+    validity.add({"fitted_energy", 0, 1, false,
+                  "the correction was fitted to neo-Hookean layers of quadratic volume energy, "
+                  "which this one is not: ask finite elements"});
 }
 
 void check_homogeneity(const input::Case& contact_case, Validity& validity) {

@@ -102,6 +102,10 @@ ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_cas
 /// A check that fails if the case has several sublayers.
 void check_homogeneity(const input::Case& contact_case, Validity& validity);
 
+/// Adds a check that fails if the case's layer has another energy than those that models of finite
+/// strain were fitted to.
+void check_energy(const input::Case& contact_case, Validity& validity);
+
 /// Sets `deviations` for a fast model that has an answer: to first order, from the covariance of
 /// the fitted R' and R'' (propagated_std). NaN if a neighbouring problem has no answer. Costs
 /// five predictions.

@@ -22,6 +22,31 @@ ContactProblem round_contact(double nu, double load_N) {
   return {{kRadius_m, kRadius_m}, {kThickness_m, kModulus_Pa * (1 - nu * nu), nu}, {load_N, 0.7}};
 }
 
+TEST(LayerFredholm, SaysWhichOfTwoLayersIsPressedThrough) {
+  // Both layers of one material: the thin one takes the share of its thickness, if nu is small.
+  ContactProblem problem = round_contact(0, 1);
+  problem.object_layer = problem.layer;
+  problem.object_layer.thickness_m = kThickness_m / 10;
+  problem.object_layer.youngs_modulus_Pa /= 50;
+  const auto strain = [](const Prediction& prediction) {
+    for (const ValidityCheck& check : prediction.validity)
+      if (std::string(check.check) == "small_strain") return check.value;
+    return -1.;
+  };
+  // Columns: u = p h/E, the thin soft layer is strained fifty times as much as the other one.
+  const Prediction gentle = fredholm().predict(problem);
+  ASSERT_TRUE(gentle.has_answer);
+  const double share = 5. / 6;
+  EXPECT_NEAR(strain(gentle) / (share * gentle.indentation_m / problem.object_layer.thickness_m), 1,
+              0.02)
+      << "a/h = " << gentle.a_m / kThickness_m;
+  while (problem.load.normal_force_N < 1e4 && fredholm().predict(problem).has_answer)
+    problem.load.normal_force_N *= 1.5;
+  const Prediction pressed = fredholm().predict(problem);
+  ASSERT_FALSE(pressed.has_answer);
+  EXPECT_STREQ(pressed.validity.begin()->check, "not_pressed_through");
+}
+
 TEST(LayerKernel, EqualsItsFormulaAndItsLimits) {
   for (const double nu : {0.0, 0.2, 0.45, 0.4999, 0.5}) {
     const LayerKernel kernel(nu);

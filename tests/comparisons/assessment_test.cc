@@ -128,6 +128,32 @@ TEST(Assessment, SaysWhyThereIsNoBound) {
           .assess();
   EXPECT_FALSE(rubber.bound || rubber.usable);
   EXPECT_NE(rubber.evidence.find("neo-Hookean"), std::string::npos);
+  const std::string bodies =
+      "finger = { radii_mm = [12, 9], shape = \"SHAPE\" }\n"
+      "object.radii_mm = [inf, inf]";
+  const auto shaped = [&](const std::string& shape) {
+    std::string geometry = bodies;
+    geometry.replace(geometry.find("SHAPE"), 5, shape);
+    return Asked(assessed_case_text(geometry, "[fem]\ngeometry = \"curved\"\n"), "bonded_layer")
+        .assess();
+  };
+  EXPECT_TRUE(shaped("ellipsoid").bound);
+  EXPECT_NE(shaped("paraboloid").evidence.find("another shape"), std::string::npos);
+}
+
+TEST(Assessment, ModelsOfFiniteStrainHoldForTheirEnergy) {
+  const std::string layer =
+      "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n";
+  const auto holds = [&](const std::string& energy) {
+    const Asked asked("id = \"x\"\n[geometry]\nrelative_radii_mm = [20, 20]" + layer + energy +
+                          "[contact]\nload_N = 1\nfriction_coefficient = 0.5\n"
+                          "[fem]\nkinematics = \"finite\"\n",
+                      "finite_strain_layer");
+    EXPECT_TRUE(asked.answer.prediction.has_answer);
+    return asked.answer.prediction.valid();
+  };
+  EXPECT_TRUE(holds(""));
+  EXPECT_FALSE(holds("volumetric = \"logarithmic\"\n"));
 }
 
 TEST(Assessment, HoldsTheRunsThatItWasFittedTo) {

@@ -43,12 +43,16 @@ const CircularLayerContact& solution_of(const ContactProblem& problem) {
   });
 }
 
-ValidityCheck thin_object_check(double strain) noexcept {
-  ValidityCheck check = small_strain_check(strain);
-  check.message =
-      "the indentation is more than 30 % of the layers' thickness together: linear elasticity can "
-      "be off by more than 10 %, less so when nearly incompressible";
-  return check;
+/// The strain of each layer. They share the indentation as their compliances at the wave number
+/// 1/a, about which the pressure's spectrum lies.
+ValidityCheck strain_check(const Prediction& prediction, const ContactProblem& problem) noexcept {
+  const auto compliance_per_Pa = [&](const ElasticLayer& layer) {
+    return LayerKernel(layer.poisson_ratio).compliance(layer.thickness_m / prediction.a_m) /
+           layer.plane_strain_modulus_Pa();
+  };
+  return small_strain_check(
+      prediction, problem, compliance_per_Pa(problem.layer),
+      problem.has_object_layer() ? compliance_per_Pa(problem.object_layer) : 0);
 }
 
 class LayerFredholm final : public PressureModel {
@@ -105,11 +109,12 @@ class LayerFredholm final : public PressureModel {
       prediction.peak_pressure_Pa = modulus_Pa * contact.pressure_over_modulus(0);
       prediction.torque_arm_exact_m = prediction.torque_arm_paper_m = contact.torque_arm_m;
       prediction.validity.add(small_slope_check(prediction, problem.radii));
-      prediction.validity.add(
-          problem.has_object_layer()
-              ? thin_object_check(contact.indentation_m /
-                                  (problem.layer.thickness_m + problem.object_layer.thickness_m))
-              : small_strain_check(prediction, problem.layer));
+      const ValidityCheck strain = strain_check(prediction, problem);
+      prediction.validity.add(strain);
+      if (problem.has_object_layer() && strain.value >= 1)
+        return no_answer(
+            {"not_pressed_through", strain.value, 1, true,
+             "no answer: one of the two layers is pressed by more than its thickness"});
       return finite_or_no_answer(prediction, problem);
     } catch (const std::exception&) {  // memory only: predict() must not throw
       return no_answer(not_representable());
