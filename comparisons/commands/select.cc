@@ -92,15 +92,28 @@ std::filesystem::path scene_file(const std::string& typed) {
   return input::is_scene(typed) ? std::filesystem::path(typed) : std::filesystem::path();
 }
 
+/// select.json and select.html, both or none.
+void write_page(const std::filesystem::path& folder, const nlohmann::json& result,
+                const std::string& page) {
+  const system::OutputFolder output(folder);
+  system::write_files_together(
+      {{folder / "select.json", result.dump(2) + "\n"}, {folder / "select.html", page}});
+  remark("the page is " + (folder / "select.html").string());
+}
+
 int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
-  if (!options.models.empty() || !options.quantities.empty() || options.write_page ||
-      options.selection.budget_us > 0)
-    throw InputError("command line", "--models, --quantities, --budget-us, --output", "",
+  if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
+    throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
   const judgement::SceneChoice choice = judgement::choose_for_scene(
       input::read_scene(file), options.selection.tolerance, fem_table, remark);
+  const nlohmann::json result = to_json(choice, options.selection.tolerance);
+  if (options.write_page)
+    write_page(
+        options.output, result,
+        report::render_scene_selection(judgement::with_provenance(result, options.command_line)));
   if (options.json)
-    system::write_to_stdout(to_json(choice, options.selection.tolerance).dump(2) + "\n");
+    system::write_to_stdout(result.dump(2) + "\n");
   else
     system::write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n",
                                              choice.scene.id,
@@ -140,13 +153,9 @@ int run_select(SelectOptions options) {
   const nlohmann::json result = {
       {"case", contact_case.id}, {"tolerance", options.selection.tolerance}, {"choices", choices}};
   if (options.write_page) {
-    const std::filesystem::path folder = options.output;
-    const system::OutputFolder output(folder);
     const nlohmann::json report = judgement::selection_report(
         contact_case, resolver, options.selection, loads, options.command_line);
-    system::write_files_together({{folder / "select.json", result.dump(2) + "\n"},
-                                  {folder / "select.html", report::render_selection(report)}});
-    remark("the page is " + (folder / "select.html").string());
+    write_page(options.output, result, report::render_selection(report));
   }
   if (options.json)
     system::write_to_stdout(result.dump(2) + "\n");
@@ -185,7 +194,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
   const CLI::Option* output = command->add_option(
       "--output", options->output,
       "folder for a page with the choice, the figures of speed and accuracy and the maps of "
-      "validity: select.html, and select.json; of a case, not of a scene");
+      "validity: select.html, and select.json; of a scene, what each pair of bodies needs");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "For a scene: which contacts can be points, ellipsoids or exact limit surfaces, and with\n"

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/style.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::report {
 namespace {
@@ -212,6 +214,17 @@ Json selection_chart_data(const Json& selection) {
           {"cases", {{{"id", text(selection, "case")}, {"loads", loads}}}}};
 }
 
+Html provenance_of(const Json& selection) {
+  const Json& source = child(selection, "provenance");
+  Html rows;
+  for (const char* key : {"version", "date"})
+    if (const std::string value = text(source, key); !value.empty())
+      rows += html("<dt>{}</dt><dd>{}</dd>", key, value);
+  return provenance_section(rows + atlas_provenance(selection), text(source, "command"),
+                            "<p>The choices in full precision are in <code>select.json</code> "
+                            "beside this page, in SI units.</p>\n");
+}
+
 Html select_body(const Json& selection) {
   const Json& choices = child(selection, "choices");
   const std::string question = text(selection, "question");
@@ -259,17 +272,88 @@ Html select_body(const Json& selection) {
         "<h2 id=\"case\">The case</h2>\n<details><summary>Case file "
         "<code>{}</code></summary>\n<pre>{}</pre></details>\n",
         text(selection, "file"), text(selection, "case_toml"));
-  const Json& source = child(selection, "provenance");
-  Html rows;
-  for (const char* key : {"version", "date"})
-    if (const std::string value = text(source, key); !value.empty())
-      rows += html("<dt>{}</dt><dd>{}</dd>", key, value);
-  return out + provenance_section(rows + atlas_provenance(selection), text(source, "command"),
-                                  "<p>The choices in full precision are in "
-                                  "<code>select.json</code> beside this page, in SI units.</p>\n");
+  return out + provenance_of(selection);
+}
+
+/// "a point", as the lead says it.
+std::string detail_in_words(const std::string& detail) {
+  if (detail == "point") return "a point without torque";
+  if (detail == "ellipsoid") return "a friction ellipsoid";
+  return detail == "fem_table" ? "the exact limit surface, e_n by finite elements"
+                               : "the exact limit surface";
+}
+
+Html scene_lead(const Json& selection) {
+  const Json& choices = child(selection, "choices");
+  if (choices.empty())
+    return "<p class=\"lead\">No soft contact carries a load: <b>points are enough</b>.</p>\n";
+  std::map<std::string, int> pairs_of;
+  for (const Json& choice : choices) ++pairs_of[text(choice, "detail")];
+  std::vector<Html> needs;
+  for (const auto& [detail, count] : pairs_of)
+    needs.push_back(html("{} of {} pairs {} <b>{}</b>", count, choices.size(),
+                         count == 1 ? "needs" : "need", detail_in_words(detail)));
+  const Json& change = child(selection, "motion_change");
+  return html(
+      "<p class=\"lead\">{}.</p>\n<p>A step takes {} instead of {} with the bonded layer and "
+      "exact limit surfaces everywhere. The motion changes by at most {} mm of {} mm and {}° of "
+      "{}°: <b>{} {}</b>.</p>\n",
+      joined(needs, ", "), duration(1e-3 * number(selection, "step_ms_chosen").value_or(NAN)),
+      duration(1e-3 * number(selection, "step_ms_accurate").value_or(NAN)),
+      significant(number(change, "position_m"), 1e3), significant(number(change, "travel_m"), 1e3),
+      significant(number(change, "rotation_rad"), 180 / kPi),
+      significant(number(change, "turn_rad"), 180 / kPi),
+      flag(selection, "motion_holds") ? "within" : "more than", tolerance_text(selection));
+}
+
+Html scene_pairs(const Json& selection) {
+  Html rows, sections;
+  std::size_t index = 0;
+  for (const Json& choice : child(selection, "choices")) {
+    std::string names;
+    for (const Json& body : child(choice, "bodies"))
+      names += (names.empty() ? "" : " – ") + (body.is_string() ? body.get<std::string>() : "");
+    const std::string model = text(choice, "model"), reason = sentence(text(choice, "reason"));
+    const Json& candidate = candidate_named(choice, model);
+    rows += html(
+        "<tr><th scope=\"row\"><a href=\"#pair-{}\">{}</a></th><td class=\"words\">{}</td><td "
+        "class=\"words\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        index, names, text(choice, "detail"),
+        model == "rigid"   ? Html("none")
+        : model == "table" ? Html("finite elements")
+                           : model_key(selection, model),
+        candidate.is_null() ? Html("–") : html("{}", percent(worst_of(candidate))),
+        percent(number(choice, "utilisation").value_or(NAN)),
+        newton(number(choice, "load_N").value_or(NAN)));
+    sections += html("<section id=\"pair-{}\"><h3>{}</h3>\n<p class=\"verdict\">{}</p>\n", index++,
+                     names, reason) +
+                candidates_table(selection, choice) + "</section>\n";
+  }
+  if (rows.empty()) return "";
+  return "<h2 id=\"choice\">Pair by pair</h2>\n<div class=\"scroll\" tabindex=\"0\"><table><thead>"
+         "<tr><th scope=\"col\">bodies</th><th scope=\"col\" class=\"words\">contact</th><th "
+         "scope=\"col\" class=\"words\">model</th><th scope=\"col\">torque within</th><th "
+         "scope=\"col\">of its limit used</th><th scope=\"col\">largest load</th></tr></thead>\n"
+         "<tbody>" +
+         rows + "</tbody></table></div>\n" + sections;
 }
 
 }  // namespace
+
+std::string render_scene_selection(const nlohmann::json& selection) {
+  if (!child(selection, "choices").is_array())
+    throw std::invalid_argument(
+        "selection: no array \"choices\"; see comparisons/report/README.md");
+  const std::string scene = text(selection, "scene");
+  return render_page({html("What do the contacts of {} need?", scene),
+                      {embedded::report_css},
+                      html("<header><h1>What do the contacts of {} need, within {}?</h1>\n", scene,
+                           tolerance_text(selection)) +
+                          scene_lead(selection) + "</header>\n" + scene_pairs(selection) +
+                          provenance_of(selection),
+                      Json::object(),
+                      {}});
+}
 
 std::string render_selection(const nlohmann::json& selection) {
   if (!child(selection, "choices").is_array())

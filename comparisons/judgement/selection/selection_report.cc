@@ -153,6 +153,18 @@ std::string limits_in_words(const SelectionOptions& options) {
   return words;
 }
 
+json cards() {
+  json cards = json::array();
+  for (const PressureModel* model : all_pressure_models())
+    cards.push_back({{"name", model->card().name}, {"title", model->card().title}});
+  return cards;
+}
+
+json provenance(const std::string& command) {
+  return {
+      {"version", system::program_version()}, {"date", system::utc_now()}, {"command", command}};
+}
+
 }  // namespace
 
 json selection_report(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
@@ -172,9 +184,6 @@ json selection_report(const input::Case& contact_case, const prediction::Geometr
     marks.back()["seed"] = false;
   }
   if (atlas.is_object()) atlas["marks"] = marks;
-  json cards = json::array();
-  for (const PressureModel* model : all_pressure_models())
-    cards.push_back({{"name", model->card().name}, {"title", model->card().title}});
   return {{"case", contact_case.id},
           {"question", contact_case.question},
           {"description", prediction::describe(contact_case)},
@@ -183,13 +192,17 @@ json selection_report(const input::Case& contact_case, const prediction::Geometr
           {"case_toml", contact_case.text},
           {"tolerance", options.tolerance},
           {"choices", list},
-          {"models", cards},
+          {"models", cards()},
           {"curves", error_curves(contact_case, resolver, options, choices)},
           {"atlas", atlas},
-          {"provenance",
-           {{"version", system::program_version()},
-            {"date", system::utc_now()},
-            {"command", command}}}};
+          {"provenance", provenance(command)}};
+}
+
+json with_provenance(const json& choice, const std::string& command) {
+  json report = choice;
+  report["models"] = cards();
+  report["provenance"] = provenance(command);
+  return report;
 }
 
 }  // namespace softfinger::judgement

@@ -23,4 +23,7 @@ nlohmann::json selection_report(const input::Case& contact_case,
                                 const SelectionOptions& options,
                                 const std::vector<LoadChoice>& choices, const std::string& command);
 
+/// A choice for a scene, with what its page says of the models and of its origin.
+nlohmann::json with_provenance(const nlohmann::json& choice, const std::string& command);
+
 }  // namespace softfinger::judgement
