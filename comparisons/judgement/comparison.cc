@@ -48,6 +48,31 @@ PressureProfile profile(const ModelAnswer& answer, bool along_x) {
   return profile;
 }
 
+/// Linear between the points of a profile, zero beyond them.
+double pressure_at(const PressureProfile& profile, double x_m) {
+  const auto& x = profile.position_m;
+  const auto after = std::upper_bound(x.begin(), x.end(), x_m);
+  if (after == x.begin()) return profile.pressure_Pa.front();
+  if (after == x.end()) return x_m == x.back() ? profile.pressure_Pa.back() : 0;
+  const auto i = std::size_t(after - x.begin());
+  const double weight = (x_m - x[i - 1]) / (x[i] - x[i - 1]);
+  return (1 - weight) * profile.pressure_Pa[i - 1] + weight * profile.pressure_Pa[i];
+}
+
+/// int |p - q| r dr / int q r dr.
+double misfit(const PressureProfile& profile, const PressureProfile& truth) {
+  if (profile.position_m.empty() || truth.position_m.empty()) return kNaN;
+  constexpr int kSteps = 400;
+  const double end_m = std::max(profile.position_m.back(), truth.position_m.back());
+  double difference = 0, all = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double r_m = (i + 0.5) / kSteps * end_m, expected = pressure_at(truth, r_m);
+    difference += std::abs(pressure_at(profile, r_m) - expected) * r_m;
+    all += expected * r_m;
+  }
+  return all > 0 ? difference / all : kNaN;
+}
+
 ModelComparison compare_model(const PressureModel& model, const Comparison& load) {
   ModelComparison comparison;
   comparison.answer = prediction::ask_model(model, *load.contact_case, load.geometry.radii,
@@ -61,7 +86,13 @@ ModelComparison compare_model(const PressureModel& model, const Comparison& load
     comparison.along_x = profile(comparison.answer, true);
     comparison.along_y = profile(comparison.answer, false);
   }
-  if (load.reference) comparison.errors = relative_errors(comparison.answer, *load.reference);
+  if (load.reference) {
+    comparison.errors = relative_errors(comparison.answer, *load.reference);
+    if (comparison.along_x && comparison.along_y)
+      comparison.errors->pressure_misfit = (misfit(*comparison.along_x, load.reference->along_x) +
+                                            misfit(*comparison.along_y, load.reference->along_y)) /
+                                           2;
+  }
   return comparison;
 }
 
@@ -98,7 +129,8 @@ RelativeErrors relative_errors(const ModelAnswer& answer,
           error(prediction.indentation_m, reference.indentation_m),
           error(prediction.peak_pressure_Pa, reference.peak_pressure_Pa),
           error(torque_Nm(TorqueRule::exact), reference.max_torque_Nm),
-          error(torque_Nm(TorqueRule::paper), reference.max_torque_Nm)};
+          error(torque_Nm(TorqueRule::paper), reference.max_torque_Nm),
+          kNaN};
 }
 
 Comparison compare(const input::Case& contact_case, const prediction::LocalGeometry& geometry,

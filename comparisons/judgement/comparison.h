@@ -20,6 +20,9 @@ struct RelativeErrors {
   double a, b, area, indentation, peak_pressure;
   double max_torque;        ///< exact rule, int mu p r dA over the model's own pressure
   double max_torque_paper;  ///< the paper's rule, against the same reference
+  /// int |p - p_FEM| r dr / int p_FEM r dr along both axes, the mean: how far the pressure is off
+  /// all over the contact. NaN where a profile is missing.
+  double pressure_misfit;
 };
 
 struct ModelComparison {

@@ -92,7 +92,7 @@ Json chart_data(const Json& report) {
       Json models = Json::array();
       const judgement::LoadErrors errors = compared_load(load);
       for (const Json& model : child(load, "models"))
-        models.push_back(drawn_model(errors, model, tolerance(report)));
+        if (is_asked(model)) models.push_back(drawn_model(errors, model, tolerance(report)));
       Json drawn = {{"load_N", number_or_null(load, "load_N")},
                     {"axis_rad", number_or_null(child(load, "geometry"), "axis_rad")},
                     {"s", number_or_null(child(load, "geometry"), "s")},

@@ -7,6 +7,11 @@ namespace softfinger::report {
 
 double tolerance(const Json& report) { return number(report, "tolerance").value_or(0.10); }
 
+bool is_asked(const Json& model) {
+  const Json& checks = child(model, "validity");
+  return !checks.is_array() || checks.empty() || text(checks[0], "check") != "power_law_known";
+}
+
 judgement::ModelError compared_model(const Json& model) {
   judgement::ModelError error;
   const Json& relative = child(model, "relative_error");

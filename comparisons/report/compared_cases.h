@@ -16,6 +16,10 @@ judgement::CaseErrors compared_case(const Json& report_case);
 judgement::LoadErrors compared_load(const Json& load);
 judgement::ModelError compared_model(const Json& model);
 
+/// Whether the model was given anything to answer with: a law that was not measured has nothing to
+/// say, and is not shown.
+bool is_asked(const Json& model);
+
 /// The error up to which a model is usable; a tenth where the file does not say.
 double tolerance(const Json& report);
 

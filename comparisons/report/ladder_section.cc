@@ -84,7 +84,7 @@ Html doubts_line(const std::vector<const Json*>& doubts) {
       parts.push_back(html("{}: {}", text(*doubt, "words"), joined(numbers, ", ")));
   }
   if (parts.empty()) return "";
-  return html("<p>Beside it the reference’s own uncertainty. {}.</p>\n", joined(parts, "; "));
+  return html("<p>Beside it the reference’s own uncertainty: {}.</p>\n", joined(parts, "; "));
 }
 
 }  // namespace

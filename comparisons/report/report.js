@@ -10,9 +10,10 @@
     ...(load.fem ? [{...load.fem, model: "fem", sound: true, style: FEM}] : []),
     ...load.models.filter((m) => m.has_answer).map((m) => ({...m, style: styleOf(m.model)})),
   ];
-  const lineOptions = (entry) => ({
+  // Of curves that coincide, the one below is seen on both sides of the one above.
+  const lineOptions = (entry, place = 0, count = 1) => ({
     stroke: entry.style.colour,
-    strokeWidth: entry.model === "fem" ? 4 : 2,
+    strokeWidth: entry.model === "fem" ? 2 + 0.35 * count : 1.5 + 0.35 * (count - 1 - place),
     strokeDasharray: entry.style.dash,
     x: "x", y: "y", curve: "linear",
   });
@@ -64,7 +65,7 @@
           ? [Plot.line([...outline(reference, 1), ...outline(reference, -1).reverse()],
               {x: "x", y: "y", curve: "linear", stroke: "none", fill: "var(--band)", fillOpacity: 0.22})]
           : []),
-        ...drawn.map((e, i) => Plot.line(outlines[i], lineOptions(e))),
+        ...drawn.map((e, i) => Plot.line(outlines[i], lineOptions(e, i, drawn.length))),
         tip(all.filter((_, i) => i % 4 === 0)), // the words are the same all around
       ],
     });
@@ -96,7 +97,7 @@
         y: {domain: [0, top], label: axis === "x" ? "↑ pressure, kPa" : null, ticks: 5},
         marks: [
           Plot.ruleY([0], {strokeOpacity: 0.4}),
-          ...drawn.map((e, i) => e.model === "fem" ? null : Plot.line(curves[i], {...lineOptions(e), clip: true})),
+          ...drawn.map((e, i) => e.model === "fem" ? null : Plot.line(curves[i], {...lineOptions(e, i, drawn.length), clip: true})),
           ...drawn.map((e, i) => e.model === "fem" ? Plot.line(curves[i], {...DOTS, x: "x", y: "y", stroke: e.style.colour, strokeWidth: 4.6, clip: true}) : null),
           tip(curves.flat().filter((p) => p.x <= end && p.y <= top)),
         ],
@@ -179,7 +180,7 @@
         Plot.ruleY([0], {strokeOpacity: 0.4}), Plot.ruleX([0], {strokeOpacity: 0.4}),
         ...(reference ? [Plot.line([...curve(reference, 1), ...curve(reference, -1).reverse()],
           {x: "x", y: "y", curve: "linear", stroke: "none", fill: "var(--band)", fillOpacity: 0.22})] : []),
-        ...drawn.map((e, i) => Plot.line(curves[i], lineOptions(e))),
+        ...drawn.map((e, i) => Plot.line(curves[i], lineOptions(e, i, drawn.length))),
         tip(curves.flat()),
       ],
     });

@@ -41,7 +41,8 @@ json to_json(const std::optional<judgement::RelativeErrors>& errors) {
           {"indentation", finite_or_null(errors->indentation)},
           {"peak_pressure", finite_or_null(errors->peak_pressure)},
           {"max_torque", finite_or_null(errors->max_torque)},
-          {"max_torque_paper", finite_or_null(errors->max_torque_paper)}};
+          {"max_torque_paper", finite_or_null(errors->max_torque_paper)},
+          {"pressure_misfit", finite_or_null(errors->pressure_misfit)}};
 }
 
 json to_json(const ModelComparison& model) {

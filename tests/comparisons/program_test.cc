@@ -804,7 +804,17 @@ TEST_F(Program, SelectWritesAPageAndItsNumbers) {
   EXPECT_NE(page.find("Which model is enough for silicone_pad_2mm"), std::string::npos);
   EXPECT_NE(page.find("softfinger select silicone_pad_2mm --tolerance 0.1"), std::string::npos);
   expect_refusal({"select", "silicone_pad_2mm", "--tolerance", "0.1", "--output", ""}, "--output");
-  expect_refusal({"select", "pinch", "--tolerance", "0.1", "--output", "choice"}, "--output");
+}
+
+TEST_F(Program, SelectWritesAPageOfASceneToo) {
+  const ProgramRun result =
+      run({"select", "pinch", "--tolerance", "0.1", "--output", "choice", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(json::parse(read_file(folder.path() / "choice/select.json")), json::parse(result.out));
+  const std::string page = read_file(folder.path() / "choice/select.html");
+  EXPECT_NE(page.find("What do the contacts of pinch need"), std::string::npos);
+  EXPECT_NE(page.find("2 of 2 pairs need"), std::string::npos);
+  EXPECT_NE(page.find("plate – left_tip"), std::string::npos);
 }
 
 TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
