@@ -71,7 +71,8 @@ Html results_table(const Json& survey) {
   return "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">model</th>"
          "<th scope=\"col\">problems</th><th scope=\"col\">valid</th><th "
          "scope=\"col\">outside validity</th><th scope=\"col\">refused</th><th "
-         "scope=\"col\">nonsense refused</th><th scope=\"col\">units change</th><th "
+         "scope=\"col\"><a href=\"#ranges\">nonsense</a> refused</th><th scope=\"col\">units "
+         "change</th><th "
          "scope=\"col\">largest jump</th><th scope=\"col\">slowest "
          "call</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table></div>\n";
@@ -213,7 +214,9 @@ Html extremes_body(const Json& survey) {
          "special value (0, 1/2, next to one of them, 0.3) in one of three; the object is "
          "compliant "
          "in one of five. One problem of sixteen is nonsense: it contains a NaN, an infinity, a "
-         "negative number or one that is nearly zero.</p>\n" +
+         "negative number or one that is nearly zero. A model refuses it where that number "
+         "enters; where it does not, or where it is small but not impossible, it answers with "
+         "finite numbers.</p>\n" +
          ranges_table(survey) + "<h2 id=\"refusals\">Why they refused</h2>\n" + refusals(survey) +
          provenance_section(rows, text(source, "command"),
                             "<p>The same numbers are in <code>extremes.json</code> beside this "

@@ -104,7 +104,7 @@ function createView(canvas) {
     const group = new Group();
     const colour = body.movable && (isFew || touching.has(index)) ? palette[coloured++ % palette.length] : body.movable ? "#c3cad3" : "#b4bac2";
     for (const shape of body.shapes) {
-      const material = new MeshLambertMaterial({color: shape.half_space ? "#e9ecef" : colour, side: shape.half_space ? FrontSide : DoubleSide});
+      const material = new MeshLambertMaterial({color: shape.half_space ? colourOf("--floor") : colour, side: shape.half_space ? FrontSide : DoubleSide});
       const mesh = new Mesh(geometries[shape.geometry], material);
       const [x, y, z, ...turn] = floats(shape.pose);
       mesh.position.set(x, y, z);
@@ -114,7 +114,7 @@ function createView(canvas) {
         material.polygonOffset = true;
         material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
         const cells = 2 * Math.ceil(1.1 * size / spacing);
-        const grid = new GridHelper(cells * spacing, cells, 0x9aa3ad, 0xc9cfd6);
+        const grid = new GridHelper(cells * spacing, cells, colourOf("--floor-axis"), colourOf("--floor-line"));
         grid.rotation.x = Math.PI / 2;
         const middle = centre.clone().sub(mesh.position).applyQuaternion(mesh.quaternion.clone().invert());
         grid.position.set(spacing * Math.round(middle.x / spacing), spacing * Math.round(middle.y / spacing), 0);
@@ -165,12 +165,12 @@ function createView(canvas) {
   const markers = data.tracks.map(() => {
     const marker = new Group();
     const fill = new Mesh(disc, new MeshBasicMaterial(onTop({side: DoubleSide, opacity: 0.75})));
-    const edge = new LineLoop(rim, new LineBasicMaterial(onTop({color: "#1a1f26"})));
+    const edge = new LineLoop(rim, new LineBasicMaterial(onTop({color: colourOf("--normal-force")})));
     fill.renderOrder = 1;
     edge.renderOrder = 2;
     marker.add(fill, edge);
     scene.add(marker);
-    return {marker, fill, edge, normal: makeArrow("#1a1f26"), tangential: makeArrow("#b0306a")};
+    return {marker, fill, edge, normal: makeArrow(colourOf("--normal-force")), tangential: makeArrow("#b0306a")};
   });
 
   const largestAxis = d3.max(allContacts, (c) => c.a) ?? 0;
@@ -207,7 +207,7 @@ function createView(canvas) {
       const colour = element("colouring").value === "use" ? useColour(contact.use) : colours[contact.slides ? SLIDES : STICKS];
       fill.material.color.set(colour);
       fill.material.opacity = isPoint ? 0.25 : track === selected ? 0.95 : 0.6;
-      edge.material.color.set(track === selected ? "#1a1f26" : colour);
+      edge.material.color.set(track === selected ? colourOf("--normal-force") : colour);
       const axes = [0, 1, 2].map((i) => new Vector3().setComponent(i, 1).applyQuaternion(marker.quaternion));
       // Pushed from behind, dragged from there on: the arrows of a pinch do not run into each other.
       const push = axes[2].multiplyScalar(contact.P * metresPerNewton);
@@ -520,9 +520,10 @@ function start() {
   // The contact with the largest force of all says most.
   const strongest = d3.greatest(allContacts, (contact) => contact.P);
   if (strongest) select(strongest.track);
-  // motion.html#t=0.35 opens at a time.
-  const time = Number(/^#t=([\d.]+)$/.exec(location.hash)?.[1] ?? times[0]);
-  setFrame(nearestFrame(time));
+  // motion.html#t=0.35 opens at a time; otherwise it opens where that contact has begun.
+  const touching = strongest ? history.findIndex((contacts) => contacts[strongest.track]) : 0;
+  const asked = /^#t=([\d.]+)$/.exec(location.hash)?.[1];
+  setFrame(asked === undefined ? touching : nearestFrame(Number(asked)));
   if (view) page.dataset.canvasDrawn = String(view.isDrawn());
 
   let width = figures.wrench.clientWidth;

@@ -11,6 +11,7 @@
 #include "comparisons/report/motion_data.h"
 #include "comparisons/report/page.h"
 #include "softfinger/friction/limit_surface.h"
+#include "softfinger/input/constants.h"
 
 namespace softfinger::report {
 namespace {
@@ -32,7 +33,7 @@ Html summary(const Recording& recording, const std::vector<ContactTrack>& tracks
       std::count_if(recording.bodies.begin(), recording.bodies.end(),
                     [](const simulation::RecordedBody& body) { return body.movable; });
   const std::size_t shown = shown_frames(recording).size();
-  Html text = html("<p class=\"lead\">{} ({} of them movable), {} over {}\u00a0s, ",
+  Html text = html("<p>{} ({} of them movable), {} over {}\u00a0s, ",
                    counted(recording.bodies.size(), "body", "bodies"), movable,
                    counted(recording.frames.size() - 1, "step", "steps"),
                    plain(recording.frames.back().time_s - recording.frames.front().time_s));
@@ -42,6 +43,49 @@ Html summary(const Recording& recording, const std::vector<ContactTrack>& tracks
         " The player and the charts show {} of the {} recorded instants; the tables are of all.",
         shown, recording.frames.size());
   return text + "</p>\n";
+}
+
+/// Where it ends: what still moves, what slides, what is nearest to it.
+Html outcome(const Recording& recording) {
+  if (recording.frames.size() < 2) return "";
+  const simulation::Frame& end = recording.frames.back();
+  constexpr double kRest_m_per_s = 1e-3, kRest_rad_per_s = kPi / 180;
+  const auto unrest = [&](std::size_t body) {
+    return std::max(end.velocities_m_per_s[body].norm() / kRest_m_per_s,
+                    end.angular_velocities_rad_per_s[body].norm() / kRest_rad_per_s);
+  };
+  std::size_t fastest = recording.bodies.size();
+  for (std::size_t body = 0; body < recording.bodies.size(); ++body)
+    if (recording.bodies[body].movable &&
+        (fastest == recording.bodies.size() || unrest(body) > unrest(fastest)))
+      fastest = body;
+  Html text = html("<p class=\"lead\">At the end, after {}\u00a0s, ",
+                   plain(end.time_s - recording.frames.front().time_s));
+  if (fastest == recording.bodies.size()) {
+    text += "nothing can move";
+  } else if (unrest(fastest) < 1) {
+    text += "<b>all bodies are at rest</b> (slower than 1\u00a0mm/s and 1°/s)";
+  } else {
+    text += html("<b>{} still moves</b> fastest, at {}\u00a0mm/s and {}°/s",
+                 recording.bodies[fastest].name,
+                 significant(1e3 * end.velocities_m_per_s[fastest].norm(), 1, 2),
+                 significant(end.angular_velocities_rad_per_s[fastest].norm() * 180 / kPi, 1, 2));
+  }
+  std::size_t sliding = 0;
+  const RecordedContact* nearest = nullptr;
+  for (const RecordedContact& contact : end.contacts) {
+    sliding += contact.slides;
+    if (!contact.slides && (!nearest || contact.utilisation > nearest->utilisation))
+      nearest = &contact;
+  }
+  if (end.contacts.empty()) return text + ", and nothing touches.</p>\n";
+  text += html("; <b>{} of {} {}</b>", sliding, counted(end.contacts.size(), "contact", "contacts"),
+               sliding == 1 ? "slides" : "slide");
+  if (nearest)
+    text += html(", and of those that stick {} – {} is nearest to its limit, with {} of it used",
+                 recording.bodies[std::size_t(nearest->a)].name,
+                 recording.bodies[std::size_t(nearest->b)].name, percent(nearest->utilisation));
+  return text + ".</p>\n";
 }
 
 /// Empty places that motion.js fills; hidden without it.
@@ -185,11 +229,11 @@ Html provenance(const Recording& recording, const MotionPageOptions& options) {
 
 std::string motion_page(const Recording& recording, const MotionPageOptions& options) {
   const std::vector<ContactTrack> tracks = follow_contacts(recording);
-  const Html body = html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n",
-                         recording.scene, recording.question, summary(recording, tracks)) +
-                    (recording.frames.empty() ? Html("") : kPlayer) +
-                    final_contacts(recording, tracks) + contacts_over_time(recording, tracks) +
-                    provenance(recording, options);
+  const Html body =
+      html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n", recording.scene,
+           recording.question, outcome(recording) + summary(recording, tracks)) +
+      (recording.frames.empty() ? Html("") : kPlayer) + final_contacts(recording, tracks) +
+      contacts_over_time(recording, tracks) + provenance(recording, options);
   return render_page({escape(recording.scene),
                       {embedded::report_css, embedded::motion_css},
                       body,
