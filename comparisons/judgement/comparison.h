@@ -9,6 +9,7 @@
 #include "comparisons/judgement/model_errors.h"
 #include "comparisons/judgement/verdict.h"
 #include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/fit_picture.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/reference/reference_result.h"
 
@@ -41,6 +42,8 @@ struct Comparison {
   std::optional<reference::ReferenceResult> reference;
   std::string failure;  ///< why there is no reference
   std::vector<ModelComparison> models;
+  /// Of the bodies that are meshes.
+  std::optional<prediction::FitPicture> finger_picture, object_picture;
   std::optional<Ladder> ladder;  ///< of a reference that finished, where it was asked for
 
   /// sqrt(a b)/h of the reference.

@@ -226,7 +226,8 @@ Html validity_map_section(const Json& report) {
          "the finite-element runs. A narrow strip of small error between two regions of large "
          "error "
          "is where the error changes its sign; the model is not valid there. Faint marks belong to "
-         "another R′/R″.</p>\n" +
+         "another R′/R″. These maps are of flat layers in linear theory; what strain, slope and a "
+         "curved layer add is in the verdicts and stated errors, not here.</p>\n" +
          quantity_buttons() + setting_buttons("ratio", "R′/R″", ratios, usual_ratio(atlas)) + key +
          "<div class=\"charts maps\">\n" + maps + "</div>\n" +
          details("Part of the atlas’s contacts on which the torque is within a limit",

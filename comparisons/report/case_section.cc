@@ -7,6 +7,7 @@
 
 #include "comparisons/exporting/mujoco_friction.h"
 #include "comparisons/report/compared_cases.h"
+#include "comparisons/report/fit_section.h"
 #include "comparisons/report/ladder_section.h"
 #include "comparisons/report/style.h"
 
@@ -225,7 +226,7 @@ Html patch_table(const Json& load) {
                       "<tbody>" + rows + "</tbody></table>");
   return details(html("Fit of the surfaces: region and prediction {}",
                       flag(patch, "agrees") ? "agree" : "do not agree"),
-                 note + table);
+                 note + fit_pictures(load) + table);
 }
 
 Html reference_details(const Json& load) {

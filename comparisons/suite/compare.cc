@@ -39,6 +39,7 @@ struct LoadRun {
   const input::Case* contact_case = nullptr;
   double load_N = 0;
   prediction::LocalGeometry geometry;
+  std::optional<prediction::FitPicture> finger_picture, object_picture;
   reference::FemProblem problem;
   fs::path folder;
   std::optional<reference::ReferenceResult> reference;
@@ -169,6 +170,17 @@ std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
   return cases;
 }
 
+std::optional<prediction::FitPicture> picture_of(const prediction::GeometryResolver& resolver,
+                                                 const input::Case& contact_case,
+                                                 input::CaseBody input::BodyPair::*body,
+                                                 const prediction::LocalGeometry& geometry,
+                                                 std::optional<QuadricFit> ContactPatch::*fit) {
+  const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
+  const auto* mesh = pair ? std::get_if<input::MeshBody>(&(pair->*body)) : nullptr;
+  if (!mesh || !geometry.patch || !((*geometry.patch).*fit)) return std::nullopt;
+  return prediction::picture_of(resolver.surface(*mesh), *((*geometry.patch).*fit));
+}
+
 /// All loads of all cases, checked.
 std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const CompareOptions& options,
                                system::Progress& progress) {
@@ -182,6 +194,10 @@ std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const Comp
       run.case_index = std::size_t(&plan - cases.data());
       run.load_N = load_N;
       run.geometry = geometry.resolve(load_N);
+      run.finger_picture = picture_of(geometry, contact_case, &input::BodyPair::finger,
+                                      run.geometry, &ContactPatch::finger_fit);
+      run.object_picture = picture_of(geometry, contact_case, &input::BodyPair::object,
+                                      run.geometry, &ContactPatch::object_fit);
       const auto add = [&](const input::Case& solved, const char* idealised, const char* suffix) {
         run.contact_case = &solved;
         run.idealised = idealised;
@@ -218,6 +234,8 @@ SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<L
     while (run != runs.end() && run->case_index == i) {
       loads.push_back(judgement::compare(cases[i].reference, run->geometry, run->load_N,
                                          std::move(run->reference), run->failure));
+      loads.back().finger_picture = std::move(run->finger_picture);
+      loads.back().object_picture = std::move(run->object_picture);
       judgement::IdealisedReferences idealised;
       for (++run; run != runs.end() && !run->idealised.empty(); ++run)
         (run->idealised == kFlatLinear ? idealised.flat_linear : idealised.flat_finite) =

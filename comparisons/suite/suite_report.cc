@@ -4,6 +4,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -79,6 +80,22 @@ json reference_json(const Comparison& load) {
   return object;
 }
 
+/// Each facet: x, y of its corners, and its height above the quadric; to the nanometre.
+json to_json(const prediction::FitPicture& picture) {
+  const auto rounded = [](double length_m) { return std::round(length_m * 1e9) / 1e9; };
+  json facets = json::array();
+  for (const prediction::FitPicture::Facet& facet : picture.facets) {
+    json numbers = json::array();
+    for (const Eigen::Vector2d& corner : facet.corners_m) {
+      numbers.push_back(rounded(corner.x()));
+      numbers.push_back(rounded(corner.y()));
+    }
+    numbers.push_back(rounded(facet.above_m));
+    facets.push_back(numbers);
+  }
+  return {{"region_radius_m", picture.region_radius_m}, {"facets", facets}};
+}
+
 json geometry_json(const Comparison& load) {
   const prediction::LocalGeometry& geometry = load.geometry;
   json object = {{"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
@@ -86,6 +103,9 @@ json geometry_json(const Comparison& load) {
                  {"axis_rad", geometry.radii.axis_rad},
                  {"s", nullptr},
                  {"patch", prediction::patch_to_json(geometry)}};
+  for (const auto& [body, picture] :
+       {std::pair("finger", &load.finger_picture), std::pair("object", &load.object_picture)})
+    if (*picture) object["patch"]["pictures"][body] = to_json(**picture);
   if (geometry.patch) {
     const auto& deviations = geometry.patch->relative.radii_std_m;
     object["radii_std_m"] = {finite_or_null(deviations[0]), finite_or_null(deviations[1])};

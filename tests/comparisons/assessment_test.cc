@@ -156,10 +156,27 @@ TEST(Assessment, ModelsOfFiniteStrainHoldForTheirEnergy) {
   EXPECT_FALSE(holds("volumetric = \"logarithmic\"\n"));
 }
 
+judgement::AtlasFile atlas_of(const std::string& name) {
+  return judgement::parse_atlas(
+      system::read_text_file(std::string(SOFTFINGER_ATLASES) + "/" + name), name);
+}
+
+TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
+  const auto tests = judgement::test_departure(atlas_of("fingers_unseen.csv"));
+  EXPECT_GE(tests.size(), 7u);
+  for (const auto& [model, test] : tests) {
+    EXPECT_GT(test.runs, 100u) << model;
+    // Two standard deviations of a count of which 95 % are expected inside.
+    const double chance = 2 * std::sqrt(0.95 * 0.05 / double(test.runs));
+    for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
+      EXPECT_GE(test.inside[q], 0.95 - chance) << model << ' ' << prediction::kQuantityNames[q];
+      EXPECT_LE(test.ratio[q], 3) << model << ' ' << prediction::kQuantityNames[q];
+    }
+  }
+}
+
 TEST(Assessment, HoldsTheRunsThatItWasFittedTo) {
-  const std::string file = SOFTFINGER_FINGERS;
-  const judgement::AtlasFile runs =
-      judgement::parse_atlas(system::read_text_file(file), "fingers.csv");
+  const judgement::AtlasFile runs = atlas_of("fingers.csv");
   const auto tests = judgement::test_departure(runs);
   EXPECT_GE(tests.size(), 6u);
   for (const auto& [model, test] : tests) {
@@ -172,8 +189,7 @@ TEST(Assessment, HoldsTheRunsThatItWasFittedTo) {
 }
 
 TEST(Assessment, IsMadeFromTheseRuns) {
-  judgement::AtlasFile runs = judgement::parse_atlas(
-      system::read_text_file(std::string(SOFTFINGER_FINGERS)), "fingers.csv");
+  judgement::AtlasFile runs = atlas_of("fingers.csv");
   const auto& known = judgement::finite_strain_atlas().file().runs;
   runs.runs.insert(runs.runs.end(), known.begin(), known.end());
   const judgement::FittedDeparture fitted = judgement::fit_departure(runs);

@@ -6,8 +6,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "comparisons/prediction/fit_picture.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
+#include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger {
 namespace {
@@ -70,6 +73,30 @@ TEST(LocalGeometry, FitsAMeshWithOneModelAtAllLoads) {
     EXPECT_GE(geometry.patch->region_area_m2, region_area_m2);
     region_area_m2 = geometry.patch->region_area_m2;
   }
+}
+
+TEST(FitPicture, ShowsTheFacetsThatFaceOutwardsAndTheirHeight) {
+  const double radius_m = 10e-3;
+  const TriangleSurface ball =
+      meshes::triangulated_ellipsoid({radius_m, radius_m, radius_m}, {1e-3, 2e-3, 3e-3}, 32);
+  const Eigen::Vector3d direction = Eigen::Vector3d(0.3, -0.5, 0.8).normalized();
+  const Eigen::Vector3d point_m = Eigen::Vector3d(1e-3, 2e-3, 3e-3) + radius_m * direction;
+  const QuadricFit fit = fit_quadric(ball, point_m, &direction, 3e-3);
+  const prediction::FitPicture picture = prediction::picture_of(ball, fit);
+  EXPECT_EQ(picture.region_radius_m, 3e-3);
+  double area_m2 = 0;
+  for (const prediction::FitPicture::Facet& facet : picture.facets) {
+    const auto& [a, b, c] = facet.corners_m;
+    const double twice_m2 = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+    EXPECT_GT(twice_m2, 0);
+    area_m2 += twice_m2 / 2;
+    // A sphere lies below its quadric by r⁴/(8 R³); the fit spreads that over the region.
+    const double reach_m = ((a + b + c) / 3).norm();
+    EXPECT_LT(std::abs(facet.above_m),
+              2 * std::pow(std::max(reach_m, 3e-3), 4) / (8 * std::pow(radius_m, 3)) * 1.5);
+  }
+  // Up to 1.5 radii along the surface's chord.
+  EXPECT_NEAR(area_m2 / (kPi * std::pow(4.5e-3, 2)), 1, 0.15);
 }
 
 TEST(LocalGeometry, PlacesBodiesThatNoEllipseDescribesForFiniteElements) {
