@@ -180,6 +180,7 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
     return result;
   }
   result.bound = bound.bound;
+  result.causes = bound.causes;
   result.evidence =
       "this model against bonded_layer, and how far that is from whole fingers at finite strain, "
       "fitted to finite-element runs: 95 % lie inside";

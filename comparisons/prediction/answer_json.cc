@@ -73,6 +73,10 @@ nlohmann::json to_json(const Validity& validity) {
   return checks;
 }
 
+std::optional<QuantityErrors> cause_of(const ModelAnswer& answer, ErrorCause cause) {
+  return answer.assessment->causes[std::size_t(cause)];
+}
+
 nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points) {
   const Prediction& prediction = answer.prediction;
   const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid(rule);
@@ -103,6 +107,12 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
     result["usable"] = answer.assessment->usable;
     result["error_bound"] = to_json(answer.assessment->bound);
     result["error_evidence"] = answer.assessment->evidence;
+    result["error_causes"] = nullptr;
+    if (answer.assessment->bound)
+      result["error_causes"] = {{"model", to_json(cause_of(answer, ErrorCause::model))},
+                                {"strain", to_json(cause_of(answer, ErrorCause::strain))},
+                                {"slope", to_json(cause_of(answer, ErrorCause::slope))},
+                                {"curvature", to_json(cause_of(answer, ErrorCause::curvature))}};
     result["geometry_error"] = to_json(answer.assessment->geometry);
   }
   if (answer.deviations) {

@@ -79,6 +79,24 @@ std::string bound_of(const ModelAnswer& answer, Quantity quantity) {
   return fmt::format(total < 0.0995 ? "{:.1f}%" : "{:.0f}%", 100 * total);
 }
 
+/// "  hertz: of area, torque the model itself costs +27 %, +20 %, strain -2.2 %, -1.6 %, ..."
+std::string causes_in_words(const ModelAnswer& answer, const std::string& name) {
+  if (!answer.assessment || !answer.assessment->bound) return "";
+  constexpr std::array<const char*, kErrorCauses> words = {"the model itself", "strain", "slope",
+                                                           "the layer's curvature"};
+  std::string text;
+  for (std::size_t cause = 0; cause < words.size(); ++cause) {
+    const QuantityErrors& errors = answer.assessment->causes[cause];
+    const auto percent = [&](Quantity quantity) {
+      const double value = 100 * errors[std::size_t(quantity)];
+      return fmt::format(std::abs(value) < 9.95 ? "{:+.1f} %" : "{:+.0f} %", value);
+    };
+    text += fmt::format("{} {} {}, {}", text.empty() ? "" : ";", words[cause],
+                        percent(Quantity::area), percent(Quantity::max_torque));
+  }
+  return fmt::format("  {}: of area and torque cost{}\n", name, text);
+}
+
 }  // namespace
 
 std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
@@ -107,6 +125,7 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
         remarks += fmt::format("  {}: {} ({} = {:.3g}, holds {} {:.3g})\n", name, check.message,
                                check.check, check.value, check.holds_below ? "below" : "above",
                                check.limit);
+    remarks += causes_in_words(answer, name);
     if (answer.deviations && std::isfinite(answer.deviations->a_m + answer.deviations->b_m))
       remarks += fmt::format(
           "  {}: the fitted radii leave a ± {:.2g} mm, b ± {:.2g} mm, torque ± {:.2g} mN·m\n", name,

@@ -9,6 +9,7 @@
 
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/quantity.h"
+#include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/geometry/relative_curvature.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -41,6 +42,8 @@ struct Assessment {
   std::optional<QuantityErrors> bound;     ///< of |relative error| against the full reference
   std::optional<QuantityErrors> geometry;  ///< what the fit of the radii adds, NaN: not known
   std::string evidence;                    ///< for the bound, or why there is none
+  /// What the bound's expected error consists of, signed, by `ErrorCause`; with a bound only.
+  std::array<QuantityErrors, kErrorCauses> causes{};
 
   /// Both together, of one quantity; NaN where one is not known.
   double total(Quantity quantity) const {

@@ -43,6 +43,37 @@ TEST(ErrorBound, VanishesWithTheLoadUpToTheScatterOfTheElements) {
               light.bound[q] - std::abs(light.expected[q]));
 }
 
+TEST(ErrorBound, SaysWhatEachCauseCosts) {
+  const auto cause = [](const ErrorBound& bound, ErrorCause which) {
+    return bound.causes[std::size_t(which)];
+  };
+  for (const char* name : {"bonded_layer", "hertz"})
+    for (const FingerShare& share : {FingerShare{}, FingerShare{1, 1}, FingerShare{0.3, 0.9}}) {
+      const ErrorBound bound = error_bound(*find_pressure_model(name), contact(2), share);
+      ASSERT_TRUE(bound.known);
+      for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
+        double sum = 0;
+        for (const BoundedErrors& one : bound.causes) sum += one[q];
+        EXPECT_NEAR(sum, bound.expected[q], 1e-14) << "round-off of four terms of order one";
+        if (std::string(name) == "bonded_layer") {
+          EXPECT_EQ(cause(bound, ErrorCause::model)[q], 0);
+        }
+        if (share.x == 0) {
+          EXPECT_EQ(cause(bound, ErrorCause::curvature)[q], 0) << "flat";
+        } else {
+          EXPECT_NE(cause(bound, ErrorCause::curvature)[q], 0);
+        }
+        EXPECT_NE(cause(bound, ErrorCause::strain)[q], 0);
+        EXPECT_NE(cause(bound, ErrorCause::slope)[q], 0);
+      }
+    }
+  // Terms of strain alone vanish with d/h, those of slope with a/R.
+  const ErrorBound thick = error_bound(*find_pressure_model("bonded_layer"),
+                                       {{0.002, 0.002}, {0.01, 3e5, 0.3}, {0.02, 0.5}});
+  ASSERT_TRUE(thick.known) << thick.outside;
+  EXPECT_LT(std::abs(cause(thick, ErrorCause::strain)[0]), 0.02);
+}
+
 TEST(ErrorBound, SaysWhereNothingIsKnown) {
   const PressureModel& layer = *find_pressure_model("bonded_layer");
   const auto reason = [&](const ContactProblem& problem, const FingerShare& share = {}) {

@@ -84,6 +84,13 @@ std::array<double, kDepartureTerms> departure_terms(const ContactProblem& proble
   return terms;
 }
 
+ErrorCause cause_of_term(std::size_t term) noexcept {
+  // Six shapes of each of five effects, then products: of strain with itself and with curvature,
+  // of curvature with itself.
+  if (term < 6 || term == 30 || term == 31) return ErrorCause::strain;
+  return term < 18 ? ErrorCause::slope : ErrorCause::curvature;
+}
+
 double departure_size(const ContactProblem& problem, const Prediction& flat,
                       const FingerShare& share) noexcept {
   const double h = problem.layer.thickness_m;
@@ -108,11 +115,12 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
   result.known = true;
   for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
     const DepartureFit& fit = kDepartureFits[q];
-    double departure = 0;
-    for (std::size_t t = 0; t < kDepartureTerms; ++t) departure += fit.coefficients[t] * terms[t];
     // (model / flat) (flat / finger)
     const double ratio = answer[q] / reference[q];
-    result.expected[q] = ratio * (1 + departure) - 1;
+    result.causes[std::size_t(ErrorCause::model)][q] = ratio - 1;
+    for (std::size_t t = 0; t < kDepartureTerms; ++t)
+      result.causes[std::size_t(cause_of_term(t))][q] += ratio * fit.coefficients[t] * terms[t];
+    for (const BoundedErrors& cause : result.causes) result.expected[q] += cause[q];
     result.bound[q] =
         std::abs(result.expected[q]) + ratio * (fit.width_least + fit.width_per_size * size);
   }

@@ -18,10 +18,21 @@ struct FingerShare {
   double x = 0, y = 0;
 };
 
+/// What an expected error consists of.
+enum class ErrorCause {
+  model,     ///< against a flat layer in linear theory
+  strain,    ///< of the layer
+  slope,     ///< of the surfaces at the contact's edge
+  curvature  ///< of the layer
+};
+constexpr std::size_t kErrorCauses = 4;
+
 /// What is known of a model's errors. Plain numbers: no allocation.
 struct ErrorBound {
   bool known = false;
   BoundedErrors expected{};  ///< signed: the model's answer over the finger's, less 1
+  /// The same by `ErrorCause`; their sum is `expected`.
+  std::array<BoundedErrors, kErrorCauses> causes{};
   BoundedErrors bound{};     ///< of the size of the error, in 95 % of all contacts
   const char* outside = "";  ///< why nothing is known, in words
 };

@@ -17,6 +17,9 @@ std::array<double, kDepartureTerms> departure_terms(const ContactProblem& proble
                                                     const Prediction& flat,
                                                     const FingerShare& share) noexcept;
 
+/// Which of the four each term belongs to; none to the model itself.
+ErrorCause cause_of_term(std::size_t term) noexcept;
+
 /// The size of all of them together: strain, slopes and curvature.
 double departure_size(const ContactProblem& problem, const Prediction& flat,
                       const FingerShare& share) noexcept;
