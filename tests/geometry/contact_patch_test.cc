@@ -123,6 +123,32 @@ TEST(ContactPatch, SaysThatTheSurfaceIsNarrowerThanTheContact) {
   EXPECT_NE(patch.remark.find("narrower than the contact"), std::string::npos) << patch.remark;
 }
 
+TEST(ContactPatch, ReadsTheFacetsOfATessellatedWall) {
+  // A cylinder of 24 strips as long as the wall is high: no vertex lies near the point.
+  const int strips = 24;
+  const double radius_m = 35e-3, height_m = 75e-3;
+  TriangleSurface glass;
+  for (int i = 0; i < strips; ++i)
+    for (const double z_m : {0., height_m})
+      glass.vertices_m.push_back({radius_m * std::cos(2 * kPi * i / strips),
+                                  radius_m * std::sin(2 * kPi * i / strips), z_m});
+  for (int i = 0; i < strips; ++i) {
+    const int a = 2 * i, b = 2 * ((i + 1) % strips);
+    glass.triangles.push_back({a, b, b + 1});
+    glass.triangles.push_back({a, b + 1, a + 1});
+  }
+  const double angle = kPi / strips, apothem_m = radius_m * std::cos(angle);
+  const Vector3d normal(std::cos(angle), std::sin(angle), 0);
+  const MeshContactPoint wall{&glass, apothem_m * normal + Vector3d(0, 0, height_m / 2), normal};
+  const double ball_m = 9e-3;
+  const auto patch = fit_contact_patch(quadric_from_radii(ball_m, ball_m), wall, 0, area_at(2e-4));
+  // Straight along the axis, curved across; the facets cut off a sagitta of 1 - cos.
+  EXPECT_NEAR(patch.relative.radii.major_m / ball_m, 1, 1e-3);
+  EXPECT_NEAR(1 / patch.relative.radii.minor_m - 1 / ball_m, 1 / radius_m, 0.15 / radius_m);
+  EXPECT_FALSE(patch.agrees);
+  EXPECT_NE(patch.remark.find("several of its facets"), std::string::npos) << patch.remark;
+}
+
 /// A finger that is pointed along x at its middle, blunter outside, and the other way along y, and
 /// noisy all over: its ellipses change with the region.
 TriangleSurface uneven_finger(double noise_m) {

@@ -19,6 +19,8 @@ namespace {
 
 // Two more than a quadric has unknowns, so that the residual means something.
 constexpr int kFewestPoints = 8;
+// Five strips of a wall, each of two facets, have four kinks.
+constexpr int kFewestFacets = 10;
 // The search begins where a region has so many points that its radii are not noise. From the
 // smallest region of a fine mesh it would end at radii that are.
 constexpr int kStartingPoints = 40;
@@ -36,6 +38,9 @@ std::string number(double value) {
 struct Body {
   std::optional<Quadric> exact;
   std::optional<internal::SurfaceNeighbourhood> mesh;
+  /// A tessellation whose vertices determine no quadric near the point: a wall that is straight in
+  /// one direction has them at its ends only. Its facets are read as the surface itself.
+  bool by_facets = false;
 
   explicit Body(const ContactBody& body) {
     if (const auto* quadric = std::get_if<Quadric>(&body)) {
@@ -44,7 +49,46 @@ struct Body {
       const auto& at = std::get<MeshContactPoint>(body);
       if (!at.surface) throw InputError("surface", "mesh", "none", "a triangulated surface");
       mesh.emplace(*at.surface, at.point_m, at.outward_normal ? &*at.outward_normal : nullptr);
+      by_facets = !has_vertices() && has_facets();
     }
+  }
+
+  QuadricFit fit(double radius_m) const {
+    return by_facets ? internal::fit_quadric_to_facets(*mesh, radius_m)
+                     : internal::fit_quadric(*mesh, radius_m);
+  }
+
+  /// The smallest radius with so many vertices; of a tessellation with enough facets to be curved.
+  double radius_with(int vertices) const {
+    const double radius =
+        by_facets ? mesh->radius_with_facets(kFewestFacets) : mesh->radius_with_points(vertices);
+    return std::max(radius, mesh->distance_m() * (1 + 1e-9));
+  }
+
+ private:
+  /// A few vertices may lie on a conic by chance, many do not.
+  bool has_vertices() const {
+    for (const int count : {kFewestPoints, kStartingPoints}) {
+      try {
+        internal::fit_quadric(
+            *mesh, std::max(mesh->radius_with_points(count), mesh->distance_m() * (1 + 1e-9)));
+        return true;
+      } catch (const InputError&) {
+      } catch (const ConvergenceError&) {
+      }
+    }
+    return false;
+  }
+
+  bool has_facets() const {
+    try {
+      internal::fit_quadric_to_facets(*mesh, std::max(mesh->radius_with_facets(kFewestFacets),
+                                                      mesh->distance_m() * (1 + 1e-9)));
+      return true;
+    } catch (const InputError&) {
+    } catch (const ConvergenceError&) {
+    }
+    return false;
   }
 };
 
@@ -132,8 +176,7 @@ struct ContactSurface::State {
     double radius = 0;
     for (const Body* body : {&finger, &object}) {
       if (!body->mesh) continue;
-      radius = std::max(
-          {radius, body->mesh->radius_with_points(count), body->mesh->distance_m() * (1 + 1e-9)});
+      radius = std::max(radius, body->radius_with(count));
     }
     return radius;
   }
@@ -161,8 +204,8 @@ struct ContactSurface::State {
     fit.radius_m = radius_of(x);
     ++fits;
     try {
-      if (finger.mesh) fit.finger = internal::fit_quadric(*finger.mesh, fit.radius_m);
-      if (object.mesh) fit.object = internal::fit_quadric(*object.mesh, fit.radius_m);
+      if (finger.mesh) fit.finger = finger.fit(fit.radius_m);
+      if (object.mesh) fit.object = object.fit(fit.radius_m);
     } catch (const InputError&) {  // vertices that do not determine a quadric: more are needed
       failed[x] = std::current_exception();
       failed_too_small[x] = true;
@@ -389,6 +432,8 @@ ContactPatch ContactSurface::patch(
                    " of the contact point: " + ratio;
   } else if (!small.elliptic() && small.patch) {
     patch.remark = "in smaller regions there is no elliptic contact: " + ratio;
+  } else if (state.finger.by_facets || state.object.by_facets) {
+    patch.remark = "the tessellation is curved only over several of its facets: " + ratio;
   } else {
     patch.remark = "the mesh has only " + std::to_string(state.vertices_within(chosen.wanted_m)) +
                    " vertices within " + internal::millimetres(chosen.wanted_m) +

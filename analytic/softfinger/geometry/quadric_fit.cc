@@ -533,17 +533,25 @@ void set_principal_radii(QuadricFit& result, double region_radius_m) {
   }
 }
 
-QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
+namespace {
+
+/// How the facets of a region are read: by their vertices, which lie on the surface, or as the
+/// surface itself.
+enum class Reading { vertices, facets };
+
+QuadricFit fit_region(const SurfaceNeighbourhood& neighbourhood, double region_radius_m,
+                      Reading reading) {
   check_radius(neighbourhood, region_radius_m);
   const SurfaceRegion region = neighbourhood.region(region_radius_m);
   // Depths are measured from the given point. The origin is its foot on the fitted surface.
   const Vector3d to_point = neighbourhood.point_m() - neighbourhood.centre_m();
   const Eigen::Matrix3Xd vertices = region.vertices_m.colwise() - to_point;
-  check_determined(region, vertices, region_radius_m);
+  if (reading == Reading::vertices) check_determined(region, vertices, region_radius_m);
   Facets facets(region, vertices, region_radius_m);
+  if (reading == Reading::facets) facets.take_as_chords(0);
   RobustFit found = fit_without_spikes(facets, region);
   Eigen::Vector3d other_reading = Eigen::Vector3d::Zero();
-  const double chords = chord_share(facets, found.fit);
+  const double chords = reading == Reading::vertices ? chord_share(facets, found.fit) : 1;
   if (chords < 1) {
     other_reading = found.fit.coefficients.head<3>();
     facets.take_as_chords(chords);
@@ -581,6 +589,17 @@ QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_
   if (region.sharp_kink_rad > std::max(sharp, 6 * region.usual_kink_rad))
     result.surface_kind = SurfaceKind::sharp_edge;
   return result;
+}
+
+}  // namespace
+
+QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m) {
+  return fit_region(neighbourhood, region_radius_m, Reading::vertices);
+}
+
+QuadricFit fit_quadric_to_facets(const SurfaceNeighbourhood& neighbourhood,
+                                 double region_radius_m) {
+  return fit_region(neighbourhood, region_radius_m, Reading::facets);
 }
 
 }  // namespace internal

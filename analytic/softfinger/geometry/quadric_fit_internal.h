@@ -10,6 +10,10 @@ namespace softfinger::internal {
 /// `fit_quadric` for a neighbourhood that is kept over several radii.
 QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m);
 
+/// The same where the region has too few vertices, as those of a tessellation may have that is
+/// straight in one direction: the facets are read as the surface itself.
+QuadricFit fit_quadric_to_facets(const SurfaceNeighbourhood& neighbourhood, double region_radius_m);
+
 /// Covariance of the principal curvatures (ascending) of a quadric whose coefficients have the
 /// given covariance. First order: dk = 2 dA vx² + 2 dB vy² + 2 dC vx vy along each principal
 /// direction v. Added to it is the square of the amount by which noise pushes two eigenvalues

@@ -386,4 +386,12 @@ double SurfaceNeighbourhood::radius_with_points(int count) const {
   return vertices_within(tight) >= count ? tight : radius;
 }
 
+double SurfaceNeighbourhood::radius_with_facets(int count) const {
+  for (double radius = 1e-3 * extent_; radius < extent_; radius *= 1.05)
+    if (static_cast<int>(component(radius).triangles.size()) >= count) return radius;
+  throw InputError("surface", "facets around the point", "",
+                   "at least " + std::to_string(count) +
+                       " connected facets on the side of the surface that faces the contact");
+}
+
 }  // namespace softfinger::internal

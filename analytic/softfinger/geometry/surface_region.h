@@ -51,6 +51,10 @@ class SurfaceNeighbourhood {
   /// @throws InputError when no region has as many.
   double radius_with_points(int count) const;
 
+  /// The smallest radius, to 5 %, whose region touches at least `count` facets.
+  /// @throws InputError when no region touches as many.
+  double radius_with_facets(int count) const;
+
   const Eigen::Vector3d& point_m() const { return point_; }
   const Eigen::Vector3d& centre_m() const { return centre_; }  ///< the surface's nearest point
   double distance_m() const { return distance_; }              ///< from the point to it
