@@ -235,8 +235,8 @@ Html validity_map_section(const Json& report) {
          (marks.empty() ? ""
                         : details("The marked contacts",
                                   scrolling_table(column_heading("case") + column_heading("load") +
-                                                      column_heading("s") + column_heading("ν") +
-                                                      column_heading("R′/R″"),
+                                                      column_heading("s, predicted") +
+                                                      column_heading("ν") + column_heading("R′/R″"),
                                                   marks)));
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "comparisons/judgement/atlas/error_atlas.h"
 #include "comparisons/judgement/atlas/fit_departure.h"
 #include "comparisons/system/files.h"
 #include "meshes/io/read_surface.h"
@@ -159,6 +160,22 @@ TEST(Assessment, ModelsOfFiniteStrainHoldForTheirEnergy) {
 judgement::AtlasFile atlas_of(const std::string& name) {
   return judgement::parse_atlas(
       system::read_text_file(std::string(SOFTFINGER_ATLASES) + "/" + name), name);
+}
+
+TEST(Assessment, NamesTheNearestRunAsEvidence) {
+  const judgement::AtlasFile& runs = judgement::finger_runs();
+  ASSERT_GT(runs.runs.size(), 500u);
+  for (std::size_t i = 0; i < runs.runs.size(); i += 50) {
+    const judgement::AtlasRun& run = runs.runs[i];
+    const judgement::AtlasRun* found = judgement::nearest_finger_run(
+        judgement::problem_of(run), {run.finger_share_x, run.finger_share_y});
+    EXPECT_EQ(found, &run) << i;
+  }
+  const Assessment found =
+      Asked(assessed_case_text("finger.radii_mm = [20, 9]\nobject.radii_mm = [inf, inf]"), "hertz")
+          .assess();
+  EXPECT_NE(found.evidence.find("the nearest run has nu"), std::string::npos) << found.evidence;
+  EXPECT_NE(found.evidence.find("% in torque there"), std::string::npos) << found.evidence;
 }
 
 TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {

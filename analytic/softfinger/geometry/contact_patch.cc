@@ -49,8 +49,12 @@ struct Body {
       const auto& at = std::get<MeshContactPoint>(body);
       if (!at.surface) throw InputError("surface", "mesh", "none", "a triangulated surface");
       mesh.emplace(*at.surface, at.point_m, at.outward_normal ? &*at.outward_normal : nullptr);
-      by_facets = !has_vertices() && has_facets();
     }
+  }
+
+  /// Chooses how the mesh is read. Costs two fits.
+  void read_facets_without_vertices() {
+    if (mesh) by_facets = !has_vertices() && has_facets();
   }
 
   QuadricFit fit(double radius_m) const {
@@ -151,6 +155,20 @@ struct ContactSurface::State {
   State(const ContactBody& one, const ContactBody& other, double angle_rad)
       : finger(one), object(other), angle(angle_rad) {
     if (!has_mesh()) return;
+    // Most meshes have enough vertices, and their first region is needed anyway.
+    try {
+      place_regions();
+      if (at(0)) return;
+    } catch (const InputError&) {  // fewer vertices than a quadric needs
+    }
+    finger.read_facets_without_vertices();
+    object.read_facets_without_vertices();
+    failed.clear();
+    failed_too_small.clear();
+    place_regions();
+  }
+
+  void place_regions() {
     largest_m = largest_radius();
     smallest_m = std::min(radius_with_points(kFewestPoints), largest_m);
     try {

@@ -201,7 +201,8 @@ struct TangentFit {
 TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
   TangentFit fit;
   fit.normal = first_normal;
-  double tilt = kInfinity, previous = kInfinity;
+  double tilt = kInfinity, previous = kInfinity, step = 1;
+  Vector3d last_turn = Vector3d::Zero();
   const int max_iterations = 100;
   bool polishing = false;  // most of the way by the normal equations, the end by QR
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -212,11 +213,17 @@ TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
     // Below 1e-8 an iteration that has stopped shrinking has arrived at round-off.
     const bool arrived = tilt < 1e-14 || (tilt < 1e-8 && tilt >= 0.5 * previous);
     if (polishing && arrived) return fit;
+    const Vector3d turn = fit.frame.leftCols<2>() * tilts;
     // Half steps where full ones do not contract: the frame then follows a strongly curved region.
-    const double step = tilt > 0.5 * previous && tilt >= 1e-8 ? 0.5 : 1.0;
+    // Otherwise the last step tells by which one the tilt would have vanished.
+    const double left = last_turn.dot(turn) / last_turn.squaredNorm();
+    step = tilt > 0.5 * previous && tilt >= 1e-8 ? 0.5
+           : std::isfinite(left)                 ? std::clamp(step / (1 - left), 0.5, 1.5)
+                                                 : 1.0;
+    last_turn = turn;
     previous = arrived ? kInfinity : tilt;
     polishing = polishing || arrived;
-    fit.normal = (fit.normal + step * (fit.frame.leftCols<2>() * tilts)).normalized();
+    fit.normal = (fit.normal + step * turn).normalized();
   }
   throw ConvergenceError("quadric fit", max_iterations, tilt,
                          "the region is too strongly curved for one quadric: choose a smaller "

@@ -380,21 +380,56 @@ double ErrorAtlas::cost_ns(const std::string& model) const {
 
 namespace {
 
-ErrorAtlas read_atlas(const char* name) {
+AtlasFile read_atlas(const char* name) {
   const auto path = system::share_folder() / name;
-  return ErrorAtlas(parse_atlas(system::read_text_file(path), path.string()));
+  return parse_atlas(system::read_text_file(path), path.string());
 }
 
 }  // namespace
 
 const ErrorAtlas& error_atlas() {
-  static const ErrorAtlas atlas = read_atlas("error_atlas.csv");
+  static const ErrorAtlas atlas(read_atlas("error_atlas.csv"));
   return atlas;
 }
 
 const ErrorAtlas& finite_strain_atlas() {
-  static const ErrorAtlas atlas = read_atlas("finite_strain.csv");
+  static const ErrorAtlas atlas(read_atlas("finite_strain.csv"));
   return atlas;
+}
+
+const AtlasFile& finger_runs() {
+  static const AtlasFile runs = read_atlas("fingers.csv");
+  return runs;
+}
+
+const AtlasRun* nearest_finger_run(const ContactProblem& problem, const FingerShare& share) {
+  struct Place {
+    double size, ratio, thickness, stiffening, share_x, share_y;
+  };
+  const auto place = [](double s, double ratio, double thickness, double nu, double x, double y) {
+    return Place{std::log(s), std::log(ratio), std::log(thickness), -std::log(0.501 - nu), x, y};
+  };
+  const RelativeRadii& radii = problem.radii;
+  const Place here =
+      place(contact_size(problem), radii.major_m / radii.minor_m,
+            problem.layer.thickness_m / (std::sqrt(radii.major_m) * std::sqrt(radii.minor_m)),
+            problem.layer.poisson_ratio, share.x, share.y);
+  const AtlasRun* nearest = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const AtlasRun& run : finger_runs().runs) {
+    const Place there = place(run.s, run.radii_ratio, run.thickness_over_radius, run.poisson_ratio,
+                              run.finger_share_x, run.finger_share_y);
+    const auto squared = [&](double Place::*coordinate) {
+      return std::pow(here.*coordinate - there.*coordinate, 2);
+    };
+    const double distance = squared(&Place::size) + squared(&Place::ratio) +
+                            squared(&Place::thickness) + squared(&Place::stiffening) +
+                            squared(&Place::share_x) + squared(&Place::share_y);
+    if (!(distance < least)) continue;
+    least = distance;
+    nearest = &run;
+  }
+  return nearest;
 }
 
 }  // namespace softfinger::judgement

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "comparisons/prediction/quantity.h"
+#include "softfinger/accuracy/error_bound.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -131,5 +132,12 @@ const ErrorAtlas& error_atlas();
 /// The one at finite strain, neo-Hookean with a quadratic volume energy. A "model" of it is
 /// "fem_linear", the finite elements of linear theory.
 const ErrorAtlas& finite_strain_atlas();
+
+/// Whole fingers at finite strain, drawn at random, without errors of models.
+const AtlasFile& finger_runs();
+
+/// The one of them that is most like a contact: by ln s, ln R'/R'', ln h/R, -ln(0.501 - nu) and the
+/// finger's part of the curvature. Null where the contact has no size.
+const AtlasRun* nearest_finger_run(const ContactProblem& problem, const FingerShare& share);
 
 }  // namespace softfinger::judgement
