@@ -86,11 +86,12 @@ bool is_covered(const ContactPatch& patch) {
 
 /// Largest relative change of each quantity in regions of 0.8 and 1.25 times the radius. Where the
 /// region is not the one that the contact asks for, as many times that as there are such steps to
-/// it.
+/// it. Not known where there is no other region to compare with.
 QuantityErrors change_with_region(const ContactPatch& patch,
                                   const prediction::ModelAnswer& answer) {
   constexpr double kStepOfArea = 1.25 * 1.25;
-  QuantityErrors change{};
+  QuantityErrors change;
+  change.fill(patch.radii_of_other_regions.empty() ? kNaN : 0);
   const auto numbers_of = [](const Prediction& prediction) {
     return QuantityErrors{prediction.a_m,
                           prediction.b_m,
