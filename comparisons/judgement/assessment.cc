@@ -205,7 +205,7 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   result.causes = bound.causes;
   result.evidence =
       "this model against bonded_layer, and how far that is from whole fingers at finite strain, "
-      "fitted to finite-element runs: 95 % lie inside" +
+      "fitted to finite-element runs that press without friction: 95 % lie inside" +
       nearest_run_in_words(answer, share);
   const auto open = [&](Quantity quantity) { return (*result.geometry)[std::size_t(quantity)]; };
   // NaN is neither.

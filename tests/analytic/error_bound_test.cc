@@ -36,6 +36,8 @@ TEST(ErrorBound, VanishesWithTheLoadUpToTheScatterOfTheElements) {
     EXPECT_LT(std::abs(light.expected[q]), 1e-3) << q;
     EXPECT_LT(light.bound[q], kDepartureFits[q].width_least + 2e-3) << q;
   }
+  // On a flat layer the torque's is the spectral solution's there, finer than the elements.
+  EXPECT_LT(error_bound(layer, contact(1e-6, 0.45, 0.5)).bound[kTorque], 1e-4);
   // A firmer press may move one quantity through zero, but widens every bound's own width.
   const ErrorBound firm = error_bound(layer, contact(3), {1, 1});
   for (std::size_t q = 0; q < kBoundedQuantities; ++q)
