@@ -186,6 +186,7 @@ std::string to_text(const Export& made) {
 }
 
 int run_export(const ExportOptions& options) {
+  refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const Simulator& simulator = simulator_by_name(options.to);
   const PressureModel& model = model_by_name(options.model);
   const auto choice = load_choice(options);

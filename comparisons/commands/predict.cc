@@ -66,6 +66,7 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
 }
 
 int run_predict(const PredictOptions& options) {
+  refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const auto models = chosen_models(options);
   const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
   check_limit_surface(options, models.size() * contact_case.loads_N.size());

@@ -122,11 +122,6 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   return 0;
 }
 
-/// The parser's check of ranges accepts NaN.
-void refuse_nan(double value, const char* option, const char* allowed) {
-  if (std::isnan(value)) throw InputError("command line", option, "nan", allowed);
-}
-
 int run_select(SelectOptions options) {
   refuse_nan(options.selection.tolerance, "--tolerance", "1e-6 to 10");
   refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");

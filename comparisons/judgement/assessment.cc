@@ -165,6 +165,15 @@ std::string nearest_run_in_words(const prediction::ModelAnswer& answer, const Fi
                              100 * there[std::size_t(Quantity::max_torque)]);
 }
 
+std::string what_would_determine(const prediction::LocalGeometry& geometry) {
+  return geometry.patch && !is_covered(*geometry.patch)
+             ? "the mesh does not determine the contact: it is narrower, or ends beside it; more "
+               "of "
+               "the surface would"
+             : "the mesh does not determine the contact: a finer scan, another point or a larger "
+               "load would";
+}
+
 }  // namespace
 
 FingerShare finger_share(const input::Case& contact_case,
@@ -212,14 +221,10 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   result.determined = open(Quantity::area) <= tolerance && open(Quantity::max_torque) <= tolerance;
   result.usable =
       result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;
+  // Where nothing is known of the geometry the bound is of no use.
   if (!result.determined)
-    result.evidence +=
-        geometry.patch && !is_covered(*geometry.patch)
-            ? "; the mesh does not determine the contact: it is narrower, or ends beside it; more "
-              "of "
-              "the surface would"
-            : "; the mesh does not determine the contact: a finer scan, another point or a larger "
-              "load would";
+    result.evidence =
+        (result.known() ? result.evidence + "; " : "") + what_would_determine(geometry);
   return result;
 }
 
@@ -235,6 +240,7 @@ Assessment assess_finite_elements(const input::Case& contact_case,
     result.evidence += "; they state their own error when they have run";
     return result;
   }
+  if (!result.known()) return result;
   result.bound = kFiniteElementErrors;
   result.evidence = "95 % of the runs of whole fingers at finite strain stated less";
   result.usable =

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -50,6 +51,12 @@ struct Assessment {
     const auto q = std::size_t(quantity);
     return bound && geometry ? (*bound)[q] + (*geometry)[q]
                              : std::numeric_limits<double>::quiet_NaN();
+  }
+  /// Whether both are known, of every quantity.
+  bool known() const {
+    for (std::size_t q = 0; q < kQuantities; ++q)
+      if (!std::isfinite(total(Quantity(q)))) return false;
+    return true;
   }
 };
 

@@ -651,6 +651,55 @@ TEST_F(Program, SelectsTheCheapestModelThatIsEnough) {
   }
 }
 
+TEST_F(Program, RefusesAToleranceThatIsNoNumber) {
+  expect_refusal({"predict", "seed_thumb", "--tolerance", "nan"}, "--tolerance");
+  expect_refusal({"export", "seed_thumb", "--to", "mujoco", "--tolerance", "nan"}, "--tolerance");
+}
+
+TEST_F(Program, ClaimsNothingOfAMeshThatIsNarrowerThanTheContact) {
+  std::string strip;
+  const int rows = 60;
+  for (int i = 0; i <= rows; ++i)
+    for (const double y_mm : {-0.75, -0.25, 0.25, 0.75}) {
+      const double x_mm = -12 + 24. * i / rows;
+      strip += "v " + std::to_string(x_mm) + " " + std::to_string(y_mm) + " " +
+               std::to_string(-x_mm * x_mm / 40 - y_mm * y_mm / 20) + "\n";
+    }
+  for (int i = 0; i < rows; ++i)
+    for (int j = 1; j <= 3; ++j) {
+      const auto corner = [&](int row, int column) {
+        return " " + std::to_string(4 * row + column);
+      };
+      strip += "f" + corner(i, j) + corner(i + 1, j) + corner(i + 1, j + 1) + "\nf" + corner(i, j) +
+               corner(i + 1, j + 1) + corner(i, j + 1) + "\n";
+    }
+  folder.write("strip.obj", strip);
+  const std::string file =
+      folder
+          .write("strip.toml",
+                 "id = \"strip\"\n[geometry]\nfinger = { mesh = \"strip.obj\", point_mm = [0, 0, "
+                 "0], normal = [0, 0, 1] }\nobject.radii_mm = [inf, inf]\n[layer]\nthickness_mm = "
+                 "2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n[contact]\nload_N = 2\n"
+                 "friction_coefficient = 0.5\n")
+          .string();
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"predict", file},
+        {"select", file, "--tolerance", "0.1"},
+        {"export", file, "--to", "mujoco"},
+        {"predict", file, "--json"},
+        {"select", file, "--tolerance", "0.1", "--json"}}) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    for (const char* wrong : {"nan", "inf "})
+      EXPECT_EQ(result.out.find(wrong), std::string::npos) << result.out;
+    // The table has question marks.
+    if (arguments.size() > 2) {
+      EXPECT_NE(result.out.find("the mesh does not determine the contact"), std::string::npos)
+          << result.out;
+    }
+  }
+}
+
 TEST_F(Program, SaysTheSameErrorInEveryCommand) {
   const auto answer_of = [&](const std::vector<std::string>& arguments) {
     const ProgramRun result = run(arguments);

@@ -25,7 +25,7 @@ constexpr double kShortBudget_ns = 2e5;
 constexpr double kBetter = 0.9;
 
 void take(const prediction::Assessment& found, Candidate& candidate) {
-  if (found.bound) {
+  if (found.known()) {
     candidate.bound.emplace();
     for (std::size_t q = 0; q < kQuantities; ++q) (*candidate.bound)[q] = found.total(Quantity(q));
   }
