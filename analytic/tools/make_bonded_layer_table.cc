@@ -23,6 +23,7 @@
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/bonded_layer_table.h"
 #include "softfinger/layer/elliptic_contact.h"
+#include "softfinger/math/dual.h"
 
 namespace {
 
@@ -41,8 +42,12 @@ double knot(int i, int count, double lowest, double highest) {
 double load_of_blend(const LimitShapes& shapes, double log_size, double compressibility) {
   double log_load = 4 * log_size;
   for (int iteration = 0; iteration < 100; ++iteration) {
-    const LayerBlend blend = layer_blend(shapes, log_load, compressibility);
-    const double step = (log_size - blend.value[kSize]) / blend.slope[kSize];
+    const Dual<1> size = layer_blend<Dual<1>>(
+        {shapes.log_radii_ratio, shapes.log_hertz_aspect, shapes.log_incompressible_aspect,
+         shapes.log_hertz_depth, shapes.log_incompressible_depth,
+         shapes.log_hertz_size_at_unit_load, shapes.log_incompressible_size_at_unit_load},
+        Dual<1>::variable(log_load, 0), compressibility)[kSize];
+    const double step = (log_size - size.value) / size.slope[0];
     log_load += step;
     if (std::abs(step) < 1e-13) break;
   }
@@ -56,10 +61,9 @@ LayerQuantities correction(double log_size, double coordinate, double log_ratio,
   const double compressibility = compressibility_at(log_size, coordinate);
   const LimitShapes shapes = limit_shapes(ratio);
   const double log_load = load_of_blend(shapes, log_size, compressibility);
-  const LayerBlend blend = layer_blend(shapes, log_load, compressibility);
-  const double size = blend.value[kSize] + guess[kSize];
-  const double aspect =
-      std::max(0.0, blend.value[kAspect] + guess[kAspect] * shapes.log_radii_ratio);
+  const LayerQuantities blend = layer_blend(shapes, log_load, compressibility);
+  const double size = blend[kSize] + guess[kSize];
+  const double aspect = std::max(0.0, blend[kAspect] + guess[kAspect] * shapes.log_radii_ratio);
   const EllipticLayerContact contact = elliptic_layer_contact_at_load(
       std::exp(log_load), ratio, LayerKernel(LayerKernel::Compressibility{compressibility}),
       std::exp(size + 0.5 * aspect), std::exp(size - 0.5 * aspect), 1e-7);
@@ -71,11 +75,11 @@ LayerQuantities correction(double log_size, double coordinate, double log_ratio,
     const double t = 0.5 * kPi * (i + 0.5) / points;
     ring += std::hypot(contact.a * std::cos(t), contact.b * std::sin(t)) / points;
   }
-  return {0.5 * std::log(area) - blend.value[kSize],
-          log_ratio > 0 ? (std::log(contact.a / contact.b) - blend.value[kAspect]) / log_ratio : 0,
-          std::log(contact.indentation / area) - blend.value[kDepth],
-          std::log(contact.torque_arm / ring) - blend.value[kArm],
-          std::log(contact.peak_pressure * kPi * area / contact.load) - blend.value[kPeak]};
+  return {0.5 * std::log(area) - blend[kSize],
+          log_ratio > 0 ? (std::log(contact.a / contact.b) - blend[kAspect]) / log_ratio : 0,
+          std::log(contact.indentation / area) - blend[kDepth],
+          std::log(contact.torque_arm / ring) - blend[kArm],
+          std::log(contact.peak_pressure * kPi * area / contact.load) - blend[kPeak]};
 }
 
 /// Coefficients of the cubic B-spline through equidistant values, without a jump of the third

@@ -1,17 +1,13 @@
 #pragma once
 
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/layer/contact_numbers.h"
 
 namespace softfinger {
 
-/// Contact of a rigid quadric with a bonded elastic layer.
-struct BondedLayerContact {
-  double a_m = 0, b_m = 0;  ///< semi-axes of the contact ellipse
-  double indentation_m = 0;
-  double peak_pressure_Pa = 0;
-  double torque_arm_exact_m = 0;  ///< (int p r dA)/P
-  double torque_arm_paper_m = 0;  ///< that of the circle of radius sqrt(ab)
-};
+/// Contact of a rigid quadric with a bonded elastic layer. `torque_arm_exact_m` is (int p r dA)/P,
+/// `torque_arm_paper_m` that of the circle of radius sqrt(ab).
+using BondedLayerContact = ContactNumbers;
 
 /// How the contact changes with the load: what a simulator needs for implicit steps.
 struct BondedLayerSensitivity {

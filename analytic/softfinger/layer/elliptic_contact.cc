@@ -327,11 +327,17 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
   // constant replaces it, between the derivative of Hertz, 3/2, and of a thin incompressible
   // layer, 3.
   constexpr double kAlmostRound = 1.001, kSlopeNearCircle = 1.8;
-  const LayerBlend blend =
-      layer_blend(limit_shapes(radii_ratio), std::log(load), kernel.compressibility());
+  const LimitShapes shapes = limit_shapes(radii_ratio);
+  const LayerQuantities blend = layer_blend(shapes, std::log(load), kernel.compressibility());
+  // d ln(size)/d ln(load), which a difference tells well enough here.
+  constexpr double kStep = 1e-3;
+  const double size_slope =
+      (layer_blend(shapes, std::log(load) + kStep, kernel.compressibility())[kSize] -
+       blend[kSize]) /
+      kStep;
   Eigen::Matrix2d jacobian;
-  jacobian << 1 / blend.slope[kSize], 0, 0,
-      radii_ratio > kAlmostRound ? std::log(radii_ratio) / blend.value[kAspect] : kSlopeNearCircle;
+  jacobian << 1 / size_slope, 0, 0,
+      radii_ratio > kAlmostRound ? std::log(radii_ratio) / blend[kAspect] : kSlopeNearCircle;
   Eigen::Vector2d residual(1, 1), step(0, 0);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const double a = std::exp(log_size + 0.5 * log_ratio);

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "softfinger/input/constants.h"
+
+namespace softfinger {
+
+/// Several smooth functions on [0, `kPieces` `kLength`], as polynomials through the Chebyshev
+/// points of equal pieces: one contiguous block of coefficients.
+template <int kFunctions, int kPieces, int kDegree>
+class PiecewisePolynomial {
+ public:
+  using Values = std::array<double, kFunctions>;
+  static constexpr double kLength = 0.25;
+  static constexpr double kEnd = kPieces * kLength;
+
+  /// @param function  of one number; returns Values
+  template <class Function>
+  explicit PiecewisePolynomial(const Function& function) {
+    for (int piece = 0; piece < kPieces; ++piece) fit(piece, function);
+  }
+
+  /// @param x  0 to kEnd
+  Values value(double x) const noexcept {
+    double t;
+    const Values* term = place(x, &t);
+    Values sum = term[kDegree];
+    for (int k = kDegree - 1; k >= 0; --k)
+      for (int f = 0; f < kFunctions; ++f) sum[f] = sum[f] * t + term[k][f];
+    return sum;
+  }
+
+  Values slope(double x) const noexcept {
+    double t;
+    const Values* term = place(x, &t);
+    Values sum{};
+    for (int k = kDegree; k > 0; --k)
+      for (int f = 0; f < kFunctions; ++f) sum[f] = sum[f] * t + k * term[k][f];
+    for (double& of_function : sum) of_function *= 2 / kLength;
+    return sum;
+  }
+
+ private:
+  /// The polynomial's terms, and the place in its piece, -1 to 1.
+  const Values* place(double x, double* t) const noexcept {
+    const double pieces = x * (1 / kLength);
+    // Written so that a value that is not a number gives the first piece.
+    const int piece = pieces > 0 ? int(pieces < kPieces - 1 ? pieces : kPieces - 1) : 0;
+    *t = 2 * (pieces - piece) - 1;
+    return terms_.data() + piece * (kDegree + 1);
+  }
+
+  template <class Function>
+  void fit(int piece, const Function& function) {
+    constexpr int kTerms = kDegree + 1;
+    // Chebyshev coefficients of each function, then powers by T_k = 2 t T_(k-1) - T_(k-2).
+    std::array<Values, kTerms> chebyshev{};
+    for (int i = 0; i < kTerms; ++i) {
+      const double angle = kPi * (i + 0.5) / kTerms;
+      const Values value = function(kLength * (piece + 0.5 + 0.5 * std::cos(angle)));
+      for (int k = 0; k < kTerms; ++k)
+        for (int f = 0; f < kFunctions; ++f)
+          chebyshev[k][f] += value[f] * std::cos(k * angle) * (k == 0 ? 1. : 2.) / kTerms;
+    }
+    std::array<double, kTerms> before{}, polynomial = {1};
+    Values* term = terms_.data() + piece * kTerms;
+    for (int k = 0; k < kTerms; ++k) {
+      for (int power = 0; power < kTerms; ++power)
+        for (int f = 0; f < kFunctions; ++f) term[power][f] += chebyshev[k][f] * polynomial[power];
+      std::array<double, kTerms> next{};
+      for (int power = 0; power < kTerms; ++power) {
+        if (power + 1 < kTerms) next[power + 1] += (k == 0 ? 1 : 2) * polynomial[power];
+        next[power] -= before[power];
+      }
+      before = polynomial;
+      polynomial = next;
+    }
+  }
+
+  std::array<Values, std::size_t(kPieces*(kDegree + 1))> terms_{};
+};
+
+}  // namespace softfinger
