@@ -7,7 +7,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
-#include "comparisons/judgement/atlas/fit_departure.h"
+#include "comparisons/judgement/atlas/fit_fingertip.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
 #include "comparisons/suite/compare.h"
 #include "comparisons/system/files.h"
@@ -19,7 +19,7 @@ struct AtlasOptions {
   std::string folder = "softfinger-atlas", output, fit, test, command_line;
   int jobs = suite::default_job_count(), random = 0;
   unsigned seed = 1;
-  bool models_only = false, finite_strain = false, fingers = false;
+  bool models_only = false, finite_strain = false, fingers = false, fingertips = false;
   reference::FemLimits fem_limits;
 };
 
@@ -61,13 +61,15 @@ std::string test_bounds(const judgement::AtlasFile& unseen) {
 
 /// The same for the bounds against whole fingers.
 std::string test_finger_bounds(const judgement::AtlasFile& unseen) {
-  std::string text = fmt::format("{:<22}{:<16}{:>10}{:>12}{:>22}\n", "model, against finger",
-                                 "quantity", "inside", "of", "bound/true, median");
-  for (const auto& [model, test] : judgement::test_departure(unseen))
+  std::string text = fmt::format("{:<22}{:<16}{:>8}{:>12}{:>22}{:>13}{:>9}{:>10}\n",
+                                 "model, against finger", "quantity", "inside", "of",
+                                 "bound/error, median", "error median", "95 %", "largest");
+  for (const auto& [model, test] : judgement::test_bounds_on_fingers(unseen))
     for (std::size_t q = 0; q < judgement::kQuantities; ++q)
-      text +=
-          fmt::format("{:<22}{:<16}{:>9.1f} %{:>11}{:>22.2f}\n", model,
-                      judgement::kQuantityNames[q], 100 * test.inside[q], test.runs, test.ratio[q]);
+      text += fmt::format("{:<22}{:<16}{:>6.1f} %{:>12}{:>22.2f}{:>11.2f} %{:>7.2f} %{:>8.2f} %\n",
+                          model, judgement::kQuantityNames[q], 100 * test.inside[q], test.runs,
+                          test.ratio[q], 100 * test.median[q], 100 * test.most[q],
+                          100 * test.largest[q]);
   return text;
 }
 
@@ -75,15 +77,15 @@ judgement::AtlasFile read_atlas_file(const std::string& name) {
   return judgement::parse_atlas(system::read_text_file(name), name);
 }
 
-/// Writes the table of finger_departure.h from runs of fingers and the installed atlas at finite
-/// strain.
-int fit_departure(const AtlasOptions& options) {
+/// Writes the table of fingertip_layer_core.h from runs of fingers and the installed atlas at
+/// finite strain.
+int fit_fingertip(const AtlasOptions& options) {
   judgement::AtlasFile runs = read_atlas_file(options.fit);
   const judgement::AtlasFile& known = judgement::finite_strain_atlas().file();
   runs.runs.insert(runs.runs.end(), known.runs.begin(), known.runs.end());
-  const judgement::FittedDeparture fitted = judgement::fit_departure(runs);
+  const judgement::FittedFingertip fitted = judgement::fit_fingertip(runs);
   system::write_file_atomically(
-      options.output, judgement::departure_table(fitted, "softfinger atlas --fit fingers.csv"));
+      options.output, judgement::fingertip_table(fitted, "softfinger atlas --fit fingers.csv"));
   return 0;
 }
 
@@ -92,7 +94,7 @@ int run_atlas(const AtlasOptions& options) {
     system::write_text_to_stdout(test_finger_bounds(read_atlas_file(options.test)));
     return 0;
   }
-  if (!options.fit.empty()) return fit_departure(options);
+  if (!options.fit.empty()) return fit_fingertip(options);
   require_single_process("softfinger-sweep --atlas FILE.csv --output FOLDER");
   if (options.models_only) {
     judgement::AtlasFile atlas =
@@ -104,11 +106,12 @@ int run_atlas(const AtlasOptions& options) {
   judgement::AtlasOptions settings;
   settings.folder = options.folder;
   settings.jobs = options.jobs;
-  settings.without_failed = options.fingers;
+  settings.without_failed = options.fingers || options.fingertips;
   settings.command = options.command_line;
   settings.fem_limits = options.fem_limits;
   const auto [atlas, signal] = judgement::make_atlas(
       options.fingers         ? judgement::random_fingers(options.random, options.seed)
+      : options.fingertips    ? judgement::random_fingertips(options.random, options.seed)
       : options.random > 0    ? judgement::random_runs(options.random, options.seed)
       : options.finite_strain ? judgement::finite_strain_runs()
                               : judgement::designed_runs(),
@@ -117,8 +120,8 @@ int run_atlas(const AtlasOptions& options) {
   if (!atlas) return 1;
   if (!options.output.empty()) system::write_file_atomically(options.output, to_csv(*atlas));
   if (options.random > 0)
-    system::write_text_to_stdout(options.fingers ? test_finger_bounds(*atlas)
-                                                 : test_bounds(*atlas));
+    system::write_text_to_stdout(settings.without_failed ? test_finger_bounds(*atlas)
+                                                         : test_bounds(*atlas));
   return 0;
 }
 
@@ -159,6 +162,11 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
   command
       ->add_flag("--fingers", options->fingers,
                  "of the random contacts: curved fingers on curved objects at finite strain")
+      ->needs(random);
+  command
+      ->add_flag("--fingertips", options->fingertips,
+                 "of the random contacts: the same, but drawn by the radii of finger and object, "
+                 "which is turned against the finger and may be hollow")
       ->needs(random);
   command
       ->add_option("--fit", options->fit,

@@ -87,8 +87,7 @@ int run_predict(const PredictOptions& options) {
       if (options.gap == "sampled" && model->card().name == "layer_fft")
         answers.push_back(prediction::ask_sampled_gap(resolver, geometry, contact_case, load_N));
       else
-        answers.push_back(
-            prediction::ask_model(*model, contact_case, geometry.radii, load_N, budget_ns));
+        answers.push_back(prediction::ask_model(*model, contact_case, geometry, load_N, budget_ns));
       if (options.json)
         estimate(contact_case, rule, answers.back());  // the table has no place for it
       if (geometry.patch)

@@ -140,7 +140,7 @@ int run_select(SelectOptions options) {
   for (const double load_N : contact_case.loads_N) {
     judgement::LoadChoice& load = loads.emplace_back();
     load.geometry = resolver.resolve(load_N);
-    load.problem = contact_case.problem(load.geometry.radii, load_N);
+    load.problem = prediction::contact_problem(contact_case, load.geometry, load_N);
     load.choice = judgement::choose_model(contact_case, load.geometry, load_N, options.selection);
     choices.push_back(to_json(load.choice));
     text += table(load.choice, options.selection);

@@ -23,7 +23,7 @@ bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
               const PressureModel& model, double load_N, double tolerance) {
   const prediction::ModelAnswer answer =
-      prediction::ask_model(model, contact_case, geometry.radii, load_N, 0);
+      prediction::ask_model(model, contact_case, geometry, load_N, 0);
   const Prediction& prediction = answer.prediction;
   std::string objections;
   for (const ValidityCheck& check : prediction.validity)

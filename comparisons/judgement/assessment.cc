@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "comparisons/judgement/atlas/error_atlas.h"
-#include "softfinger/accuracy/finger_departure.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/layer/fingertip_layer_core.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -19,35 +19,6 @@ using prediction::QuantityErrors;
 
 /// Standard deviations to a bound of 95 %.
 constexpr double kTwoSided = 2;
-
-/// Curvatures of a body along the contact's axes.
-struct Curvatures {
-  double x_per_m = 0, y_per_m = 0;
-};
-
-/// @param turn_rad  from the body's x axis to the contact's
-Curvatures curvatures_of(const input::CaseBody& body, const std::optional<QuadricFit>& fit,
-                         double turn_rad) {
-  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
-  if (const auto* sphere = std::get_if<input::SphereBody>(&body))
-    return {1 / sphere->radius_m, 1 / sphere->radius_m};
-  if (const auto* quadric = std::get_if<input::QuadricBody>(&body)) {
-    const double x = 1 / quadric->radius_x_m, y = 1 / quadric->radius_y_m;
-    return {x * c * c + y * s * s, x * s * s + y * c * c};
-  }
-  if (!fit) return {};
-  const auto along = [&](double x, double y) {
-    return 2 * (fit->quadric.A_per_m * x * x + fit->quadric.B_per_m * y * y +
-                fit->quadric.C_per_m * x * y);
-  };
-  return {along(c, s), along(-s, c)};
-}
-
-/// Round-off and the fit leave a share of 1 + 1e-4 of a finger on a plane.
-double settled(double share) {
-  constexpr double kSlack = 1e-3;
-  return share > 1 - kSlack && share < 1 + kSlack ? 1 : std::abs(share) < kSlack ? 0 : share;
-}
 
 /// Whether the finger is no ellipsoid where that matters: at a slope a/R its gap differs by the
 /// part (a/R)²/4 from the paraboloid's.
@@ -102,9 +73,7 @@ QuantityErrors change_with_region(const ContactPatch& patch,
   };
   const QuantityErrors here = numbers_of(answer.prediction);
   for (const RelativeRadii& radii : patch.radii_of_other_regions) {
-    ContactProblem problem = answer.problem;
-    problem.radii = radii;
-    const Prediction there = answer.model->predict(problem);
+    const Prediction there = answer.model->predict(prediction::with_radii(answer.problem, radii));
     const QuantityErrors moved = numbers_of(there);
     for (std::size_t q = 0; q < change.size(); ++q)
       change[q] =
@@ -150,8 +119,8 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
 
 /// "; the nearest run, nu 0.45, R'/R'' 1.8, s 1.2, h/R 0.2, finger's part of the curvature 1 and 1:
 /// off by +3.1 % in area, +2.0 % in torque". Models that are slow are not asked for it.
-std::string nearest_run_in_words(const prediction::ModelAnswer& answer, const FingerShare& share) {
-  const AtlasRun* run = nearest_finger_run(answer.problem, share);
+std::string nearest_run_in_words(const prediction::ModelAnswer& answer) {
+  const AtlasRun* run = nearest_finger_run(answer.problem);
   if (!run) return "";
   std::string words = fmt::format(
       "; the nearest run has nu {:.3g}, R'/R'' {:.3g}, s {:.3g}, h/R {:.3g}, finger's part of the "
@@ -176,22 +145,6 @@ std::string what_would_determine(const prediction::LocalGeometry& geometry) {
 
 }  // namespace
 
-FingerShare finger_share(const input::Case& contact_case,
-                         const prediction::LocalGeometry& geometry) {
-  const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
-  if (!pair) return {};
-  const std::optional<QuadricFit> none;
-  const auto& patch = geometry.patch;
-  const double axis_rad = geometry.radii.axis_rad;
-  const Curvatures finger =
-      contact_case.layer_on_object
-          ? curvatures_of(pair->object, patch ? patch->object_fit : none,
-                          axis_rad - pair->angle_rad)
-          : curvatures_of(pair->finger, patch ? patch->finger_fit : none, axis_rad);
-  return {settled(finger.x_per_m * geometry.radii.major_m),
-          settled(finger.y_per_m * geometry.radii.minor_m)};
-}
-
 Assessment assess(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
                   const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
                   double tolerance) {
@@ -204,8 +157,7 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   Prediction told = answer.prediction;
   // The bound is of the torque that is told, whichever rule it comes from.
   told.torque_arm_exact_m = answer.eccentricity_m(rule);
-  const FingerShare share = finger_share(contact_case, geometry);
-  const ErrorBound bound = error_bound(answer.problem, told, share);
+  const ErrorBound bound = error_bound(answer.problem, told);
   if (!bound.known) {
     result.evidence = bound.outside;
     return result;
@@ -213,9 +165,10 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   result.bound = bound.bound;
   result.causes = bound.causes;
   result.evidence =
-      "this model against bonded_layer, and how far that is from whole fingers at finite strain, "
-      "fitted to finite-element runs that press without friction: 95 % lie inside" +
-      nearest_run_in_words(answer, share);
+      "this model against fingertip_layer, which was fitted to finite-element runs of whole "
+      "fingers "
+      "at finite strain, pressed without friction: 95 % of them lie inside" +
+      nearest_run_in_words(answer);
   const auto open = [&](Quantity quantity) { return (*result.geometry)[std::size_t(quantity)]; };
   // NaN is neither.
   result.determined = open(Quantity::area) <= tolerance && open(Quantity::max_torque) <= tolerance;
@@ -234,14 +187,16 @@ Assessment assess_finite_elements(const input::Case& contact_case,
   // Where a fast model can be assessed the runs lie, by which both are known.
   Assessment result = assess(contact_case, geometry,
                              prediction::ask_model(*find_pressure_model("bonded_layer"),
-                                                   contact_case, geometry.radii, load_N, 0),
+                                                   contact_case, geometry, load_N, 0),
                              prediction::TorqueRule::exact, tolerance);
   if (!result.bound) {
     result.evidence += "; they state their own error when they have run";
     return result;
   }
   if (!result.known()) return result;
-  result.bound = kFiniteElementErrors;
+  result.bound.emplace();
+  std::copy(std::begin(kFingertipLayerTable.finite_elements),
+            std::end(kFingertipLayerTable.finite_elements), result.bound->begin());
   result.evidence = "95 % of the runs of whole fingers at finite strain stated less";
   result.usable =
       result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;

@@ -9,11 +9,6 @@
 /// against the finger itself, and what the geometry leaves open.
 namespace softfinger::judgement {
 
-/// The finger's part of the relative curvature, by the bodies of a case: 0 for radii alone, which
-/// stand for a flat layer. The body with the layer is the finger.
-FingerShare finger_share(const input::Case& contact_case,
-                         const prediction::LocalGeometry& geometry);
-
 /// @param answer     of the case's contact
 /// @param rule       by which the torque is told
 /// @param tolerance  of area and torque, relative

@@ -75,8 +75,8 @@ double misfit(const PressureProfile& profile, const PressureProfile& truth) {
 
 ModelComparison compare_model(const PressureModel& model, const Comparison& load) {
   ModelComparison comparison;
-  comparison.answer = prediction::ask_model(model, *load.contact_case, load.geometry.radii,
-                                            load.load_N, kCostBudget_ns);
+  comparison.answer =
+      prediction::ask_model(model, *load.contact_case, load.geometry, load.load_N, kCostBudget_ns);
   if (load.geometry.patch)
     prediction::propagate_radii_uncertainty(load.geometry.patch->relative, comparison.answer);
   comparison.answer.assessment = assess(*load.contact_case, load.geometry, comparison.answer,

@@ -94,8 +94,9 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
 }
 
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
-                      const RelativeRadii& radii, double load_N, double time_budget_ns) {
-  ModelAnswer answer = ask_model(model, contact_case.problem(radii, load_N), time_budget_ns);
+                      const LocalGeometry& geometry, double load_N, double time_budget_ns) {
+  ModelAnswer answer =
+      ask_model(model, contact_problem(contact_case, geometry, load_N), time_budget_ns);
   check_homogeneity(contact_case, answer.prediction.validity);
   if (model.card().finite_strain) check_energy(contact_case, answer.prediction.validity);
   return answer;
@@ -130,12 +131,20 @@ void check_homogeneity(const input::Case& contact_case, Validity& validity) {
                 "sublayers' thickness: ask finite elements"});
 }
 
+ContactProblem with_radii(ContactProblem problem, const RelativeRadii& radii) {
+  const double x = problem.radii.major_m / radii.major_m;
+  const double y = problem.radii.minor_m / radii.minor_m;
+  problem.finger_curvature.xx_per_m *= x;
+  problem.finger_curvature.yy_per_m *= y;
+  problem.finger_curvature.xy_per_m *= std::sqrt(x * y);
+  problem.radii = radii;
+  return problem;
+}
+
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
   const Eigen::VectorXd std = propagated_std(relative, [&](const RelativeRadii& radii) {
-    ContactProblem problem = answer.problem;
-    problem.radii = radii;
-    const Prediction moved = answer.model->predict(problem);
+    const Prediction moved = answer.model->predict(with_radii(answer.problem, radii));
     Eigen::VectorXd quantities(7);
     quantities << moved.a_m, moved.b_m, moved.indentation_m, moved.area_m2(),
         moved.peak_pressure_Pa, moved.torque_arm_exact_m, moved.torque_arm_paper_m;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "comparisons/input/case.h"
+#include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/quantity.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/friction_ellipsoid.h"
@@ -107,7 +108,11 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
 /// The same for a contact of a case. Adds a check that no model makes itself: whether the layer is
 /// homogeneous.
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
-                      const RelativeRadii& radii, double load_N, double time_budget_ns);
+                      const LocalGeometry& geometry, double load_N, double time_budget_ns);
+
+/// The same contact with other radii of the gap, of which the finger keeps its part: they are told
+/// by the same surface.
+ContactProblem with_radii(ContactProblem problem, const RelativeRadii& radii);
 
 /// A check that fails if the case has several sublayers.
 void check_homogeneity(const input::Case& contact_case, Validity& validity);

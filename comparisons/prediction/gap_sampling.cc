@@ -191,7 +191,7 @@ ModelAnswer ask_sampled_gap(const GeometryResolver& resolver, const LocalGeometr
 
   ModelAnswer answer;
   answer.model = find_pressure_model("layer_fft");
-  answer.problem = contact_case.problem(geometry.radii, load_N);
+  answer.problem = contact_problem(contact_case, geometry, load_N);
   const Prediction fitted = find_pressure_model(geometry.patch_model)->predict(answer.problem);
   constexpr std::array<double, 2> kReaches{2.5, 6};  // of the fitted ellipse
   for (const double reach : kReaches) {

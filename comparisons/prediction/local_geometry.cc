@@ -140,6 +140,60 @@ ContactBody GeometryResolver::contact_body(const input::CaseBody& body) const {
   return MeshContactPoint{&surface(mesh), mesh.point_m, mesh.normal};
 }
 
+namespace {
+
+/// Curvature of a body along the contact's axes.
+/// @param turn_rad  from the body's x axis to the contact's
+SurfaceCurvature curvature_of(const input::CaseBody& body, const std::optional<QuadricFit>& fit,
+                              double turn_rad) {
+  if (const auto* sphere = std::get_if<input::SphereBody>(&body))
+    return curvature_along(sphere->radius_m, sphere->radius_m, 0);
+  if (const auto* quadric = std::get_if<input::QuadricBody>(&body))
+    return curvature_along(quadric->radius_x_m, quadric->radius_y_m, turn_rad);
+  if (!fit) return {};
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  const Quadric& q = fit->quadric;
+  return {2 * (q.A_per_m * c * c + q.B_per_m * s * s + q.C_per_m * c * s),
+          2 * (q.A_per_m * s * s + q.B_per_m * c * c - q.C_per_m * c * s),
+          2 * (q.B_per_m - q.A_per_m) * c * s + q.C_per_m * (c * c - s * s)};
+}
+
+/// Round-off and the fit leave 1 + 1e-4 of the gap's curvature on a plane, and 1e-4 on a flat pad.
+double settled(double curvature_per_m, double gap_per_m) {
+  constexpr double kSlack = 1e-3;
+  const double share = curvature_per_m / gap_per_m;
+  if (std::abs(share) < kSlack) return 0;
+  return std::abs(share - 1) < kSlack ? gap_per_m : curvature_per_m;
+}
+
+}  // namespace
+
+ContactProblem contact_problem(const input::Case& contact_case, const LocalGeometry& geometry,
+                               double load_N) {
+  ContactProblem problem = contact_case.problem(geometry.radii, load_N);
+  problem.finger_curvature = geometry.finger_curvature;
+  problem.is_object_spherical = geometry.is_object_spherical;
+  return problem;
+}
+
+void GeometryResolver::add_finger(LocalGeometry& geometry) const {
+  const auto& pair = std::get<input::BodyPair>(case_.geometry);
+  const std::optional<QuadricFit> none;
+  const auto& patch = geometry.patch;
+  const RelativeRadii& radii = geometry.radii;
+  const SurfaceCurvature finger =
+      case_.layer_on_object
+          ? curvature_of(pair.object, patch ? patch->object_fit : none,
+                         radii.axis_rad - pair.angle_rad)
+          : curvature_of(pair.finger, patch ? patch->finger_fit : none, radii.axis_rad);
+  const double mean_m = std::sqrt(radii.major_m) * std::sqrt(radii.minor_m);
+  geometry.finger_curvature = {settled(finger.xx_per_m, 1 / radii.major_m),
+                               settled(finger.yy_per_m, 1 / radii.minor_m),
+                               settled(finger.xy_per_m, 1 / mean_m)};
+  geometry.is_object_spherical =
+      std::holds_alternative<input::SphereBody>(case_.layer_on_object ? pair.finger : pair.object);
+}
+
 LocalGeometry GeometryResolver::resolve(double load_N) const {
   LocalGeometry result;
   if (const auto* radii = std::get_if<RelativeRadii>(&case_.geometry)) {
@@ -158,6 +212,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
     result.radii = relative.radii;
     if (const auto* sphere = std::get_if<input::SphereBody>(&pair.object))
       if (is_flat(pair.finger) && !case_.layer_on_object) result.sphere_radius_m = sphere->radius_m;
+    add_finger(result);
     return result;
   }
   try {
@@ -180,6 +235,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
   }
   require_ellipse(result.patch->relative, case_.geometry_where);
   result.radii = result.patch->relative.radii;
+  add_finger(result);
   return result;
 }
 

@@ -22,9 +22,17 @@ struct LocalGeometry {
   /// Set for an exact sphere on a flat finger: the finite elements then use the sphere itself. On a
   /// curved finger only the sphere's curvature enters, as in the models.
   double sphere_radius_m = std::numeric_limits<double>::infinity();
+  /// Of the body with the layer, along the contact's axes. Zero for radii alone, which stand for a
+  /// flat layer.
+  SurfaceCurvature finger_curvature;
+  bool is_object_spherical = false;  ///< the body without the layer is an exact sphere
   /// Why the bodies have no relative radii; `radii` are then but a guess of the contact's size.
   std::string no_ellipse;
 };
+
+/// What models are asked for one load of a case.
+ContactProblem contact_problem(const input::Case& contact_case, const LocalGeometry& geometry,
+                               double load_N);
 
 /// From a case's bodies to relative radii. Reads each mesh file once and fits each region of it
 /// once, however many loads there are. Not for several threads at once.
@@ -57,6 +65,7 @@ class GeometryResolver {
 
  private:
   ContactBody contact_body(const input::CaseBody& body) const;
+  void add_finger(LocalGeometry& geometry) const;
   QuadricFit lie_of(const input::MeshBody& mesh) const;
 
   const input::Case& case_;

@@ -138,7 +138,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       append_exact(load_N, text);
       append_number(geometry.radii.major_m, text);
       append_number(geometry.radii.minor_m, text);
-      const ContactProblem problem = contact_case.problem(geometry.radii, load_N);
+      const ContactProblem problem = prediction::contact_problem(contact_case, geometry, load_N);
       for (const PressureModel* model : models_) {
         Prediction prediction = model->predict(problem);
         prediction::check_homogeneity(contact_case, prediction.validity);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/accuracy/finger_departure.h"
+#include "softfinger/layer/fingertip_layer_core.h"
 
 namespace softfinger {
 namespace {
@@ -23,131 +23,160 @@ BoundedErrors numbers_of(const Prediction& prediction) {
           prediction.torque_arm_exact_m};
 }
 
-double strain(const ContactProblem& problem, const Prediction& flat) {
-  return flat.indentation_m / problem.layer.thickness_m;
-}
-
-const PressureModel& bonded_layer() {
-  static const PressureModel& model = *find_pressure_model("bonded_layer");
-  return model;
+BoundedErrors numbers_of(const ContactNumbers& contact) {
+  return {contact.a_m,
+          contact.b_m,
+          contact.indentation_m,
+          kPi * contact.a_m * contact.b_m,
+          contact.peak_pressure_Pa,
+          contact.torque_arm_exact_m};
 }
 
 /// Of the quantities, the one that the finite elements tell to a tenth of a per cent.
 constexpr std::size_t kTorque = 5;
+
+const char* reason_outside(const ContactProblem& problem, const ContactNumbers& flat) {
+  const double h = problem.layer.thickness_m;
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  const double mean_per_m = 0.5 * (finger.xx_per_m + finger.yy_per_m);
+  const double spread_per_m =
+      std::hypot(0.5 * (finger.xx_per_m - finger.yy_per_m), finger.xy_per_m);
+  const double bend = h * (mean_per_m + spread_per_m);
+  if (mean_per_m < spread_per_m - 1e-9 * std::abs(mean_per_m + spread_per_m))
+    return "not known for a hollow finger: the runs are of convex ones";
+  const RelativeRadii& radii = problem.radii;
+  if (radii.major_m > kBoundRange.largest_radii_ratio * radii.minor_m)
+    return "not known for R'/R'' above 20";
+  if (bend > kBoundRange.largest_bend)
+    return "not known for layers thicker than 0.6 of the finger's smallest radius";
+  if (h > kBoundRange.largest_flat_thickness * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m))
+    return "not known for layers thicker than five times the relative radius";
+  if (std::sqrt(flat.a_m) * std::sqrt(flat.b_m) > kBoundRange.largest_size * h)
+    return "not known for contacts larger than 20 h";
+  if (flat.a_m > kBoundRange.largest_slope * radii.major_m ||
+      flat.b_m > kBoundRange.largest_slope * radii.minor_m)
+    return "not known for slopes above 0.6 at the edge of the contact";
+  if (flat.indentation_m > kBoundRange.largest_strain * h)
+    return "not known for layers compressed by more than 40 %";
+  return nullptr;
+}
+
+ErrorCause cause_of(FingertipEffect effect) {
+  switch (effect) {
+    case kStrain:
+    case kStrainSquared:
+    case kLongStrain:
+      return ErrorCause::strain;
+    case kSlope:
+    case kSlopeOfLong:
+    case kObjectSlope:
+    case kObjectSlopeOfLong:
+    case kSphere:
+    case kStrainSlope:
+    case kLongwiseSlope:
+    case kLongSlope:
+    case kLongwiseObjectSlope:
+      return ErrorCause::slope;
+    default:
+      return ErrorCause::curvature;
+  }
+}
+
+/// ln(finger / flat layer) of each quantity, to first order in the aspect, that one cause makes.
+BoundedErrors log_departures(const FingertipArguments<double>& at, double poisson_ratio,
+                             double ring_slope, ErrorCause cause) {
+  FingertipArguments<double> of_cause = at;
+  for (std::size_t effect = 0; effect < of_cause.effects.size(); ++effect)
+    if (cause_of(FingertipEffect(effect)) != cause) of_cause.effects[effect] = 0;
+  const auto change = fingertip_correction(kFingertipLayerTable, of_cause, poisson_ratio);
+  const double size = change.symmetric[kSizeColumn], half = 0.5 * change.aspect;
+  return {size + half,
+          size - half,
+          change.symmetric[kDepthColumn],
+          2 * size,
+          change.symmetric[kPeakColumn],
+          size + ring_slope * change.aspect + change.symmetric[kArmColumn]};
+}
 
 /// Where strain, slope and curvature are small, bonded_layer is known better than the finite
 /// elements that tested it: by the spectral solution, from which it is 0.002 % away. What is left
 /// of the departure is at most a few times its terms, whose signs differ. In a, b, area and peak
 /// pressure the scatter of the finite elements would lie outside such a bound, so that no run could
 /// confirm it.
-double width_of_small_departures(const DepartureFit& fit,
-                                 const std::array<double, kDepartureTerms>& terms) {
+double width_of_small_departures(const FingertipArguments<double>& at, double poisson_ratio,
+                                 double ring_slope) {
   constexpr double kSpectral = 5e-5, kTimes = 3;
+  const auto shapes = fingertip_shapes(2 * poisson_ratio, at.l);
   double sum = 0;
-  for (std::size_t t = 0; t < kDepartureTerms; ++t) sum += std::abs(fit.coefficients[t] * terms[t]);
+  int term = 0;
+  for (int effect = 0; effect < kSymmetricEffects; ++effect)
+    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term) {
+      const auto& row = kFingertipLayerTable.symmetric[term];
+      sum += std::abs(at.effects[std::size_t(effect)] * shapes[std::size_t(shape)] *
+                      (row[kSizeColumn] + row[kArmColumn]));
+    }
+  term = 0;
+  for (int effect = kSymmetricEffects; effect < kFingertipEffects; ++effect)
+    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
+      sum += std::abs(at.effects[std::size_t(effect)] * shapes[std::size_t(shape)] *
+                      kFingertipLayerTable.aspect[term] * ring_slope);
   return kSpectral + kTimes * sum;
-}
-
-const char* reason_outside(const ContactProblem& problem, const Prediction& flat,
-                           const FingerShare& share) {
-  const auto is_share = [](double value) { return value >= 0 && value <= 1; };
-  if (!is_share(share.x) || !is_share(share.y))
-    return "not known where finger or object is hollow: the runs are of convex ones";
-  const RelativeRadii& radii = problem.radii;
-  if (radii.major_m > kDepartureRange.largest_radii_ratio * radii.minor_m)
-    return "not known for R'/R'' above 20";
-  const double thickness =
-      problem.layer.thickness_m / (std::sqrt(radii.major_m) * std::sqrt(radii.minor_m));
-  if (share.x == 0 && share.y == 0) {
-    if (thickness > kDepartureRange.largest_flat_thickness)
-      return "not known for flat layers thicker than five times the relative radius";
-  } else if (thickness > kDepartureRange.largest_thickness) {
-    return "not known for fingers' layers thicker than 0.6 of the relative radius";
-  }
-  if (std::sqrt(flat.a_m) * std::sqrt(flat.b_m) >
-      kDepartureRange.largest_size * problem.layer.thickness_m)
-    return "not known for contacts larger than 20 h";
-  if (flat.a_m > kDepartureRange.largest_slope * radii.major_m ||
-      flat.b_m > kDepartureRange.largest_slope * radii.minor_m)
-    return "not known for slopes above 0.6 at the edge of the contact";
-  if (strain(problem, flat) > kDepartureRange.largest_strain)
-    return "not known for layers compressed by more than 40 %";
-  return nullptr;
 }
 
 }  // namespace
 
-std::array<double, kDepartureTerms> departure_terms(const ContactProblem& problem,
-                                                    const Prediction& flat,
-                                                    const FingerShare& share) noexcept {
-  const double h = problem.layer.thickness_m;
-  const double n = 2 * problem.layer.poisson_ratio;
-  const double s = std::sqrt(flat.a_m) * std::sqrt(flat.b_m) / h;
-  const double l = s / (1 + s);
-  const double e = strain(problem, flat);
-  const double slope_x = flat.a_m / problem.radii.major_m;
-  const double slope_y = flat.b_m / problem.radii.minor_m;
-  const double bent_x = share.x * h / problem.radii.major_m;
-  const double bent_y = share.y * h / problem.radii.minor_m;
-  const double bent = bent_x + bent_y;
-  const std::array<double, 6> shapes = {1, n, l, n * l, n * n, l * l};
-  std::array<double, kDepartureTerms> terms;
-  std::size_t next = 0;
-  for (const double effect : {e, slope_x * slope_x, slope_y * slope_y, bent_x * l, bent_y * l})
-    for (const double shape : shapes) terms[next++] = effect * shape;
-  for (const double product :
-       {e * e, e * e * n, bent * e, bent * e * n, bent * bent * l, bent * bent * l * n})
-    terms[next++] = product;
-  return terms;
-}
-
-ErrorCause cause_of_term(std::size_t term) noexcept {
-  // Six shapes of each of five effects, then products: of strain with itself and with curvature,
-  // of curvature with itself.
-  if (term < 6 || term == 30 || term == 31) return ErrorCause::strain;
-  return term < 18 ? ErrorCause::slope : ErrorCause::curvature;
-}
-
-double departure_size(const ContactProblem& problem, const Prediction& flat,
-                      const FingerShare& share) noexcept {
-  const double h = problem.layer.thickness_m;
-  const double s = std::sqrt(flat.a_m) * std::sqrt(flat.b_m) / h;
-  const double slope_x = flat.a_m / problem.radii.major_m;
-  const double slope_y = flat.b_m / problem.radii.minor_m;
-  const double bent = share.x * h / problem.radii.major_m + share.y * h / problem.radii.minor_m;
-  return strain(problem, flat) + slope_x * slope_x + slope_y * slope_y + bent * s / (1 + s);
-}
-
-ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction,
-                       const FingerShare& share) noexcept {
+ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction) noexcept {
   if (!prediction.has_answer) return outside("the model has no answer");
   if (problem.has_object_layer()) return outside("not known for two layers");
-  const Prediction flat = bonded_layer().predict(problem);
-  if (!flat.has_answer) return outside("bonded_layer, by which bounds are known, has no answer");
-  if (const char* reason = reason_outside(problem, flat, share)) return outside(reason);
-  const auto terms = departure_terms(problem, flat, share);
-  const double size = departure_size(problem, flat, share);
-  const BoundedErrors answer = numbers_of(prediction), reference = numbers_of(flat);
+  const ContactInputOf<double> input = contact_input(
+      problem.radii, problem.layer, problem.load.normal_force_N, problem.finger_curvature);
+  const auto at = layer_arguments(input);
+  const LayerQuantities logarithms =
+      bonded_layer_logarithms(at.log_load, input.poisson_ratio, at.log_radii_ratio);
+  const ContactNumbers flat = contact_of_logarithms(logarithms, at.mean_radius_m, input);
+  // Written so that what is no number lies outside.
+  if (!(flat.a_m > 0 && flat.b_m > 0 && flat.indentation_m > 0))
+    return outside("bonded_layer, by which bounds are known, has no answer");
+  if (const char* reason = reason_outside(problem, flat)) return outside(reason);
+  const auto arguments = fingertip_arguments(input, flat, problem.is_object_spherical ? 1. : 0.);
+  const auto correction =
+      fingertip_correction(kFingertipLayerTable, arguments, input.poisson_ratio);
+  const BoundedErrors finger = numbers_of(corrected_contact(logarithms, flat, correction, input));
+  const BoundedErrors answer = numbers_of(prediction), of_flat = numbers_of(flat);
+  const double ring_slope = log_ring_arm_slope(logarithms[kAspect]);
+  std::array<BoundedErrors, kErrorCauses> parts{};
+  for (const ErrorCause cause : {ErrorCause::strain, ErrorCause::slope, ErrorCause::curvature})
+    parts[std::size_t(cause)] = log_departures(arguments, input.poisson_ratio, ring_slope, cause);
+  const double size = departure_size(arguments);
   ErrorBound result;
   result.known = true;
   for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
-    const DepartureFit& fit = kDepartureFits[q];
     // (model / flat) (flat / finger)
-    const double ratio = answer[q] / reference[q];
-    result.causes[std::size_t(ErrorCause::model)][q] = ratio - 1;
-    for (std::size_t t = 0; t < kDepartureTerms; ++t)
-      result.causes[std::size_t(cause_of_term(t))][q] += ratio * fit.coefficients[t] * terms[t];
-    for (const BoundedErrors& cause : result.causes) result.expected[q] += cause[q];
-    double width = fit.width_least + fit.width_per_size * size;
-    if (q == kTorque) width = std::min(width, width_of_small_departures(fit, terms));
+    const double ratio = answer[q] / finger[q];
+    result.expected[q] = ratio - 1;
+    result.causes[std::size_t(ErrorCause::model)][q] = answer[q] / of_flat[q] - 1;
+    double departure = 0, absolute = 0;
+    for (const BoundedErrors& part : parts) departure += part[q], absolute += std::abs(part[q]);
+    const double left = ratio - answer[q] / of_flat[q];
+    for (const ErrorCause cause : {ErrorCause::strain, ErrorCause::slope, ErrorCause::curvature}) {
+      const double part = parts[std::size_t(cause)][q];
+      // In proportion; where the parts cancel, to first order.
+      result.causes[std::size_t(cause)][q] = std::abs(departure) > 0.1 * absolute
+                                                 ? left * part / departure
+                                                 : -ratio * part + (left + ratio * departure) / 3;
+    }
+    const FingertipWidth& fitted = kFingertipLayerTable.widths[q];
+    double width = fitted.least + fitted.per_size * size;
+    if (q == kTorque)
+      width =
+          std::min(width, width_of_small_departures(arguments, input.poisson_ratio, ring_slope));
     result.bound[q] = std::abs(result.expected[q]) + ratio * width;
   }
   return result;
 }
 
-ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem,
-                       const FingerShare& share) noexcept {
-  return error_bound(problem, model.predict(problem), share);
+ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem) noexcept {
+  return error_bound(problem, model.predict(problem));
 }
 
 }  // namespace softfinger

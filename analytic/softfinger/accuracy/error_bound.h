@@ -12,12 +12,6 @@ namespace softfinger {
 constexpr std::size_t kBoundedQuantities = 6;
 using BoundedErrors = std::array<double, kBoundedQuantities>;  ///< relative
 
-/// The finger's part of the relative curvature along the contact's long axis x and short axis y, 0
-/// to 1: 0 for a flat layer under a curved object, 1 for a finger on a plane.
-struct FingerShare {
-  double x = 0, y = 0;
-};
-
 /// What an expected error consists of.
 enum class ErrorCause {
   model,     ///< against a flat layer in linear theory
@@ -38,18 +32,26 @@ struct ErrorBound {
 };
 
 /// The errors of a model at a contact, against finite elements of the whole finger: neo-Hookean
-/// layer on a rigid core, the layer bent over a finger that has `share` of the relative curvature.
+/// layer on a rigid core, the layer bent over a finger of the problem's `finger_curvature`.
 ///
-/// The model is compared with `bonded_layer`, which solves the flat layer of linear theory to
-/// 0.002 %; how far that one is from the finger is a fit to finite-element runs
-/// (finger_departure.h).
+/// The model is compared with `fingertip_layer`, which was fitted to finite-element runs; what 95 %
+/// of them differ from it by is known (fingertip_layer_core.h).
 /// @param prediction  the model's, with an answer
-/// Costs a prediction of `bonded_layer`. Never throws, never allocates.
-ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction,
-                       const FingerShare& share = {}) noexcept;
+/// Costs a prediction of `fingertip_layer` and a little. Never throws, never allocates.
+ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction) noexcept;
 
 /// The same; asks the model first.
-ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem,
-                       const FingerShare& share = {}) noexcept;
+ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem) noexcept;
+
+/// Where the runs lie. Beyond them nothing is known.
+struct BoundRange {
+  double largest_size = 20;         ///< s = sqrt(ab)/h
+  double largest_radii_ratio = 20;  ///< R'/R''
+  double largest_bend = 0.6;        ///< h over the finger's smallest radius, so that a core is left
+  double largest_flat_thickness = 5;  ///< h/sqrt(R' R'') of a flat layer under a curved object
+  double largest_slope = 0.6;         ///< a/R' and b/R''
+  double largest_strain = 0.42;       ///< d/h of `bonded_layer`
+};
+constexpr BoundRange kBoundRange;
 
 }  // namespace softfinger

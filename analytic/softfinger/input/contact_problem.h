@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 /// What every model of this project is asked: an elastic layer on a rigid core, the relative
@@ -37,6 +38,22 @@ struct RelativeRadii {
   double axis_rad = 0;  ///< direction of x, counter-clockwise from the first body's x axis
 };
 
+/// Curvature of a surface along the contact's axes x and y: depth below the tangent plane is
+/// (xx x² + yy y²)/2 + xy x y, so that a convex surface has positive curvatures.
+struct SurfaceCurvature {
+  double xx_per_m = 0, yy_per_m = 0, xy_per_m = 0;
+};
+
+/// Curvature of a surface with principal radii `radius_x_m`, `radius_y_m` (infinite: flat,
+/// negative: hollow) along axes of its own, seen along axes that are turned from them by
+/// `turn_rad`, counter-clockwise.
+inline SurfaceCurvature curvature_along(double radius_x_m, double radius_y_m, double turn_rad) {
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  const double x_per_m = 1 / radius_x_m, y_per_m = 1 / radius_y_m;
+  return {x_per_m * c * c + y_per_m * s * s, x_per_m * s * s + y_per_m * c * c,
+          (y_per_m - x_per_m) * s * c};
+}
+
 struct ContactLoad {
   double normal_force_N = 0;        ///< P > 0
   double friction_coefficient = 0;  ///< mu >= 0
@@ -70,6 +87,11 @@ struct ContactProblem {
   ContactLoad load;
   ElasticLayer object_layer{};  ///< bonded to the object's rigid core; thickness 0: a rigid object
   ModelOptions options{};
+  /// Of the surface that carries the layer: the finger's own, undeformed. The object has the rest
+  /// of the relative curvature. Zero: a flat layer under a curved object.
+  SurfaceCurvature finger_curvature{};
+  /// The object is the exact sphere, not its paraboloid. Only models of large deformation see it.
+  bool is_object_spherical = false;
 
   bool has_object_layer() const { return object_layer.thickness_m > 0; }
 };

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "softfinger/input/constants.h"
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/pressure/batch.h"
+#include "softfinger/pressure/differentiated.h"
 
 namespace softfinger {
 
@@ -127,6 +130,18 @@ class PressureModel {
   /// problem must satisfy the ranges in contact_problem.h; assumptions that it violates come back
   /// as `Prediction::validity`.
   virtual Prediction predict(const ContactProblem& problem) const noexcept = 0;
+
+  /// The numbers of the prediction with their derivatives, where the model can tell them: exact, by
+  /// forward differentiation. Only for one layer, and where `predict` has an answer
+  /// (`predict_with_gradient` sees to both).
+  virtual std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem&) const noexcept {
+    return std::nullopt;
+  }
+
+  /// Many contacts at once (predict_batch, batch.h). The default asks `predict` for each.
+  virtual void predict_batch(const ContactBatch& contacts,
+                             const PredictionBatch& predictions) const noexcept;
 
   /// Pressure in Pa at (x, y) in the contact frame (x along the long axis, origin at first touch);
   /// zero outside the contact. `prediction` is what `predict` returned for this problem.

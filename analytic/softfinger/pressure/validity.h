@@ -143,6 +143,11 @@ inline ValidityCheck first_range_violation(const ContactProblem& problem) noexce
   };
   if (const auto violation = poisson_ratio_in_range(problem.layer.poisson_ratio); *violation.check)
     return violation;
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  for (const double curvature : {finger.xx_per_m, finger.yy_per_m, finger.xy_per_m})
+    if (!(std::abs(curvature) <= kLargest))
+      return {"finger_curvature_in_range", 0, 1, false,
+              "no answer: the finger's curvature must be finite"};
   const ElasticLayer& object = problem.object_layer;
   if (object.thickness_m != 0) {  // NaN is no rigid object either
     const auto positive_and_finite = [&](double value) { return value > 0 && value <= kLargest; };

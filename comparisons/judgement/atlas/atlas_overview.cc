@@ -351,8 +351,8 @@ json seed_marks() {
     const input::Case contact_case = input::read_case(file);
     const prediction::GeometryResolver resolver(contact_case);
     for (const double load_N : contact_case.loads_N)
-      marks.push_back(
-          map_mark(contact_case, contact_case.problem(resolver.resolve(load_N).radii, load_N)));
+      marks.push_back(map_mark(contact_case, prediction::contact_problem(
+                                                 contact_case, resolver.resolve(load_N), load_N)));
   }
   return marks;
 }

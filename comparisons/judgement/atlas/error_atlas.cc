@@ -39,7 +39,8 @@ const std::vector<std::string>& own_columns() {
          {"stiffness/(G h3)", "error stiffness", "full slip/(mu P h)", "error full slip"})
       all.emplace_back(name);
     for (const char* name : kQuantityNames) all.push_back(std::string("coarse ") + name);
-    for (const char* name : {"cost s", "coarse cost s", "finger share x", "finger share y"})
+    for (const char* name :
+         {"cost s", "coarse cost s", "finger share x", "finger share y", "finger share xy"})
       all.emplace_back(name);
     return all;
   }();
@@ -72,6 +73,14 @@ ContactProblem problem_of(const AtlasRun& run) {
   const double radius_m =
       has_own_radius(run) ? 1 / run.thickness_over_radius : 1e3 * std::max(1., run.s);
   problem.radii = {radius_m * std::sqrt(run.radii_ratio), radius_m / std::sqrt(run.radii_ratio), 0};
+  if (run.kind == AtlasKind::finger)
+    problem.finger_curvature = {
+        run.finger_share_x / problem.radii.major_m, run.finger_share_y / problem.radii.minor_m,
+        run.finger_share_xy / std::sqrt(problem.radii.major_m * problem.radii.minor_m)};
+  if (run.kind == AtlasKind::finite_curved || run.kind == AtlasKind::linear_curved)
+    problem.finger_curvature = {1 / radius_m, 1 / radius_m, 0};
+  problem.is_object_spherical =
+      run.kind == AtlasKind::finite_sphere || run.kind == AtlasKind::linear_sphere;
   problem.load.friction_coefficient = run.friction_coefficient > 0 ? run.friction_coefficient : 0.5;
   // ln s grows with ln P, at a slope between 1/6 and 1/3.
   double log_load = 0;
@@ -128,7 +137,8 @@ std::string to_csv(const AtlasFile& atlas) {
       text += friction ? cell(value, digits) : ",";
     for (const double value : run.coarse_error) text += cell(value, 3);
     text += cell(run.cost_s, 3) + cell(run.coarse_cost_s, 3);
-    text += cell(run.finger_share_x, 6) + cell(run.finger_share_y, 6);
+    for (const double share : {run.finger_share_x, run.finger_share_y, run.finger_share_xy})
+      text += cell(share, 6);
     for (const auto& [model, errors] : atlas.errors)
       for (const double value : errors[r]) text += cell(value, 4);
     text += "\n";
@@ -208,6 +218,7 @@ AtlasFile parse_atlas(const std::string& text, const std::string& file) {
     run.coarse_cost_s = value(column++);
     run.finger_share_x = value(column++);
     run.finger_share_y = value(column++);
+    run.finger_share_xy = value(column++);
     atlas.runs.push_back(run);
     for (std::vector<QuantityErrors>* errors : models) {
       errors->emplace_back();
@@ -402,7 +413,7 @@ const AtlasFile& finger_runs() {
   return runs;
 }
 
-const AtlasRun* nearest_finger_run(const ContactProblem& problem, const FingerShare& share) {
+const AtlasRun* nearest_finger_run(const ContactProblem& problem) {
   struct Place {
     double size, ratio, thickness, stiffening, share_x, share_y;
   };
@@ -413,7 +424,8 @@ const AtlasRun* nearest_finger_run(const ContactProblem& problem, const FingerSh
   const Place here =
       place(contact_size(problem), radii.major_m / radii.minor_m,
             problem.layer.thickness_m / (std::sqrt(radii.major_m) * std::sqrt(radii.minor_m)),
-            problem.layer.poisson_ratio, share.x, share.y);
+            problem.layer.poisson_ratio, problem.finger_curvature.xx_per_m * radii.major_m,
+            problem.finger_curvature.yy_per_m * radii.minor_m);
   const AtlasRun* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const AtlasRun& run : finger_runs().runs) {

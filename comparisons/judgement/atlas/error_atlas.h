@@ -49,9 +49,9 @@ struct AtlasRun {
   double thickness_over_radius =
       0;  ///< h/R of a curved finger, sphere or pad, R = sqrt(R' R''); else 0
   double friction_coefficient = 0;
-  /// Of kind "finger": the finger's part of the relative curvature along the long and the short
-  /// axis, the object has the rest. NaN for others.
-  double finger_share_x = kNaN, finger_share_y = kNaN;
+  /// Of kind "finger": its curvature along the long and the short axis over that of the gap, 1/R'
+  /// and 1/R'', and its twist times sqrt(R' R''); the object has the rest. NaN for others.
+  double finger_share_x = kNaN, finger_share_y = kNaN, finger_share_xy = kNaN;
   /// a/h, b/h, d/h, area/h², peak pressure/E*, max torque/(mu P h).
   QuantityErrors answer{};
   QuantityErrors stated_error{};  ///< of the finite elements, relative; area: of a and b
@@ -138,6 +138,6 @@ const AtlasFile& finger_runs();
 
 /// The one of them that is most like a contact: by ln s, ln R'/R'', ln h/R, -ln(0.501 - nu) and the
 /// finger's part of the curvature. Null where the contact has no size.
-const AtlasRun* nearest_finger_run(const ContactProblem& problem, const FingerShare& share);
+const AtlasRun* nearest_finger_run(const ContactProblem& problem);
 
 }  // namespace softfinger::judgement

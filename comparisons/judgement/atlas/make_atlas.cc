@@ -15,6 +15,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
+#include "softfinger/geometry/relative_curvature.h"
 #include "softfinger/input/constants.h"
 
 namespace softfinger::judgement {
@@ -33,7 +34,8 @@ std::string name_of(const AtlasRun& run) {
       fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind), run.poisson_ratio,
                   run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
   if (run.kind == AtlasKind::finger)
-    name += fmt::format("_share{:g}_{:g}", run.finger_share_x, run.finger_share_y);
+    name += fmt::format("_share{:g}_{:g}_{:g}", run.finger_share_x, run.finger_share_y,
+                        run.finger_share_xy);
   return name;
 }
 
@@ -55,17 +57,35 @@ bool is_on_sphere(const AtlasRun& run) {
   return run.kind == AtlasKind::linear_sphere || run.kind == AtlasKind::finite_sphere;
 }
 
+/// A body with this curvature in the frame of the relative radii.
+reference::PlacedBody placed_body(const SurfaceCurvature& curvature, input::FingerShape round) {
+  input::QuadricBody body{1 / curvature.xx_per_m, 1 / curvature.yy_per_m, round, 0};
+  double turn_rad = 0;
+  // Without a twist the axes stay as they are: that keeps the symmetry which saves most of the
+  // work.
+  if (curvature.xy_per_m != 0) {
+    const PrincipalCurvature principal = principal_curvature(
+        {0.5 * curvature.xx_per_m, 0.5 * curvature.yy_per_m, curvature.xy_per_m});
+    body.radius_x_m = principal.radii_m[0];
+    body.radius_y_m = principal.radii_m[1];
+    turn_rad = principal.axis_rad;
+  }
+  // No ellipsoid has a flat direction.
+  if (std::isinf(body.radius_x_m) || std::isinf(body.radius_y_m))
+    body.shape = input::FingerShape::paraboloid;
+  return {body, turn_rad};
+}
+
 /// Both bodies of a run of kind "finger".
 reference::FemProblem::Bodies bodies_of(const AtlasRun& run, const RelativeRadii& radii) {
-  const auto body = [&](double share_x, double share_y, input::FingerShape round) {
-    // No ellipsoid has a flat direction.
-    const bool flat = share_x == 0 || share_y == 0;
-    return input::QuadricBody{radii.major_m / share_x, radii.minor_m / share_y,
-                              flat ? input::FingerShape::paraboloid : round, 0};
-  };
-  return {
-      {body(run.finger_share_x, run.finger_share_y, input::FingerShape::ellipsoid), 0},
-      {body(1 - run.finger_share_x, 1 - run.finger_share_y, input::FingerShape::paraboloid), 0}};
+  // From the shares, so that what is the finger's or the object's alone has no round-off.
+  const double x_per_m = 1 / radii.major_m, y_per_m = 1 / radii.minor_m;
+  const double xy_per_m = run.finger_share_xy / std::sqrt(radii.major_m * radii.minor_m);
+  return {placed_body({run.finger_share_x * x_per_m, run.finger_share_y * y_per_m, xy_per_m},
+                      input::FingerShape::ellipsoid),
+          placed_body(
+              {(1 - run.finger_share_x) * x_per_m, (1 - run.finger_share_y) * y_per_m, -xy_per_m},
+              input::FingerShape::paraboloid)};
 }
 
 reference::FemProblem fem_problem_of(const AtlasRun& run) {
@@ -233,9 +253,11 @@ bool is_a_fingertip(const AtlasRun& run) {
   if (run.s * run.s * run.thickness_over_radius > deepest) return false;
   const ContactProblem problem = problem_of(run);
   // A core must be left.
-  const double smallest_radius = std::min(problem.radii.major_m / run.finger_share_x,
-                                          problem.radii.minor_m / run.finger_share_y);
-  if (problem.layer.thickness_m > 0.85 * smallest_radius) return false;
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  const double largest_per_m =
+      0.5 * (finger.xx_per_m + finger.yy_per_m) +
+      std::hypot(0.5 * (finger.xx_per_m - finger.yy_per_m), finger.xy_per_m);
+  if (problem.layer.thickness_m * largest_per_m > 0.85) return false;
   const Prediction found = find_pressure_model("bonded_layer")->predict(problem);
   return found.has_answer && found.a_m <= 0.6 * problem.radii.major_m &&
          found.b_m <= 0.6 * problem.radii.minor_m;
@@ -259,12 +281,67 @@ std::vector<AtlasRun> random_fingers(int count, unsigned seed) {
     run.s = draws.logarithmic(0.02, 20);
     run.friction_coefficient = 0.5;
     run.finger_share_x = run.finger_share_y = 1;
+    run.finger_share_xy = 0;
     if (who_is_curved > 0.4) run.finger_share_x = run.finger_share_y = 0;
     if (who_is_curved > 0.6) {
       run.finger_share_x = draws.between(0, 1);
       run.finger_share_y = draws.between(0, 1);
     }
     if (is_a_fingertip(run)) runs.push_back(run);
+  }
+  return runs;
+}
+
+std::vector<AtlasRun> random_fingertips(int count, unsigned seed) {
+  Draws draws(seed);
+  const auto is_below = [&](double chance) { return draws.between(0, 1) < chance; };
+  std::vector<AtlasRun> runs;
+  while (int(runs.size()) < count) {
+    AtlasRun run;
+    run.kind = AtlasKind::finger;
+    run.poisson_ratio = is_below(0.5) ? draws.between(0, 0.5) : draws.poisson_ratio();
+    run.friction_coefficient = 0.5;
+    // Lengths in h; a third of the fingers is round.
+    const double finger_minor = 1 / draws.logarithmic(0.01, 0.5);
+    const double finger_major = finger_minor * (is_below(1. / 3) ? 1 : draws.logarithmic(1, 10));
+    // A quarter of the objects is flat, of the others three in eight are hollow; half of all that
+    // are not flat are cylinders.
+    double object_x = kInfinity, object_y = kInfinity;
+    if (!is_below(0.25)) {
+      const bool hollow = is_below(0.375);
+      const auto radius = [&] {
+        return hollow ? -finger_minor * draws.logarithmic(1.2, 10)
+                      : finger_minor * draws.logarithmic(0.3, 10);
+      };
+      object_x = radius();
+      if (is_below(0.5)) object_y = radius();
+    }
+    const double which = draws.between(0, 1);
+    const double angle_rad = which < 0.4   ? 0
+                             : which < 0.8 ? 0.5 * kPi
+                                           : draws.between(0, 0.5 * kPi);
+    const RelativeCurvature gap = relative_curvature(
+        quadric_from_radii(finger_major, finger_minor), Eigen::Matrix3d::Zero(),
+        quadric_from_radii(object_x, object_y), Eigen::Matrix3d::Zero(), angle_rad);
+    // Loads even in ln s would hardly press a finger; half of these are pressed hard.
+    const double least_strain = is_below(0.5) ? 0.1 : 0;
+    // Small contacts without symmetry take minutes, and depart from a flat layer in d only.
+    run.s = draws.logarithmic(which < 0.8 ? 0.05 : 0.5, 8);
+    if (gap.kind != ContactKind::elliptic) continue;
+    const RelativeRadii& radii = gap.radii;
+    run.radii_ratio = radii.major_m / radii.minor_m;
+    run.thickness_over_radius = 1 / std::sqrt(radii.major_m * radii.minor_m);
+    const SurfaceCurvature finger = curvature_along(finger_major, finger_minor, radii.axis_rad);
+    const auto settled = [](double share) { return std::abs(share) < 1e-9 ? 0 : share; };
+    run.finger_share_x = finger.xx_per_m * radii.major_m;
+    run.finger_share_y = finger.yy_per_m * radii.minor_m;
+    run.finger_share_xy = settled(finger.xy_per_m * std::sqrt(radii.major_m * radii.minor_m));
+    if (run.radii_ratio > 20 || run.thickness_over_radius > 2 || !is_a_fingertip(run)) continue;
+    const Prediction found = find_pressure_model("bonded_layer")->predict(problem_of(run));
+    if (found.indentation_m < least_strain || found.indentation_m > 0.42 ||
+        found.a_m > 0.5 * radii.major_m || found.b_m > 0.5 * radii.minor_m)
+      continue;
+    runs.push_back(run);
   }
   return runs;
 }

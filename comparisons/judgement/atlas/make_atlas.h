@@ -28,6 +28,11 @@ std::vector<AtlasRun> random_runs(int count, unsigned seed);
 /// curved object, the others curved like their objects. The same seed gives the same contacts.
 std::vector<AtlasRun> random_fingers(int count, unsigned seed);
 
+/// Random fingertips as a user would name them, at finite strain: ellipsoids with h/R 0.01 to 0.5
+/// and R'/R'' to 10 on flat, convex and hollow objects, turned against them, d to 0.4 h and slopes
+/// to 0.5. The same seed gives the same contacts.
+std::vector<AtlasRun> random_fingertips(int count, unsigned seed);
+
 struct AtlasOptions {
   std::filesystem::path folder;  ///< keeps finished runs, so that the same command continues
   int jobs = 1;

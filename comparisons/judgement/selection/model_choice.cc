@@ -44,7 +44,7 @@ Candidate candidate_of(const PressureModel& model, const input::Case& contact_ca
     return candidate;
   }
   const prediction::ModelAnswer answer =
-      prediction::ask_model(model, contact_case, geometry.radii, load_N, kShortBudget_ns);
+      prediction::ask_model(model, contact_case, geometry, load_N, kShortBudget_ns);
   candidate.cost_us = answer.cost_ns * 1e-3;
   take(assess(contact_case, geometry, answer, prediction::TorqueRule::exact, tolerance), candidate);
   return candidate;

@@ -117,6 +117,16 @@ class BondedLayer final : public PressureModel {
     return finite_or_no_answer(prediction, problem);
   }
 
+  void predict_batch(const ContactBatch& contacts,
+                     const PredictionBatch& predictions) const noexcept override {
+    predict_bonded_layer_batch(*this, contacts, predictions);
+  }
+
+  std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem& problem) const noexcept override {
+    return bonded_layer_numbers(differentiated_input(problem));
+  }
+
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
                      double y_m) const noexcept override {
     const double depth = ellipse_depth(prediction, x_m, y_m);

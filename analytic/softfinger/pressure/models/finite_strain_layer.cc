@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "softfinger/layer/contact_numbers.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/soundness.h"
 #include "softfinger/pressure/validity.h"
@@ -27,6 +28,33 @@ constexpr Correction kSemiAxes{-0.266, 0}, kIndentation{-0.426, 0.058}, kPeakPre
 /// their last values. Only that for strain fades as the slope grows beyond its limit: a layer thick
 /// enough for such a contact is strained far below the surface, unlike in the runs.
 constexpr double kMostDepth = 0.45, kMostSlope = 0.25, kLeastPoissonRatio = 0.3;
+
+/// @param linear  of bonded_layer
+template <class Real>
+ContactNumbersOf<Real> corrected(const ContactNumbersOf<Real>& linear,
+                                 const ContactInputOf<Real>& input) noexcept {
+  using plain::exp;
+  using plain::larger;
+  using plain::smaller;
+  using plain::sqrt;
+  const Real depth = smaller(linear.indentation_m / input.thickness_m, kMostDepth);
+  const Real slope = linear.a_m / input.radius_major_m * (linear.b_m / input.radius_minor_m);
+  const Real bounded_slope = smaller(slope, kMostSlope);
+  const Real compressibility = 1. - 2. * larger(input.poisson_ratio, kLeastPoissonRatio);
+  // Beyond the largest slope the strain's part fades.
+  const Real strain =
+      compressibility / sqrt(compressibility + 0.1) * depth * (bounded_slope / slope);
+  const auto factor = [&](const Correction& correction) {
+    return exp(correction.strain * strain + correction.slope * bounded_slope);
+  };
+  const Real axes = factor(kSemiAxes), arm = factor(kTorqueArm);
+  return {linear.a_m * axes,
+          linear.b_m * axes,
+          linear.indentation_m * factor(kIndentation),
+          linear.peak_pressure_Pa * factor(kPeakPressure),
+          linear.torque_arm_exact_m * arm,
+          linear.torque_arm_paper_m * arm};
+}
 
 class FiniteStrainLayer final : public PressureModel {
  public:
@@ -60,22 +88,18 @@ class FiniteStrainLayer final : public PressureModel {
     if (!linear.has_answer) return linear;
     const double depth = linear.indentation_m / problem.layer.thickness_m;
     const double slope = linear.a_m / problem.radii.major_m * (linear.b_m / problem.radii.minor_m);
-    const double compressibility =
-        1 - 2 * std::max(kLeastPoissonRatio, problem.layer.poisson_ratio);
-    const double strain = compressibility / std::sqrt(compressibility + 0.1) *
-                          std::min(kMostDepth, depth) *
-                          (slope > kMostSlope ? kMostSlope / slope : 1);
-    const auto factor = [strain, slope](const Correction& correction) {
-      return std::exp(correction.strain * strain + correction.slope * std::min(kMostSlope, slope));
-    };
+    const ContactNumbers contact =
+        corrected<double>({linear.a_m, linear.b_m, linear.indentation_m, linear.peak_pressure_Pa,
+                           linear.torque_arm_exact_m, linear.torque_arm_paper_m},
+                          contact_input(problem.radii, problem.layer, problem.load.normal_force_N));
     Prediction prediction;
     prediction.has_answer = true;
-    prediction.a_m = linear.a_m * factor(kSemiAxes);
-    prediction.b_m = linear.b_m * factor(kSemiAxes);
-    prediction.indentation_m = linear.indentation_m * factor(kIndentation);
-    prediction.peak_pressure_Pa = linear.peak_pressure_Pa * factor(kPeakPressure);
-    prediction.torque_arm_exact_m = linear.torque_arm_exact_m * factor(kTorqueArm);
-    prediction.torque_arm_paper_m = linear.torque_arm_paper_m * factor(kTorqueArm);
+    prediction.a_m = contact.a_m;
+    prediction.b_m = contact.b_m;
+    prediction.indentation_m = contact.indentation_m;
+    prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
+    prediction.torque_arm_exact_m = contact.torque_arm_exact_m;
+    prediction.torque_arm_paper_m = contact.torque_arm_paper_m;
     for (const ValidityCheck& check : linear.validity)
       if (std::string_view(check.check).substr(0, 6) == "table_") prediction.validity.add(check);
     prediction.validity.add({"fitted_indentation", depth, kMostDepth, true,
@@ -90,6 +114,12 @@ class FiniteStrainLayer final : public PressureModel {
          true,
          "the correction was tested on R'/R'' up to 5/3; longer contacts have no stated error"});
     return finite_or_no_answer(prediction, problem);
+  }
+
+  std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem& problem) const noexcept override {
+    const DifferentiatedInput input = differentiated_input(problem);
+    return corrected(bonded_layer_numbers(input), input);
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,

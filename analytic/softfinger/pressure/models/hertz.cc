@@ -64,6 +64,17 @@ class Hertz final : public PressureModel {
     return finite_or_no_answer(prediction, problem);
   }
 
+  std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem& problem) const noexcept override {
+    const DifferentiatedInput input = differentiated_input(problem);
+    const auto at = layer_arguments(input);
+    const auto shapes = tabulated_limit_shapes(at.log_radii_ratio);
+    return contact_of_logarithms<DifferentiatedNumber>(
+        {shapes.log_hertz_size_at_unit_load + at.log_load * (1. / 3), shapes.log_hertz_aspect,
+         shapes.log_hertz_depth, kLogHertzArm, kLogHertzPeak},
+        at.mean_radius_m, input);
+  }
+
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,
                      double y_m) const noexcept override {
     return prediction.peak_pressure_Pa * std::sqrt(ellipse_depth(prediction, x_m, y_m));

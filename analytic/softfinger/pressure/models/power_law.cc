@@ -89,6 +89,25 @@ class PowerLawContact final : public PressureModel {
     return finite_or_no_answer(prediction, problem);
   }
 
+  std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem& problem) const noexcept override {
+    const Prediction prediction = predict(problem);
+    const DifferentiatedInput input = differentiated_input(problem);
+    const DifferentiatedNumber& P = input.normal_force_N;
+    const double exponent = problem.options.power_law.radius_exponent;
+    const auto a =
+        DifferentiatedNumber::chain(P, prediction.a_m, exponent * prediction.a_m / P.value);
+    using plain::sqrt;
+    const DifferentiatedNumber arm = a * (prediction.torque_arm_exact_m / prediction.a_m);
+    return DifferentiatedContact{
+        a,
+        a,
+        a / sqrt(input.radius_major_m) * (a / sqrt(input.radius_minor_m)),
+        P / (a * a) * (prediction.peak_pressure_Pa / P.value * prediction.a_m * prediction.a_m),
+        arm,
+        arm};
+  }
+
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
                      double y_m) const noexcept override {
     if (!prediction.has_answer) return 0;

@@ -98,6 +98,20 @@ class ThinIncompressible final : public PressureModel {
     return finite_or_no_answer(prediction, problem);
   }
 
+  std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem& problem) const noexcept override {
+    const DifferentiatedInput input = differentiated_input(problem);
+    auto at = layer_arguments(input);
+    // The layer's G enters, not its E*: P/(E* h³) with E* = 4 G.
+    at.log_load = at.log_load - log(2. * (1. - input.poisson_ratio));
+    const auto shapes = tabulated_limit_shapes(at.log_radii_ratio);
+    return contact_of_logarithms<DifferentiatedNumber>(
+        {shapes.log_incompressible_size_at_unit_load + at.log_load * (1. / 6),
+         shapes.log_incompressible_aspect, shapes.log_incompressible_depth, kLogIncompressibleArm,
+         kLogIncompressiblePeak},
+        at.mean_radius_m, input);
+  }
+
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,
                      double y_m) const noexcept override {
     const double depth = ellipse_depth(prediction, x_m, y_m);

@@ -84,6 +84,22 @@ class Winkler final : public PressureModel {
     return finite_or_no_answer(prediction, problem);
   }
 
+  std::optional<DifferentiatedContact> differentiated(
+      const ContactProblem& problem) const noexcept override {
+    using plain::log;
+    const DifferentiatedInput input = differentiated_input(problem);
+    const auto at = layer_arguments(input);
+    const DifferentiatedNumber& nu = input.poisson_ratio;
+    // s⁴ = 4 P R/(pi K h³), with E*/K
+    const DifferentiatedNumber softness = problem.options.winkler_modulus == WinklerModulus::youngs
+                                              ? 1. / (1. - nu * nu)
+                                              : (1. - 2. * nu) / ((1. - nu) * (1. - nu));
+    return contact_of_logarithms<DifferentiatedNumber>(
+        {0.25 * (at.log_load + log(softness * (4 / kPi))), 0.5 * at.log_radii_ratio,
+         kLogWinklerDepth, kLogWinklerArm, kLogWinklerPeak},
+        at.mean_radius_m, input);
+  }
+
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,
                      double y_m) const noexcept override {
     return prediction.peak_pressure_Pa * ellipse_depth(prediction, x_m, y_m);

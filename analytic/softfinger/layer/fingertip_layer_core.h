@@ -1,0 +1,249 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "softfinger/layer/contact_numbers.h"
+
+/// A layer on a curved finger at finite strain: `bonded_layer` times exp of small corrections, in
+/// plain arithmetic on any kind of number (see bonded_layer_core.h).
+namespace softfinger {
+
+/// What makes a finger differ from a flat layer in linear theory. Each vanishes with h/R and d/h.
+/// The first ones stay as they are when x and y change their names; they change ln sqrt(ab), ln d,
+/// ln peak and ln arm. The others then change their sign; they change ln(a/b).
+///
+/// e = d/h; gx = (a/R')², gy = (b/R'')²; ox, oy likewise with the object's curvature alone; kx, ky,
+/// kxy the finger's curvature times h; l = s/(1 + s), s = sqrt(ab)/h; m = (a - b)/(a + b), all of
+/// `bonded_layer`, and e, g, o, k bounded (`bounded`).
+enum FingertipEffect {
+  kStrain,             ///< e
+  kStrainSquared,      ///< e²
+  kSlope,              ///< gx + gy
+  kSlopeOfLong,        ///< m (gx - gy)
+  kObjectSlope,        ///< ox + oy
+  kObjectSlopeOfLong,  ///< m (ox - oy)
+  kBend,               ///< (kx + ky) l
+  kBendOfLong,         ///< m (kx - ky) l
+  kBendStrain,         ///< (kx + ky) e
+  kBendSquared,        ///< (kx + ky)² l
+  kBendDifference,     ///< (kx - ky)² l
+  kTwist,              ///< kxy² l
+  kSphere,             ///< ox + oy of an exact sphere; 0 of a paraboloid
+  kStrainSlope,        ///< e (gx + gy)
+  kSymmetricEffects,
+  kLongStrain = kSymmetricEffects,  ///< m e
+  kLongwiseSlope,                   ///< gx - gy
+  kLongSlope,                       ///< m (gx + gy)
+  kLongwiseObjectSlope,             ///< ox - oy
+  kLongwiseBend,                    ///< (kx - ky) l
+  kLongBend,                        ///< m (kx + ky) l
+  kLongwiseBendStrain,              ///< (kx - ky) e
+  kFingertipEffects
+};
+
+/// Each effect is multiplied by a polynomial: coefficients of the first so many of 1, n, l, n l,
+/// n², l², n² l, n l², with n = 2 nu.
+constexpr int kShapesOf[kFingertipEffects] = {8, 4, 6, 3, 3, 1, 6, 3, 3, 3, 1,
+                                              2, 3, 2, 6, 6, 3, 2, 6, 3, 2};
+constexpr int kLargestShapes = 8;
+
+constexpr int shapes_before(int effect) {
+  int sum = 0;
+  for (int i = 0; i < effect; ++i) sum += kShapesOf[i];
+  return sum;
+}
+constexpr int kSymmetricTerms = shapes_before(kSymmetricEffects);
+constexpr int kAspectTerms = shapes_before(kFingertipEffects) - kSymmetricTerms;
+
+/// What the symmetric terms correct, in the order of the table's columns.
+enum FingertipColumn { kSizeColumn, kDepthColumn, kPeakColumn, kArmColumn, kFingertipColumns };
+
+/// Holds 95 % of the errors of `fingertip_layer` in a quantity: least + per_size * departure_size.
+struct FingertipWidth {
+  double least, per_size;
+};
+
+/// Least squares over finite-element runs of whole fingers, by `softfinger atlas --fit`. One
+/// contiguous block.
+struct FingertipLayerTable {
+  double symmetric[kSymmetricTerms][kFingertipColumns];
+  double aspect[kAspectTerms];
+  /// Of a, b, indentation, area, peak pressure, largest torque.
+  FingertipWidth widths[6];
+  /// What 95 % of these runs state at most as their own errors.
+  double finite_elements[6];
+};
+extern const FingertipLayerTable kFingertipLayerTable;
+
+template <class Real>
+using FingertipEffectsOf = std::array<Real, kFingertipEffects>;
+
+/// The number that the effects' polynomials depend on besides 2 nu, and the effects.
+template <class Real>
+struct FingertipArguments {
+  Real l;
+  FingertipEffectsOf<Real> effects;
+};
+
+/// x for |x| well below `limit`, then towards `limit`: what is far outside the runs changes the
+/// answer no more than what lies at their end.
+template <class Real>
+Real bounded(const Real& x, double limit) noexcept {
+  using plain::sqrt;
+  const Real part = x * (1 / limit);
+  return x / sqrt(1. + part * part);
+}
+constexpr double kBoundOfStrain = 0.8, kBoundOfSlope = 0.5, kBoundOfBend = 1;
+
+/// @param flat  of `bonded_layer`
+/// @param sphere  1 where the object is an exact sphere, else 0
+template <class Real>
+FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
+                                             const ContactNumbersOf<Real>& flat,
+                                             double sphere) noexcept {
+  using plain::sqrt;
+  const Real& h = input.thickness_m;
+  const Real s = sqrt(flat.a_m) * sqrt(flat.b_m) / h;
+  const Real l = s / (1. + s);
+  const Real m = (flat.a_m - flat.b_m) / (flat.a_m + flat.b_m);
+  const Real e = bounded<Real>(flat.indentation_m / h, kBoundOfStrain);
+  const auto squared = [](const Real& slope) {
+    return bounded<Real>(slope * slope, kBoundOfSlope);
+  };
+  const Real slope_x = flat.a_m / input.radius_major_m, slope_y = flat.b_m / input.radius_minor_m;
+  const Real gx = squared(slope_x), gy = squared(slope_y);
+  const Real ox = squared(slope_x - flat.a_m * input.finger_xx_per_m);
+  const Real oy = squared(slope_y - flat.b_m * input.finger_yy_per_m);
+  const Real kx = bounded<Real>(h * input.finger_xx_per_m, kBoundOfBend);
+  const Real ky = bounded<Real>(h * input.finger_yy_per_m, kBoundOfBend);
+  const Real kxy = bounded<Real>(h * input.finger_xy_per_m, kBoundOfBend);
+  const Real slopes = gx + gy, slope = gx - gy, object = ox + oy, bend = kx + ky, bends = kx - ky;
+  const Real bend_l = bend * l, bends_l = bends * l;
+  return {l,
+          {e, e * e, slopes, m * slope, object, m * (ox - oy), bend_l, m * bends_l, bend * e,
+           bend * bend_l, bends * bends_l, kxy * kxy * l, sphere * object, e * slopes,
+           //
+           m * e, slope, m * slopes, ox - oy, bends_l, m * bend_l, bends * e}};
+}
+
+/// The size of all effects together: strain, slopes and curvature.
+inline double departure_size(const FingertipArguments<double>& at) noexcept {
+  return at.effects[kStrain] + at.effects[kSlope] + std::abs(at.effects[kBend]) +
+         std::sqrt(at.effects[kTwist]);
+}
+
+/// The factors of the effects' polynomials.
+template <class Real>
+std::array<Real, kLargestShapes> fingertip_shapes(const Real& n, const Real& l) noexcept {
+  const Real nl = n * l;
+  return {Real{} + 1., n, l, nl, n * n, l * l, n * nl, nl * l};
+}
+
+/// Corrections of ln sqrt(ab), ln d, ln peak, ln arm (FingertipColumn) and ln(a/b).
+template <class Real>
+struct FingertipCorrectionOf {
+  std::array<Real, kFingertipColumns> symmetric{};
+  Real aspect{};
+};
+
+template <class Real>
+FingertipCorrectionOf<Real> fingertip_correction(const FingertipLayerTable& table,
+                                                 const FingertipArguments<Real>& at,
+                                                 const Real& poisson_ratio) noexcept {
+  const auto shapes = fingertip_shapes<Real>(2. * poisson_ratio, at.l);
+  FingertipCorrectionOf<Real> correction;
+  int term = 0;
+  for (int effect = 0; effect < kSymmetricEffects; ++effect) {
+    std::array<Real, kFingertipColumns> sum{};
+    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
+      for (int column = 0; column < kFingertipColumns; ++column)
+        sum[column] = sum[column] + shapes[shape] * table.symmetric[term][column];
+    for (int column = 0; column < kFingertipColumns; ++column)
+      correction.symmetric[column] =
+          correction.symmetric[column] + at.effects[effect] * sum[column];
+  }
+  term = 0;
+  for (int effect = kSymmetricEffects; effect < kFingertipEffects; ++effect) {
+    Real sum{};
+    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
+      sum = sum + shapes[shape] * table.aspect[term];
+    correction.aspect = correction.aspect + at.effects[effect] * sum;
+  }
+  return correction;
+}
+
+/// With derivatives: the polynomials carry those with respect to n and l only.
+template <int N>
+FingertipCorrectionOf<Dual<N>> fingertip_correction(const FingertipLayerTable& table,
+                                                    const FingertipArguments<Dual<N>>& at,
+                                                    const Dual<N>& poisson_ratio) noexcept {
+  using Small = Dual<2>;
+  const Small n = Small::variable(2 * poisson_ratio.value, 0);
+  const Small l = Small::variable(at.l.value, 1);
+  const auto shapes = fingertip_shapes<Small>(n, l);
+  FingertipCorrectionOf<Dual<N>> correction;
+  const auto add = [&](const Dual<N>& effect, const Small& sum, Dual<N>& to) {
+    const double by_nu = 2 * effect.value * sum.slope[0], by_l = effect.value * sum.slope[1];
+    to.value = to.value + effect.value * sum.value;
+    for (int i = 0; i < N; ++i)
+      to.slope[i] +=
+          sum.value * effect.slope[i] + by_nu * poisson_ratio.slope[i] + by_l * at.l.slope[i];
+  };
+  int term = 0;
+  for (int effect = 0; effect < kSymmetricEffects; ++effect) {
+    std::array<Small, kFingertipColumns> sum{};
+    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
+      for (int column = 0; column < kFingertipColumns; ++column)
+        sum[column] += shapes[shape] * table.symmetric[term][column];
+    for (int column = 0; column < kFingertipColumns; ++column)
+      add(at.effects[effect], sum[column], correction.symmetric[column]);
+  }
+  term = 0;
+  for (int effect = kSymmetricEffects; effect < kFingertipEffects; ++effect) {
+    Small sum;
+    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
+      sum += shapes[shape] * table.aspect[term];
+    add(at.effects[effect], sum, correction.aspect);
+  }
+  return correction;
+}
+
+/// From the flat layer's logarithms to those of the finger.
+template <class Real>
+ContactNumbersOf<Real> corrected_contact(const LayerQuantitiesOf<Real>& flat,
+                                         const ContactNumbersOf<Real>& flat_numbers,
+                                         const FingertipCorrectionOf<Real>& correction,
+                                         const ContactInputOf<Real>& input) noexcept {
+  using plain::exp;
+  using plain::larger;
+  const auto& change = correction.symmetric;
+  // The peak's correction is of the peak itself, the arm's of the arm over the ring's.
+  const Real size_m = input.thickness_m * exp(flat[kSize] + change[kSizeColumn]);
+  const Real aspect = larger(flat[kAspect] + correction.aspect, 0.);
+  const Real aspect_root = exp(0.5 * aspect);
+  const Real arm_m = size_m * exp(flat[kArm] + change[kArmColumn]);
+  return {size_m * aspect_root,
+          size_m / aspect_root,
+          flat_numbers.indentation_m * exp(change[kDepthColumn]),
+          flat_numbers.peak_pressure_Pa * exp(change[kPeakColumn]),
+          arm_m * exp(log_ring_arm(aspect)),
+          arm_m};
+}
+
+template <class Real>
+ContactNumbersOf<Real> fingertip_layer_numbers(const ContactInputOf<Real>& input,
+                                               double sphere) noexcept {
+  const LayerArguments<Real> at = layer_arguments(input);
+  const LayerQuantitiesOf<Real> flat =
+      bonded_layer_logarithms(at.log_load, input.poisson_ratio, at.log_radii_ratio);
+  const ContactNumbersOf<Real> numbers = contact_of_logarithms<Real>(flat, at.mean_radius_m, input);
+  return corrected_contact<Real>(
+      flat, numbers,
+      fingertip_correction(kFingertipLayerTable, fingertip_arguments<Real>(input, numbers, sphere),
+                           input.poisson_ratio),
+      input);
+}
+
+}  // namespace softfinger

@@ -1,0 +1,192 @@
+#include "softfinger/pressure/batch.h"
+
+#include <cmath>
+#include <limits>
+
+#include "softfinger/layer/bonded_layer_spline.h"
+#include "softfinger/layer/fingertip_layer_core.h"
+#include "softfinger/math/pack.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger {
+
+// What looks into a table does so for one contact after the other.
+inline LimitShapesOf<Pack> tabulated_limit_shapes(const Pack& log_radii_ratio) noexcept {
+  LimitShapesOf<Pack> shapes;
+  for (int i = 0; i < Pack::kSize; ++i) {
+    const LimitShapes one = tabulated_limit_shapes(log_radii_ratio[i]);
+    shapes.log_radii_ratio.set(i, one.log_radii_ratio);
+    shapes.log_hertz_aspect.set(i, one.log_hertz_aspect);
+    shapes.log_incompressible_aspect.set(i, one.log_incompressible_aspect);
+    shapes.log_hertz_depth.set(i, one.log_hertz_depth);
+    shapes.log_incompressible_depth.set(i, one.log_incompressible_depth);
+    shapes.log_hertz_size_at_unit_load.set(i, one.log_hertz_size_at_unit_load);
+    shapes.log_incompressible_size_at_unit_load.set(i, one.log_incompressible_size_at_unit_load);
+  }
+  return shapes;
+}
+
+inline LayerQuantitiesOf<Pack> table_correction(const TableCoordinatesOf<Pack>& at) noexcept {
+  LayerQuantitiesOf<Pack> correction;
+  for (int i = 0; i < Pack::kSize; ++i) {
+    const LayerQuantities one = bonded_layer_spline<false>(
+        {at.log_size[i], at.compressibility[i], at.elongation[i]}, nullptr);
+    for (std::size_t q = 0; q < kLayerQuantities; ++q) correction[q].set(i, one[q]);
+  }
+  return correction;
+}
+
+inline Pack log_ring_arm(const Pack& log_aspect) noexcept {
+  Pack arm;
+  for (int i = 0; i < Pack::kSize; ++i) arm.set(i, log_ring_arm(log_aspect[i]));
+  return arm;
+}
+
+namespace {
+
+/// A pack of an array from `first` on; what is beyond its end repeats the last.
+inline Pack taken(const double* array, std::size_t first, std::size_t count) noexcept {
+  Pack pack;
+  if (!array) return pack;
+  for (int i = 0; i < Pack::kSize; ++i) {
+    const std::size_t index = first + std::size_t(i);
+    pack.set(i, array[index < count ? index : count - 1]);
+  }
+  return pack;
+}
+
+inline void put(double value, double* array, std::size_t index) noexcept {
+  if (array) array[index] = value;
+}
+
+inline void put(const Prediction& found, const PredictionBatch& predictions,
+                std::size_t index) noexcept {
+  put(found.a_m, predictions.a_m, index);
+  put(found.b_m, predictions.b_m, index);
+  put(found.indentation_m, predictions.indentation_m, index);
+  put(found.peak_pressure_Pa, predictions.peak_pressure_Pa, index);
+  put(found.torque_arm_exact_m, predictions.torque_arm_exact_m, index);
+  put(found.torque_arm_paper_m, predictions.torque_arm_paper_m, index);
+}
+
+inline bool is_positive(double value) noexcept {
+  return value >= std::numeric_limits<double>::min() && value <= std::numeric_limits<double>::max();
+}
+
+/// Whether `predict` would give these numbers: its other answers are left to itself.
+inline bool is_plain_answer(const ContactInputOf<Pack>& input, const ContactNumbersOf<Pack>& found,
+                            int i) noexcept {
+  bool plain = input.poisson_ratio[i] >= 0 && input.poisson_ratio[i] <= 0.5 &&
+               std::isfinite(input.finger_xx_per_m[i]) && std::isfinite(input.finger_yy_per_m[i]) &&
+               std::isfinite(input.finger_xy_per_m[i]) &&
+               input.radius_major_m[i] >= input.radius_minor_m[i];
+  for (const Pack* number :
+       {&input.normal_force_N, &input.youngs_modulus_Pa, &input.thickness_m, &input.radius_major_m,
+        &input.radius_minor_m, &found.a_m, &found.b_m, &found.indentation_m,
+        &found.peak_pressure_Pa, &found.torque_arm_exact_m, &found.torque_arm_paper_m})
+    plain = plain && is_positive((*number)[i]);
+  return plain && is_positive(found.a_m[i] * found.b_m[i]);
+}
+
+/// The same source is compiled for the instructions that every processor has and, inlined into one
+/// function, for wider ones. Neither fuses multiplications with additions, so that the bits agree.
+template <class Numbers>
+[[gnu::always_inline]] inline void fill(const PressureModel& model, const ContactBatch& contacts,
+                                        const PredictionBatch& predictions,
+                                        const Numbers& numbers_of) noexcept {
+  const std::size_t count = contacts.count;
+  for (std::size_t first = 0; first < count; first += Pack::kSize) {
+    const ContactInputOf<Pack> input = {taken(contacts.normal_force_N, first, count),
+                                        taken(contacts.youngs_modulus_Pa, first, count),
+                                        taken(contacts.poisson_ratio, first, count),
+                                        taken(contacts.thickness_m, first, count),
+                                        taken(contacts.radius_major_m, first, count),
+                                        taken(contacts.radius_minor_m, first, count),
+                                        taken(contacts.finger_xx_per_m, first, count),
+                                        taken(contacts.finger_yy_per_m, first, count),
+                                        taken(contacts.finger_xy_per_m, first, count)};
+    const ContactNumbersOf<Pack> found = numbers_of(input);
+    for (int i = 0; i < Pack::kSize && first + std::size_t(i) < count; ++i) {
+      const std::size_t index = first + std::size_t(i);
+      if (is_plain_answer(input, found, i)) {
+        put(found.a_m[i], predictions.a_m, index);
+        put(found.b_m[i], predictions.b_m, index);
+        put(found.indentation_m[i], predictions.indentation_m, index);
+        put(found.peak_pressure_Pa[i], predictions.peak_pressure_Pa, index);
+        put(found.torque_arm_exact_m[i], predictions.torque_arm_exact_m, index);
+        put(found.torque_arm_paper_m[i], predictions.torque_arm_paper_m, index);
+      } else {
+        put(model.predict(contacts.problem(index)), predictions, index);
+      }
+    }
+  }
+}
+
+struct BondedLayerNumbers {
+  [[gnu::always_inline]] ContactNumbersOf<Pack> operator()(
+      const ContactInputOf<Pack>& input) const noexcept {
+    return bonded_layer_numbers(input);
+  }
+};
+
+struct FingertipLayerNumbers {
+  double sphere;
+  [[gnu::always_inline]] ContactNumbersOf<Pack> operator()(
+      const ContactInputOf<Pack>& input) const noexcept {
+    return fingertip_layer_numbers(input, sphere);
+  }
+};
+
+template <class Numbers>
+void fill_plain(const PressureModel& model, const ContactBatch& contacts,
+                const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
+  fill(model, contacts, predictions, numbers_of);
+}
+
+#if defined(__x86_64__)
+template <class Numbers>
+[[gnu::target("avx2"), gnu::flatten]] void fill_wide(const PressureModel& model,
+                                                     const ContactBatch& contacts,
+                                                     const PredictionBatch& predictions,
+                                                     const Numbers& numbers_of) noexcept {
+  fill(model, contacts, predictions, numbers_of);
+}
+#endif
+
+template <class Numbers>
+void fill_best(const PressureModel& model, const ContactBatch& contacts,
+               const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    fill_wide(model, contacts, predictions, numbers_of);
+    return;
+  }
+#endif
+  fill_plain(model, contacts, predictions, numbers_of);
+}
+
+}  // namespace
+
+void PressureModel::predict_batch(const ContactBatch& contacts,
+                                  const PredictionBatch& predictions) const noexcept {
+  for (std::size_t index = 0; index < contacts.count; ++index)
+    put(predict(contacts.problem(index)), predictions, index);
+}
+
+void predict_batch(const PressureModel& model, const ContactBatch& contacts,
+                   const PredictionBatch& predictions) noexcept {
+  model.predict_batch(contacts, predictions);
+}
+
+void predict_bonded_layer_batch(const PressureModel& model, const ContactBatch& contacts,
+                                const PredictionBatch& predictions) noexcept {
+  fill_best(model, contacts, predictions, BondedLayerNumbers{});
+}
+
+void predict_fingertip_layer_batch(const PressureModel& model, const ContactBatch& contacts,
+                                   const PredictionBatch& predictions) noexcept {
+  fill_best(model, contacts, predictions,
+            FingertipLayerNumbers{contacts.are_objects_spherical ? 1. : 0.});
+}
+
+}  // namespace softfinger
