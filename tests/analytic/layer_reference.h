@@ -2,7 +2,8 @@
 
 /// Published independent solutions for a bonded layer: "Frictionless rigid paraboloid on bonded
 /// elastic layer, axisymmetric exact" (relative 1e-8) and "Rigid frictionless quadric on a bonded
-/// elastic layer, spectral solution" (P 4e-6, tau 1e-5, a and b 1.3e-4).
+/// elastic layer, spectral solution" (P 4e-6, tau 1e-5, a and b 1.3e-4), "Torsion of a bonded
+/// layer: stuck disc" (1e-7).
 namespace softfinger::testing {
 
 /// s = a/h; load = P R/(E* a³), indentation = d R/a², arm = tau/(mu P a), pressures p R/(E* a) at
@@ -74,5 +75,16 @@ constexpr EllipticRow kEllipticRows[] = {
     {0.4, 5.0, 49.50853288948862, 13488.663378914096, 14.895616311673825, 6.705436514460537,
      80639.51686740966, 86.06451488267554},
 };
+
+/// s = a/h; stiffness = k_t/(16 G a³/3), the torsional stiffness of the stuck disc over that on a
+/// half-space, the same for every nu.
+struct TorsionRow {
+  double s, stiffness;
+};
+constexpr TorsionRow kTorsionRows[] = {{0.01, 1.0000000956504675}, {0.1, 1.0000950508463733},
+                                       {0.3, 1.0024466789844466},  {0.6, 1.017047230031766},
+                                       {1, 1.0615525859023598},    {2, 1.2581477238046626},
+                                       {4, 1.7787924461036189},    {8, 2.917860124636026},
+                                       {20, 6.427368756960895},    {50, 15.25292940752656}};
 
 }  // namespace softfinger::testing

@@ -1,8 +1,8 @@
 // Cost and accuracy of one answer of the analytic part: every model of the registry on
 // a circle, a fingertip and a very long ellipse, with its heap allocations per call and, on the
 // first two, its relative errors; `bonded_layer` all over its table and at its edges; the torque
-// from given semi-axes; and a fit of 200 points, with its error and the standard deviation that it
-// states.
+// from given semi-axes; the stiffness of a stuck contact; and a fit of 200 points, with its error
+// and the standard deviation that it states.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/geometry/quadric_fit.h"
+#include "softfinger/layer/stuck_stiffness.h"
 #include "softfinger/math/elliptic_integrals.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "tests/allocation_counter.h"
@@ -125,6 +126,18 @@ void torque_arm_exact(benchmark::State& state, double aspect, double exponent) {
   }
 }
 
+void stiffness_of_stuck_contact(benchmark::State& state, double aspect) {
+  double a_m = 0.001 * aspect, b_m = 0.001, thickness_m = 0.002, youngs_modulus_Pa = 3e5,
+         poisson_ratio = 0.45;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(a_m);
+    benchmark::DoNotOptimize(b_m);
+    benchmark::DoNotOptimize(thickness_m);
+    benchmark::DoNotOptimize(
+        stuck_stiffness(a_m, b_m, thickness_m, youngs_modulus_Pa, poisson_ratio));
+  }
+}
+
 void integrals(benchmark::State& state, double q) {
   for (auto _ : state) {
     benchmark::DoNotOptimize(q);
@@ -160,6 +173,10 @@ int main(int argc, char** argv) {
            "/aspect:" + std::to_string(int(aspect)))
               .c_str(),
           [=](benchmark::State& state) { torque_arm_exact(state, aspect, exponent); });
+  for (const double aspect : {1.0, 2.0, 20.0})
+    benchmark::RegisterBenchmark(
+        ("stuck_stiffness/aspect:" + std::to_string(int(aspect))).c_str(),
+        [=](benchmark::State& state) { stiffness_of_stuck_contact(state, aspect); });
   for (const double q : {1.0, 0.25, 1e-8})
     benchmark::RegisterBenchmark(("elliptic_integrals/q:" + std::to_string(q)).c_str(),
                                  [=](benchmark::State& state) { integrals(state, q); });

@@ -11,58 +11,13 @@
 #include "softfinger/input/errors.h"
 #include "softfinger/layer/gauss_legendre.h"
 #include "softfinger/layer/layer_limits.h"
+#include "softfinger/layer/spherical_bessel.h"
 
 namespace softfinger {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// j_0, j_2, ..., j_2l of q into `values` (l + 1 of them).
-void even_spherical_bessel(double q, int l, double* values) {
-  const int order = 2 * l;
-  if (q > order + 1) {  // upwards: stable where the functions oscillate
-    const double s = std::sin(q), c = std::cos(q);
-    double previous = s / q, value = s / (q * q) - c / q;
-    values[0] = previous;
-    for (int n = 1; n < order; ++n) {
-      const double next = (2 * n + 1) / q * value - previous;
-      previous = value;
-      value = next;
-      if (n % 2 == 1) values[(n + 1) / 2] = next;
-    }
-    return;
-  }
-  if (q < 1e-8) {
-    values[0] = 1;
-    std::fill(values + 1, values + l + 1, 0.0);
-    return;
-  }
-  // Miller's algorithm: downwards from an order where they are negligible, far enough above for 16
-  // digits (the rule of Numerical Recipes' bessj), then scaled to j_0 or j_1. Values are kept
-  // between 1e-280 and 1e200, whatever the starting value grows to.
-  const int start = order + 20 + int(std::sqrt(40.0 * (order + 1)));
-  double above = 0, value = 1e-280;
-  double scaled_j1 = 0;
-  for (int n = start; n >= 1; --n) {
-    const double below = (2 * n + 1) / q * value - above;
-    above = value;
-    value = below;
-    if (std::abs(value) > 1e200) {
-      const double shrink = 1e-250;
-      value *= shrink;
-      above *= shrink;
-      for (int i = (n + 1) / 2; i <= l; ++i) values[i] *= shrink;
-    }
-    if ((n - 1) % 2 == 0 && n - 1 <= order) values[(n - 1) / 2] = value;
-    if (n == 1) scaled_j1 = above;
-  }
-  const double j0 = std::sin(q) / q;
-  const double j1 =
-      q < 0.1 ? q / 3 * (1 - q * q / 10 * (1 - q * q / 28)) : (std::sin(q) / q - std::cos(q)) / q;
-  const double scale = std::abs(j0) > std::abs(j1) ? j0 / values[0] : j1 / scaled_j1;
-  for (int i = 0; i <= l; ++i) values[i] *= scale;
-}
 
 /// C_ll' = int_0^inf (1 - w(q g)) j_2l(q) j_2l'(q) dq.
 MatrixXd layer_part(double g, const LayerKernel& kernel, int radial) {
@@ -71,7 +26,7 @@ MatrixXd layer_part(double g, const LayerKernel& kernel, int radial) {
       composite_gauss_legendre(kLargestLayerWaveNumber / g, std::min(1 / g, 6.0));
   MatrixXd bessel(radial + 1, rule.nodes.size());
   for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
-    even_spherical_bessel(rule.nodes[i], radial, bessel.col(i).data());
+    spherical_bessel(rule.nodes[i], 0, radial, bessel.col(i).data());
     bessel.col(i) *= std::sqrt(rule.weights[i] * kernel.stiffening(rule.nodes[i] * g));
   }
   return bessel * bessel.transpose();

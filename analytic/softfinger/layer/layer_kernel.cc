@@ -41,4 +41,15 @@ double LayerKernel::stiffening(double x) const noexcept {
          terms.denominator;
 }
 
+double LayerKernel::tangential_stiffening(double x) const noexcept {
+  const Terms terms(compressibility_, x);
+  const double kappa = terms.kappa, root = 2 * x - 1;
+  return terms.decay * (2 * kappa * terms.decay + root * root + kappa * kappa) / terms.denominator;
+}
+
+double LayerKernel::antiplane_stiffening(double x) noexcept {
+  const double decay = std::exp(-2 * x);
+  return 2 * decay / (1 + decay);
+}
+
 }  // namespace softfinger

@@ -31,6 +31,18 @@ class LayerKernel {
   /// 1 - w(x), which decays like 4 x² exp(-2x): relative error a few epsilon where it is small.
   double stiffening(double x) const noexcept;
 
+  /// 1 - w_t(x) of the tangential compliance: a wave of tangential traction t^ along the wave
+  /// vector (normal pressure unchanged) moves the surface along it by
+  ///   u^ = 2 w_t(k h) / (E* k) t^,
+  ///   w_t(x) = [2 kappa sinh 2x + 4x] / [2 kappa cosh 2x + 4x² + 1 + kappa²]
+  /// (the same plane strain problem; compared with a numerical solution through the thickness).
+  /// Limits: half-space; h/G for a thin layer, at nu = 1/2 too.
+  double tangential_stiffening(double x) const noexcept;
+
+  /// 1 - tanh(x): a traction perpendicular to the wave vector moves the surface by tanh(kh)/(G k),
+  /// whatever nu is.
+  static double antiplane_stiffening(double x) noexcept;
+
  private:
   double compressibility_;
 };

@@ -1,0 +1,163 @@
+// Writes analytic/softfinger/layer/stuck_stiffness_table.cc: the polynomials that turn the blend
+// of the two exact limits into the stiffness of a stuck ellipse on a bonded layer.
+//
+//   make_stuck_stiffness_table OUTPUT.cc
+//
+// The layer is solved by the spectral method of stuck_contact.h at the nodes of a grid, and the
+// polynomials are laid through the ratios to the blend by least squares. Progress goes to the
+// standard error.
+#include <Eigen/QR>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "softfinger/input/constants.h"
+#include "softfinger/layer/stuck_contact.h"
+#include "softfinger/layer/stuck_stiffness.h"
+
+namespace {
+
+using namespace softfinger;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Table = StuckStiffnessTable;
+
+// The grid reaches beyond what is promised, where errors count less: so that the polynomials end
+// quietly.
+constexpr int kSizeNodes = 30, kAspectNodes = 12, kPoissonNodes = 6;
+constexpr double kSizeMin = 0.003, kSizeMax = 150, kAspectMax = 60;
+constexpr double kPromisedAspect = 22, kPromisedSizeMin = 0.004, kPromisedSizeMax = 110;
+constexpr double kWeightOutside = 0.2;
+
+/// One stiffness at one node: what the polynomials have to be there, and the terms they consist of.
+/// Both are scaled such that their difference is the stiffness's relative error.
+struct Sample {
+  VectorXd terms;
+  double value;
+  double importance;
+};
+
+/// All products of powers of T, e² and v, in the table's order but for the functions.
+VectorXd monomials(double T, double e2, double v) {
+  VectorXd result(Table::kPoissons * Table::kSizes * Table::kElongations);
+  Eigen::Index next = 0;
+  for (int k = 0; k < Table::kPoissons; ++k)
+    for (int i = 0; i < Table::kSizes; ++i)
+      for (int j = 0; j < Table::kElongations; ++j)
+        result[next++] = std::pow(v, k) * std::pow(T, i) * std::pow(e2, j);
+  return result;
+}
+
+/// Solves one node for all three stiffnesses.
+void add_samples(double size, double log_aspect, double v, std::vector<Sample>* torsional,
+                 std::vector<Sample>* tangential) {
+  const double a = size * std::exp(0.5 * log_aspect), b = size * std::exp(-0.5 * log_aspect);
+  const double nu = 4 * v / (5 + 3 * v);
+  const StuckLayerStiffness truth =
+      stuck_layer_stiffness(a, b, LayerKernel(nu), sufficient_stuck_resolution(a, b));
+  const StuckBlendOf<double> blend = stuck_blend(a, b, 1.0, 1.0, nu);
+  const VectorXd terms = monomials(blend.T, blend.e * blend.e, v);
+  const bool promised =
+      log_aspect < std::log(kPromisedAspect) && size > kPromisedSizeMin && size < kPromisedSizeMax;
+  const auto sample = [&](const VectorXd& of, double window, double exact, double sum) {
+    return Sample{window * sum / exact * of, 1 - sum / exact, promised ? 1 : kWeightOutside};
+  };
+  torsional->push_back(
+      sample(terms, blend.torsional_window, truth.torsional, blend.sum.torsional_Nm_per_rad));
+  VectorXd both(2 * terms.size());  // of the mean and of the difference
+  both << terms, blend.e * terms;
+  tangential->push_back(
+      sample(both, blend.tangential_window, truth.tangential_x, blend.sum.tangential_x_N_per_m));
+  both.tail(terms.size()) *= -1;
+  tangential->push_back(
+      sample(both, blend.tangential_window, truth.tangential_y, blend.sum.tangential_y_N_per_m));
+}
+
+/// Coefficients whose largest error is small: least squares, weighted again and again with the
+/// errors (Lawson's method).
+VectorXd fit(const std::vector<Sample>& samples, const char* name) {
+  constexpr int kRounds = 20;  // by trial: more gains nothing
+  const Eigen::Index rows = Eigen::Index(samples.size());
+  MatrixXd matrix(rows, samples.front().terms.size());
+  VectorXd values(rows), importance(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const Sample& sample = samples[std::size_t(i)];
+    matrix.row(i) = sample.terms.transpose();
+    values[i] = sample.value;
+    importance[i] = sample.importance;
+  }
+  VectorXd weight = importance, best;
+  double least = 1e300;
+  for (int round = 0; round < kRounds; ++round) {
+    const VectorXd root = weight.cwiseSqrt();
+    const VectorXd coefficients =
+        (root.asDiagonal() * matrix).colPivHouseholderQr().solve(root.cwiseProduct(values));
+    const VectorXd error = importance.cwiseProduct((matrix * coefficients - values).cwiseAbs());
+    const double largest = error.maxCoeff();
+    if (largest < least) {
+      least = largest;
+      best = coefficients;
+    }
+    weight = weight.array() * (0.02 + error.array() / largest).pow(0.7);
+    weight = (weight / weight.maxCoeff()).cwiseMax(1e-3);
+  }
+  std::fprintf(stderr, "%s: largest error at the nodes %.1e\n", name, least);
+  return best;
+}
+
+int write_stuck_table(const char* path, const VectorXd& torsional, const VectorXd& tangential,
+                      double minutes) {
+  std::ofstream file(path);
+  file << "// Generated by analytic/tools/make_stuck_stiffness_table.cc; do not edit.\n"
+          "// Version 1, November 2026. Least squares through spectral solutions at "
+       << kSizeNodes * kAspectNodes * kPoissonNodes << " nodes; took " << int(std::ceil(minutes))
+       << " min.\n#include \"softfinger/layer/stuck_stiffness.h\"\n\nnamespace softfinger {\n\n"
+          "// clang-format off\nconst double StuckStiffnessTable::coefficients[] = {\n";
+  const Eigen::Index terms = torsional.size();
+  char line[100];
+  for (Eigen::Index i = 0; i < terms; ++i) {
+    std::snprintf(line, sizeof line, "%.8g, %.8g, %.8g,\n", torsional[i], tangential[i],
+                  tangential[terms + i]);
+    file << line;
+  }
+  file << "};\n// clang-format on\n\n}  // namespace softfinger\n";
+  return file ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: make_stuck_stiffness_table OUTPUT.cc\n");
+    return 2;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  std::vector<Sample> torsional, tangential;
+  for (int i = 0; i < kSizeNodes; ++i) {
+    const double size = kSizeMin * std::pow(kSizeMax / kSizeMin, i / (kSizeNodes - 1.0));
+    for (int j = 0; j < kAspectNodes; ++j) {
+      // Chebyshev points in the logarithm, from the circle on.
+      const double log_aspect =
+          0.5 * std::log(kAspectMax) * (1 - std::cos(kPi * j / (kAspectNodes - 1)));
+      for (int k = 0; k < kPoissonNodes; ++k)
+        add_samples(size, log_aspect, 0.5 * (1 - std::cos(kPi * k / (kPoissonNodes - 1))),
+                    &torsional, &tangential);
+    }
+    std::fprintf(stderr, "%d of %d sizes, %.0f s\n", i + 1, kSizeNodes, seconds());
+  }
+  const VectorXd of_torsion = fit(torsional, "torsional");
+  const VectorXd of_shift = fit(tangential, "tangential");
+  return write_stuck_table(argv[1], of_torsion, of_shift, seconds() / 60);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return EXIT_FAILURE;
+}
