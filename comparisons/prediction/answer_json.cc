@@ -7,6 +7,7 @@
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/pressure/gradient.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -103,6 +104,15 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
       {"error_estimate_remark",
        answer.no_bound.empty() ? nlohmann::json() : nlohmann::json(answer.no_bound)},
       {"cost_ns", answer.cost_ns}};
+  const auto derived = predict_with_gradient(*answer.model, answer.problem);
+  const PredictionGradient& gradient = derived.gradient;
+  const auto known = [&](double value) {
+    return gradient.known ? text::finite_or_null(value) : nlohmann::json();
+  };
+  result["normal_stiffness_N_per_m"] = known(gradient.normal_stiffness_N_per_m());
+  result["torsional_stiffness_Nm_per_rad"] = known(gradient.stuck.torsional_Nm_per_rad);
+  result["tangential_stiffness_N_per_m"] = {known(gradient.stuck.tangential_x_N_per_m),
+                                            known(gradient.stuck.tangential_y_N_per_m)};
   if (answer.assessment) {
     result["usable"] = answer.assessment->usable;
     result["error_bound"] = to_json(answer.assessment->bound);

@@ -58,6 +58,7 @@ struct Meeting {
   Vector3d normal;
   Plane plane;
   Matrix2d curvature;  ///< relative, over the plane
+  Matrix2d curvature_of_a;
 };
 
 std::optional<Meeting> meet(const ShapePair& pair, const Fits& fits, const Nearest& nearest) {
@@ -79,6 +80,7 @@ std::optional<Meeting> meet(const ShapePair& pair, const Fits& fits, const Neare
     const Paraboloid a = over_plane(at_a, meeting.plane, meeting.normal, nearest.on_a);
     const Paraboloid b = over_plane(at_b, meeting.plane, meeting.normal, nearest.on_a);
     meeting.curvature = a.curvature + b.curvature;
+    meeting.curvature_of_a = a.curvature;
     const double least =
         Eigen::SelfAdjointEigenSolver<Matrix2d>().computeDirect(meeting.curvature).eigenvalues()[0];
     const double largest = std::max(at_a.curvature_per_m.norm(), at_b.curvature_per_m.norm());
@@ -121,6 +123,11 @@ std::optional<TouchingPoint> find_elliptic_contact(const ShapePair& pair, const 
   point.gap_m = meeting->normal.dot(at_b.point_m - at_a.point_m);
   point.elliptic = true;
   point.radii = {1 / principal.eigenvalues()[0], 1 / principal.eigenvalues()[1], 0};
+  const Matrix2d& to_axes = principal.eigenvectors();
+  // The second axis is told by the first and the normal.
+  const double side = to_axes.determinant();
+  const Matrix2d of_a = to_axes.transpose() * meeting->curvature_of_a * to_axes;
+  point.curvature_of_a = {of_a(0, 0), of_a(1, 1), side * of_a(0, 1)};
   point.axes.col(2) = meeting->normal;
   point.axes.col(0) = (meeting->plane * principal.eigenvectors().col(0)).normalized();
   point.axes.col(1) = meeting->normal.cross(point.axes.col(0));

@@ -103,6 +103,13 @@ class SceneContacts final : public ContactFinder {
     ContactProblem problem;
     const PressureModel* model = model_of_contact(scene_, point.a, point.b, point.radii, problem);
     if (!model) return;
+    // The layer is bent over the body that carries it.
+    const SurfaceCurvature& of_a = point.curvature_of_a;
+    problem.finger_curvature =
+        scene_.bodies[std::size_t(point.a)].layer
+            ? of_a
+            : SurfaceCurvature{1 / point.radii.major_m - of_a.xx_per_m,
+                               1 / point.radii.minor_m - of_a.yy_per_m, -of_a.xy_per_m};
     origin.pressure = &pressures_.emplace_back(*model, problem);
     contact.eccentricity_law = origin.pressure;
     if (const auto table = tables_.find(&rule); table != tables_.end())

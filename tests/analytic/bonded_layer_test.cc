@@ -209,8 +209,7 @@ TEST(BondedLayer, IsContinuousAcrossTheEdgesOfItsTable) {
         double lower = -100, upper = 100;
         for (int i = 0; i < 100; ++i) {
           const double middle = 0.5 * (lower + upper);
-          (layer_blend(shapes, middle, compressibility).value[kSize] < edge ? lower : upper) =
-              middle;
+          (layer_blend(shapes, middle, compressibility)[kSize] < edge ? lower : upper) = middle;
         }
         const double step = 1e-11;
         const auto below = unit_contact(std::exp(lower - step), ratio, compressibility);

@@ -1,21 +1,25 @@
 // Cost and accuracy of one answer of the analytic part: every model of the registry on
 // a circle, a fingertip and a very long ellipse, with its heap allocations per call and, on the
 // first two, its relative errors; `bonded_layer` all over its table and at its edges; the torque
-// from given semi-axes; the stiffness of a stuck contact; and a fit of 200 points, with its error
-// and the standard deviation that it states.
+// from given semi-axes; derivatives and batches; the stiffness of a stuck contact; and a fit of 200
+// points, with its error and the standard deviation that it states.
 #include <benchmark/benchmark.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/layer/stuck_stiffness.h"
 #include "softfinger/math/elliptic_integrals.h"
+#include "softfinger/pressure/gradient.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "tests/allocation_counter.h"
 #include "tests/geometry/random_quadrics.h"
@@ -31,6 +35,8 @@ ContactProblem fingertip(double radii_ratio) {
   problem.layer = {0.002, 300e3, 0.45};
   problem.load = {1, 0.8};
   problem.options.power_law = {0.002, 0.3, 2.5};
+  // The finger has half of the gap's curvature.
+  problem.finger_curvature = {0.5 / problem.radii.major_m, 0.5 / problem.radii.minor_m, 0};
   return problem;
 }
 
@@ -53,6 +59,50 @@ std::optional<Truth> exact_contact(double radii_ratio) {
   if (radii_ratio == 4)
     return Truth{3.426448513e-3, 1.599617717e-3, 3.193807599e-4, 1.492302328e-3};
   return std::nullopt;
+}
+
+void predict_differentiated(benchmark::State& state, const PressureModel& model) {
+  ContactProblem problem = fingertip(4);
+  for ([[maybe_unused]] auto _ : state) {
+    benchmark::DoNotOptimize(problem);
+    benchmark::DoNotOptimize(predict_with_gradient(model, problem));
+  }
+}
+
+/// Items per second are contacts.
+void predict_many(benchmark::State& state, const PressureModel& model) {
+  constexpr std::size_t kCount = 4096;
+  const ContactProblem problem = fingertip(4);
+  const auto all = [](double value) { return std::vector<double>(kCount, value); };
+  std::vector<double> loads_N(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) loads_N[i] = 0.1 + 1e-3 * double(i);
+  const auto moduli_Pa = all(problem.layer.youngs_modulus_Pa);
+  const auto ratios = all(problem.layer.poisson_ratio);
+  const auto thicknesses_m = all(problem.layer.thickness_m);
+  const auto majors_m = all(problem.radii.major_m), minors_m = all(problem.radii.minor_m);
+  const auto xx = all(problem.finger_curvature.xx_per_m);
+  const auto yy = all(problem.finger_curvature.yy_per_m), xy = all(0);
+  ContactBatch batch;
+  batch.count = kCount;
+  batch.normal_force_N = loads_N.data();
+  batch.youngs_modulus_Pa = moduli_Pa.data();
+  batch.poisson_ratio = ratios.data();
+  batch.thickness_m = thicknesses_m.data();
+  batch.radius_major_m = majors_m.data();
+  batch.radius_minor_m = minors_m.data();
+  batch.finger_xx_per_m = xx.data();
+  batch.finger_yy_per_m = yy.data();
+  batch.finger_xy_per_m = xy.data();
+  batch.options = problem.options;
+  std::array<std::vector<double>, 6> out;
+  for (std::vector<double>& one : out) one.resize(kCount);
+  const PredictionBatch found = {out[0].data(), out[1].data(), out[2].data(),
+                                 out[3].data(), out[4].data(), out[5].data()};
+  for ([[maybe_unused]] auto _ : state) {
+    predict_batch(model, batch, found);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(std::int64_t(state.iterations()) * std::int64_t(kCount));
 }
 
 void predict(benchmark::State& state, const PressureModel& model, double radii_ratio) {
@@ -186,8 +236,17 @@ int main(int argc, char** argv) {
                                    const PressureModel& model = *find_pressure_model(name);
                                    const ContactProblem problem = fingertip(4);
                                    for ([[maybe_unused]] auto _ : state)
-                                     benchmark::DoNotOptimize(error_bound(model, problem, {1, 1}));
+                                     benchmark::DoNotOptimize(error_bound(model, problem));
                                  });
+  for (const PressureModel* model : all_pressure_models()) {
+    if (!model->card().hot_path) continue;
+    const std::string name(model->card().name);
+    benchmark::RegisterBenchmark(
+        ("predict_with_gradient/" + name).c_str(),
+        [model](benchmark::State& state) { predict_differentiated(state, *model); });
+    benchmark::RegisterBenchmark(("predict_batch/" + name).c_str(),
+                                 [model](benchmark::State& state) { predict_many(state, *model); });
+  }
   benchmark::RegisterBenchmark("fit_quadric/points:200", fit);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "comparisons/judgement/atlas/error_atlas.h"
-#include "comparisons/judgement/atlas/fit_departure.h"
+#include "comparisons/judgement/atlas/fit_fingertip.h"
 #include "comparisons/system/files.h"
 #include "meshes/io/read_surface.h"
 #include "tests/meshes/triangulated_ellipsoid.h"
@@ -36,37 +36,40 @@ struct Asked {
   Asked(const std::string& text, const char* model)
       : contact_case(input::parse_case(text, "x.toml")),
         geometry(prediction::GeometryResolver(contact_case).resolve(2)),
-        answer(prediction::ask_model(*find_pressure_model(model), contact_case, geometry.radii, 2,
-                                     0)) {}
+        answer(prediction::ask_model(*find_pressure_model(model), contact_case, geometry, 2, 0)) {}
   Assessment assess(double tolerance = 0.1, TorqueRule rule = TorqueRule::exact) const {
     return judgement::assess(contact_case, geometry, answer, rule, tolerance);
   }
-  FingerShare share() const { return judgement::finger_share(contact_case, geometry); }
+  /// The finger's part of the gap's curvature along both axes.
+  std::array<double, 2> share() const {
+    return {geometry.finger_curvature.xx_per_m * geometry.radii.major_m,
+            geometry.finger_curvature.yy_per_m * geometry.radii.minor_m};
+  }
 };
 
 double torque_bound(const Assessment& assessment) {
   return (*assessment.bound)[std::size_t(Quantity::max_torque)];
 }
 
-TEST(FingerShare, FollowsFromTheBodies) {
+TEST(FingerCurvature, FollowsFromTheBodies) {
   const auto share = [](const std::string& geometry) {
     return Asked(assessed_case_text(geometry), "hertz").share();
   };
-  const FingerShare plane = share("finger.radii_mm = [20, 9]\nobject.radii_mm = [inf, inf]");
-  EXPECT_EQ(plane.x, 1);
-  EXPECT_EQ(plane.y, 1);
-  const FingerShare ball = share("finger.radii_mm = [inf, inf]\nobject.sphere_radius_mm = 8");
-  EXPECT_EQ(ball.x, 0);
-  EXPECT_EQ(ball.y, 0);
-  EXPECT_EQ(share("relative_radii_mm = [20, 9]").x, 0) << "a flat layer";
+  const auto plane = share("finger.radii_mm = [20, 9]\nobject.radii_mm = [inf, inf]");
+  EXPECT_EQ(plane[0], 1);
+  EXPECT_EQ(plane[1], 1);
+  const auto ball = share("finger.radii_mm = [inf, inf]\nobject.sphere_radius_mm = 8");
+  EXPECT_EQ(ball[0], 0);
+  EXPECT_EQ(ball[1], 0);
+  EXPECT_EQ(share("relative_radii_mm = [20, 9]")[0], 0) << "a flat layer";
   // Crossed cylinders: the gap is as curved along x by the object as along y by the finger.
-  const FingerShare crossed =
+  const auto crossed =
       share("finger.radii_mm = [inf, 9]\nobject.radii_mm = [inf, 12]\nangle_deg = 90");
-  EXPECT_NEAR(crossed.x + crossed.y, 1, 1e-12);
-  EXPECT_NEAR(crossed.y, 1, 1e-12) << "the short axis lies along the finger's smaller radius";
-  const FingerShare both = share("finger.radii_mm = [20, 10]\nobject.sphere_radius_mm = 30");
-  EXPECT_NEAR(both.x, (1 / 20.) / (1 / 20. + 1 / 30.), 1e-12);
-  EXPECT_NEAR(both.y, (1 / 10.) / (1 / 10. + 1 / 30.), 1e-12);
+  EXPECT_NEAR(crossed[0] + crossed[1], 1, 1e-12);
+  EXPECT_NEAR(crossed[1], 1, 1e-12) << "the short axis lies along the finger's smaller radius";
+  const auto both = share("finger.radii_mm = [20, 10]\nobject.sphere_radius_mm = 30");
+  EXPECT_NEAR(both[0], (1 / 20.) / (1 / 20. + 1 / 30.), 1e-12);
+  EXPECT_NEAR(both[1], (1 / 10.) / (1 / 10. + 1 / 30.), 1e-12);
 }
 
 TEST(Assessment, SaysUsableWithinTheToleranceOnly) {
@@ -167,8 +170,7 @@ TEST(Assessment, NamesTheNearestRunAsEvidence) {
   ASSERT_GT(runs.runs.size(), 500u);
   for (std::size_t i = 0; i < runs.runs.size(); i += 50) {
     const judgement::AtlasRun& run = runs.runs[i];
-    const judgement::AtlasRun* found = judgement::nearest_finger_run(
-        judgement::problem_of(run), {run.finger_share_x, run.finger_share_y});
+    const judgement::AtlasRun* found = judgement::nearest_finger_run(judgement::problem_of(run));
     EXPECT_EQ(found, &run) << i;
   }
   const Assessment found =
@@ -179,7 +181,7 @@ TEST(Assessment, NamesTheNearestRunAsEvidence) {
 }
 
 TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
-  const auto tests = judgement::test_departure(atlas_of("fingers_unseen.csv"));
+  const auto tests = judgement::test_bounds_on_fingers(atlas_of("fingers_unseen.csv"));
   EXPECT_GE(tests.size(), 7u);
   for (const auto& [model, test] : tests) {
     EXPECT_GT(test.runs, 100u) << model;
@@ -194,7 +196,7 @@ TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
 
 TEST(Assessment, HoldsTheRunsThatItWasFittedTo) {
   const judgement::AtlasFile runs = atlas_of("fingers.csv");
-  const auto tests = judgement::test_departure(runs);
+  const auto tests = judgement::test_bounds_on_fingers(runs);
   EXPECT_GE(tests.size(), 6u);
   for (const auto& [model, test] : tests) {
     EXPECT_GT(test.runs, 100u) << model;
@@ -209,12 +211,17 @@ TEST(Assessment, IsMadeFromTheseRuns) {
   judgement::AtlasFile runs = atlas_of("fingers.csv");
   const auto& known = judgement::finite_strain_atlas().file().runs;
   runs.runs.insert(runs.runs.end(), known.begin(), known.end());
-  const judgement::FittedDeparture fitted = judgement::fit_departure(runs);
+  const judgement::FittedFingertip fitted = judgement::fit_fingertip(runs);
+  // Six digits are in the table; the normal equations of 48 terms cost some of them.
   for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
-    // Six digits are in the table; the normal equations of 36 terms cost some of them.
-    EXPECT_NEAR(fitted.fits[q].width_least, kDepartureFits[q].width_least, 1e-4);
-    EXPECT_NEAR(fitted.fits[q].width_per_size, kDepartureFits[q].width_per_size, 1e-4);
+    EXPECT_NEAR(fitted.table.widths[q].least, kFingertipLayerTable.widths[q].least, 1e-4);
+    EXPECT_NEAR(fitted.table.widths[q].per_size, kFingertipLayerTable.widths[q].per_size, 1e-4);
   }
+  for (int term = 0; term < kSymmetricTerms; ++term)
+    for (int column = 0; column < kFingertipColumns; ++column)
+      EXPECT_NEAR(fitted.table.symmetric[term][column],
+                  kFingertipLayerTable.symmetric[term][column],
+                  1e-4 * (1 + std::abs(kFingertipLayerTable.symmetric[term][column])));
 }
 
 }  // namespace

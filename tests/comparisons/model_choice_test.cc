@@ -175,13 +175,13 @@ TEST(AllCommands, SayTheSameOf300RandomContacts) {
       const std::string name(model->card().name);
       SCOPED_TRACE(name + " in case " + std::to_string(i));
       const prediction::ModelAnswer answer =
-          prediction::ask_model(*model, contact, geometry.radii, load_N, 0);
+          prediction::ask_model(*model, contact, geometry, load_N, 0);
       // predict
       const prediction::Assessment told =
           judgement::assess(contact, geometry, answer, prediction::TorqueRule::exact, tolerance);
       // The library
-      const ErrorBound bound = error_bound(*model, contact.problem(geometry.radii, load_N),
-                                           judgement::finger_share(contact, geometry));
+      const ErrorBound bound =
+          error_bound(*model, prediction::contact_problem(contact, geometry, load_N));
       if (name != "power_law") {
         ASSERT_EQ(bound.known, told.bound.has_value()) << bound.outside << " - " << told.evidence;
       }

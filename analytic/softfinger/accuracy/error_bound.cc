@@ -45,18 +45,19 @@ const char* reason_outside(const ContactProblem& problem, const ContactNumbers& 
   if (mean_per_m < spread_per_m - 1e-9 * std::abs(mean_per_m + spread_per_m))
     return "not known for a hollow finger: the runs are of convex ones";
   const RelativeRadii& radii = problem.radii;
-  if (radii.major_m > kBoundRange.largest_radii_ratio * radii.minor_m)
+  if (radii.major_m > kFingertipRange.largest_radii_ratio * radii.minor_m)
     return "not known for R'/R'' above 20";
-  if (bend > kBoundRange.largest_bend)
+  if (bend > kFingertipRange.largest_bend)
     return "not known for layers thicker than 0.6 of the finger's smallest radius";
-  if (h > kBoundRange.largest_flat_thickness * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m))
+  if (h >
+      kFingertipRange.largest_flat_thickness * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m))
     return "not known for layers thicker than five times the relative radius";
-  if (std::sqrt(flat.a_m) * std::sqrt(flat.b_m) > kBoundRange.largest_size * h)
+  if (std::sqrt(flat.a_m) * std::sqrt(flat.b_m) > kFingertipRange.largest_size * h)
     return "not known for contacts larger than 20 h";
-  if (flat.a_m > kBoundRange.largest_slope * radii.major_m ||
-      flat.b_m > kBoundRange.largest_slope * radii.minor_m)
+  if (flat.a_m > kFingertipRange.largest_slope * radii.major_m ||
+      flat.b_m > kFingertipRange.largest_slope * radii.minor_m)
     return "not known for slopes above 0.6 at the edge of the contact";
-  if (flat.indentation_m > kBoundRange.largest_strain * h)
+  if (flat.indentation_m > kFingertipRange.largest_strain * h)
     return "not known for layers compressed by more than 40 %";
   return nullptr;
 }
@@ -80,22 +81,6 @@ ErrorCause cause_of(FingertipEffect effect) {
     default:
       return ErrorCause::curvature;
   }
-}
-
-/// ln(finger / flat layer) of each quantity, to first order in the aspect, that one cause makes.
-BoundedErrors log_departures(const FingertipArguments<double>& at, double poisson_ratio,
-                             double ring_slope, ErrorCause cause) {
-  FingertipArguments<double> of_cause = at;
-  for (std::size_t effect = 0; effect < of_cause.effects.size(); ++effect)
-    if (cause_of(FingertipEffect(effect)) != cause) of_cause.effects[effect] = 0;
-  const auto change = fingertip_correction(kFingertipLayerTable, of_cause, poisson_ratio);
-  const double size = change.symmetric[kSizeColumn], half = 0.5 * change.aspect;
-  return {size + half,
-          size - half,
-          change.symmetric[kDepthColumn],
-          2 * size,
-          change.symmetric[kPeakColumn],
-          size + ring_slope * change.aspect + change.symmetric[kArmColumn]};
 }
 
 /// Where strain, slope and curvature are small, bonded_layer is known better than the finite
@@ -139,37 +124,34 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
     return outside("bonded_layer, by which bounds are known, has no answer");
   if (const char* reason = reason_outside(problem, flat)) return outside(reason);
   const auto arguments = fingertip_arguments(input, flat, problem.is_object_spherical ? 1. : 0.);
-  const auto correction =
-      fingertip_correction(kFingertipLayerTable, arguments, input.poisson_ratio);
-  const BoundedErrors finger = numbers_of(corrected_contact(logarithms, flat, correction, input));
-  const BoundedErrors answer = numbers_of(prediction), of_flat = numbers_of(flat);
-  const double ring_slope = log_ring_arm_slope(logarithms[kAspect]);
-  std::array<BoundedErrors, kErrorCauses> parts{};
-  for (const ErrorCause cause : {ErrorCause::strain, ErrorCause::slope, ErrorCause::curvature})
-    parts[std::size_t(cause)] = log_departures(arguments, input.poisson_ratio, ring_slope, cause);
-  const double size = departure_size(arguments);
+  const BoundedErrors answer = numbers_of(prediction);
   ErrorBound result;
   result.known = true;
+  // From the flat layer to the finger, one cause after the other.
+  BoundedErrors reference = numbers_of(flat);
+  for (std::size_t q = 0; q < kBoundedQuantities; ++q)
+    result.causes[std::size_t(ErrorCause::model)][q] = answer[q] / reference[q] - 1;
+  FingertipArguments<double> taken = arguments;
+  taken.effects.fill(0);
+  for (const ErrorCause cause : {ErrorCause::strain, ErrorCause::slope, ErrorCause::curvature}) {
+    for (std::size_t effect = 0; effect < kFingertipEffects; ++effect)
+      if (cause_of(FingertipEffect(effect)) == cause)
+        taken.effects[effect] = arguments.effects[effect];
+    const BoundedErrors next = numbers_of(corrected_contact(
+        logarithms, flat, fingertip_correction(kFingertipLayerTable, taken, input.poisson_ratio),
+        input));
+    for (std::size_t q = 0; q < kBoundedQuantities; ++q)
+      result.causes[std::size_t(cause)][q] = answer[q] / next[q] - answer[q] / reference[q];
+    reference = next;
+  }
+  const double size = departure_size(arguments);
   for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
-    // (model / flat) (flat / finger)
-    const double ratio = answer[q] / finger[q];
+    const double ratio = answer[q] / reference[q];
     result.expected[q] = ratio - 1;
-    result.causes[std::size_t(ErrorCause::model)][q] = answer[q] / of_flat[q] - 1;
-    double departure = 0, absolute = 0;
-    for (const BoundedErrors& part : parts) departure += part[q], absolute += std::abs(part[q]);
-    const double left = ratio - answer[q] / of_flat[q];
-    for (const ErrorCause cause : {ErrorCause::strain, ErrorCause::slope, ErrorCause::curvature}) {
-      const double part = parts[std::size_t(cause)][q];
-      // In proportion; where the parts cancel, to first order.
-      result.causes[std::size_t(cause)][q] = std::abs(departure) > 0.1 * absolute
-                                                 ? left * part / departure
-                                                 : -ratio * part + (left + ratio * departure) / 3;
-    }
-    const FingertipWidth& fitted = kFingertipLayerTable.widths[q];
-    double width = fitted.least + fitted.per_size * size;
+    double width = kFingertipLayerTable.widths[q].at(size);
     if (q == kTorque)
-      width =
-          std::min(width, width_of_small_departures(arguments, input.poisson_ratio, ring_slope));
+      width = std::min(width, width_of_small_departures(arguments, input.poisson_ratio,
+                                                        log_ring_arm_slope(logarithms[kAspect])));
     result.bound[q] = std::abs(result.expected[q]) + ratio * width;
   }
   return result;

@@ -43,15 +43,4 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
 /// The same; asks the model first.
 ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem) noexcept;
 
-/// Where the runs lie. Beyond them nothing is known.
-struct BoundRange {
-  double largest_size = 20;         ///< s = sqrt(ab)/h
-  double largest_radii_ratio = 20;  ///< R'/R''
-  double largest_bend = 0.6;        ///< h over the finger's smallest radius, so that a core is left
-  double largest_flat_thickness = 5;  ///< h/sqrt(R' R'') of a flat layer under a curved object
-  double largest_slope = 0.6;         ///< a/R' and b/R''
-  double largest_strain = 0.42;       ///< d/h of `bonded_layer`
-};
-constexpr BoundRange kBoundRange;
-
 }  // namespace softfinger

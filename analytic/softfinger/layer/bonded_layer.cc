@@ -17,21 +17,19 @@ constexpr int kPieces = 40, kDegree = 8;  // to ln(R'/R'') = 10
 
 using ShapeTable = PiecewisePolynomial<6, kPieces, kDegree>;
 
-ShapeTable::Values numbers_of(const LimitShapes& shapes) {
-  return {shapes.log_hertz_aspect,
-          shapes.log_incompressible_aspect,
+/// The aspects over L, so that they vanish with it to the last digit.
+ShapeTable::Values numbers_of(double L) {
+  const LimitShapes shapes = limit_shapes(std::exp(L));
+  return {shapes.log_hertz_aspect / L,
+          shapes.log_incompressible_aspect / L,
           shapes.log_hertz_depth,
           shapes.log_incompressible_depth,
           shapes.log_hertz_size_at_unit_load,
           shapes.log_incompressible_size_at_unit_load};
 }
 
-LimitShapes shapes_of(double log_radii_ratio, const ShapeTable::Values& v) {
-  return {log_radii_ratio, v[0], v[1], v[2], v[3], v[4], v[5]};
-}
-
 const ShapeTable& shape_table() {
-  static const ShapeTable table([](double L) { return numbers_of(limit_shapes(std::exp(L))); });
+  static const ShapeTable table(numbers_of);
   return table;
 }
 
@@ -42,38 +40,45 @@ double exact_log_ring_arm(double log_aspect) {
   return std::log(2 / kPi * elliptic_integrals(inverse * inverse).E()) + 0.5 * log_aspect;
 }
 
+/// Over the square of ln(a/b), with which it vanishes.
 const RingTable& ring_table() {
-  static const RingTable table([](double A) { return RingTable::Values{exact_log_ring_arm(A)}; });
+  static const RingTable table(
+      [](double A) { return RingTable::Values{exact_log_ring_arm(A) / (A * A)}; });
   return table;
 }
 
 }  // namespace
 
-LimitShapes tabulated_limit_shapes(double log_radii_ratio) noexcept {
-  if (log_radii_ratio > ShapeTable::kEnd) return limit_shapes(std::exp(log_radii_ratio));
-  return shapes_of(log_radii_ratio, shape_table().value(log_radii_ratio));
+LimitShapes tabulated_limit_shapes(double L) noexcept {
+  if (L > ShapeTable::kEnd) return limit_shapes(std::exp(L));
+  const ShapeTable::Values v = shape_table().value(L);
+  return {L, v[0] * L, v[1] * L, v[2], v[3], v[4], v[5]};
 }
 
-LimitShapes tabulated_limit_slopes(double log_radii_ratio) noexcept {
-  if (!(log_radii_ratio > ShapeTable::kEnd))
-    return shapes_of(1, shape_table().slope(log_radii_ratio));
+LimitShapes tabulated_limit_slopes(double L) noexcept {
+  if (!(L > ShapeTable::kEnd)) {
+    const ShapeTable::Values v = shape_table().value(L), slope = shape_table().slope(L);
+    return {1, v[0] + L * slope[0], v[1] + L * slope[1], slope[2], slope[3], slope[4], slope[5]};
+  }
   // There all of them are nearly straight.
   constexpr double kStep = 1e-3;
-  const auto above = numbers_of(limit_shapes(std::exp(log_radii_ratio + kStep)));
-  const auto below = numbers_of(limit_shapes(std::exp(log_radii_ratio - kStep)));
-  ShapeTable::Values slope;
-  for (std::size_t i = 0; i < slope.size(); ++i) slope[i] = (above[i] - below[i]) / (2 * kStep);
-  return shapes_of(1, slope);
+  const auto above = numbers_of(L + kStep), below = numbers_of(L - kStep);
+  const auto slope = [&](std::size_t i) { return (above[i] - below[i]) / (2 * kStep); };
+  const auto here = numbers_of(L);
+  return {1,       here[0] + L * slope(0), here[1] + L * slope(1), slope(2), slope(3), slope(4),
+          slope(5)};
 }
 
 double log_ring_arm(double log_aspect) noexcept {
   return log_aspect > RingTable::kEnd ? exact_log_ring_arm(log_aspect)
-                                      : ring_table().value(log_aspect)[0];
+                                      : log_aspect * log_aspect * ring_table().value(log_aspect)[0];
 }
 
 double log_ring_arm_slope(double log_aspect) noexcept {
   // E(m) is 1 to 1e-8 beyond.
-  return log_aspect > RingTable::kEnd ? 0.5 : ring_table().slope(log_aspect)[0];
+  if (log_aspect > RingTable::kEnd) return 0.5;
+  return log_aspect *
+         (2 * ring_table().value(log_aspect)[0] + log_aspect * ring_table().slope(log_aspect)[0]);
 }
 
 LayerQuantities table_correction(const TableCoordinates& at) noexcept {

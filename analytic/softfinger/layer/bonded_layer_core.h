@@ -13,9 +13,9 @@ namespace softfinger {
 
 /// `limit_shapes` at R'/R'' = exp(L) >= 1, by piecewise polynomials to 1e-13; to a ratio of 22,000.
 /// Beyond, the exact ones, of which derivatives are differences.
-LimitShapes tabulated_limit_shapes(double log_radii_ratio) noexcept;
+LimitShapes tabulated_limit_shapes(double L) noexcept;
 /// Their derivatives with respect to L.
-LimitShapes tabulated_limit_slopes(double log_radii_ratio) noexcept;
+LimitShapes tabulated_limit_slopes(double L) noexcept;
 
 /// ln of the mean distance of an ellipse's rings from the centre over sqrt(ab),
 /// (2/pi) sqrt(a/b) E(m), m = 1 - b²/a², of ln(a/b) >= 0, likewise.

@@ -60,10 +60,23 @@ constexpr int kAspectTerms = shapes_before(kFingertipEffects) - kSymmetricTerms;
 /// What the symmetric terms correct, in the order of the table's columns.
 enum FingertipColumn { kSizeColumn, kDepthColumn, kPeakColumn, kArmColumn, kFingertipColumns };
 
-/// Holds 95 % of the errors of `fingertip_layer` in a quantity: least + per_size * departure_size.
+/// Holds 95 % of the errors of `fingertip_layer` in a quantity.
 struct FingertipWidth {
-  double least, per_size;
+  double least, per_size, power;
+  /// @param size  departure_size
+  double at(double size) const noexcept { return least + per_size * std::pow(size, power); }
 };
+
+/// Where the runs lie that the terms were fitted to.
+struct FingertipRange {
+  double largest_size = 20;         ///< s = sqrt(ab)/h
+  double largest_radii_ratio = 20;  ///< R'/R''
+  double largest_bend = 0.6;        ///< h over the finger's smallest radius, so that a core is left
+  double largest_flat_thickness = 5;  ///< h/sqrt(R' R'') of a flat layer under a curved object
+  double largest_slope = 0.6;         ///< a/R' and b/R''
+  double largest_strain = 0.42;       ///< d/h of `bonded_layer`
+};
+constexpr FingertipRange kFingertipRange;
 
 /// Least squares over finite-element runs of whole fingers, by `softfinger atlas --fit`. One
 /// contiguous block.
@@ -87,15 +100,16 @@ struct FingertipArguments {
   FingertipEffectsOf<Real> effects;
 };
 
-/// x for |x| well below `limit`, then towards `limit`: what is far outside the runs changes the
-/// answer no more than what lies at their end.
+/// x for |x| well below `limit`, then towards `limit`: what lies far outside the runs changes the
+/// answer no more than what lies at their end, and the answer keeps growing with the load.
 template <class Real>
 Real bounded(const Real& x, double limit) noexcept {
   using plain::sqrt;
   const Real part = x * (1 / limit);
   return x / sqrt(1. + part * part);
 }
-constexpr double kBoundOfStrain = 0.8, kBoundOfSlope = 0.5, kBoundOfBend = 1;
+constexpr double kLimitOfStrain = 0.6, kLimitOfSlope = 0.4, kLimitOfBend = 1, kLimitOfRatio = 100,
+                 kLimitOfSteepness = 4;
 
 /// @param flat  of `bonded_layer`
 /// @param sphere  1 where the object is an exact sphere, else 0
@@ -108,24 +122,31 @@ FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
   const Real s = sqrt(flat.a_m) * sqrt(flat.b_m) / h;
   const Real l = s / (1. + s);
   const Real m = (flat.a_m - flat.b_m) / (flat.a_m + flat.b_m);
-  const Real e = bounded<Real>(flat.indentation_m / h, kBoundOfStrain);
+  const Real e = bounded<Real>(flat.indentation_m / h, kLimitOfStrain);
   const auto squared = [](const Real& slope) {
-    return bounded<Real>(slope * slope, kBoundOfSlope);
+    return bounded<Real>(slope * slope, kLimitOfSlope);
   };
   const Real slope_x = flat.a_m / input.radius_major_m, slope_y = flat.b_m / input.radius_minor_m;
   const Real gx = squared(slope_x), gy = squared(slope_y);
   const Real ox = squared(slope_x - flat.a_m * input.finger_xx_per_m);
   const Real oy = squared(slope_y - flat.b_m * input.finger_yy_per_m);
-  const Real kx = bounded<Real>(h * input.finger_xx_per_m, kBoundOfBend);
-  const Real ky = bounded<Real>(h * input.finger_yy_per_m, kBoundOfBend);
-  const Real kxy = bounded<Real>(h * input.finger_xy_per_m, kBoundOfBend);
+  const Real kx = bounded<Real>(h * input.finger_xx_per_m, kLimitOfBend);
+  const Real ky = bounded<Real>(h * input.finger_yy_per_m, kLimitOfBend);
+  const Real kxy = bounded<Real>(h * input.finger_xy_per_m, kLimitOfBend);
   const Real slopes = gx + gy, slope = gx - gy, object = ox + oy, bend = kx + ky, bends = kx - ky;
   const Real bend_l = bend * l, bends_l = bends * l;
-  return {l,
-          {e, e * e, slopes, m * slope, object, m * (ox - oy), bend_l, m * bends_l, bend * e,
-           bend * bend_l, bends * bends_l, kxy * kxy * l, sphere * object, e * slopes,
-           //
-           m * e, slope, m * slopes, ox - oy, bends_l, m * bend_l, bends * e}};
+  FingertipArguments<Real> at = {
+      l,
+      {e, e * e, slopes, m * slope, object, m * (ox - oy), bend_l, m * bends_l, bend * e,
+       bend * bend_l, bends * bends_l, kxy * kxy * l, sphere * object, e * slopes,
+       //
+       m * e, slope, m * slopes, ox - oy, bends_l, m * bend_l, bends * e}};
+  // Contacts far longer and far steeper than those of the runs return to the flat layer's.
+  const Real ratio = input.radius_major_m / input.radius_minor_m * (1 / kLimitOfRatio);
+  const Real steep = (slope_x * slope_x + slope_y * slope_y) * (1 / kLimitOfSteepness);
+  const Real near = 1. / (1. + ratio * ratio + steep * steep);
+  for (Real& effect : at.effects) effect = effect * near;
+  return at;
 }
 
 /// The size of all effects together: strain, slopes and curvature.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/plain_functions.h"
 
 namespace softfinger {
 
@@ -44,7 +45,7 @@ template <class Real>
 StuckStiffnessOf<Real> half_space_stuck_stiffness(const Real& a_m, const Real& b_m,
                                                   const Real& shear_modulus_Pa,
                                                   const Real& poisson_ratio) noexcept {
-  using std::sqrt;
+  using plain::sqrt;
   const Real ratio = b_m / a_m, q = ratio * ratio, m = 1. - q;
   // c_n of the mean, c_(n+1) = c_n²/(4 a_(n+1)). Of the sum over 2^n c_n² that gives E, the terms
   // n >= 1 over c_1² give C without the difference of integrals that vanishes at the circle.
@@ -96,7 +97,7 @@ struct StuckBlendOf {
 template <class Real>
 StuckBlendOf<Real> stuck_blend(const Real& a_m, const Real& b_m, const Real& thickness_m,
                                const Real& shear_modulus_Pa, const Real& poisson_ratio) noexcept {
-  using std::sqrt;
+  using plain::sqrt;
   const StuckStiffnessOf<Real> thick =
       half_space_stuck_stiffness(a_m, b_m, shear_modulus_Pa, poisson_ratio);
   const StuckStiffnessOf<Real> thin =

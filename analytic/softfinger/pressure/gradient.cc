@@ -9,6 +9,32 @@ Derivatives derivatives_of(const DifferentiatedNumber& number) noexcept {
   return {number.slope, 0};
 }
 
+/// The stiffness of the stuck contact, first by the five numbers that it depends on.
+void add_stuck_stiffness(const DifferentiatedContact& contact, const ContactProblem& problem,
+                         PredictionGradient& gradient) noexcept {
+  using Number = Dual<5>;
+  const ElasticLayer& layer = problem.layer;
+  const StuckStiffnessOf<Number> stuck = stuck_stiffness<Number>(
+      Number::variable(contact.a_m.value, 0), Number::variable(contact.b_m.value, 1),
+      Number::variable(layer.thickness_m, 2), Number::variable(layer.youngs_modulus_Pa, 3),
+      Number::variable(layer.poisson_ratio, 4));
+  const auto chained = [&](const Number& number) {
+    Derivatives derivatives;
+    for (int i = 0; i < kContactVariables; ++i)
+      derivatives.by[std::size_t(i)] = number.slope[0] * contact.a_m.slope[std::size_t(i)] +
+                                       number.slope[1] * contact.b_m.slope[std::size_t(i)];
+    derivatives.by[kThickness] += number.slope[2];
+    derivatives.by[kYoungsModulus] += number.slope[3];
+    derivatives.by[kPoissonRatio] += number.slope[4];
+    return derivatives;
+  };
+  gradient.stuck = {stuck.torsional_Nm_per_rad.value, stuck.tangential_x_N_per_m.value,
+                    stuck.tangential_y_N_per_m.value};
+  gradient.torsional_stiffness_Nm_per_rad = chained(stuck.torsional_Nm_per_rad);
+  gradient.tangential_stiffness_x_N_per_m = chained(stuck.tangential_x_N_per_m);
+  gradient.tangential_stiffness_y_N_per_m = chained(stuck.tangential_y_N_per_m);
+}
+
 template <class Real>
 struct Gap {
   Real radius_major_m, radius_minor_m;
@@ -68,6 +94,7 @@ PredictionWithGradient predict_with_gradient(const PressureModel& model,
   gradient.max_torque_Nm = derivatives_of(
       mu * (DifferentiatedNumber::variable(P, kNormalForce) * contact->torque_arm_exact_m));
   gradient.max_torque_Nm.by_friction_coefficient = P * result.prediction.torque_arm_exact_m;
+  add_stuck_stiffness(*contact, problem, gradient);
   return result;
 }
 

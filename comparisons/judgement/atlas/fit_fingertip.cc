@@ -153,34 +153,32 @@ FingertipLayerTable fit(const std::vector<Sample>& samples, int left_out) {
   return table;
 }
 
-/// The pair of least median bound that holds enough of the residuals.
-FingertipWidth width_of(const std::vector<double>& residuals, const std::vector<double>& sizes,
-                        const std::vector<double>& departures) {
-  FingertipWidth width{};
-  double best = std::numeric_limits<double>::infinity();
-  for (double per_size = 0; per_size <= 0.2; per_size += 0.0025) {
-    // The least that holds enough of them beside it.
-    std::vector<double> rest;
-    for (std::size_t i = 0; i < residuals.size(); ++i)
-      rest.push_back(std::max(0., std::abs(residuals[i]) - per_size * sizes[i]));
-    const auto place = rest.begin() + std::ptrdiff_t(kInside * double(rest.size()));
-    std::nth_element(rest.begin(), place, rest.end());
-    std::vector<double> bounds;
-    for (std::size_t i = 0; i < residuals.size(); ++i)
-      bounds.push_back(std::abs(departures[i]) + *place + per_size * sizes[i]);
-    const double typical = median(bounds);
-    if (!(typical < best)) continue;
-    best = typical;
-    width = {*place, per_size};
-  }
-  return width;
-}
-
 double quantile(std::vector<double> values, double part) {
   if (values.empty()) return kNaN;
   const auto place = values.begin() + std::ptrdiff_t(part * double(values.size() - 1));
   std::nth_element(values.begin(), place, values.end());
   return *place;
+}
+
+/// Of the widths that hold enough of the residuals the one of least geometric mean.
+FingertipWidth width_of(const std::vector<double>& residuals, const std::vector<double>& sizes) {
+  FingertipWidth width{};
+  double best = std::numeric_limits<double>::infinity();
+  for (const double power : {0.5, 0.75, 1., 1.5, 2.})
+    for (double per_size = 0; per_size <= 0.3; per_size += 0.0025) {
+      FingertipWidth tried{0, per_size, power};
+      // The least that holds enough of them beside it.
+      std::vector<double> rest;
+      for (std::size_t i = 0; i < residuals.size(); ++i)
+        rest.push_back(std::max(0., std::abs(residuals[i]) - tried.at(sizes[i])));
+      tried.least = quantile(rest, kInside);
+      double typical = 0;
+      for (const double size : sizes) typical += std::log(tried.at(size));
+      if (!(typical < best)) continue;
+      best = typical;
+      width = tried;
+    }
+  return width;
 }
 
 }  // namespace
@@ -193,24 +191,20 @@ FittedFingertip fit_fingertip(const AtlasFile& atlas) {
   FittedFingertip fitted;
   fitted.runs = samples.size();
   fitted.table = fit(samples, -1);
-  std::array<std::vector<double>, kQuantities> residuals, departures;
+  std::array<std::vector<double>, kQuantities> residuals;
   for (std::vector<double>& of_quantity : residuals) of_quantity.resize(samples.size());
-  for (std::vector<double>& of_quantity : departures) of_quantity.resize(samples.size());
   std::vector<double> sizes;
   for (const Sample& sample : samples) sizes.push_back(sample.size);
   for (int part = 0; part < kParts; ++part) {
     const FingertipLayerTable of_others = fit(samples, part);
     for (std::size_t i = std::size_t(part); i < samples.size(); i += kParts) {
       const QuantityErrors found = predicted(samples[i], of_others);
-      const QuantityErrors flat = predicted(samples[i], {});
-      for (std::size_t q = 0; q < kQuantities; ++q) {
+      for (std::size_t q = 0; q < kQuantities; ++q)
         residuals[q][i] = found[q] / samples[i].run->answer[q] - 1;
-        departures[q][i] = flat[q] / found[q] - 1;
-      }
     }
   }
   for (std::size_t q = 0; q < kQuantities; ++q) {
-    fitted.table.widths[q] = width_of(residuals[q], sizes, departures[q]);
+    fitted.table.widths[q] = width_of(residuals[q], sizes);
     std::vector<double> stated;
     for (const Sample& sample : samples)
       if (std::isfinite(sample.run->stated_error[q])) stated.push_back(sample.run->stated_error[q]);
@@ -269,8 +263,9 @@ std::string fingertip_table(const FittedFingertip& fitted, const std::string& co
                         fitted.table.aspect[term]);
   text += "},\n    // a, b, d, area, peak pressure, torque\n    {";
   for (std::size_t q = 0; q < kQuantities; ++q)
-    text += fmt::format("{}{{{:.4g}, {:.4g}}}", q == 0 ? "" : ", ", fitted.table.widths[q].least,
-                        fitted.table.widths[q].per_size);
+    text +=
+        fmt::format("{}{{{:.4g}, {:.4g}, {:g}}}", q == 0 ? "" : ", ", fitted.table.widths[q].least,
+                    fitted.table.widths[q].per_size, fitted.table.widths[q].power);
   text += fmt::format("}},\n    {{{:.4g}}},\n}};\n\n}}  // namespace softfinger\n",
                       fmt::join(fitted.table.finite_elements, ", "));
   return text;

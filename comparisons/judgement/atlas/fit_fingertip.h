@@ -26,8 +26,8 @@ struct FittedFingertip {
 };
 
 /// Weighted least squares over the runs at finite strain. Widths from the residuals of ten parts,
-/// each predicted from the nine others: the pair of least median bound with 96 % of the residuals
-/// inside.
+/// each predicted from the nine others: of those that hold 96 % of the residuals the one of least
+/// geometric mean.
 FittedFingertip fit_fingertip(const AtlasFile& atlas);
 
 /// The installed fit's bounds of all models, tested on runs.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "softfinger/accuracy/error_bound.h"
 #include "softfinger/layer/fingertip_layer_core.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/soundness.h"
@@ -83,23 +82,23 @@ class FingertipLayer final : public PressureModel {
     const double spread_per_m =
         std::hypot(0.5 * (finger.xx_per_m - finger.yy_per_m), finger.xy_per_m);
     prediction.validity.add({"fitted_indentation", prediction.indentation_m / h,
-                             kBoundRange.largest_strain, true,
+                             kFingertipRange.largest_strain, true,
                              "d/h is beyond the runs that the corrections were fitted to"});
     prediction.validity.add(
         {"fitted_slope", std::max(prediction.a_m / radii.major_m, prediction.b_m / radii.minor_m),
-         kBoundRange.largest_slope, true,
+         kFingertipRange.largest_slope, true,
          "a/R is beyond the runs that the corrections were fitted to"});
     prediction.validity.add({"fitted_curvature", h * (mean_per_m + spread_per_m),
-                             kBoundRange.largest_bend, true,
+                             kFingertipRange.largest_bend, true,
                              "the layer is thicker against the finger's radius than in the runs "
                              "that the corrections were fitted to"});
     prediction.validity.add({"convex_finger", h * (mean_per_m - spread_per_m), -1e-9, false,
                              "the finger is hollow, unlike those that were fitted to"});
     prediction.validity.add({"fitted_size", contact_to_thickness(prediction, problem.layer),
-                             kBoundRange.largest_size, true,
+                             kFingertipRange.largest_size, true,
                              "the contact is larger than those that were fitted to"});
     prediction.validity.add({"fitted_radii_ratio", std::min(radii.major_m / radii.minor_m, 1e300),
-                             kBoundRange.largest_radii_ratio * (1 + 1e-9), true,
+                             kFingertipRange.largest_radii_ratio * (1 + 1e-9), true,
                              "R'/R'' is beyond the runs that the corrections were fitted to"});
   }
 };
