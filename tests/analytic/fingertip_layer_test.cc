@@ -56,8 +56,9 @@ TEST(FingertipLayer, OfARoundFingerIsRound) {
 /// Of a layer that is turned by a right angle the numbers stay, whichever axis is called x: shown
 /// for the effects, whose symmetric ones stay and whose others change their sign.
 TEST(FingertipLayer, DoesNotKnowWhichAxisIsCalledX) {
-  ContactInputOf<double> input = contact_input({0.02, 0.01, 0}, {0.002, 3e5, 0.4}, 2, {30, 80, 5});
-  ContactNumbers flat = bonded_layer_numbers(input);
+  ContactInputOf<double> input =
+      contact_input({0.014, 0.014, 0}, {0.002, 3e5, 0.4}, 2, {30, 50, 5});
+  ContactNumbers flat = bonded_layer_numbers(contact_input({0.02, 0.01, 0}, {0.002, 3e5, 0.4}, 2));
   const auto one = fingertip_arguments(input, flat, 1);
   std::swap(input.radius_major_m, input.radius_minor_m);
   std::swap(input.finger_xx_per_m, input.finger_yy_per_m);

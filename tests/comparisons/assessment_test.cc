@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 
@@ -180,17 +182,44 @@ TEST(Assessment, NamesTheNearestRunAsEvidence) {
   EXPECT_NE(found.evidence.find("% in torque there"), std::string::npos) << found.evidence;
 }
 
+/// The bound over the error, in the median: three for a model whose errors are its own. Those of
+/// fingertip_layer are mostly the finite elements' scatter, far below a bound that holds 95 %.
+double largest_ratio(const std::string& model) { return model == "fingertip_layer" ? 7 : 3; }
+
 TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
-  const auto tests = judgement::test_bounds_on_fingers(atlas_of("fingers_unseen.csv"));
-  EXPECT_GE(tests.size(), 7u);
-  for (const auto& [model, test] : tests) {
-    EXPECT_GT(test.runs, 100u) << model;
-    // Two standard deviations of a count of which 95 % are expected inside.
-    const double chance = 2 * std::sqrt(0.95 * 0.05 / double(test.runs));
-    for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
-      EXPECT_GE(test.inside[q], 0.95 - chance) << model << ' ' << prediction::kQuantityNames[q];
-      EXPECT_LE(test.ratio[q], 3) << model << ' ' << prediction::kQuantityNames[q];
+  for (const char* file : {"fingers_unseen.csv", "fingertips_unseen.csv"}) {
+    const auto tests = judgement::test_bounds_on_fingers(atlas_of(file));
+    EXPECT_GE(tests.size(), 8u);
+    for (const auto& [model, test] : tests) {
+      SCOPED_TRACE(model + " in " + file);
+      EXPECT_GE(test.runs, 10u);
+      // Two standard deviations of a count of which 95 % are expected inside.
+      const double chance = 2 * std::sqrt(0.95 * 0.05 / double(test.runs));
+      for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
+        EXPECT_GE(test.inside[q], 0.95 - chance) << prediction::kQuantityNames[q];
+        EXPECT_LE(test.ratio[q], largest_ratio(model)) << prediction::kQuantityNames[q];
+      }
     }
+  }
+}
+
+/// What is asked of the model, on runs that nothing was fitted to: 95 % of the errors within 2 % in
+/// the semi-axes and the torque, 3 % in indentation and area, 5 % in the peak pressure.
+TEST(FingertipLayer, IsWithinTwoPerCentOfUnseenFingers) {
+  const judgement::AtlasFile unseen = atlas_of("fingertips_unseen.csv");
+  ASSERT_GE(unseen.runs.size(), 200u);
+  const std::array<double, prediction::kQuantities> asked = {0.02, 0.02, 0.03, 0.03, 0.05, 0.02};
+  std::array<std::size_t, prediction::kQuantities> within{};
+  const PressureModel& model = *find_pressure_model("fingertip_layer");
+  for (const judgement::AtlasRun& run : unseen.runs) {
+    const auto errors = judgement::model_errors(model, run, judgement::problem_of(run));
+    for (std::size_t q = 0; q < asked.size(); ++q) within[q] += std::abs(errors[q]) <= asked[q];
+  }
+  for (std::size_t q = 0; q < asked.size(); ++q) {
+    const double share = double(within[q]) / double(unseen.runs.size());
+    std::printf("%s: %.1f %% of %zu within %g %%\n", prediction::kQuantityNames[q], 100 * share,
+                unseen.runs.size(), 100 * asked[q]);
+    EXPECT_GE(share, 0.95) << prediction::kQuantityNames[q];
   }
 }
 
@@ -202,7 +231,8 @@ TEST(Assessment, HoldsTheRunsThatItWasFittedTo) {
     EXPECT_GT(test.runs, 100u) << model;
     for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
       EXPECT_GE(test.inside[q], 0.95) << model << ' ' << prediction::kQuantityNames[q];
-      EXPECT_LE(test.ratio[q], 3) << model << ' ' << prediction::kQuantityNames[q];
+      EXPECT_LE(test.ratio[q], largest_ratio(model))
+          << model << ' ' << prediction::kQuantityNames[q];
     }
   }
 }

@@ -123,6 +123,10 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
   if (!(flat.a_m > 0 && flat.b_m > 0 && flat.indentation_m > 0))
     return outside("bonded_layer, by which bounds are known, has no answer");
   if (const char* reason = reason_outside(problem, flat)) return outside(reason);
+  if (!(fit_of_object(input, flat.a_m, flat.b_m) <= kFingertipRange.largest_fit))
+    return outside(
+        "not known where a hollow object nearly fits the finger: their shapes decide there, not "
+        "their radii");
   const auto arguments = fingertip_arguments(input, flat, problem.is_object_spherical ? 1. : 0.);
   const BoundedErrors answer = numbers_of(prediction);
   ErrorBound result;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -75,6 +76,7 @@ struct FingertipRange {
   double largest_flat_thickness = 5;  ///< h/sqrt(R' R'') of a flat layer under a curved object
   double largest_slope = 0.6;         ///< a/R' and b/R''
   double largest_strain = 0.42;       ///< d/h of `bonded_layer`
+  double largest_fit = 0.1;           ///< `fit_of_object`
 };
 constexpr FingertipRange kFingertipRange;
 
@@ -147,6 +149,18 @@ FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
   const Real near = 1. / (1. + ratio * ratio + steep * steep);
   for (Real& effect : at.effects) effect = effect * near;
   return at;
+}
+
+/// By how much a hollow object that nearly fits the finger makes the gap one of shapes, not of
+/// radii of curvature: four times the gap's change from a paraboloid to an ellipsoid, (a k)² (k R -
+/// 1) with the finger's curvature k and the gap's radius R, along the axis where it is larger.
+inline double fit_of_object(const ContactInputOf<double>& input, double a_m, double b_m) noexcept {
+  const auto along = [](double curvature_per_m, double radius_m, double semi_axis_m) {
+    const double slope = semi_axis_m * curvature_per_m;
+    return slope * slope * (curvature_per_m * radius_m - 1);
+  };
+  return std::max({0., along(input.finger_xx_per_m, input.radius_major_m, a_m),
+                   along(input.finger_yy_per_m, input.radius_minor_m, b_m)});
 }
 
 /// The size of all effects together: strain, slopes and curvature.

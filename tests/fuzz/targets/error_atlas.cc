@@ -37,7 +37,7 @@ std::vector<std::string> seeds() {
     for (std::size_t begin = 0; begin < text.size() && lines < 14; ++lines) {
       const std::size_t end = text.find('\n', begin);
       std::size_t cut = begin;
-      for (int columns = 38; columns > 0 && cut < end; --columns)
+      for (int columns = 39; columns > 0 && cut < end; --columns)
         cut = std::min(text.find(',', cut + 1), end);
       seed += text.substr(begin, cut - begin) + "\n";
       begin = end + 1;

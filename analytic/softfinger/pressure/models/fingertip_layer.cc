@@ -94,6 +94,13 @@ class FingertipLayer final : public PressureModel {
                              "that the corrections were fitted to"});
     prediction.validity.add({"convex_finger", h * (mean_per_m - spread_per_m), -1e-9, false,
                              "the finger is hollow, unlike those that were fitted to"});
+    prediction.validity.add(
+        {"object_of_its_own_shape",
+         std::min(1e300, fit_of_object(contact_input(radii, problem.layer,
+                                                     problem.load.normal_force_N, finger),
+                                       prediction.a_m, prediction.b_m)),
+         kFingertipRange.largest_fit, true,
+         "the hollow object nearly fits the finger: their shapes decide, not their radii"});
     prediction.validity.add({"fitted_size", contact_to_thickness(prediction, problem.layer),
                              kFingertipRange.largest_size, true,
                              "the contact is larger than those that were fitted to"});
