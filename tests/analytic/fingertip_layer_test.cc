@@ -181,8 +181,8 @@ TEST(FingertipLayer, SaysWhereItWasNotFitted) {
     return names;
   };
   EXPECT_EQ(failing(finger_on_plane(1)), "");
-  EXPECT_NE(failing(finger_on_plane(200)).find("fitted_indentation"), std::string::npos);
-  EXPECT_NE(failing(finger_on_plane(0.1, 0.45, 0.003, 0.003)).find("fitted_curvature"),
+  EXPECT_NE(failing(finger_on_plane(200)).find("table_indentation"), std::string::npos);
+  EXPECT_NE(failing(finger_on_plane(0.1, 0.45, 0.003, 0.003)).find("table_curvature"),
             std::string::npos);
   ContactProblem hollow = finger_on_plane(1);
   hollow.finger_curvature.yy_per_m = -20;

@@ -111,7 +111,7 @@ Real bounded(const Real& x, double limit) noexcept {
   return x / sqrt(1. + part * part);
 }
 constexpr double kLimitOfStrain = 0.6, kLimitOfSlope = 0.4, kLimitOfBend = 1, kLimitOfRatio = 100,
-                 kLimitOfSteepness = 4;
+                 kLimitOfSteepness = 4, kLimitOfDepth = 4;
 
 /// @param flat  of `bonded_layer`
 /// @param sphere  1 where the object is an exact sphere, else 0
@@ -124,7 +124,8 @@ FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
   const Real s = sqrt(flat.a_m) * sqrt(flat.b_m) / h;
   const Real l = s / (1. + s);
   const Real m = (flat.a_m - flat.b_m) / (flat.a_m + flat.b_m);
-  const Real e = bounded<Real>(flat.indentation_m / h, kLimitOfStrain);
+  const Real strain = flat.indentation_m / h;
+  const Real e = bounded<Real>(strain, kLimitOfStrain);
   const auto squared = [](const Real& slope) {
     return bounded<Real>(slope * slope, kLimitOfSlope);
   };
@@ -143,10 +144,12 @@ FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
        bend * bend_l, bends * bends_l, kxy * kxy * l, sphere * object, e * slopes,
        //
        m * e, slope, m * slopes, ox - oy, bends_l, m * bend_l, bends * e}};
-  // Contacts far longer and far steeper than those of the runs return to the flat layer's.
+  // Contacts far longer, far steeper and far deeper than those of the runs return to the flat
+  // layer's.
   const Real ratio = input.radius_major_m / input.radius_minor_m * (1 / kLimitOfRatio);
   const Real steep = (slope_x * slope_x + slope_y * slope_y) * (1 / kLimitOfSteepness);
-  const Real near = 1. / (1. + ratio * ratio + steep * steep);
+  const Real deep = strain * strain * (1 / kLimitOfDepth);
+  const Real near = 1. / (1. + ratio * ratio + steep * steep + deep * deep);
   for (Real& effect : at.effects) effect = effect * near;
   return at;
 }
