@@ -80,10 +80,11 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus) 
   nodal.clearance = [&] { return pressing.clearance(); };
   nodal.modulus = surface_modulus;
   nodal.regular = layer.has_grid();
-  // On 11 turned ellipses (nu 0.3 to 0.46, d/h 0.03 to 0.31, level 2) against fits of the same
-  // contact's quarter on level 3: 0.05 cells, +-0.01; on level 1 0.055. The mesh, made for what
-  // touches on the level before, lies otherwise to the edge than in linear elasticity.
-  nodal.outline_outside = 0.05;
+  // On 12 turned ellipses (nu 0.3 to 0.46, d/h 0.03 to 0.31, level 2) against fits of the same
+  // contact's quarter on level 3: 0.05 cells, +-0.01; on three round ones (nu 0.3 and 0.49, d/h 0.2
+  // and 0.4) against an axisymmetric solution 0.037, +-0.007. The mesh, made for what touches on
+  // the level before, lies otherwise to the edge than in linear elasticity.
+  nodal.outline_outside = 0.045;
   DeformedContact contact;
   contact.shape = measure_shape(nodal);
   contact.area =
