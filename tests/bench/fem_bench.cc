@@ -385,7 +385,7 @@ int run(const std::vector<std::string>& words) {
   for (const bool is_finite : {false, true})
     for (const TurnedContact& contact : turned_contacts) {
       std::snprintf(name, sizeof name, "turned%s, nu %g, %s", is_finite ? ", finite" : "",
-                    contact.nu, contact.finger_radius_m < straight ? "finger" : "flat");
+                    contact.nu, contact.finger_radius_m < straight ? "bent" : "flat");
       if (wanted(name)) succeeded &= run_turned(name, contact, is_finite);
     }
   for (const bool is_whole : {false, true})
