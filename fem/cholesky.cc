@@ -92,11 +92,36 @@ void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& m
 
 }  // namespace
 
+SparseSymmetricMatrix quotient_graph(const SparseSymmetricMatrix& matrix,
+                                     const std::vector<int>& group) {
+  SparseSymmetricMatrix graph;
+  graph.column_begin.push_back(0);
+  std::vector<int> last_seen_by(group.size(), -1);
+  for (int column = 0; column < matrix.size; ++column) {
+    const int own = group[static_cast<std::size_t>(column)];
+    if (own != graph.size) continue;  // its first unknown has all neighbours
+    for (int k = matrix.column_begin[static_cast<std::size_t>(column)];
+         k < matrix.column_begin[static_cast<std::size_t>(column) + 1]; ++k) {
+      const int other = group[static_cast<std::size_t>(matrix.row[static_cast<std::size_t>(k)])];
+      int& seen_by = last_seen_by[static_cast<std::size_t>(other)];
+      if (other < own || seen_by == own) continue;
+      seen_by = own;
+      graph.row.push_back(other);
+    }
+    std::sort(graph.row.begin() + graph.column_begin.back(), graph.row.end());
+    graph.column_begin.push_back(static_cast<int>(graph.row.size()));
+    ++graph.size;
+  }
+  return graph;
+}
+
 std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix) {
   cholmod_common common{};
   cholmod_start(&common);
   common.print = 0;
   cholmod_sparse view = view_of(matrix);
+  view.x = nullptr;
+  view.xtype = CHOLMOD_PATTERN;
   std::vector<int> ordering(view.nrow);
   const bool done =
       cholmod_metis(&view, nullptr, 0, /*postorder=*/1, ordering.data(), &common) != 0;

@@ -22,7 +22,14 @@ class NotEnoughMemory : public InputError {
   using InputError::InputError;
 };
 
+/// The graph of a matrix whose unknowns are merged in groups, such as those of a node, that share
+/// all their neighbours: without values.
+/// @param group  of each unknown, numbered by their first unknowns
+SparseSymmetricMatrix quotient_graph(const SparseSymmetricMatrix& matrix,
+                                     const std::vector<int>& group);
+
 /// An ordering of the unknowns that keeps the fill low, by nested dissection of the whole graph.
+/// @param matrix  of which only the graph counts
 /// @throws ConvergenceError when memory runs out
 std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix);
 

@@ -90,6 +90,17 @@ OutlineShape shape_of(const std::vector<Eigen::Matrix2Xd>& outlines) {
   return shape;
 }
 
+Eigen::Matrix2Xd moved_left(const Eigen::Matrix2Xd& outline, double distance) {
+  const Index points = outline.cols();
+  Eigen::Matrix2Xd moved = outline;
+  for (Index i = 0; i < points; ++i) {
+    const Vector2d along = outline.col((i + 1) % points) - outline.col((i + points - 1) % points);
+    if (const double length = along.norm(); length > 0)
+      moved.col(i) += distance / length * Vector2d(-along.y(), along.x());
+  }
+  return moved;
+}
+
 std::optional<ContactEdge> smooth_edge(const Eigen::Matrix2Xd& outline, int harmonics,
                                        double tolerance) {
   const Index points = outline.cols(), unknowns = 2 * harmonics + 1;

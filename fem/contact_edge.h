@@ -39,6 +39,10 @@ struct OutlineShape {
 std::optional<ContactEdge> smooth_edge(const Eigen::Matrix2Xd& outline, int harmonics,
                                        double tolerance);
 
+/// A closed outline with each of its points moved to the left of its direction: inwards where it
+/// runs counter-clockwise.
+Eigen::Matrix2Xd moved_left(const Eigen::Matrix2Xd& outline, double distance);
+
 /// @param outlines  polygons of at least three points, counter-clockwise; a hole runs clockwise
 OutlineShape shape_of(const std::vector<Eigen::Matrix2Xd>& outlines);
 

@@ -13,6 +13,7 @@ void set_shape(const ContactShape& shape, double thickness_m, double youngs_modu
   for (const Eigen::Matrix2Xd& outline : shape.outlines) result.outlines_m.push_back(h * outline);
   result.peak_pressure_Pa = shape.peak * E;
   result.centre_pressure_Pa = shape.centre_pressure * E;
+  result.cell_m = shape.cell * h;
   result.fitted = shape.fit.has_value();
   result.fit_ambiguity = shape.fit ? shape.fit->ambiguity : 0;
   result.fit_residual = shape.fit ? shape.fit->residual : 0;

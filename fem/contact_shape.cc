@@ -40,6 +40,14 @@ constexpr Index reported_points = 128;
 /// Polygons that stand for a smooth curve: their area is 2e-5 too small.
 constexpr Index fine_points = 512;
 
+/// Of a smooth curve's fine points.
+Eigen::Matrix2Xd reported(const Eigen::Matrix2Xd& outline) {
+  Eigen::Matrix2Xd points(2, reported_points);
+  for (Index i = 0; i < reported_points; ++i)
+    points.col(i) = outline.col(i * fine_points / reported_points);
+  return points;
+}
+
 void describe(const OutlineShape& shape, ContactShape& contact) {
   contact.a = shape.a;
   contact.b = shape.b;
@@ -66,10 +74,7 @@ ContactShape from_fit(const NodalContact& contact, PressureFit fit, ContactShape
   shape.a = contact.place({fit.edge.a, 0}).x();
   shape.b = contact.place({0, fit.edge.b}).y();
   shape.turn_rad = 0;
-  Eigen::Matrix2Xd points(2, reported_points);
-  for (Index i = 0; i < reported_points; ++i)
-    points.col(i) = outline.col(i * fine_points / reported_points);
-  shape.outlines = {std::move(points)};
+  shape.outlines = {reported(outline)};
   if (!contact.pressure.layered) {
     shape.peak = fit.peak;
     shape.centre_pressure = fit.centre_pressure;
@@ -78,13 +83,16 @@ ContactShape from_fit(const NodalContact& contact, PressureFit fit, ContactShape
   return shape;
 }
 
-/// A single outline becomes a smooth curve, if one follows it as closely as it is known.
-void smooth(std::vector<Eigen::Matrix2Xd>& outlines) {
-  if (outlines.size() != 1) return;
+/// A single outline becomes a smooth curve of fine points, if one follows it as closely as it is
+/// known.
+/// @returns whether it has become one
+bool smooth(std::vector<Eigen::Matrix2Xd>& outlines) {
+  if (outlines.size() != 1) return false;
   constexpr int harmonics = 8;
   constexpr double known = 0.02;  // a fifth of a cell or less
-  if (const std::optional<ContactEdge> edge = smooth_edge(outlines.front(), harmonics, known))
-    outlines.front() = edge->outline(reported_points);
+  const std::optional<ContactEdge> edge = smooth_edge(outlines.front(), harmonics, known);
+  if (edge) outlines.front() = edge->outline(fine_points);
+  return edge.has_value();
 }
 
 ContactShape from_nodes(const NodalContact& contact) {
@@ -94,23 +102,20 @@ ContactShape from_nodes(const NodalContact& contact) {
   shape.outlines =
       touching_outlines({pressure.nodes, pressure.faces, contact.position, contact.nodal_pressure,
                          clearance, contact.modulus, contact.whole});
-  OutlineShape outline = shape_of(shape.outlines);
-  if (!(outline.area > 0))
-    throw ConvergenceError("outline of the contact", 0, outline.area,
+  if (!(shape_of(shape.outlines).area > 0))
+    throw ConvergenceError("outline of the contact", 0, 0,
                            "the contact is smaller than a cell: use a higher level");
+  const bool is_smooth = smooth(shape.outlines);
   if (contact.regular) {
-    // Nodes just beyond the edge touch now and then: against fits of round contacts (nu 0.3 to
-    // 0.4999, a/h 0.1 to 2) the outline lay 0.03 cells outside, +-0.015.
-    constexpr double outside = 0.03;
     const SurfaceFace& face = pressure.faces.front();
-    const double cells = std::sqrt(outline.area / (face.size_x * face.size_y) / M_PI);
+    shape.cell = std::sqrt(face.size_x * face.size_y);
+    // The same everywhere: taken off as a share of the radius, ellipses would become too round.
     for (Eigen::Matrix2Xd& points : shape.outlines)
-      points =
-          ((points.colwise() - outline.centre) * (1 - outside / cells)).colwise() + outline.centre;
+      points = moved_left(points, contact.outline_outside * shape.cell);
   }
-  smooth(shape.outlines);
-  outline = shape_of(shape.outlines);
+  const OutlineShape outline = shape_of(shape.outlines);
   describe(outline, shape);
+  if (is_smooth) shape.outlines.front() = reported(shape.outlines.front());
   std::sort(shape.outlines.begin(), shape.outlines.end(),
             [](const auto& left, const auto& right) { return left.cols() > right.cols(); });
   shape.block_a = contact.rough_a;

@@ -20,6 +20,7 @@ struct ContactShape {
   std::vector<Eigen::Matrix2Xd> outlines;  ///< seen along the load, the largest first
   double peak = 0;                         ///< largest pressure
   double centre_pressure = 0;              ///< at the contact's middle
+  double cell = 0;  ///< side of the surface's cells; 0 on a mesh from outside, whose cells differ
   /// The pressure's fit, which gives all of the above; none: outlines and pressure are those of the
   /// nodes. In layered materials the pressures always are.
   std::optional<PressureFit> fit;
@@ -39,6 +40,8 @@ struct NodalContact {
   std::function<Eigen::VectorXd()> clearance;  ///< of each node from the object
   double modulus = 1;                          ///< E / (1 - nu²) of the surface's material
   bool regular = true;                         ///< faces are a grid of rectangles
+  /// By how many cells the outline of the nodes lies outside the edge, where faces are a grid.
+  double outline_outside = 0;
 };
 
 /// Semi-axes along x and y of a pressure (1 - r²)^n, in the block, from its second moments; its

@@ -14,11 +14,31 @@ constexpr double load_per_approach = 2;
 
 double relative_difference(double coarse, double fine) { return std::abs(coarse / fine - 1); }
 
-void add_without_fit(const WithoutFit& missed, int elements_per_semi_axis, RelativeError& error) {
-  const double of_edge = missed.cells / elements_per_semi_axis;
-  error.a += of_edge + missed.axes;
-  error.b += of_edge + missed.axes;
-  error.area += 2 * of_edge + missed.area;
+/// Cells of a mesh from outside differ: about so many of them lie along the shorter semi-axis.
+double cell_of(const LevelResult& level) {
+  return level.cell_m > 0 ? level.cell_m : level.b_m / level.elements_per_semi_axis;
+}
+
+/// Errors of a, b and the area where the outline is that of the nodes.
+RelativeError error_of_outline(const OutlineScatter& scatter, const LevelResult& coarse,
+                               const LevelResult& fine) {
+  const double refinement = refinement_of(coarse, fine);
+  const auto of_axis = [&](double LevelResult::*axis) {
+    const auto known = [&](const LevelResult& level) {
+      return scatter.axes * cell_of(level) / level.*axis;
+    };
+    return outline_error(relative_difference(coarse.*axis, fine.*axis), known(coarse), known(fine),
+                         refinement);
+  };
+  const auto of_area = [&](const LevelResult& level) {
+    return 2 * scatter.radius * cell_of(level) / std::sqrt(level.a_m * level.b_m);
+  };
+  RelativeError result;
+  result.a = of_axis(&LevelResult::a_m);
+  result.b = of_axis(&LevelResult::b_m);
+  result.area = outline_error(relative_difference(coarse.area_m2, fine.area_m2), of_area(coarse),
+                              of_area(fine), refinement);
+  return result;
 }
 
 void add_rounded_edges(double depth, RelativeError& error) {
@@ -63,6 +83,10 @@ double cells_on_scan(const LevelResult& fine, double thickness_m, double largest
   return largest * std::min(1.0, up_to * thickness_m / std::sqrt(fine.a_m * fine.b_m));
 }
 
+double outline_error(double difference, double coarse, double fine, double refinement) {
+  return fine + std::max(0.0, difference - std::hypot(coarse, fine)) / (refinement - 1);
+}
+
 RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse,
                               const LevelResult& fine, const ErrorSetting& setting) {
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);
@@ -72,19 +96,28 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
   };
   const double edge =
       unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) + fine.fit_ambiguity;
-  const WallChange& wall = setting.wall;
+  const auto of_wall = [&](double WallChange::*correction) {
+    return missed_of_wall * std::abs(setting.wall.*correction);
+  };
   RelativeError result;
-  result.a = error(&LevelResult::a_m, table.edge) + edge + std::abs(wall.a);
-  result.b = error(&LevelResult::b_m, table.edge) + edge + std::abs(wall.b);
-  result.area = error(&LevelResult::area_m2, table.area) + 2 * edge + std::abs(wall.area);
+  if (setting.fitted) {
+    result.a = error(&LevelResult::a_m, table.edge);
+    result.b = error(&LevelResult::b_m, table.edge);
+    result.area = error(&LevelResult::area_m2, table.area);
+  } else {
+    result = error_of_outline(table.outline, coarse, fine);
+  }
+  result.a += edge + of_wall(&WallChange::a);
+  result.b += edge + of_wall(&WallChange::b);
+  result.area += 2 * edge + of_wall(&WallChange::area);
   result.peak_pressure =
-      error(&LevelResult::peak_pressure_Pa, table.peak) + std::abs(wall.peak_pressure);
+      error(&LevelResult::peak_pressure_Pa, table.peak) + of_wall(&WallChange::peak_pressure);
   result.indentation = error(&LevelResult::indentation_m, table.integral) +
                        cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) +
-                       std::abs(wall.indentation);
-  result.load = error(&LevelResult::load_N, table.integral) + std::abs(wall.load);
+                       of_wall(&WallChange::indentation);
+  result.load = error(&LevelResult::load_N, table.integral) + of_wall(&WallChange::load);
   result.max_torque =
-      error(&LevelResult::max_torque_Nm, table.integral) + std::abs(wall.max_torque);
+      error(&LevelResult::max_torque_Nm, table.integral) + of_wall(&WallChange::max_torque);
   if (setting.is_scan) {
     result.indentation += cells_on_scan(fine, setting.thickness_m, 1e-3, 0.1);
     result.load += 2 * cells_on_scan(fine, setting.thickness_m, 1e-3, 0.1);
@@ -96,7 +129,6 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
 RelativeError error_of_contact(const ErrorTable& table, const LevelResult& coarse,
                                const LevelResult& fine, const ErrorSetting& setting) {
   RelativeError error = error_of_levels(table, coarse, fine, setting);
-  if (!setting.fitted) add_without_fit(table.without_fit, fine.elements_per_semi_axis, error);
   if (setting.rounded_edges) add_rounded_edges(fine.indentation_m / setting.thickness_m, error);
   (setting.approach_given ? error.indentation : error.load) = 0;
   return error;

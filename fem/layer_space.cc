@@ -781,17 +781,31 @@ SparseSymmetricMatrix LayerSpace::lower_triangle(const dealii::SparseMatrix<doub
   return lower;
 }
 
+/// The node of each free unknown, nodes that have one numbered by their first.
+std::vector<int> LayerSpace::nodes_of(const Unknowns& free) const {
+  std::vector<int> number(dofs.n_dofs(), -1), result;
+  int count = 0;
+  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
+    if (free.of_dof[i] < 0) continue;
+    int& node = number[node_of[i]];
+    if (node < 0) node = count++;
+    result.push_back(node);
+  }
+  return result;
+}
+
 void LayerSpace::dissect(const SparseSymmetricMatrix& matrix, const Unknowns& free) {
-  const std::vector<int> order = nested_dissection(matrix);
+  const std::vector<int> node = nodes_of(free);
+  const std::vector<int> order = nested_dissection(quotient_graph(matrix, node));
   std::vector<int> rank(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
-  // The rank of a node is that of its first unknown.
-  std::vector<int> node_rank(dofs.n_dofs(), free.count);
+  // Nodes that this parity fixes come last: they are fixed in most others too.
+  std::vector<int> node_rank(dofs.n_dofs(), static_cast<int>(order.size()));
   for (global_dof_index i = 0; i < dofs.n_dofs(); ++i)
     if (free.of_dof[i] >= 0)
       node_rank[node_of[i]] =
-          std::min(node_rank[node_of[i]], rank[static_cast<std::size_t>(free.of_dof[i])]);
+          rank[static_cast<std::size_t>(node[static_cast<std::size_t>(free.of_dof[i])])];
   dissection.resize(dofs.n_dofs());
   std::iota(dissection.begin(), dissection.end(), 0);
   std::stable_sort(dissection.begin(), dissection.end(), [&](int left, int right) {

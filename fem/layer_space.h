@@ -90,6 +90,7 @@ struct LayerSpace {
   /// Finds `dissection`, an order of elimination with little fill. The problems of the four
   /// parities differ only in components on the mirror planes: an order of the nodes that is good
   /// for one of them is good for all.
+  /// Three unknowns of a node have the same neighbours: nodes are ordered, in a ninth of the graph.
   void dissect(const SparseSymmetricMatrix& matrix, const Unknowns& free);
   std::vector<int> dissection_of(const Unknowns& free) const;
 
@@ -104,6 +105,7 @@ struct LayerSpace {
   void leave_out_uncovered(meshes::HexahedralMesh& block) const;
   std::vector<char> dofs_on_walls(bool rims) const;
   void number_surface();
+  std::vector<int> nodes_of(const Unknowns& free) const;
 };
 
 }  // namespace softfinger::fem

@@ -106,6 +106,18 @@ Pressing pressing_of(const Problem& problem) {
   return pressing;
 }
 
+namespace {
+
+/// Share by which the added stiffnesses of half-space and thin layer make the radius too large,
+/// which they do where the layer is neither. Fitted to exact round contacts (nu 0 to 1/2, s from
+/// 0.05 to 20): what is left is at most 2.3 %.
+double excess_of_added_stiffness(double s, double nu) {
+  const double from_worst = std::log(s / 3.2) / 0.85;
+  return (0.13 + 0.14 * std::pow(2 * nu, 3)) * std::exp(-from_worst * from_worst / 2);
+}
+
+}  // namespace
+
 LayerDiscretisation first_guess(const Pressing& pressing) {
   const double nu = pressing.poisson_ratio, R = std::sqrt(pressing.major * pressing.minor);
   const double confined = M_PI / 4 * std::pow(1 - nu, 2) / (1 - 2 * nu);  // (pi/4) M / E*
@@ -121,6 +133,7 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
     const double middle = std::sqrt(low * high);
     (load(middle) < target ? low : high) = middle;
   }
+  if (!(pressing.approach > 0)) low /= 1 + excess_of_added_stiffness(low, nu);
   const double stretch = std::pow(pressing.major / pressing.minor, 0.3);
   LayerDiscretisation guess;
   guess.a = low * stretch;
@@ -357,6 +370,9 @@ ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
   };
   contact.modulus = pressing.surface_modulus();
   contact.regular = !pressing.mesh;
+  // Nodes just beyond the edge touch now and then. Against fits of round contacts (nu 0.3 to
+  // 0.4999, a/h 0.1 to 2): 0.03 cells, +-0.015.
+  contact.outline_outside = 0.03;
   return measure_shape(contact);
 }
 

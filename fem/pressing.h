@@ -97,8 +97,8 @@ struct Pressed {
 void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
                        const Pressing& pressing);
 
-/// Semi-axes to begin meshing with: half-space and thin-layer stiffness added. It decides how
-/// many meshes are tried, never the result.
+/// Semi-axes to begin meshing with: half-space and thin-layer stiffness added, and what is too soft
+/// about that. It decides how many meshes are tried, never the result.
 LayerDiscretisation first_guess(const Pressing& pressing);
 
 /// Elements and patch of the solver's levels; level 0 is that of the trial meshes.

@@ -86,6 +86,7 @@ struct LevelResult {
   /// has parts or holes, the longest first.
   std::vector<Eigen::Matrix2Xd> outlines_m;
   double ellipse_departure = 0;  ///< largest distance of the outline from the ellipse, over b
+  double cell_m = 0;  ///< side of the surface's cells; 0 on a mesh from outside, whose cells differ
   /// Whether a smooth pressure was fitted, which tells the edge to a small part of a cell.
   bool fitted = false;
   /// At finite strain: int mu p n_z r dA, the torque seen along the load, and the energy stored.

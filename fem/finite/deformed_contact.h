@@ -17,7 +17,9 @@ struct DeformedContact {
 /// undeformed block, where the surface's shape functions are those of a regular grid. The
 /// displacements then carry it into the deformed state.
 /// @param surface_modulus  E / (1 - nu²) of the material at the surface, at small strain
-DeformedContact measure(const FinitePressing& pressing, double surface_modulus);
+/// @param material         the same
+DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
+                        const MaterialChoice& material = {});
 
 /// Share of the deformed surface of each surface node.
 Eigen::VectorXd nodal_area(const FiniteLayer& layer);

@@ -118,7 +118,9 @@ class FiniteContact : public ContactPhysics {
 
   Measurement measure() override {
     check_covered();
-    contact_ = finite::measure(*pressing_, task_.pressing.surface_modulus());
+    const MaterialChoice& surface =
+        problem_.sublayers.empty() ? *problem_.finite_strain : problem_.sublayers.front().material;
+    contact_ = finite::measure(*pressing_, task_.pressing.surface_modulus(), surface);
     const Equilibrium& found = equilibrium();
     Measurement measurement;
     measurement.block_a = contact_.shape.block_a;

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -23,6 +24,7 @@
 #include "fem/reference_solver.h"
 #include "fem/verification/torsion_reference.h"
 #include "meshes/generation/object_surface.h"
+#include "meshes/generation/pad_surface.h"
 #include "meshes/generation/surfaces.h"
 #include "meshes/placement/placed_surface.h"
 #include "softfinger/layer/circular_contact.h"
@@ -100,6 +102,7 @@ std::string errors(double value, double truth, double stated) {
 
 struct Truth {
   double a_m = 0, b_m = 0, indentation_m = 0, max_torque_Nm = 0;
+  double area_m2 = 0;  ///< of the deformed surface; 0: not known
 };
 
 std::string compare(const fem::Result& result, const Truth& truth) {
@@ -109,7 +112,28 @@ std::string compare(const fem::Result& result, const Truth& truth) {
          errors(result.finest.indentation_m, truth.indentation_m, result.error.indentation) +
          errors(result.finest.max_torque_Nm, truth.max_torque_Nm, result.error.max_torque) +
          errors(result.finest.a_m, truth.a_m, result.error.a) +
-         errors(result.finest.b_m, truth.b_m, result.error.b);
+         errors(result.finest.b_m, truth.b_m, result.error.b) +
+         (truth.area_m2 > 0 ? errors(result.finest.area_m2, truth.area_m2, result.error.area) : "");
+}
+
+/// What a finer level finds, for the truth. None, and a line that says why, where it fails.
+std::optional<Truth> found_on_level(int level, const std::string& name, fem::Problem problem) {
+  problem.level = level;
+  const Cost cost = run_in_child([&] {
+    const fem::LevelResult found = fem::solve(problem, quiet).finest;
+    char report[160];
+    std::snprintf(report, sizeof report, "%.17g %.17g %.17g %.17g %.17g", found.a_m, found.b_m,
+                  found.indentation_m, found.max_torque_Nm, found.area_m2);
+    return std::string(report);
+  });
+  if (!cost.succeeded) {
+    std::printf("%-34s level %d %s\n", name.c_str(), level, cost.report.c_str());
+    return std::nullopt;
+  }
+  Truth truth;
+  std::istringstream(cost.report) >> truth.a_m >> truth.b_m >> truth.indentation_m >>
+      truth.max_torque_Nm >> truth.area_m2;
+  return truth;
 }
 
 constexpr double thickness_m = 2e-3, youngs_modulus_Pa = 3e5, friction_coefficient = 0.7;
@@ -209,23 +233,9 @@ fem::Problem fingertip(double load_N, double nu, bool is_finite) {
 /// friction adds. Nothing exact is known of it.
 bool run_fingertip(const std::string& name, double load_N, double nu, bool is_finite) {
   const fem::Problem problem = fingertip(load_N, nu, is_finite);
-  const Cost finer = run_in_child([&] {
-    fem::Problem with_finer_mesh = problem;
-    with_finer_mesh.level = 3;
-    const fem::LevelResult found = fem::solve(with_finer_mesh, quiet).finest;
-    char report[128];
-    std::snprintf(report, sizeof report, "%.17g %.17g %.17g %.17g", found.a_m, found.b_m,
-                  found.indentation_m, found.max_torque_Nm);
-    return std::string(report);
-  });
-  if (!finer.succeeded) {
-    std::printf("%-34s level 3 %s\n", name.c_str(), finer.report.c_str());
-    return false;
-  }
-  Truth truth;
-  std::istringstream(finer.report) >> truth.a_m >> truth.b_m >> truth.indentation_m >>
-      truth.max_torque_Nm;
-  const Cost pressing = run_case(name, [&] { return compare(fem::solve(problem, quiet), truth); });
+  const std::optional<Truth> truth = found_on_level(3, name, problem);
+  if (!truth) return false;
+  const Cost pressing = run_case(name, [&] { return compare(fem::solve(problem, quiet), *truth); });
   const Cost friction = run_case(name + ", friction", [&] {
     fem::Problem with_friction = problem;
     with_friction.friction.torsion = true;
@@ -240,6 +250,78 @@ bool run_fingertip(const std::string& name, double load_N, double nu, bool is_fi
   });
   std::printf("%-34s %7.2f CPU s\n", (name + ", on top").c_str(), friction.cpu_s - pressing.cpu_s);
   return pressing.succeeded && friction.succeeded;
+}
+
+/// An object turned about the load, on a flat layer or a sphere's: no quarter stands for the whole
+/// of it, yet the quarter of the same contact, not turned, has the same answer.
+struct TurnedContact {
+  double nu, finger_radius_m, major_m, minor_m, turn_rad;  ///< radii of the object
+  double load_N, finite_load_N;                            ///< d/h up to 0.15, and 0.2
+};
+constexpr double straight = std::numeric_limits<double>::infinity();
+constexpr TurnedContact turned_contacts[] = {
+    {0.46, straight, 31e-3, 13.4e-3, 1.34, 1.4, 3},
+    {0.3, straight, 51e-3, 23e-3, 2.64, 0.3, 2},
+    {0.49, 20e-3, 20e-3, 10.8e-3, 0.72, 0.8, 2},
+    {0.4, 25e-3, 34e-3, 14e-3, 0.5, 0.5, 1.5},
+};
+
+fem::Problem turned_problem(const TurnedContact& contact, bool is_finite, double turn_rad) {
+  const double major = 1 / (1 / contact.major_m + 1 / contact.finger_radius_m),
+               minor = 1 / (1 / contact.minor_m + 1 / contact.finger_radius_m);
+  fem::Problem problem;
+  problem.contact = {{major, minor, 0},
+                     {thickness_m, youngs_modulus_Pa, contact.nu},
+                     {is_finite ? contact.finite_load_N : contact.load_N, friction_coefficient}};
+  if (contact.finger_radius_m < straight)
+    problem.fingertip.pad = meshes::sphere_pad(contact.finger_radius_m);
+  else
+    problem.fingertip.pad = meshes::paraboloid_pad(straight, straight);
+  problem.fingertip.object = meshes::quadric_object(contact.major_m, contact.minor_m, turn_rad);
+  problem.fingertip.symmetric_object = turn_rad == 0;
+  if (is_finite) problem.finite_strain = fem::finite::MaterialChoice();
+  return problem;
+}
+
+/// The whole against the quarter on level 4, at finite strain on level 3: four takes minutes there.
+bool run_turned(const std::string& name, const TurnedContact& contact, bool is_finite) {
+  const std::optional<Truth> truth =
+      found_on_level(is_finite ? 3 : 4, name, turned_problem(contact, is_finite, 0));
+  if (!truth) return false;
+  const fem::Problem whole = turned_problem(contact, is_finite, contact.turn_rad);
+  return run_case(name, [&] { return compare(fem::solve(whole, quiet), *truth); }).succeeded;
+}
+
+/// A bonded neo-Hookean layer with h/R = 0.2 under a sphere, or on a sphere that is pressed on a
+/// plane. From an axisymmetric finite-element solution, not ours, with a node of the mesh at the
+/// contact's edge; precision of the load 2e-4, of the others 1e-4. Load in E* h², torque in mu P h.
+struct AxisymmetricContact {
+  bool is_finger;
+  double nu, load, approach, a, torque, area;
+};
+constexpr AxisymmetricContact axisymmetric_contacts[] = {
+    {false, 0.3, 0.842718591367, 0.199999979973, 1.25693001115, 0.73138585399, 5.04431178425},
+    {false, 0.49, 6.23922758292, 0.399999999428, 2.05143939025, 1.18119403646, 13.8299098006},
+    {true, 0.49, 1.08092453353, 0.199999958103, 1.36160082317, 0.778485672805, 5.82437706816},
+};
+
+bool run_axisymmetric(const std::string& name, const AxisymmetricContact& contact, bool is_whole) {
+  const double h = thickness_m, R = 5 * h;
+  const double load = contact.load * youngs_modulus_Pa / (1 - contact.nu * contact.nu) * h * h;
+  fem::Problem problem;
+  problem.contact = {{R, R, 0}, {h, youngs_modulus_Pa, contact.nu}, {load, friction_coefficient}};
+  problem.finite_strain = fem::finite::MaterialChoice();
+  if (contact.is_finger) {
+    problem.fingertip.pad = meshes::sphere_pad(R);
+    problem.fingertip.object = meshes::plane_object();
+  } else {
+    problem.fingertip.pad = meshes::paraboloid_pad(straight, straight);
+    problem.fingertip.object = meshes::sphere_object(R);
+  }
+  problem.fingertip.symmetric_object = !is_whole;
+  const Truth truth{contact.a * h, contact.a * h, contact.approach * h,
+                    contact.torque * friction_coefficient * load * h, contact.area * h * h};
+  return run_case(name, [&] { return compare(fem::solve(problem, quiet), truth); }).succeeded;
 }
 
 /// The same contact, a/h = 1, nu = 0.3, by CalculiX at the true approach. Its load's error is given
@@ -281,8 +363,8 @@ int run(const std::vector<std::string>& words) {
     succeeded &=
         run_case(name, [&] { return compare(fem::solve(job.first, quiet), job.second); }).succeeded;
   };
-  std::printf("%-34s %7s %6s  %8s %17s %17s %17s %17s\n", "case (errors: true / stated, %)",
-              "CPU s", "MB", "unknowns", "d", "torque", "a", "b");
+  std::printf("%-34s %7s %6s  %8s %17s %17s %17s %17s %17s\n", "case (errors: true / stated, %)",
+              "CPU s", "MB", "unknowns", "d", "torque", "a", "b", "area");
   char name[80];
   for (const double s : {0.1, 0.5, 1.0, 2.0, 5.0})
     for (const double nu : {0.0, 0.3, 0.45, 0.49, 0.4999}) {
@@ -300,6 +382,18 @@ int run(const std::vector<std::string>& words) {
     if (layer.s <= 1 && wanted(name))
       succeeded &= run_friction(name, layer.s, layer.nu, TwistCurve(layer));
   }
+  for (const bool is_finite : {false, true})
+    for (const TurnedContact& contact : turned_contacts) {
+      std::snprintf(name, sizeof name, "turned%s, nu %g, %s", is_finite ? ", finite" : "",
+                    contact.nu, contact.finger_radius_m < straight ? "bent" : "flat");
+      if (wanted(name)) succeeded &= run_turned(name, contact, is_finite);
+    }
+  for (const bool is_whole : {false, true})
+    for (const AxisymmetricContact& contact : axisymmetric_contacts) {
+      std::snprintf(name, sizeof name, "axisymmetric, finite%s, nu %g, d/h %.2g",
+                    is_whole ? ", whole" : "", contact.nu, contact.approach);
+      if (wanted(name)) succeeded &= run_axisymmetric(name, contact, is_whole);
+    }
   for (const bool is_finite : {false, true})
     for (const double load_N : {1.0, 5.0})
       for (const double nu : {0.45, 0.49}) {

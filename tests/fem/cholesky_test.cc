@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 
@@ -52,6 +53,30 @@ TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
   EXPECT_LT((factor.compliance_of_last() - inverse(last, last)).norm(), 1e-13);
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
   EXPECT_LT((factor.solve(right) - inverse * right).norm(), 1e-12);
+}
+
+TEST(QuotientGraph, OfDoubledUnknownsIsTheGraphOfTheirPairs) {
+  const SparseSymmetricMatrix one = laplacian(3);
+  const Eigen::MatrixXd pattern = dense(one).cwiseAbs().cwiseMin(1);
+  // Each unknown twice, all coupled; the second ones after all first ones.
+  SparseSymmetricMatrix doubled;
+  doubled.size = 2 * one.size;
+  doubled.column_begin.push_back(0);
+  std::vector<int> group;
+  for (int column = 0; column < doubled.size; ++column) {
+    group.push_back(column % one.size);
+    for (int row = column; row < doubled.size; ++row)
+      if (pattern(row % one.size, column % one.size) > 0) doubled.row.push_back(row);
+    doubled.column_begin.push_back(static_cast<int>(doubled.row.size()));
+  }
+  const SparseSymmetricMatrix graph = quotient_graph(doubled, group);
+  ASSERT_EQ(graph.size, one.size);
+  for (int column = 0; column < one.size; ++column)
+    for (int row = 0; row < one.size; ++row) {
+      const auto begin = graph.row.begin() + graph.column_begin[static_cast<std::size_t>(column)],
+                 end = graph.row.begin() + graph.column_begin[static_cast<std::size_t>(column) + 1];
+      EXPECT_EQ(std::count(begin, end, row), row >= column ? pattern(row, column) : 0);
+    }
 }
 
 TEST(CholeskyFactor, RefusesAMatrixThatIsNotPositiveDefinite) {

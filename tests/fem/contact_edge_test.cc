@@ -67,6 +67,16 @@ TEST(SmoothEdge, FollowsARoughOutline) {
   EXPECT_FALSE(smooth_edge(rough, 6, 0.005)) << "rougher than the tolerance";
 }
 
+TEST(MovedLeft, MakesAnEllipseNarrowerByAsMuchAsShorter) {
+  ContactEdge ellipse;
+  ellipse.a = 3;
+  const Eigen::Matrix2Xd inside = moved_left(ellipse.outline(512), 0.01);
+  EXPECT_NEAR(inside.row(0).maxCoeff(), 3 - 0.01, 1e-12);
+  EXPECT_NEAR(inside.row(1).maxCoeff(), 1 - 0.01, 1e-12);
+  const Eigen::Matrix2Xd hole = ellipse.outline(512).rowwise().reverse();
+  EXPECT_NEAR(moved_left(hole, 0.01).row(0).maxCoeff(), 3 + 0.01, 1e-12) << "of a hole";
+}
+
 /// A regular grid of biquadratic faces with nodes that touch inside a circle as at the edge of a
 /// Hertz contact.
 struct HertzGrid {

@@ -202,34 +202,64 @@ RelativeError added(const ErrorTable& table, const LevelResult& fine,
   return result;
 }
 
-TEST(ErrorModel, WithoutAFitTheEllipseIsLessCertain) {
-  const auto whole = [](ErrorSetting& setting) { setting.fitted = false; };
-  const RelativeError linear = added(linear_elasticity, level(8), whole);
-  EXPECT_NEAR(linear.a, 0.04 / 8 + 1e-3, round_off);
-  EXPECT_NEAR(linear.b, 0.04 / 8 + 1e-3, round_off);
-  EXPECT_NEAR(linear.area, 2 * 0.04 / 8 + 2e-3, round_off);
-  const RelativeError finite = added(finite_strain, level(8), whole);
-  EXPECT_NEAR(finite.a, 0.04 / 8 + 1e-3, round_off);
-  EXPECT_NEAR(finite.b, 0.04 / 8 + 1e-3, round_off);
-  EXPECT_NEAR(finite.area, 2 * 0.04 / 8 + 2e-3, round_off);
-  for (const RelativeError& error : {linear, finite}) {
-    EXPECT_EQ(error.indentation, 0);
-    EXPECT_EQ(error.peak_pressure, 0);
-    EXPECT_EQ(error.max_torque, 0);
+/// A contact of a/b = 2 with cells of b/6, whose edge is that of the nodes.
+LevelResult outlined(int elements) {
+  LevelResult result = level(elements);
+  result.b_m /= 2;
+  result.area_m2 /= 2;
+  result.cell_m = result.b_m / (0.75 * elements);
+  return result;
+}
+
+RelativeError of_outlines(const ErrorTable& table, const LevelResult& coarse,
+                          const LevelResult& fine) {
+  ErrorSetting whole = setting();
+  whole.fitted = false;
+  return error_of_contact(table, coarse, fine, whole);
+}
+
+TEST(ErrorModel, OutlineOfTheNodesIsKnownToAShareOfACell) {
+  const double resolved = 0.2 * std::pow(0.5e-3 / 8, 3) / 0.5e-3;  // as above
+  for (const ErrorTable& table : {linear_elasticity, finite_strain}) {
+    const double edge = table.unresolved_edge > 0 ? resolved : 0;
+    const RelativeError error = of_outlines(table, outlined(4), outlined(8));
+    EXPECT_NEAR(error.a, 0.034 / 12 + edge, round_off);
+    EXPECT_NEAR(error.b, 0.034 / 6 + edge, round_off);
+    EXPECT_NEAR(error.area, 2 * 0.021 / (6 * std::sqrt(2)) + 2 * edge, round_off);
+    EXPECT_EQ(error.indentation, of_agreeing_levels(table, outlined(8)).indentation);
+    EXPECT_EQ(error.max_torque, of_agreeing_levels(table, outlined(8)).max_torque);
+  }
+  // On a mesh from outside about as many lie along b as were asked for.
+  LevelResult fine = outlined(8);
+  fine.cell_m = 0;
+  EXPECT_NEAR(of_outlines(finite_strain, coarser(fine), fine).b, 0.034 / 8, round_off);
+}
+
+TEST(ErrorModel, OutlinesThatDifferByTheirScatterSayNothing) {
+  const double scatter = 0.034 / 6, of_both = scatter * std::sqrt(5);  // the coarse cell is twice
+  const auto b_where_coarse_is_off = [](double off) {
+    LevelResult coarse = outlined(4);
+    coarse.b_m *= 1 + off;
+    coarse.cell_m *= 1 + off;  // its share of b stays
+    return of_outlines(finite_strain, coarse, outlined(8)).b;
+  };
+  for (const double sign : {-1, 1}) {
+    EXPECT_NEAR(b_where_coarse_is_off(sign * 0.99 * of_both), scatter, round_off);
+    EXPECT_NEAR(b_where_coarse_is_off(sign * (of_both + 0.01)), scatter + 0.01, round_off);
   }
 }
 
-TEST(ErrorModel, HalfOfWhatAClampedSideWallChangesIsStated) {
+TEST(ErrorModel, AShareOfTheSideWallsCorrectionIsStated) {
   const RelativeError error = added(linear_elasticity, level(8), [](ErrorSetting& setting) {
     setting.approach_given = true;  // so that the load has an error
     setting.wall = {0.001, -0.002, 0.003, 0, 0.004, -0.005, 0.006};
   });
-  EXPECT_NEAR(error.a, 0.001, round_off);
-  EXPECT_NEAR(error.b, 0.002, round_off);
-  EXPECT_NEAR(error.area, 0.003, round_off);
-  EXPECT_NEAR(error.peak_pressure, 0.004, round_off);
-  EXPECT_NEAR(error.max_torque, 0.005, round_off);
-  EXPECT_NEAR(error.load, 1e-4 + coarse_integral + 0.006, round_off);
+  EXPECT_NEAR(error.a, 0.4 * 0.001, round_off);
+  EXPECT_NEAR(error.b, 0.4 * 0.002, round_off);
+  EXPECT_NEAR(error.area, 0.4 * 0.003, round_off);
+  EXPECT_NEAR(error.peak_pressure, 0.4 * 0.004, round_off);
+  EXPECT_NEAR(error.max_torque, 0.4 * 0.005, round_off);
+  EXPECT_NEAR(error.load, 1e-4 + coarse_integral + 0.4 * 0.006, round_off);
 }
 
 TEST(ErrorModel, RoundedEdgesMoveTheApproachAndItsLoadTwiceAsMuch) {

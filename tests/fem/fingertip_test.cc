@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -53,6 +54,32 @@ TEST(Fingertip, OfLargeRadiusOnAPlaneIsALayerUnderTheRelativeRadius) {
               2 * bending + sphere.error.max_torque + layer.error.max_torque);
   EXPECT_NEAR(sphere.finest.a_m / layer.finest.a_m, 1,
               2 * bending + sphere.error.a + layer.error.a);
+}
+
+TEST(Fingertip, UnderATurnedObjectIsTheQuarterWithinOnePercent) {
+  Problem problem;
+  problem.contact = {{0.031, 0.0134, 0}, {2e-3, 3e5, 0.46}, {1.4, 0.5}};
+  problem.fingertip.pad = meshes::paraboloid_pad(flat, flat);
+  problem.fingertip.object = meshes::quadric_object(0.031, 0.0134);
+  problem.fingertip.symmetric_object = true;
+  const Result quarter = solve(problem, quiet);
+  constexpr double turn_rad = 1.34;
+  problem.fingertip.object = meshes::quadric_object(0.031, 0.0134, turn_rad);
+  problem.fingertip.symmetric_object = false;
+  const Result whole = solve(problem, quiet);
+  EXPECT_NEAR(whole.finest.a_m / quarter.finest.a_m, 1, whole.error.a + quarter.error.a);
+  EXPECT_NEAR(whole.finest.b_m / quarter.finest.b_m, 1, whole.error.b + quarter.error.b);
+  EXPECT_NEAR(whole.finest.area_m2 / quarter.finest.area_m2, 1,
+              whole.error.area + quarter.error.area);
+  EXPECT_NEAR(whole.finest.indentation_m / quarter.finest.indentation_m, 1,
+              whole.error.indentation + quarter.error.indentation);
+  // Tangent of the angle by which a semi-axis's error turns the ellipse.
+  const double of_direction = whole.error.a / (1 - whole.finest.b_m / whole.finest.a_m);
+  EXPECT_NEAR(whole.finest.turn_rad, turn_rad, of_direction);
+  EXPECT_LT(std::max(whole.error.a, whole.error.b), 0.01);
+  EXPECT_LT(whole.error.area, 0.02);
+  EXPECT_LT(whole.error.indentation, 0.005);
+  EXPECT_LT(whole.error.max_torque, 0.003);
 }
 
 TEST(Fingertip, RefusesALayerThickerThanItsCurvatureBears) {

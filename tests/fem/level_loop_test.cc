@@ -253,5 +253,26 @@ TEST_F(LevelLoop, SharedMeshesThatDoNotServeAreNoAnswer) {
   EXPECT_FALSE(solve()) << "too small for the contact";
 }
 
+// One trial mesh is enough where mesh and contact agree to 8 %.
+TEST(FirstGuess, IsNearlyTheRadiusOfARoundContact) {
+  constexpr double of_fit = 0.023, of_bisection = 0.01;
+  // P R / (E* a³) of a paraboloid on a bonded layer, by its integral equation to 1e-8.
+  constexpr struct {
+    double nu, s, load;
+  } exact[] = {{0, 0.1, 1.3338586323},  {0, 1, 1.5999455780},    {0, 2, 2.2591075523},
+               {0, 5, 4.5405413130},    {0.3, 2, 2.5052722713},  {0.45, 1, 1.8017613522},
+               {0.45, 2, 3.0344837728}, {0.45, 5, 8.3189606241}, {0.4999, 1, 1.880}};
+  for (const auto& contact : exact) {
+    Pressing pressing;
+    pressing.poisson_ratio = contact.nu;
+    pressing.major = pressing.minor = 100;
+    pressing.sphere = std::numeric_limits<double>::infinity();
+    pressing.load = contact.load * std::pow(contact.s, 3) / 100 / (1 - contact.nu * contact.nu);
+    const LayerDiscretisation guess = first_guess(pressing);
+    EXPECT_NEAR(guess.a / contact.s, 1, of_fit + of_bisection) << contact.nu << " " << contact.s;
+    EXPECT_EQ(guess.a, guess.b);
+  }
+}
+
 }  // namespace
 }  // namespace softfinger::fem

@@ -97,5 +97,21 @@ TEST(PressureFit, SeesADiamondShapedEdge) {
   EXPECT_NEAR(ellipse.edge.b / b, 1, 2 * sampling);
 }
 
+// Steps that leave out how the polynomial follows the edge are too short: they ended 2e-5 apart
+// here, 1e-4 on contacts.
+TEST(PressureFit, EndsAtTheSameEdgeFromAnyStart) {
+  const double a = 1.3, b = 1;
+  const Surface surface(1.3 * a, 1.3 * b, 10, [&](double x, double y) {
+    const double r2 = x * x / (a * a) + y * y / (b * b);
+    return r2 < 1 ? std::sqrt(1 - r2) * std::exp(r2) : 0.0;
+  });
+  const ContactEdge small = surface.fit(0.9 * a, 0.9 * b).edge,
+                    large = surface.fit(1.08 * a, 1.08 * b).edge;
+  // The last step is below 1e-5.
+  EXPECT_NEAR(small.a / large.a, 1, 1e-5);
+  EXPECT_NEAR(small.b / large.b, 1, 1e-5);
+  EXPECT_NEAR(small.cosine[4], large.cosine[4], 1e-5);
+}
+
 }  // namespace
 }  // namespace softfinger::fem

@@ -176,6 +176,20 @@ TEST(Sublayers, OfOneMaterialAreAHomogeneousLayer) {
   compare(&LevelResult::peak_pressure_Pa, &RelativeError::peak_pressure);
 }
 
+// A firm skin over a soft pulp, whose pressure peaks beside the centre: fits of high degrees make
+// up for nearly any edge.
+TEST(Sublayers, OfASkinOverPulpHaveAnEdgeThatIsKnown) {
+  Problem problem;
+  const double load_N = 0.10368588163253438, R = 0.06;
+  problem.contact = {{R, R, 0}, {3e-3, 3e5, 0.45}, {load_N, 0.7}};
+  problem.sublayers = {{{0.6e-3, 3e5, 0.45}, {}}, {{2.4e-3, 6e4, 0.49}, {}}};
+  const Result result = solve(problem, silent);
+  // By the integral equation of the exact stack, to all digits that are shown.
+  EXPECT_NEAR(result.finest.a_m / 3e-3, 1, result.error.a);
+  EXPECT_NEAR(result.finest.indentation_m / 9.263036600551442e-05, 1, result.error.indentation);
+  EXPECT_LT(result.error.a, 0.03);
+}
+
 TEST(Sublayers, LieBetweenTheirMaterials) {
   Problem problem;
   problem.level = 1;
