@@ -64,6 +64,7 @@ struct FrictionalPressing::Tangent {
   Eigen::MatrixXd by_normal;              ///< 2n x n: tangential forces per normal displacement
   Eigen::MatrixXd lift;                   ///< n x 2n: normal forces per tangential one
   Eigen::MatrixXd stiffness;              ///< n x n, of normal displacements, friction kept
+  StickSlipFactor stick_slip;
 
   /// @returns false where the state is not stable against shear
   bool set(const Eigen::MatrixXd& of_surface) {
@@ -190,7 +191,7 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
       up.segment<2>(2 * i) = touch.frame.axes.row(2).head<2>().transpose();
     }
     if (renew) {
-      layer_->linearise(frames, force_, FiniteLayer::Along::all);
+      layer_->linearise(frames, force_, Along::all);
       ++factorisations_;
       ++renewed;
     } else {
@@ -318,7 +319,7 @@ void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
 void FrictionalPressing::move_to(const PlaneMotion& motion) {
   const Rub rub = [this](const Rubbed& at, Eigen::VectorXd& friction) {
     solve_friction(tangent_->compliance, friction_coefficient_ * at.normal_force, at.target,
-                   friction);
+                   friction, &tangent_->stick_slip);
   };
   const PlaneMotion start = motion_;
   double length = 1;

@@ -28,6 +28,23 @@ TEST(LayerModel, HasASymmetricPositiveCompliance) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(compliance).eigenvalues().minCoeff(), 0);
 }
 
+TEST(LayerModel, CondensedToAllDisplacementsServesPressingAndFriction) {
+  LayerDiscretisation discretisation = coarse();
+  discretisation.elements_per_semi_axis = 3;
+  const std::vector<ElasticConstants> layer{{1, 0.45}};
+  const LayerModel all(discretisation, layer, nullptr, /*whole=*/true, Along::all);
+  const LayerModel normals(discretisation, layer, nullptr, /*whole=*/true);
+  // Round-off of another order of elimination.
+  constexpr double round_off = 1e-10;
+  EXPECT_LT((all.compliance() - normals.compliance()).norm(),
+            round_off * normals.compliance().norm());
+  const std::vector<int> nodes{1, 4, 7, 20};
+  const Eigen::MatrixXd expected = normals.vector_compliance({}, nodes);
+  EXPECT_LT((all.vector_compliance({}, nodes) - expected).norm(), round_off * expected.norm());
+  EXPECT_NEAR(expected(5, 11), normals.compliance()(4, 20), round_off * expected(5, 5));
+  EXPECT_EQ(normals.vector_compliance({}, nodes), expected) << "asked for once more";
+}
+
 TEST(LayerModel, WeighsFacesWithPositiveNodes) {
   const LayerModel model(coarse(), 0.3);
   for (const auto& node : model.nodes()) EXPECT_GT(node.weight, 0);
