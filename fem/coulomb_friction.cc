@@ -103,7 +103,7 @@ class FrictionProblem {
       const Direction& direction = directions[static_cast<std::size_t>(j)];
       descent[j] = residual_.segment<2>(direction.row).dot(direction.along);
     }
-    const Eigen::VectorXd step = solve_by_factor(kept.factor, descent);
+    const Eigen::VectorXd step = solve_by_factor(kept.factor, descent.cast<float>()).cast<double>();
 
     const double before = energy();
     const Eigen::VectorXd old_force = force_, old_residual = residual_;
@@ -149,17 +149,18 @@ class FrictionProblem {
   }
 
   /// Of the energy along the directions, lower triangle.
-  Eigen::MatrixXd hessian(const std::vector<Direction>& directions) const {
+  Eigen::MatrixXf hessian(const std::vector<Direction>& directions) const {
     const auto size = static_cast<Index>(directions.size());
-    Eigen::MatrixXd result(size, size);
+    Eigen::MatrixXf result(size, size);
     for (Index j = 0; j < size; ++j) {
       const Direction& column = directions[static_cast<std::size_t>(j)];
       const Eigen::VectorXd moved = compliance_.middleCols<2>(column.row) * column.along;
       for (Index i = j; i < size; ++i) {
         const Direction& row = directions[static_cast<std::size_t>(i)];
-        result(i, j) = row.along.x() * moved[row.row] + row.along.y() * moved[row.row + 1];
+        result(i, j) =
+            static_cast<float>(row.along.x() * moved[row.row] + row.along.y() * moved[row.row + 1]);
       }
-      result(j, j) += column.curvature;
+      result(j, j) += static_cast<float>(column.curvature);
     }
     return result;
   }

@@ -18,7 +18,8 @@ struct FrictionSolution {
 struct StickSlipFactor {
   std::vector<Eigen::Index> movable;  ///< points with a limit
   std::vector<bool> slips;            ///< per point
-  Eigen::MatrixXd factor;             ///< lower triangle
+  /// Lower triangle. A step of Newton's method need not be exact: single precision.
+  Eigen::MatrixXf factor;
 };
 
 /// Finds q with C q + s = target, |q_i| <= limit_i, s_i = 0 where less, s_i parallel to q_i and of

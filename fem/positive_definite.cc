@@ -3,9 +3,12 @@
 // LAPACK: Cholesky's factor, and from it the inverse and the matrix itself.
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info);
 void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dpotrs_(const char* uplo, const int* n, const int* columns, const double* a, const int* lda,
              double* b, const int* ldb, int* info);
+void spotrs_(const char* uplo, const int* n, const int* columns, const float* a, const int* lda,
+             float* b, const int* ldb, int* info);
 void dlauum_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
 
@@ -25,6 +28,13 @@ bool factorise_positive_definite(Eigen::MatrixXd& matrix) {
   return info == 0;
 }
 
+bool factorise_positive_definite(Eigen::MatrixXf& matrix) {
+  const int size = static_cast<int>(matrix.rows());
+  int info = 0;
+  if (size > 0) spotrf_("L", &size, matrix.data(), &size, &info);
+  return info == 0;
+}
+
 Eigen::MatrixXd solve_by_factor(const Eigen::MatrixXd& factor,
                                 const Eigen::MatrixXd& right_hand_sides) {
   const int size = static_cast<int>(factor.rows());
@@ -32,6 +42,16 @@ Eigen::MatrixXd solve_by_factor(const Eigen::MatrixXd& factor,
   int info = 0;
   Eigen::MatrixXd result = right_hand_sides;
   if (size > 0) dpotrs_("L", &size, &columns, factor.data(), &size, result.data(), &size, &info);
+  return result;
+}
+
+Eigen::MatrixXf solve_by_factor(const Eigen::MatrixXf& factor,
+                                const Eigen::MatrixXf& right_hand_sides) {
+  const int size = static_cast<int>(factor.rows());
+  const int columns = static_cast<int>(right_hand_sides.cols());
+  int info = 0;
+  Eigen::MatrixXf result = right_hand_sides;
+  if (size > 0) spotrs_("L", &size, &columns, factor.data(), &size, result.data(), &size, &info);
   return result;
 }
 

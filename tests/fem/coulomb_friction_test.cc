@@ -84,7 +84,7 @@ TEST(CoulombFriction, KeepsItsFactorWhileTheSamePointsStickAndSlip) {
   Eigen::VectorXd kept_force = Eigen::VectorXd::Zero(40);
   StickSlipFactor kept;
   solve_friction(compliance, limit, target, kept_force, &kept);
-  const Eigen::MatrixXd factor = kept.factor;
+  const Eigen::MatrixXf factor = kept.factor;
   const std::vector<bool> slips = kept.slips;
   ASSERT_GT(std::count(slips.begin(), slips.end(), true), 0);
   ASSERT_GT(std::count(slips.begin(), slips.end(), false), 0);

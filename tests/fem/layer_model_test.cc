@@ -45,6 +45,28 @@ TEST(LayerModel, CondensedToAllDisplacementsServesPressingAndFriction) {
   EXPECT_EQ(normals.vector_compliance({}, nodes), expected) << "asked for once more";
 }
 
+/// A scan's layer that is flat after all.
+class FlatShape : public LayerShape {
+ public:
+  Eigen::Vector3d position(double x, double y, double z) const override { return {x, y, z}; }
+  Eigen::Vector3d normal(double, double) const override { return Eigen::Vector3d::UnitZ(); }
+  double area_ratio(double, double) const override { return 1; }
+  bool symmetric() const override { return true; }
+};
+
+TEST(LayerModel, SpendsFewerCellsUnderTheFlatOnesOfAScan) {
+  // Cells twice as long as deep, as a contact that is longest along y has them.
+  LayerDiscretisation discretisation;
+  discretisation.a = 0.9;
+  discretisation.b = 1.7;
+  discretisation.elements_per_semi_axis = 4;
+  discretisation.extent = 0.5;
+  const long usual = LayerModel(discretisation, 0.45, std::make_shared<FlatShape>()).unknowns();
+  discretisation.is_scan = true;
+  const LayerModel scan(discretisation, 0.45, std::make_shared<FlatShape>());
+  EXPECT_LT(static_cast<double>(scan.unknowns()), 0.75 * static_cast<double>(usual));
+}
+
 TEST(LayerModel, WeighsFacesWithPositiveNodes) {
   const LayerModel model(coarse(), 0.3);
   for (const auto& node : model.nodes()) EXPECT_GT(node.weight, 0);
