@@ -84,13 +84,16 @@ TEST(CoulombFriction, KeepsItsFactorWhileTheSamePointsStickAndSlip) {
   Eigen::VectorXd kept_force = Eigen::VectorXd::Zero(40);
   StickSlipFactor kept;
   solve_friction(compliance, limit, target, kept_force, &kept);
-  const Eigen::MatrixXf factor = kept.factor;
+  const auto lower = [&]() -> Eigen::MatrixXf {
+    return kept.factor.triangularView<Eigen::Lower>();  // nothing sets the other one
+  };
+  const Eigen::MatrixXf factor = lower();
   const std::vector<bool> slips = kept.slips;
   ASSERT_GT(std::count(slips.begin(), slips.end(), true), 0);
   ASSERT_GT(std::count(slips.begin(), slips.end(), false), 0);
   limit *= 1 + 1e-5;
   const double residual = solve_friction(compliance, limit, target, kept_force, &kept).residual;
-  EXPECT_EQ(kept.factor, factor) << "nothing was factorised";
+  EXPECT_EQ(lower(), factor) << "nothing was factorised";
   EXPECT_EQ(kept.slips, slips);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(40);
   solve_friction(compliance, limit, target, force);
