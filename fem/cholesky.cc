@@ -8,10 +8,8 @@
 #include <string>
 
 #include "fem/memory.h"
+#include "fem/positive_definite.h"
 #include "softfinger/input/errors.h"
-
-// LAPACK: inverse of a symmetric positive definite matrix from its Cholesky factor.
-extern "C" void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 
 namespace softfinger::fem {
 
@@ -212,20 +210,15 @@ Eigen::MatrixXd CholeskyFactor::Implementation::in_order_of_last(
 
 Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
   Eigen::MatrixXd block = implementation_->trailing_factor();
-  const int count = static_cast<int>(block.rows());
-  int info = 0;
-  dpotri_("L", &count, block.data(), &count, &info);
-  if (info != 0)
-    throw ConvergenceError("condensation on the contact surface", info, 0,
-                           "the factor is singular");
+  if (!invert_by_factor(block))
+    throw ConvergenceError("condensation on the contact surface", 0, 0, "the factor is singular");
   return implementation_->in_order_of_last(block);
 }
 
 Eigen::MatrixXd CholeskyFactor::stiffness_of_last() const {
-  const Eigen::MatrixXd block = implementation_->trailing_factor();
-  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(block.rows(), block.cols());
-  product.selfadjointView<Eigen::Lower>().rankUpdate(block);
-  return implementation_->in_order_of_last(product);
+  Eigen::MatrixXd block = implementation_->trailing_factor();
+  multiply_factor(block);
+  return implementation_->in_order_of_last(block);
 }
 
 Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {

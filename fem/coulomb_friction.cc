@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fem/positive_definite.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -85,38 +86,24 @@ class FrictionProblem {
 
   /// Newton's step with the nodes that stick and slip at present. It is taken back if it would
   /// increase the energy. @returns whether it was kept
-  bool newton_step() {
-    struct Direction {
-      Index row;              // first of the point's two
-      Eigen::Vector2d along;  // direction of the force's change
-      double curvature;
-    };
-    std::vector<Direction> directions;
-    for (const Index i : movable_) {
-      const Eigen::Vector2d q = force_.segment<2>(2 * i), r = residual_.segment<2>(2 * i);
-      if (slips_[static_cast<std::size_t>(i)]) {
-        const Eigen::Vector2d t = q / q.norm();
-        directions.push_back({2 * i, {-t.y(), t.x()}, r.dot(t) / limit_[i]});
-      } else {
-        directions.push_back({2 * i, {1, 0}, 0});
-        directions.push_back({2 * i, {0, 1}, 0});
+  bool newton_step(StickSlipFactor& kept, bool renew) {
+    const std::vector<Direction> directions = free_directions();
+    if (renew || kept.slips != slips_ || kept.movable != movable_) {
+      kept.movable = movable_;
+      kept.slips = slips_;
+      kept.factor = hessian(directions);
+      if (!factorise_positive_definite(kept.factor)) {
+        kept.slips.clear();
+        return false;
       }
     }
     const auto size = static_cast<Index>(directions.size());
-    Eigen::MatrixXd hessian(size, size);
     Eigen::VectorXd descent(size);
     for (Index j = 0; j < size; ++j) {
-      const Direction& column = directions[static_cast<std::size_t>(j)];
-      descent[j] = residual_.segment<2>(column.row).dot(column.along);
-      for (Index i = j; i < size; ++i) {
-        const Direction& row = directions[static_cast<std::size_t>(i)];
-        hessian(i, j) = row.along.dot(compliance_.block<2, 2>(row.row, column.row) * column.along);
-      }
-      hessian(j, j) += column.curvature;
+      const Direction& direction = directions[static_cast<std::size_t>(j)];
+      descent[j] = residual_.segment<2>(direction.row).dot(direction.along);
     }
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(hessian);
-    if (factor.info() != Eigen::Success) return false;
-    const Eigen::VectorXd step = factor.solve(descent);
+    const Eigen::VectorXd step = solve_by_factor(kept.factor, descent.cast<float>()).cast<double>();
 
     const double before = energy();
     const Eigen::VectorXd old_force = force_, old_residual = residual_;
@@ -129,13 +116,55 @@ class FrictionProblem {
       if (slips_[static_cast<std::size_t>(i)] || q.norm() > limit_[i]) q *= limit_[i] / q.norm();
     }
     update_residual();
-    if (energy() <= before) return true;
+    // Next to the solution two energies differ by less than their round-off.
+    constexpr double resolved = 1e-13;
+    if (energy() <= before + resolved * std::abs(before)) return true;
     force_ = old_force;
     residual_ = old_residual;
     return false;
   }
 
  private:
+  /// In which the forces may change: any one where a point sticks, along the rim of its disc where
+  /// it slips.
+  struct Direction {
+    Index row;  ///< first of the point's two
+    Eigen::Vector2d along;
+    double curvature;  ///< of the rim, times the slip
+  };
+
+  std::vector<Direction> free_directions() const {
+    std::vector<Direction> directions;
+    for (const Index i : movable_) {
+      const Eigen::Vector2d q = force_.segment<2>(2 * i), r = residual_.segment<2>(2 * i);
+      if (slips_[static_cast<std::size_t>(i)]) {
+        const Eigen::Vector2d t = q / q.norm();
+        directions.push_back({2 * i, {-t.y(), t.x()}, r.dot(t) / limit_[i]});
+      } else {
+        directions.push_back({2 * i, {1, 0}, 0});
+        directions.push_back({2 * i, {0, 1}, 0});
+      }
+    }
+    return directions;
+  }
+
+  /// Of the energy along the directions, lower triangle.
+  Eigen::MatrixXf hessian(const std::vector<Direction>& directions) const {
+    const auto size = static_cast<Index>(directions.size());
+    Eigen::MatrixXf result(size, size);
+    for (Index j = 0; j < size; ++j) {
+      const Direction& column = directions[static_cast<std::size_t>(j)];
+      const Eigen::VectorXd moved = compliance_.middleCols<2>(column.row) * column.along;
+      for (Index i = j; i < size; ++i) {
+        const Direction& row = directions[static_cast<std::size_t>(i)];
+        result(i, j) =
+            static_cast<float>(row.along.x() * moved[row.row] + row.along.y() * moved[row.row + 1]);
+      }
+      result(j, j) += static_cast<float>(column.curvature);
+    }
+    return result;
+  }
+
   void update_residual() { residual_ = target_ - compliance_ * force_; }
   double energy() const { return -0.5 * force_.dot(target_ + residual_); }
 
@@ -151,20 +180,33 @@ class FrictionProblem {
 }  // namespace
 
 FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
-                                const Eigen::VectorXd& target, Eigen::VectorXd& force) {
+                                const Eigen::VectorXd& target, Eigen::VectorXd& force,
+                                StickSlipFactor* kept) {
   FrictionProblem problem(compliance, limit, target, force);
+  StickSlipFactor own;
+  StickSlipFactor& factor = kept ? *kept : own;
   const double scale = target.cwiseAbs().maxCoeff();
   constexpr double tolerance = 1e-9;
   constexpr int iteration_limit = 200;
+  constexpr double slow = 0.1;  // a factor that leaves more of the violation is renewed
+  bool renew = kept == nullptr;
   FrictionSolution solution;
   for (solution.iterations = 1; solution.iterations <= iteration_limit; ++solution.iterations) {
     problem.sweep();
     solution.residual = scale > 0 ? problem.violation() / scale : 0;
-    if (solution.residual <= tolerance) return solution;
-    if (problem.newton_step()) {
-      solution.residual = problem.violation() / scale;
+    // Sweeps find who slips. Newton's steps after one another need no more of them.
+    for (;;) {
       if (solution.residual <= tolerance) return solution;
+      const double before = solution.residual;
+      if (!problem.newton_step(factor, renew)) {
+        renew = true;
+        break;
+      }
+      solution.residual = problem.violation() / scale;
+      renew = solution.residual > slow * before;
+      if (renew) break;
     }
+    if (solution.residual <= tolerance) return solution;
   }
   throw ConvergenceError("friction on the contact", iteration_limit, solution.residual,
                          "stick and slip keep changing; take smaller increments");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fem/error_model.h"
 #include "softfinger/input/errors.h"
@@ -94,8 +95,9 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
     plan = plan_friction({result.stiffness, torque_of_pressure(contact),
                           contact.friction_coefficient * contact.load, contact.b},
                          problem);
+  std::optional<SurfaceCompliance> of_any_motion;
   if (request.torsion) {
-    const SurfaceCompliance surface = surface_compliance(quarters, of_twist);
+    SurfaceCompliance surface = surface_compliance(quarters, of_twist);
     progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, " +
              std::to_string(surface.size() * surface.copies) + " contact points");
     result.twist = move_through(contact, surface, plan->twist, on_state);
@@ -103,6 +105,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
     progress("friction: slip on " +
              std::to_string(std::lround(100 * result.twist.back().slip_fraction)) +
              " % of the area at the last increment");
+    if (of_twist == Invariance::none) of_any_motion = std::move(surface);
   }
   const auto learn = [&](const std::vector<FrictionState>& states) {
     // The edge is known to half the distance of the nodes, which is a quarter of a cell.
@@ -111,9 +114,11 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   };
   learn(result.twist);
   if (request.limit_surface == 0) return result;
-  const SurfaceCompliance surface =
-      surface_compliance(quarters, Invariance::none,
-                         request.increments_to_slip > 0 ? Blocks::all : Blocks::without_tangential);
+  if (!of_any_motion)
+    of_any_motion = surface_compliance(
+        quarters, Invariance::none,
+        request.increments_to_slip > 0 ? Blocks::all : Blocks::without_tangential);
+  const SurfaceCompliance& surface = *of_any_motion;
   progress("friction: limit surface of " + std::to_string(plan->velocities.size()) + " points, " +
            std::to_string(surface.size()) + " contact points");
   result.limit_surface = slide_through(contact, surface, plan->velocities);

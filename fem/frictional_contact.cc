@@ -67,7 +67,7 @@ void FrictionalContact::move_to(const PlaneMotion& motion) {
   Eigen::VectorXd by_pressure;
   settle("increment with friction", [&] {
     by_pressure = surface_.normal_tangential.transpose() * (normal_.force - pressed_);
-    solve_friction(surface_.tangential, limit_, target - by_pressure, tangential_);
+    solve_friction(surface_.tangential, limit_, target - by_pressure, tangential_, &stick_slip_);
   });
   slip_ += target - by_pressure - surface_.tangential * tangential_;
 }

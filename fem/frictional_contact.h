@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "fem/coulomb_friction.h"
 #include "fem/normal_contact.h"
 #include "fem/surface_compliance.h"
 
@@ -60,6 +61,7 @@ class FrictionalContact {
   const double load_, friction_coefficient_;
   NormalContact normal_;
   TouchingFactor touching_;
+  StickSlipFactor stick_slip_;
   Eigen::VectorXd pressed_;     ///< normal forces when friction set in
   Eigen::VectorXd tangential_;  ///< per point x, y: on the layer
   Eigen::VectorXd slip_;        ///< per point x, y: of the indenter against the layer

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <utility>
 
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
@@ -28,11 +29,23 @@ struct LayerModel::Implementation : LayerSpace {
   Unknowns even;                           ///< of the problem whose factor is kept
   std::unique_ptr<CholeskyFactor> factor;
   Eigen::MatrixXd compliance;
+  Eigen::MatrixXd of_all;  ///< 3 x 3 blocks for all surface nodes; empty unless condensed to them
 
   void set_frames();
-  void factorise();
+  void factorise(Along along);
   void assemble();
 };
+
+namespace {
+
+/// In 3 x 3 blocks: the model's z points out of the layer.
+void turn_normals_inwards(Eigen::MatrixXd& blocks) {
+  const auto normals = Eigen::seq(2, Eigen::last, 3);
+  blocks(normals, Eigen::all) *= -1;
+  blocks(Eigen::all, normals) *= -1;
+}
+
+}  // namespace
 
 void LayerModel::Implementation::assemble() {
   {
@@ -71,37 +84,56 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation,
                        std::vector<ElasticConstants> sublayers,
-                       std::shared_ptr<const LayerShape> shape, bool whole)
+                       std::shared_ptr<const LayerShape> shape, bool whole, Along along)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
   implementation_->sublayers = std::move(sublayers);
   if (implementation_->shape) implementation_->set_frames();
-  implementation_->factorise();
+  implementation_->factorise(along);
 }
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation,
                        std::vector<ElasticConstants> sublayers, const meshes::LayerMesh& mesh,
-                       double thickness_m)
+                       double thickness_m, Along along)
     : implementation_(std::make_unique<Implementation>(discretisation, mesh, thickness_m)) {
   auto& self = *implementation_;
   self.sublayers = std::move(sublayers);
   const auto is_flat = [](const SurfaceNode& node) { return node.normal.z() > 1 - 1e-12; };
   if (!std::all_of(self.nodes.begin(), self.nodes.end(), is_flat)) self.set_frames();
-  self.factorise();
+  self.factorise(along);
 }
 
-void LayerModel::Implementation::factorise() {
+void LayerModel::Implementation::factorise(Along along) {
   assemble();
   even = free_unknowns(Parity{});
   std::vector<int> last;
-  for (const auto& dof : node_dofs) last.push_back(even.of_dof[dof[2]]);
+  for (const auto& dof : node_dofs)
+    for (std::size_t c = along == Along::normals ? 2 : 0; c < dim; ++c)
+      last.push_back(even.of_dof[dof[c]]);
   const SparseSymmetricMatrix matrix = lower_triangle(stiffness, even);
+  // A quarter's other parities need it again. A whole layer has none, and needs the memory.
+  if (whole) {
+    stiffness.clear();
+    pattern.reinit(0, 0, 0);
+  }
   dissect(matrix, even);
   factor = std::make_unique<CholeskyFactor>(matrix, dissection_of(even), last);
   compliance = factor->compliance_of_last();
+  if (along == Along::normals) return;
+  of_all = std::move(compliance);
+  const auto normals = Eigen::seq(2, Eigen::last, 3);
+  compliance = of_all(normals, normals);
+  turn_normals_inwards(of_all);
 }
 
 Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
-  const auto& self = *implementation_;
+  auto& self = *implementation_;
+  if (self.of_all.size() > 0) {
+    std::vector<Eigen::Index> rows;
+    for (const int node : nodes)
+      for (int c = 0; c < 3; ++c) rows.push_back(3 * static_cast<Eigen::Index>(node) + c);
+    return self.of_all(rows, rows);
+  }
+  if (self.stiffness.empty()) self.assemble();
   const Unknowns free = self.free_unknowns(parity);
   std::vector<int> last;
   std::vector<Eigen::Index> place;  // of each in the 3 x 3 blocks
@@ -117,14 +149,8 @@ Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<i
           .compliance_of_last();
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(size, size);
-  for (Eigen::Index j = 0; j < condensed.cols(); ++j)
-    for (Eigen::Index i = 0; i < condensed.rows(); ++i) {
-      // The model's z points out of the layer.
-      const Eigen::Index row = place[static_cast<std::size_t>(i)],
-                         column = place[static_cast<std::size_t>(j)];
-      const bool turned = (row % 3 == 2) != (column % 3 == 2);
-      compliance(row, column) = turned ? -condensed(i, j) : condensed(i, j);
-    }
+  compliance(place, place) = condensed;
+  turn_normals_inwards(compliance);
   return compliance;
 }
 

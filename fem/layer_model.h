@@ -101,6 +101,12 @@ struct ElasticConstants {
   }
 };
 
+/// Which displacements of the surface nodes a layer is condensed to.
+enum class Along {
+  normals,  ///< one per node, into the layer
+  all,      ///< three per node: along its tangents, and into the layer
+};
+
 /// Unknowns of the layer that LayerModel would make of a mesh from outside: cells are halved and
 /// counted, nothing is assembled.
 long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
@@ -119,9 +125,12 @@ class LayerModel {
   /// @param sublayers  from the surface inwards, one more than interfaces
   /// @param shape      null: flat
   /// @param whole      all of the layer instead of a quarter
+  /// @param along      `all`, of a whole layer only, is what friction needs: one factorisation then
+  ///                   serves pressing and friction
   /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation.
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
-             std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
+             std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false,
+             Along along = Along::normals);
   /// A homogeneous one with E = 1.
   LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
              std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
@@ -129,7 +138,7 @@ class LayerModel {
   /// until `elements_per_semi_axis` of them lie along b.
   /// @param sublayers  of the mesh's regions
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
-             const meshes::LayerMesh& mesh, double thickness_m);
+             const meshes::LayerMesh& mesh, double thickness_m, Along along = Along::normals);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;
   LayerModel& operator=(const LayerModel&) = delete;
@@ -149,7 +158,7 @@ class LayerModel {
   /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. On a bent layer they
   /// are along each node's normal and the tangents that the smallest rotation makes of x and y.
   /// Rows and columns of components that the parity fixes are zero; a whole layer has no planes
-  /// that would fix any. Each call factorises.
+  /// that would fix any. Each call factorises, unless the model is condensed to all displacements.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
 
   /// Displacement, stress and contact pressure of the quarter in SI units, atomically.

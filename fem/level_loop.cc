@@ -258,6 +258,10 @@ class LevelLoop {
     choose_elements(mesh_, level);
     mesh_.elements_per_semi_axis *= level_refinement_;
     mesh_.patch *= room_;
+    // The coarse level has told how far friction moves the edge.
+    if (plan_)
+      mesh_.patch =
+          std::max(mesh_.patch, plan_->edge + spare_margin / mesh_.elements_per_semi_axis);
     // The error is estimated from the difference of two meshes. A mesh from outside may be finer
     // than both levels ask for and would stay as it is: its cells are halved for the second level.
     if (problem_.mesh && !result_.levels.empty())

@@ -85,7 +85,7 @@ class LinearContact : public ContactPhysics {
     if (shares_meshes_)
       model = meshes_.models[place()];
     else
-      model = make_layer(mesh, task_.pressing);
+      model = make_layer(mesh, task_.pressing, along());
     if (keeps_meshes_ && is_kept_level()) meshes_.models[place()] = model;
     pressed_ = press_on(std::move(model), task_.pressing);
     check_sensible(pressed_, task_);
@@ -192,6 +192,14 @@ class LinearContact : public ContactPhysics {
       if (std::hypot(node.x / pressed_.moment_a, node.y / pressed_.moment_b) < 1 &&
           task_.pressing.gap(node) >= Pressing::beside_object)
         refuse_end_of_object(node.position.x(), node.position.y(), task_.pressing.thickness_m);
+  }
+
+  /// What the present level's mesh is condensed to. A quarter's friction has other parities, which
+  /// are factorised by themselves; trial meshes are only pressed.
+  Along along() const {
+    const Problem& problem = task_.problem;
+    const bool rubs = problem.friction.any() || !problem.compliance_file.empty();
+    return rubs && is_kept_level() && task_.pressing.whole() ? Along::all : Along::normals;
   }
 
   /// Index of the present level in a pair of meshes.

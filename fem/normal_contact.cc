@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fem/active_set.h"
+#include "fem/positive_definite.h"
 
 namespace softfinger::fem {
 namespace {
@@ -18,20 +19,20 @@ NormalContact solve_active_set(const Eigen::MatrixXd& compliance, const Eigen::V
   for (contact.iterations = 1; contact.iterations <= ActiveSet::most_steps; ++contact.iterations) {
     const std::vector<Eigen::Index> touching = set.touching();
     if (kept.nodes != touching) {
-      kept.factor.compute(compliance(touching, touching));
+      kept.factor = compliance(touching, touching);
+      factorise_positive_definite(kept.factor);
       kept.nodes = touching;
     }
     // f = approach * C^-1 1 - C^-1 gap.
-    const Eigen::VectorXd per_approach =
-        kept.factor.solve(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(touching.size())));
-    const Eigen::VectorXd from_gap = kept.factor.solve(gap(touching).eval());
+    Eigen::MatrixXd right(static_cast<Eigen::Index>(touching.size()), 2);
+    right << Eigen::VectorXd::Ones(right.rows()), gap(touching);
+    const Eigen::MatrixXd solved = solve_by_factor(kept.factor, right);
+    const Eigen::VectorXd per_approach = solved.col(0), from_gap = solved.col(1);
     contact.approach = approach(per_approach, from_gap);
     const Eigen::VectorXd force = contact.approach * per_approach - from_gap;
     contact.force = Eigen::VectorXd::Zero(gap.size());
     contact.force(touching) = force;
-    const Eigen::VectorXd clearance =
-        (compliance(Eigen::all, touching) * force -
-         Eigen::VectorXd::Constant(gap.size(), contact.approach) + gap);
+    const Eigen::VectorXd clearance = (compliance * contact.force + gap).array() - contact.approach;
     if (!set.improve(contact.force, clearance, force.cwiseAbs().maxCoeff(),
                      std::abs(contact.approach) + gap.cwiseAbs().maxCoeff()))
       continue;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <vector>
 
 namespace softfinger::fem {
@@ -20,7 +20,7 @@ struct NormalContact {
 /// factorised anew.
 struct TouchingFactor {
   std::vector<Eigen::Index> nodes;
-  Eigen::LLT<Eigen::MatrixXd> factor;
+  Eigen::MatrixXd factor;  ///< lower triangle
 };
 
 /// Solves w = C f, w >= approach - gap, f >= 0, f (w - approach + gap) = 0, sum f = load, by a

@@ -164,12 +164,12 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
 }
 
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
-                                             const Pressing& pressing) {
+                                             const Pressing& pressing, Along along) {
   if (pressing.mesh)
     return std::make_shared<const LayerModel>(discretisation, pressing.materials(), *pressing.mesh,
-                                              pressing.thickness_m);
+                                              pressing.thickness_m, along);
   return std::make_shared<const LayerModel>(discretisation, pressing.materials(),
-                                            pressing.bent.shape, pressing.whole());
+                                            pressing.bent.shape, pressing.whole(), along);
 }
 
 namespace {

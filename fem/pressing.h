@@ -107,7 +107,8 @@ void choose_elements(LayerDiscretisation& mesh, int level);
 /// The layer of a contact on one mesh, factorised.
 /// @throws what LayerModel's constructor throws
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
-                                             const Pressing& pressing);
+                                             const Pressing& pressing,
+                                             Along along = Along::normals);
 
 /// @param model  of the pressing's own layer
 /// @throws InputError, ConvergenceError

@@ -63,12 +63,6 @@ class FiniteLayer {
   /// Volume ratio and principal stretches over all quadrature points, present state.
   double smallest_volume_ratio() const;
 
-  /// Which displacements of the surface nodes the tangent is condensed to.
-  enum class Along {
-    normals,  ///< one per node, into the layer
-    all,      ///< three per node: along the frame's tangents, and into the layer
-  };
-
   /// Linearises about the present state and factorises.
   /// @param frames  one for each surface node
   /// @param force   contact force on each, into the layer along its frame's normal

@@ -56,6 +56,15 @@ struct FrictionalPressing::Touch {
   NodeFrame frame;
 };
 
+/// A step of the surface, in the nodes' frames.
+struct FrictionalPressing::SurfaceStep {
+  Eigen::Matrix3Xd force;          ///< on the nodes
+  Eigen::VectorXd force_of_layer;  ///< what goes together with the displacement on the tangent
+  Eigen::VectorXd displacement;
+  double approach = 0;
+  bool is_settled = false;  ///< pressure and friction agree
+};
+
 /// The layer's tangent about an earlier state, condensed to the surface, for normal displacements
 /// with friction given, and for tangential ones with the normal displacements given.
 struct FrictionalPressing::Tangent {
@@ -64,6 +73,20 @@ struct FrictionalPressing::Tangent {
   Eigen::MatrixXd by_normal;              ///< 2n x n: tangential forces per normal displacement
   Eigen::MatrixXd lift;                   ///< n x 2n: normal forces per tangential one
   Eigen::MatrixXd stiffness;              ///< n x n, of normal displacements, friction kept
+  StickSlipFactor stick_slip;
+
+  /// Added to the diagonal of `stiffness` where that has to be positive definite. It shortens the
+  /// steps and vanishes with them: the state that they lead to is the same.
+  double shift = 0;
+
+  void stabilise() {
+    const double enough = stiffness.norm();
+    for (shift = 1e-2 * stiffness.diagonal().maxCoeff(); shift < enough; shift *= 2) {
+      Eigen::MatrixXd shifted = stiffness;
+      shifted.diagonal().array() += shift;
+      if (factorise_positive_definite(shifted)) return;
+    }
+  }
 
   /// @returns false where the state is not stable against shear
   bool set(const Eigen::MatrixXd& of_surface) {
@@ -150,27 +173,30 @@ std::vector<FrictionalPressing::Touch> FrictionalPressing::touches() const {
 }
 
 /// Along the present tangents: from each node to the place on the object where it was at the last
-/// increment's end.
+/// increment's end. An object that turns takes it there on an arc, whose chord is ahead of the
+/// motion under a node that stays by half of the turn: it is turned back by that, so that friction
+/// on a slipping node is along the motion under it. Where a node sticks there is nothing to turn.
 Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touching,
                                                  double approach) const {
   const Eigen::Matrix3Xd taken =
       carried(kept_position_, kept_motion_, motion_, approach - kept_approach_);
+  const Eigen::Matrix2d back =
+      Eigen::Rotation2Dd((kept_motion_.turn_rad - motion_.turn_rad) / 2).toRotationMatrix();
   Eigen::VectorXd result(2 * force_.cols());
   for (Index i = 0; i < force_.cols(); ++i) {
     const auto node = static_cast<std::size_t>(i);
-    result.segment<2>(2 * i) = touching[node].frame.axes.leftCols<2>().transpose() *
-                               (taken.col(i) - layer_->position(node));
+    Eigen::Vector3d ahead = taken.col(i) - layer_->position(node);
+    ahead.head<2>() = (back * ahead.head<2>()).eval();
+    result.segment<2>(2 * i) = touching[node].frame.axes.leftCols<2>().transpose() * ahead;
   }
   return result;
 }
 
 bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
-  constexpr int most_iterations = 60, most_turns = 40;
+  constexpr int most_iterations = 60, most_tangents = 8;
   constexpr double tolerance = 5e-4;  // of the step, relative to the approach
-  constexpr double settled = 3e-5;    // of pressure and friction, relative to the load
   constexpr double slow = 0.6;        // a tangent that shortens steps by less is renewed
-  constexpr double far = 2;           // h: no step of a method that converges
-  const Index count = force_.cols();
+  constexpr double far = 0.25;        // h: the tangent is of no use beyond
   motion_ = motion;
   double previous = std::numeric_limits<double>::infinity(), two_before = previous;
   bool renew = tangent_ == nullptr;
@@ -181,16 +207,9 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
     ++iterations_;
     const std::vector<Touch> touching = touches();
     std::vector<NodeFrame> frames;
-    Eigen::VectorXd gap(count), cosine(count), up(2 * count);
-    for (Index i = 0; i < count; ++i) {
-      const Touch& touch = touching[static_cast<std::size_t>(i)];
-      frames.push_back(touch.frame);
-      gap[i] = touch.gap;
-      cosine[i] = 1 / touch.secant;
-      up.segment<2>(2 * i) = touch.frame.axes.row(2).head<2>().transpose();
-    }
+    for (const Touch& touch : touching) frames.push_back(touch.frame);
     if (renew) {
-      layer_->linearise(frames, force_, FiniteLayer::Along::all);
+      layer_->linearise(frames, force_, Along::all);
       ++factorisations_;
       ++renewed;
     } else {
@@ -206,54 +225,21 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
         return false;
       }
     }
-    const Tangent& tangent = *tangent_;
     const Eigen::VectorXd rest = layer_->surface_force();
-    const Eigen::VectorXd rest_t = rest(tangent.tangential), rest_n = rest(tangent.normal);
     const Eigen::VectorXd before = layer_->displacements();
 
-    // Normal and tangential problem in turn.
-    Eigen::VectorXd friction(2 * count), normal_force, normal_displacement;
-    for (Index i = 0; i < count; ++i) friction.segment<2>(2 * i) = force_.col(i).head<2>();
-    Eigen::VectorXd along_load = force_.row(2).transpose().cwiseProduct(cosine);
-    SurfaceResponse normal_response;
-    normal_response.stiffness = cosine.asDiagonal() * tangent.stiffness * cosine.asDiagonal();
-    double approach = approach_, change = 0;
-    FixedPoint settling;
-    int turn = 0;
-    for (; turn < most_turns; ++turn) {
-      normal_response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
-      const TangentContact contact =
-          solve_tangent_contact(normal_response, gap, load_ + up.dot(friction), 0, along_load);
-      along_load = contact.force;
-      approach = contact.approach;
-      normal_force = along_load.cwiseQuotient(cosine);
-      normal_displacement = contact.displacement.cwiseProduct(cosine);
-      const Eigen::VectorXd free =
-          tangent.compliance * (rest_t - tangent.by_normal * normal_displacement);
-      Eigen::VectorXd rubbed = friction;
-      rub({normal_force, stuck_target(touching, approach) - free,
-           free + tangent.compliance * friction},
-          rubbed);
-      change = (rubbed - friction).cwiseAbs().sum() / (friction_coefficient_ * load_);
-      if (change <= settled) break;
-      friction = settling.next(friction, rubbed);
+    SurfaceStep next = step_of_surface(touching, rest, rub);
+    double step = layer_->find_step(next.force_of_layer, next.displacement);
+    if (step > far && tangent_->shift == 0) {
+      tangent_->stabilise();
+      next = step_of_surface(touching, rest, rub);
+      step = layer_->find_step(next.force_of_layer, next.displacement);
     }
-
-    Eigen::Matrix3Xd force(3, count);
-    Eigen::VectorXd displacement(3 * count), of_all(3 * count);
-    const Eigen::VectorXd along =
-        tangent.compliance * (friction + rest_t - tangent.by_normal * normal_displacement);
-    for (Index i = 0; i < count; ++i) {
-      force.col(i) << friction.segment<2>(2 * i), normal_force[i];
-      displacement.segment<3>(3 * i) << along.segment<2>(2 * i), normal_displacement[i];
-    }
-    const double step =
-        layer_->find_step(Eigen::Map<const Eigen::VectorXd>(force.data(), 3 * count), displacement);
-    if (!std::isfinite(step) || step > far) {
+    if (!std::isfinite(step)) {
       failure_ = "a step leads nowhere";
       return false;
     }
-    double fraction = 1;
+    double fraction = std::min(1.0, far / step);
     while (!(layer_->take_step(fraction) > 0)) {
       fraction /= 2;
       if (fraction < 1.0 / 16) {
@@ -261,9 +247,9 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
         return false;
       }
     }
-    force_ += fraction * (force - force_);
-    approach_ += fraction * (approach - approach_);
-    if (fraction == 1 && step <= tolerance * approach_ && turn < most_turns) {
+    force_ += fraction * (next.force - force_);
+    approach_ += fraction * (next.approach - approach_);
+    if (fraction == 1 && step <= tolerance * approach_ && next.is_settled) {
       const std::size_t nodes = layer_->nodes().size();
       const LayerDiscretisation& mesh = layer_->discretisation();
       for (std::size_t i = 0; i < nodes; ++i) {
@@ -277,17 +263,84 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
     }
     const bool is_slow = step > slow * two_before;
     two_before = previous;
-    if (is_slow && renewed > 8) {
+    renew = is_slow || fraction < 1;
+    if (renew && renewed > most_tangents) {
       failure_ = "Newton's method does not converge";
       return false;
     }
-    renew = is_slow || fraction < 1;
     if (renew) two_before = std::numeric_limits<double>::infinity();
     previous = step;
     if (!renew) mix(layer_->displacements() - before, mixing, history);
   }
   failure_ = "too many iterations";
   return false;
+}
+
+/// Contact with friction on the tangent. Where pressed nodes that are released would be unstable,
+/// none may be found; then the nodes are shifted towards where they are, as far as it takes.
+FrictionalPressing::SurfaceStep FrictionalPressing::step_of_surface(
+    const std::vector<Touch>& touching, const Eigen::VectorXd& rest, const Rub& rub) {
+  if (tangent_->shift > 0) return settle_surface(touching, rest, rub);
+  try {
+    return settle_surface(touching, rest, rub);
+  } catch (const ConvergenceError&) {
+    tangent_->stabilise();
+    return settle_surface(touching, rest, rub);
+  }
+}
+
+/// Normal and tangential problem in turn.
+FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
+    const std::vector<Touch>& touching, const Eigen::VectorXd& rest, const Rub& rub) const {
+  constexpr int most_turns = 40;
+  constexpr double settled = 3e-5;  // of pressure and friction, relative to the load
+  const Tangent& tangent = *tangent_;
+  const Index count = force_.cols();
+  const Eigen::VectorXd rest_t = rest(tangent.tangential), rest_n = rest(tangent.normal);
+  Eigen::VectorXd gap(count), cosine(count), up(2 * count), friction(2 * count);
+  for (Index i = 0; i < count; ++i) {
+    const Touch& touch = touching[static_cast<std::size_t>(i)];
+    gap[i] = touch.gap;
+    cosine[i] = 1 / touch.secant;
+    up.segment<2>(2 * i) = touch.frame.axes.row(2).head<2>().transpose();
+    friction.segment<2>(2 * i) = force_.col(i).head<2>();
+  }
+  Eigen::VectorXd along_load = force_.row(2).transpose().cwiseProduct(cosine);
+  SurfaceResponse response;
+  response.stiffness = cosine.asDiagonal() * tangent.stiffness * cosine.asDiagonal();
+  response.stiffness.diagonal().array() += tangent.shift;
+  Eigen::VectorXd normal_force, sunk, free;
+  SurfaceStep result;
+  FixedPoint settling;
+  for (int turn = 0; turn < most_turns && !result.is_settled; ++turn) {
+    response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
+    const TangentContact contact =
+        solve_tangent_contact(response, gap, load_ + up.dot(friction), 0, along_load);
+    along_load = contact.force;
+    result.approach = contact.approach;
+    normal_force = along_load.cwiseQuotient(cosine);
+    sunk = contact.displacement.cwiseProduct(cosine);
+    free = tangent.compliance * (rest_t - tangent.by_normal * sunk);
+    Eigen::VectorXd rubbed = friction;
+    rub({normal_force, stuck_target(touching, result.approach) - free,
+         free + tangent.compliance * friction},
+        rubbed);
+    const double change = (rubbed - friction).cwiseAbs().sum() / (friction_coefficient_ * load_);
+    result.is_settled = change <= settled;
+    if (!result.is_settled) friction = settling.next(friction, rubbed);
+  }
+  const Eigen::VectorXd along = free + tangent.compliance * friction;
+  const Eigen::VectorXd of_layer =
+      normal_force - tangent.shift * sunk.cwiseQuotient(cosine.cwiseAbs2());
+  result.force.resize(3, count);
+  result.displacement.resize(3 * count);
+  result.force_of_layer.resize(3 * count);
+  for (Index i = 0; i < count; ++i) {
+    result.force.col(i) << friction.segment<2>(2 * i), normal_force[i];
+    result.force_of_layer.segment<3>(3 * i) << friction.segment<2>(2 * i), of_layer[i];
+    result.displacement.segment<3>(3 * i) << along.segment<2>(2 * i), sunk[i];
+  }
+  return result;
 }
 
 /// Goes on from a combination of the latest iterates: the tangent that is kept alone would converge
@@ -318,19 +371,27 @@ void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
 void FrictionalPressing::move_to(const PlaneMotion& motion) {
   const Rub rub = [this](const Rubbed& at, Eigen::VectorXd& friction) {
     solve_friction(tangent_->compliance, friction_coefficient_ * at.normal_force, at.target,
-                   friction);
+                   friction, &tangent_->stick_slip);
   };
+  // The slip law holds at an increment's end: a node that begins to slip within a longer turn would
+  // be taken to stick.
+  constexpr double longest_turn_rad = 0.5;
   const PlaneMotion start = motion_;
-  double length = 1;
-  const double reached = advance(length, 1.0 / 8, [&](double share) {
-    return try_motion(between(start, motion, share), rub);
-  });
-  if (reached < 1)
-    throw ConvergenceError("friction at finite strain", iterations_, reached, failure_);
+  const double parts =
+      std::max(1.0, std::ceil(std::abs(motion.turn_rad - start.turn_rad) / longest_turn_rad));
+  for (double part = 0; part < parts; ++part) {
+    double length = 1;
+    const double reached = advance(length, 1.0 / 8, [&](double share) {
+      return try_motion(between(start, motion, (part + share) / parts), rub);
+    });
+    if (reached < 1)
+      throw ConvergenceError("friction at finite strain", iterations_, (part + reached) / parts,
+                             failure_);
+  }
 }
 
 /// Goes from 0 to 1 in steps, in shorter ones where they do not converge.
-/// @param length  of the steps, becomes the one that converged last
+/// @param length  of the first step, becomes that of a next one
 /// @returns how far it came
 double FrictionalPressing::advance(double& length, double shortest,
                                    const std::function<bool(double)>& try_share) {
@@ -350,12 +411,15 @@ double FrictionalPressing::advance(double& length, double shortest,
       keep();
       before = done;
       done = next;
+      // One hard stretch need not make all that follow it short.
+      constexpr double growth = 1.5;
+      length = std::min(1.0, growth * length);
       continue;
     }
     take_back();
     tangent_.reset();
     earlier.reset();
-    length /= 2;
+    length = (next - done) / 2;
   }
   return done;
 }

@@ -65,6 +65,7 @@ class FrictionalPressing {
  private:
   struct Touch;
   struct Tangent;
+  struct SurfaceStep;
   /// What friction is found from, per node and along the tangents.
   struct Rubbed {
     const Eigen::VectorXd& normal_force;
@@ -83,6 +84,10 @@ class FrictionalPressing {
   std::vector<Touch> touches() const;
   Eigen::VectorXd stuck_target(const std::vector<Touch>& touching, double approach) const;
   bool try_motion(const PlaneMotion& motion, const Rub& rub);
+  SurfaceStep step_of_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
+                              const Rub& rub);
+  SurfaceStep settle_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
+                             const Rub& rub) const;
   void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<Mixed>& history);
   double advance(double& length, double shortest, const std::function<bool(double)>& try_share);
   void extrapolate(const Mixed& earlier, double share);

@@ -319,7 +319,7 @@ void SuperposedMotion::move_to(const PlaneMotion& motion) {
   const auto rub = [&] {
     target = (rigid_ - frictionless_) * motion_ - slip_;
     if (copies_ == 1) target -= approached_ * approach_.displacement;
-    solve_friction(compliance_, limit_, target, force_);
+    solve_friction(compliance_, limit_, target, force_, &stick_slip_);
   };
   if (copies_ == 1)
     settle(rub);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "fem/coulomb_friction.h"
 #include "fem/finite/finite_pressing.h"
 #include "fem/frictional_contact.h"
 
@@ -140,6 +141,7 @@ class SuperposedMotion {
   double friction_coefficient_;
   Eigen::VectorXd area_, limit_;
   TangentialResponse response_;
+  StickSlipFactor stick_slip_;
   Eigen::MatrixXd compliance_;  ///< 2 n x 2 n along the tangents, normals held; no zero on it
   ApproachResponse approach_;   ///< of a whole contact
   Eigen::MatrixX3d rigid_;      ///< 2 n x 3: V, along the tangents

@@ -51,6 +51,8 @@ TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
   const CholeskyFactor factor(matrix, nested_dissection(matrix), last);
   const Eigen::MatrixXd inverse = dense(matrix).inverse();
   EXPECT_LT((factor.compliance_of_last() - inverse(last, last)).norm(), 1e-13);
+  const Eigen::MatrixXd stiffness = Eigen::MatrixXd(inverse(last, last)).inverse();
+  EXPECT_LT((factor.stiffness_of_last() - stiffness).norm(), 1e-12 * stiffness.norm());
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
   EXPECT_LT((factor.solve(right) - inverse * right).norm(), 1e-12);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace softfinger::fem {
@@ -73,6 +74,36 @@ TEST(CoulombFriction, DoesNotDependOnTheFirstGuess) {
                                    solve_friction(compliance, limit, target, second).residual);
   // The compliance's smallest eigenvalue is at least 1: forces differ by no more than residuals.
   EXPECT_LT((first - second).norm(), 10 * residual * target.norm() + 1e-12);
+}
+
+TEST(CoulombFriction, KeepsItsFactorWhileTheSamePointsStickAndSlip) {
+  std::mt19937_64 random(5);
+  const Eigen::MatrixXd compliance = random_plane_compliance(20, random);
+  Eigen::VectorXd limit = Eigen::VectorXd::LinSpaced(20, 0.001, 0.1);
+  const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(40, -1, 3);
+  Eigen::VectorXd kept_force = Eigen::VectorXd::Zero(40);
+  StickSlipFactor kept;
+  solve_friction(compliance, limit, target, kept_force, &kept);
+  const auto lower = [&]() -> Eigen::MatrixXf {
+    return kept.factor.triangularView<Eigen::Lower>();  // nothing sets the other one
+  };
+  const Eigen::MatrixXf factor = lower();
+  const std::vector<bool> slips = kept.slips;
+  ASSERT_GT(std::count(slips.begin(), slips.end(), true), 0);
+  ASSERT_GT(std::count(slips.begin(), slips.end(), false), 0);
+  limit *= 1 + 1e-5;
+  const double residual = solve_friction(compliance, limit, target, kept_force, &kept).residual;
+  EXPECT_EQ(lower(), factor) << "nothing was factorised";
+  EXPECT_EQ(kept.slips, slips);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(40);
+  solve_friction(compliance, limit, target, force);
+  EXPECT_LT((force - kept_force).norm(), 10 * (residual + 1e-9) * target.norm());
+  // Other points slip: the factor is replaced.
+  limit /= 10;
+  solve_friction(compliance, limit, target, kept_force, &kept);
+  solve_friction(compliance, limit, target, force);
+  EXPECT_NE(kept.slips, slips);
+  EXPECT_LT((force - kept_force).norm(), 1e-7 * target.norm());
 }
 
 TEST(CoulombFriction, HasNoForceWhereNothingPresses) {

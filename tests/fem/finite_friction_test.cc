@@ -663,5 +663,28 @@ TEST_F(SolvedFriction, IsTheSameInStepsOfAnyLength) {
   EXPECT_NEAR(solved.sheared().area_ratio, sheared.area_ratio, newton);
 }
 
+// Under much pressure nodes that are released would be unstable, and the contact on the tangent has
+// no solution, or several. Full friction is reached all the same, and soon.
+TEST_F(SolvedFriction, ReachesFullSlipSoon) {
+  finite::FrictionalPressing solved(pressing, /*friction_coefficient=*/0.7);
+  for (const PlaneMotion velocity : {PlaneMotion{0, 0, 1}, PlaneMotion{0.6, 0.6, 0.4}}) {
+    const int before = solved.iterations();
+    EXPECT_EQ(solved.slide(velocity), 1);
+    EXPECT_LT(solved.iterations() - before, 25);
+  }
+}
+
+// However far the object turns in one increment, friction is along the motion under each node at
+// its end: full slip has one torque.
+TEST_F(SolvedFriction, OfALargeTurnIsThatOfASlide) {
+  finite::FrictionalPressing solved(pressing, kFriction);
+  for (const double turn : {0.3, 1.2}) solved.move_to({0, 0, turn});
+  EXPECT_GT(solved.slip_fraction(), 0.9);
+  const double turned = solved.wrench().torque;
+  ASSERT_EQ(solved.slide({0, 0, 1}), 1);
+  // What sticks around the centre carries little. The chord of 0.9 rad would lose 10 %.
+  EXPECT_NEAR(turned / solved.wrench().torque, 1, 0.01);
+}
+
 }  // namespace
 }  // namespace softfinger::fem

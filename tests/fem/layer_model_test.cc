@@ -28,6 +28,45 @@ TEST(LayerModel, HasASymmetricPositiveCompliance) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(compliance).eigenvalues().minCoeff(), 0);
 }
 
+TEST(LayerModel, CondensedToAllDisplacementsServesPressingAndFriction) {
+  LayerDiscretisation discretisation = coarse();
+  discretisation.elements_per_semi_axis = 3;
+  const std::vector<ElasticConstants> layer{{1, 0.45}};
+  const LayerModel all(discretisation, layer, nullptr, /*whole=*/true, Along::all);
+  const LayerModel normals(discretisation, layer, nullptr, /*whole=*/true);
+  // Round-off of another order of elimination.
+  constexpr double round_off = 1e-10;
+  EXPECT_LT((all.compliance() - normals.compliance()).norm(),
+            round_off * normals.compliance().norm());
+  const std::vector<int> nodes{1, 4, 7, 20};
+  const Eigen::MatrixXd expected = normals.vector_compliance({}, nodes);
+  EXPECT_LT((all.vector_compliance({}, nodes) - expected).norm(), round_off * expected.norm());
+  EXPECT_NEAR(expected(5, 11), normals.compliance()(4, 20), round_off * expected(5, 5));
+  EXPECT_EQ(normals.vector_compliance({}, nodes), expected) << "asked for once more";
+}
+
+/// A scan's layer that is flat after all.
+class FlatShape : public LayerShape {
+ public:
+  Eigen::Vector3d position(double x, double y, double z) const override { return {x, y, z}; }
+  Eigen::Vector3d normal(double, double) const override { return Eigen::Vector3d::UnitZ(); }
+  double area_ratio(double, double) const override { return 1; }
+  bool symmetric() const override { return true; }
+};
+
+TEST(LayerModel, SpendsFewerCellsUnderTheFlatOnesOfAScan) {
+  // Cells twice as long as deep, as a contact that is longest along y has them.
+  LayerDiscretisation discretisation;
+  discretisation.a = 0.9;
+  discretisation.b = 1.7;
+  discretisation.elements_per_semi_axis = 4;
+  discretisation.extent = 0.5;
+  const long usual = LayerModel(discretisation, 0.45, std::make_shared<FlatShape>()).unknowns();
+  discretisation.is_scan = true;
+  const LayerModel scan(discretisation, 0.45, std::make_shared<FlatShape>());
+  EXPECT_LT(static_cast<double>(scan.unknowns()), 0.75 * static_cast<double>(usual));
+}
+
 TEST(LayerModel, WeighsFacesWithPositiveNodes) {
   const LayerModel model(coarse(), 0.3);
   for (const auto& node : model.nodes()) EXPECT_GT(node.weight, 0);

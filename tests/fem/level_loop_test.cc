@@ -67,7 +67,10 @@ class KnownContact : public ContactPhysics {
     result.oversize = oversize;
     return measurement;
   }
-  FrictionOfLevel friction(std::optional<FrictionPlan>&) override { return {}; }
+  FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+    plan.emplace().edge = edge_with_friction;
+    return {};
+  }
   std::vector<PressurePoint> pressures() const override {
     return {{0.2, 0, 0.21, 0, 1},
             {0, 0, 0, 0, 3},
@@ -79,7 +82,7 @@ class KnownContact : public ContactPhysics {
 
   bool shares = false, trial_serves = true, outgrows = false;
   int mesh_outside = 0;
-  double oversize = 1;
+  double oversize = 1, edge_with_friction = 1;
   std::vector<LayerDiscretisation> pressed;
   std::vector<int> levels, walls_clamped_on;
 };
@@ -124,6 +127,17 @@ TEST_F(LevelLoop, PressesTrialMeshesUntilTheyFitAndThenTwoLevels) {
   EXPECT_EQ(result.finest.level, 2);
   EXPECT_FALSE(result.interrupted);
   EXPECT_GE(lines.size(), contact.pressed.size() + 2);
+}
+
+TEST_F(LevelLoop, MakesRoomForTheEdgeThatFrictionMoves) {
+  problem.friction.limit_surface = 4;
+  ASSERT_TRUE(solve());
+  const double usual = contact.pressed.back().patch;
+  contact.edge_with_friction = 1.5;
+  ASSERT_TRUE(solve());
+  // A node that touches in the outermost cells would tell that the room is too small.
+  EXPECT_NEAR(contact.pressed.back().patch, 1.5 + spare_margin / 8, 1e-12);
+  EXPECT_GT(contact.pressed.back().patch, usual);
 }
 
 TEST_F(LevelLoop, AHintOfTheSizeSavesTrialMeshesAndNothingElse) {
