@@ -125,15 +125,26 @@ TEST(Assessment, SaysWhyThereIsNoBound) {
   const std::string pad = "relative_radii_mm = [20, 10]";
   EXPECT_NE(Asked(assessed_case_text(pad), "power_law").assess().evidence.find("no answer"),
             std::string::npos);
+  const auto of_material = [&](const std::string& material) {
+    return Asked(
+               "id = \"x\"\n[geometry]\n" + pad +
+                   "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n" +
+                   material +
+                   "[contact]\nload_N = 2\nfriction_coefficient = 0.5\n"
+                   "[fem]\nkinematics = \"finite\"\n",
+               "fingertip_layer")
+        .assess();
+  };
   const Assessment rubber =
-      Asked("id = \"x\"\n[geometry]\n" + pad +
-                "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"
-                "volumetric = \"logarithmic\"\n[contact]\nload_N = 2\nfriction_coefficient = 0.5\n"
-                "[fem]\nkinematics = \"finite\"\n",
-            "hertz")
-          .assess();
+      of_material("material = \"mooney_rivlin\"\nmooney_rivlin_share = 0.2\n");
   EXPECT_FALSE(rubber.bound || rubber.usable);
   EXPECT_NE(rubber.evidence.find("neo-Hookean"), std::string::npos);
+  // Another volume energy changes something, which its bound holds.
+  const Assessment quadratic = of_material("volumetric = \"quadratic\"\n");
+  const Assessment logarithmic = of_material("volumetric = \"logarithmic\"\n");
+  ASSERT_TRUE(quadratic.bound && logarithmic.bound);
+  for (std::size_t q = 0; q < prediction::kQuantities; ++q)
+    EXPECT_GT((*logarithmic.bound)[q], (*quadratic.bound)[q] + 1e-3);
   const std::string bodies =
       "finger = { radii_mm = [12, 9], shape = \"SHAPE\" }\n"
       "object.radii_mm = [inf, inf]";
