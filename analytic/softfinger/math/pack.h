@@ -6,7 +6,7 @@ namespace softfinger {
 namespace plain::detail {
 
 typedef double PackNumbers __attribute__((vector_size(32)));
-typedef std::int64_t PackBits __attribute__((vector_size(32)));
+typedef std::uint64_t PackBits __attribute__((vector_size(32)));
 template <>
 struct BitsOf<PackNumbers> {
   using type = PackBits;

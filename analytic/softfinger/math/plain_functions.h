@@ -12,7 +12,7 @@ template <class Real>
 struct BitsOf;
 template <>
 struct BitsOf<double> {
-  using type = std::int64_t;
+  using type = std::uint64_t;  // unsigned: what is no number may be shifted, too
 };
 template <class Real>
 using Bits = typename BitsOf<Real>::type;
@@ -29,7 +29,7 @@ inline To reinterpret(From from) noexcept {
 constexpr double kRounder = 0x1.8p52;
 template <class Real>
 inline Real power_of_two(Real k_plus_rounder) noexcept {
-  constexpr std::int64_t kBias = 1023;
+  constexpr std::uint64_t kBias = 1023;
   const Bits<Real> k =
       reinterpret<Bits<Real>>(k_plus_rounder) - reinterpret<Bits<Real>>(Real{} + kRounder);
   return reinterpret<Real>((k + kBias) << 52);
@@ -60,8 +60,8 @@ inline Real exp_of(Real x) noexcept {
 template <class Real>
 inline Real log_of(Real x) noexcept {
   constexpr double kLog2High = 0x1.62e42feep-1, kLog2Low = 0x1.a39ef35793c76p-33;
-  constexpr std::int64_t kOne = 0x3ff0000000000000, kRootOfHalf = 0x3fe6a09e667f3bcd;
-  constexpr std::int64_t kTwoTo52 = 0x4330000000000000;
+  constexpr std::uint64_t kOne = 0x3ff0000000000000, kRootOfHalf = 0x3fe6a09e667f3bcd;
+  constexpr std::uint64_t kTwoTo52 = 0x4330000000000000;
   const Real scaled = x < 0x1p-1022 ? x * 0x1p54 : x;
   const Real offset = x < 0x1p-1022 ? Real{} + 54. : Real{};
   const Bits<Real> bits = reinterpret<Bits<Real>>(scaled);
