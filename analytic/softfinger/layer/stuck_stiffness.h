@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/dual.h"
 #include "softfinger/math/plain_functions.h"
 
 namespace softfinger {
@@ -115,6 +117,62 @@ StuckBlendOf<Real> stuck_blend(const Real& a_m, const Real& b_m, const Real& thi
           5. * poisson_ratio / (4. - 3. * poisson_ratio)};
 }
 
+/// The table's polynomials there.
+template <class Real>
+std::array<Real, StuckStiffnessTable::kFunctions> stuck_polynomials(
+    const StuckBlendOf<Real>& blend) noexcept {
+  using Table = StuckStiffnessTable;
+  const Real v2 = blend.v * blend.v, e2 = blend.e * blend.e;
+  Real by_shape[Table::kShapes] = {};
+  for (int i = Table::kSizes - 1; i >= 0; --i) {
+    const double* row = Table::coefficients + i * Table::kShapes;
+    constexpr int kNext = Table::kSizes * Table::kShapes;  // the same of the next power of v
+    for (int j = 0; j < Table::kShapes; ++j)
+      by_shape[j] =
+          by_shape[j] * blend.T + (row[j] + (blend.v * row[j + kNext] + v2 * row[j + 2 * kNext]));
+  }
+  std::array<Real, Table::kFunctions> sum{};
+  for (int i = Table::kElongations - 1; i >= 0; --i)
+    for (int j = 0; j < Table::kFunctions; ++j)
+      sum[j] = sum[j] * e2 + by_shape[i * Table::kFunctions + j];
+  return sum;
+}
+
+/// With derivatives: the polynomials carry those with respect to T, v and e² only.
+template <int N>
+std::array<Dual<N>, StuckStiffnessTable::kFunctions> stuck_polynomials(
+    const StuckBlendOf<Dual<N>>& blend) noexcept {
+  using Table = StuckStiffnessTable;
+  const double T = blend.T.value, v = blend.v.value, v2 = v * v;
+  const Dual<N> e2 = blend.e * blend.e;
+  double value[Table::kShapes] = {}, by_T[Table::kShapes] = {}, by_v[Table::kShapes] = {};
+  for (int i = Table::kSizes - 1; i >= 0; --i) {
+    const double* row = Table::coefficients + i * Table::kShapes;
+    constexpr int kNext = Table::kSizes * Table::kShapes;
+    for (int j = 0; j < Table::kShapes; ++j) {
+      by_T[j] = by_T[j] * T + value[j];
+      value[j] = value[j] * T + (row[j] + (v * row[j + kNext] + v2 * row[j + 2 * kNext]));
+      by_v[j] = by_v[j] * T + (row[j + kNext] + 2 * v * row[j + 2 * kNext]);
+    }
+  }
+  std::array<Dual<N>, Table::kFunctions> sums;
+  for (int f = 0; f < Table::kFunctions; ++f) {
+    double sum = 0, of_T = 0, of_v = 0, of_e2 = 0;
+    for (int i = Table::kElongations - 1; i >= 0; --i) {
+      const int j = i * Table::kFunctions + f;
+      of_e2 = of_e2 * e2.value + sum;
+      sum = sum * e2.value + value[j];
+      of_T = of_T * e2.value + by_T[j];
+      of_v = of_v * e2.value + by_v[j];
+    }
+    sums[std::size_t(f)].value = sum;
+    for (std::size_t n = 0; n < N; ++n)
+      sums[std::size_t(f)].slope[n] =
+          of_T * blend.T.slope[n] + of_v * blend.v.slope[n] + of_e2 * e2.slope[n];
+  }
+  return sums;
+}
+
 /// Stiffness of a stuck ellipse on a layer that is bonded to a rigid base, for any thickness: the
 /// blend times 1 + window * polynomial (StuckStiffnessTable), laid through 2,160 spectral solutions
 /// (stuck_contact.h). The tangential tractions are taken to leave the normal pressure unchanged.
@@ -133,23 +191,10 @@ template <class Real>
 StuckStiffnessOf<Real> stuck_stiffness(const Real& a_m, const Real& b_m, const Real& thickness_m,
                                        const Real& youngs_modulus_Pa,
                                        const Real& poisson_ratio) noexcept {
-  using Table = StuckStiffnessTable;
   const Real shear_modulus_Pa = 0.5 * youngs_modulus_Pa / (1. + poisson_ratio);
   const StuckBlendOf<Real> blend =
       stuck_blend(a_m, b_m, thickness_m, shear_modulus_Pa, poisson_ratio);
-  const Real v2 = blend.v * blend.v, e2 = blend.e * blend.e;
-  Real by_shape[Table::kShapes] = {};
-  for (int i = Table::kSizes - 1; i >= 0; --i) {
-    const double* row = Table::coefficients + i * Table::kShapes;
-    constexpr int kNext = Table::kSizes * Table::kShapes;  // the same of the next power of v
-    for (int j = 0; j < Table::kShapes; ++j)
-      by_shape[j] =
-          by_shape[j] * blend.T + (row[j] + (blend.v * row[j + kNext] + v2 * row[j + 2 * kNext]));
-  }
-  Real sum[Table::kFunctions] = {};
-  for (int i = Table::kElongations - 1; i >= 0; --i)
-    for (int j = 0; j < Table::kFunctions; ++j)
-      sum[j] = sum[j] * e2 + by_shape[i * Table::kFunctions + j];
+  const std::array<Real, StuckStiffnessTable::kFunctions> sum = stuck_polynomials(blend);
   const Real difference = blend.e * sum[2];
   return {blend.sum.torsional_Nm_per_rad * (1. + blend.torsional_window * sum[0]),
           blend.sum.tangential_x_N_per_m * (1. + blend.tangential_window * (sum[1] + difference)),
