@@ -43,7 +43,7 @@ struct Gap {
 };
 
 /// Eigenvalues and axes of the sum of both bodies' curvatures.
-/// @param bodies  radii of the finger, radii of the object, angle
+/// @param curvatures  of the finger along its x and y, of the object along its own
 template <class Real>
 Gap<Real> gap_of(const std::array<Real, 4>& curvatures, const Real& cos_2_angle,
                  const Real& sin_2_angle, bool* is_elliptic) noexcept {

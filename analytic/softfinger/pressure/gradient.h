@@ -35,8 +35,8 @@ struct PredictionWithGradient {
   PredictionGradient gradient;
 };
 
-/// A prediction and its derivatives, by forward differentiation: exact to round-off. A fast model
-/// takes about three times a prediction's time. Never throws, never allocates.
+/// A prediction and its derivatives, by forward differentiation: exact to round-off. It takes
+/// four to five times a prediction's time. Never throws, never allocates.
 PredictionWithGradient predict_with_gradient(const PressureModel& model,
                                              const ContactProblem& problem) noexcept;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
@@ -95,14 +96,8 @@ class BondedLayer final : public PressureModel {
     const BondedLayerContact contact =
         bonded_layer_contact(radii, problem.layer, problem.load.normal_force_N);
 
-    Prediction prediction;
-    prediction.has_answer = true;
-    prediction.a_m = contact.a_m;
-    prediction.b_m = contact.b_m;
-    prediction.indentation_m = halves * contact.indentation_m;
-    prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
-    prediction.torque_arm_exact_m = contact.torque_arm_exact_m;
-    prediction.torque_arm_paper_m = contact.torque_arm_paper_m;
+    Prediction prediction = answer_of(contact);
+    prediction.indentation_m *= halves;
     prediction.validity.add(
         {"table_size", contact_to_thickness(prediction, problem.layer), 100, true,
          "the contact is larger than the tabulated ones (sqrt(ab)/h): the answer is on its way to "

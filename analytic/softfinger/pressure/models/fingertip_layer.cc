@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "softfinger/layer/fingertip_layer_core.h"
+#include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/soundness.h"
 #include "softfinger/pressure/validity.h"
@@ -46,14 +47,7 @@ class FingertipLayer final : public PressureModel {
       return no_answer(
           {"single_layer", 0, 1, false, "no answer: the corrections were fitted to one layer"});
     const ContactNumbers contact = fingertip_layer_contact(problem);
-    Prediction prediction;
-    prediction.has_answer = true;
-    prediction.a_m = contact.a_m;
-    prediction.b_m = contact.b_m;
-    prediction.indentation_m = contact.indentation_m;
-    prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
-    prediction.torque_arm_exact_m = contact.torque_arm_exact_m;
-    prediction.torque_arm_paper_m = contact.torque_arm_paper_m;
+    Prediction prediction = answer_of(contact);
     add_checks(problem, prediction);
     return finite_or_no_answer(prediction, problem);
   }

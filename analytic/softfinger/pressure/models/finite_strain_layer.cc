@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "softfinger/layer/contact_numbers.h"
+#include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/soundness.h"
 #include "softfinger/pressure/validity.h"
@@ -92,14 +93,7 @@ class FiniteStrainLayer final : public PressureModel {
         corrected<double>({linear.a_m, linear.b_m, linear.indentation_m, linear.peak_pressure_Pa,
                            linear.torque_arm_exact_m, linear.torque_arm_paper_m},
                           contact_input(problem.radii, problem.layer, problem.load.normal_force_N));
-    Prediction prediction;
-    prediction.has_answer = true;
-    prediction.a_m = contact.a_m;
-    prediction.b_m = contact.b_m;
-    prediction.indentation_m = contact.indentation_m;
-    prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
-    prediction.torque_arm_exact_m = contact.torque_arm_exact_m;
-    prediction.torque_arm_paper_m = contact.torque_arm_paper_m;
+    Prediction prediction = answer_of(contact);
     for (const ValidityCheck& check : linear.validity)
       if (std::string_view(check.check).substr(0, 6) == "table_") prediction.validity.add(check);
     prediction.validity.add({"fitted_indentation", depth, kMostDepth, true,

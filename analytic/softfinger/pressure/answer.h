@@ -1,0 +1,21 @@
+#pragma once
+
+#include "softfinger/layer/contact_numbers.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger {
+
+/// An answer with these numbers, as yet without checks.
+inline Prediction answer_of(const ContactNumbers& contact) noexcept {
+  Prediction prediction;
+  prediction.has_answer = true;
+  prediction.a_m = contact.a_m;
+  prediction.b_m = contact.b_m;
+  prediction.indentation_m = contact.indentation_m;
+  prediction.peak_pressure_Pa = contact.peak_pressure_Pa;
+  prediction.torque_arm_exact_m = contact.torque_arm_exact_m;
+  prediction.torque_arm_paper_m = contact.torque_arm_paper_m;
+  return prediction;
+}
+
+}  // namespace softfinger
