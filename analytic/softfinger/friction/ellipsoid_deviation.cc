@@ -18,7 +18,8 @@ struct Slip {
   double deviation = 0;
 };
 
-Slip slip_at(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid, double heading,
+template <class Surface>
+Slip slip_at(const Surface& surface, const FrictionEllipsoid& ellipsoid, double heading,
              double turning) noexcept {
   const double sliding = std::cos(turning);
   Slip slip;
@@ -32,8 +33,8 @@ Slip slip_at(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid, do
 }
 
 /// Largest sign * deviation: a grid, then a pattern search from its best point.
-Slip extreme(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
-             double sign) noexcept {
+template <class Surface>
+Slip extreme(const Surface& surface, const FrictionEllipsoid& ellipsoid, double sign) noexcept {
   constexpr int kHeadings = 12, kTurnings = 48;
   constexpr double kSmallestStep = 1e-7;  // of an angle: its square is far below the stated 1e-8
   double heading = 0, turning = 0;
@@ -60,10 +61,9 @@ Slip extreme(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
   return best;
 }
 
-}  // namespace
-
-double ellipsoid_deviation(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
-                           const LimitWrench& direction) noexcept {
+template <class Surface>
+double deviation_towards(const Surface& surface, const FrictionEllipsoid& ellipsoid,
+                         const LimitWrench& direction) noexcept {
   const double exact = surface.utilisation(direction);
   if (!(exact > 0)) return 0;
   return ellipsoid.utilisation(direction.force_x_N, direction.force_y_N, direction.torque_Nm) /
@@ -71,8 +71,9 @@ double ellipsoid_deviation(const LimitSurface& surface, const FrictionEllipsoid&
          1;
 }
 
-EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
-                                             const FrictionEllipsoid& ellipsoid) noexcept {
+template <class Surface>
+EllipsoidDeviation worst_deviation(const Surface& surface,
+                                   const FrictionEllipsoid& ellipsoid) noexcept {
   EllipsoidDeviation worst;
   if (!(surface.max_torque_Nm() > 0)) return worst;
   const Slip low = extreme(surface, ellipsoid, -1), high = extreme(surface, ellipsoid, 1);
@@ -83,6 +84,28 @@ EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
   worst.highest_twist = high.twist;
   worst.highest_wrench = high.wrench;
   return worst;
+}
+
+}  // namespace
+
+double ellipsoid_deviation(const LimitSurface& surface, const FrictionEllipsoid& ellipsoid,
+                           const LimitWrench& direction) noexcept {
+  return deviation_towards(surface, ellipsoid, direction);
+}
+
+double ellipsoid_deviation(const ShearSurface& surface, const FrictionEllipsoid& ellipsoid,
+                           const LimitWrench& direction) noexcept {
+  return deviation_towards(surface, ellipsoid, direction);
+}
+
+EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
+                                             const FrictionEllipsoid& ellipsoid) noexcept {
+  return worst_deviation(surface, ellipsoid);
+}
+
+EllipsoidDeviation worst_ellipsoid_deviation(const ShearSurface& surface,
+                                             const FrictionEllipsoid& ellipsoid) noexcept {
+  return worst_deviation(surface, ellipsoid);
 }
 
 }  // namespace softfinger

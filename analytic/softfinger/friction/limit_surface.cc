@@ -356,37 +356,15 @@ Eigen::Vector3d LimitSurface::scaled_wrench(const Eigen::Vector3d& twist,
          Eigen::Vector3d(integrals.force_x, integrals.force_y, integrals.torque / arm_over_a_);
 }
 
-LimitWrench LimitSurface::unscaled(const Eigen::Vector3d& wrench) const noexcept {
-  return {max_force_N_ * wrench.x(), max_force_N_ * wrench.y(), max_torque_Nm() * wrench.z()};
+/// What limit_surface_newton.h asks for.
+auto LimitSurface::evaluator() const noexcept {
+  return [this](const Eigen::Vector3d& twist, Eigen::Matrix3d* hessian) {
+    return scaled_wrench(twist, hessian);
+  };
 }
 
 LimitWrench LimitSurface::wrench_for_twist(const Twist& twist) const noexcept {
-  if (!carries_torque()) {
-    Eigen::Vector3d v = normalised({twist.velocity_x_m_per_s, twist.velocity_y_m_per_s, 0});
-    const double norm = v.norm();
-    if (norm > 0) v /= norm;
-    return unscaled(v);
-  }
-  // Normalised before it is scaled: the product of a rate and a tiny arm may underflow.
-  const double speed =
-      std::max(std::abs(twist.velocity_x_m_per_s), std::abs(twist.velocity_y_m_per_s));
-  const double rate = twist.angular_velocity_rad_per_s;
-  if (!(std::isfinite(speed) && std::isfinite(rate))) return {};
-  int exponent = 0;
-  if (speed > 0) {
-    std::frexp(speed, &exponent);
-  } else {
-    int rate_exponent = 0, arm_exponent = 0;
-    std::frexp(rate, &rate_exponent);
-    std::frexp(eccentricity_m_, &arm_exponent);
-    exponent = rate_exponent + arm_exponent;
-  }
-  int arm_exponent = 0;
-  const double arm = std::frexp(eccentricity_m_, &arm_exponent);
-  const double spin = std::clamp(std::ldexp(rate * arm, arm_exponent - exponent), -1e300, 1e300);
-  return unscaled(scaled_wrench({std::ldexp(twist.velocity_x_m_per_s, -exponent),
-                                 std::ldexp(twist.velocity_y_m_per_s, -exponent), spin},
-                                nullptr));
+  return limit_surface_newton::wrench_for_twist(twist, ellipsoid(), evaluator());
 }
 
 LimitWrench LimitSurface::wrench_for_center_of_rotation(double x_m, double y_m) const noexcept {
@@ -405,71 +383,23 @@ double LimitSurface::support(const Twist& twist) const noexcept {
 }
 
 double LimitSurface::utilisation(const LimitWrench& wrench) const noexcept {
-  return limit_surface_newton::utilisation(
-      wrench, ellipsoid(), [this](const Eigen::Vector3d& twist, Eigen::Matrix3d* hessian) {
-        return scaled_wrench(twist, hessian);
-      });
+  return limit_surface_newton::utilisation(wrench, ellipsoid(), evaluator());
 }
 
 bool LimitSurface::contains(const LimitWrench& wrench) const noexcept {
-  using limit_surface_newton::fraction;
-  const double force = std::hypot(fraction(wrench.force_x_N, max_force_N_),
-                                  fraction(wrench.force_y_N, max_force_N_));
-  const double torque = std::abs(fraction(wrench.torque_Nm, max_torque_Nm()));
-  // The cylinder around the surface, and the double cone inside it, which is convex.
-  if (force > 1 || torque > 1) return false;
-  if (force + torque <= 1) return true;
-  return utilisation(wrench) <= 1;
+  return limit_surface_newton::contains(wrench, ellipsoid(), evaluator());
 }
 
 LimitWrench LimitSurface::project(const LimitWrench& wrench) const noexcept {
-  return limit_surface_newton::project(
-      wrench, ellipsoid(), [this](const Eigen::Vector3d& twist, Eigen::Matrix3d* hessian) {
-        return scaled_wrench(twist, hessian);
-      });
-}
-
-Eigen::Vector3d LimitSurface::surface_point(const Eigen::Vector3d& direction) const noexcept {
-  if (!carries_torque()) {
-    const double force = std::hypot(direction.x(), direction.y());
-    return force > 0 ? Eigen::Vector3d(direction.x() / force, direction.y() / force, 0)
-                     : Eigen::Vector3d::Zero();
-  }
-  if (direction.z() == 0 || (direction.x() == 0 && direction.y() == 0))
-    return direction.normalized();
-  return direction / limit_surface_newton::gauge(
-                         direction, [this](const Eigen::Vector3d& twist, Eigen::Matrix3d* hessian) {
-                           return scaled_wrench(twist, hessian);
-                         });
+  return limit_surface_newton::project(wrench, ellipsoid(), evaluator());
 }
 
 std::vector<LimitWrench> LimitSurface::sample(int count) const {
-  constexpr double kGoldenAngle = 2.39996322972865332223;
-  std::vector<LimitWrench> points;
-  if (count <= 0) return points;
-  points.reserve(count);
-  const int half = count / 2;
-  for (int i = 0; i < half; ++i) {
-    const double z = (i + 0.5) / half, radius = std::sqrt((1 - z) * (1 + z));
-    const Eigen::Vector3d direction(radius * std::cos(kGoldenAngle * i),
-                                    radius * std::sin(kGoldenAngle * i), z);
-    points.push_back(unscaled(surface_point(direction)));
-  }
-  for (int i = 0; i < half; ++i)
-    points.push_back({-points[i].force_x_N, -points[i].force_y_N, -points[i].torque_Nm});
-  if (count % 2) points.push_back({0, 0, max_torque_Nm()});
-  return points;
+  return limit_surface_newton::sample(count, ellipsoid(), evaluator());
 }
 
 std::vector<LimitWrench> LimitSurface::sample_section(double direction_rad, int count) const {
-  std::vector<LimitWrench> section(count > 0 ? count : 0);
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2 * kPi * i / count;
-    section[i] =
-        unscaled(surface_point({std::cos(angle) * std::cos(direction_rad),
-                                std::cos(angle) * std::sin(direction_rad), std::sin(angle)}));
-  }
-  return section;
+  return limit_surface_newton::sample_section(direction_rad, count, ellipsoid(), evaluator());
 }
 
 }  // namespace softfinger

@@ -116,8 +116,7 @@ class LimitSurface {
   struct Motion;
   struct Integrals;
   bool carries_torque() const noexcept { return eccentricity_m_ > 0; }
-  Eigen::Vector3d surface_point(const Eigen::Vector3d& scaled_direction) const noexcept;
-  LimitWrench unscaled(const Eigen::Vector3d& wrench) const noexcept;
+  auto evaluator() const noexcept;
   double power(double base) const noexcept;
   bool circle_series(const Motion& motion, Integrals& integrals) const noexcept;
   bool integrate_over_turn(const Motion& motion, Integrals& integrals, bool hessian) const noexcept;

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "softfinger/friction/friction_ellipsoid.h"
+#include "softfinger/friction/limit_surface.h"
+#include "softfinger/input/constants.h"
 
 /// Internal to the limit surfaces: the two questions about a convex set that is known by its
 /// support function h alone, both as maximisations over the unit sphere of directions t.
@@ -138,6 +141,105 @@ LimitWrench project(const LimitWrench& wrench, const FrictionEllipsoid& limits,
   const Eigen::Vector3d nearest =
       evaluate(maximise<Question::distance>(scaled, direction, evaluate), nullptr);
   return {limit.x() * nearest.x(), limit.y() * nearest.y(), limit.z() * nearest.z()};
+}
+
+/// Whether utilisation <= 1, which most wrenches show without computing it.
+template <class Evaluate>
+bool contains(const LimitWrench& wrench, const FrictionEllipsoid& limits,
+              Evaluate evaluate) noexcept {
+  const double force = std::hypot(fraction(wrench.force_x_N, limits.max_force_N),
+                                  fraction(wrench.force_y_N, limits.max_force_N));
+  const double torque = std::abs(fraction(wrench.torque_Nm, limits.max_torque_Nm()));
+  // The cylinder around the surface, and the double cone inside it, which is convex.
+  if (force > 1 || torque > 1) return false;
+  if (force + torque <= 1) return true;
+  return utilisation(wrench, limits, evaluate) <= 1;
+}
+
+/// The twist in the scaled space, (v, arm omega), times a power of two: the product of a rate and a
+/// tiny arm may underflow. Zero for a twist that is not finite.
+inline Eigen::Vector3d scaled_twist(const Twist& twist, double arm_m) noexcept {
+  const double speed =
+      std::max(std::abs(twist.velocity_x_m_per_s), std::abs(twist.velocity_y_m_per_s));
+  const double rate = twist.angular_velocity_rad_per_s;
+  if (!(std::isfinite(speed) && std::isfinite(rate))) return Eigen::Vector3d::Zero();
+  int arm_exponent = 0, exponent = 0;
+  const double arm = std::frexp(arm_m, &arm_exponent);
+  if (speed > 0) {
+    std::frexp(speed, &exponent);
+  } else {
+    std::frexp(rate, &exponent);
+    exponent += arm_exponent;
+  }
+  return {std::ldexp(twist.velocity_x_m_per_s, -exponent),
+          std::ldexp(twist.velocity_y_m_per_s, -exponent),
+          std::clamp(std::ldexp(rate * arm, arm_exponent - exponent), -1e300, 1e300)};
+}
+
+inline LimitWrench unscaled(const Eigen::Vector3d& wrench,
+                            const FrictionEllipsoid& limits) noexcept {
+  return {limits.max_force_N * wrench.x(), limits.max_force_N * wrench.y(),
+          limits.max_torque_Nm() * wrench.z()};
+}
+
+/// Load that keeps the slider moving with this twist; see LimitSurface.
+template <class Evaluate>
+LimitWrench wrench_for_twist(const Twist& twist, const FrictionEllipsoid& limits,
+                             Evaluate evaluate) noexcept {
+  if (limits.max_torque_Nm() > 0)
+    return unscaled(evaluate(scaled_twist(twist, limits.eccentricity_m), nullptr), limits);
+  Eigen::Vector3d v = scaled_twist({twist.velocity_x_m_per_s, twist.velocity_y_m_per_s, 0}, 1);
+  const double norm = v.norm();
+  if (norm > 0) v /= norm;
+  return unscaled(v, limits);
+}
+
+/// The point of the surface in this direction of the scaled space.
+template <class Evaluate>
+Eigen::Vector3d surface_point(const Eigen::Vector3d& direction, const FrictionEllipsoid& limits,
+                              Evaluate evaluate) noexcept {
+  if (!(limits.max_torque_Nm() > 0)) {
+    const double force = std::hypot(direction.x(), direction.y());
+    return force > 0 ? Eigen::Vector3d(direction.x() / force, direction.y() / force, 0)
+                     : Eigen::Vector3d::Zero();
+  }
+  if (direction.z() == 0 || (direction.x() == 0 && direction.y() == 0))
+    return direction.normalized();
+  return direction / gauge(direction, evaluate);
+}
+
+/// See LimitSurface::sample.
+template <class Evaluate>
+std::vector<LimitWrench> sample(int count, const FrictionEllipsoid& limits, Evaluate evaluate) {
+  constexpr double kGoldenAngle = 2.39996322972865332223;
+  std::vector<LimitWrench> points;
+  if (count <= 0) return points;
+  points.reserve(count);
+  const int half = count / 2;
+  for (int i = 0; i < half; ++i) {
+    const double z = (i + 0.5) / half, radius = std::sqrt((1 - z) * (1 + z));
+    const Eigen::Vector3d direction(radius * std::cos(kGoldenAngle * i),
+                                    radius * std::sin(kGoldenAngle * i), z);
+    points.push_back(unscaled(surface_point(direction, limits, evaluate), limits));
+  }
+  for (int i = 0; i < half; ++i)
+    points.push_back({-points[i].force_x_N, -points[i].force_y_N, -points[i].torque_Nm});
+  if (count % 2) points.push_back({0, 0, limits.max_torque_Nm()});
+  return points;
+}
+
+/// See LimitSurface::sample_section.
+template <class Evaluate>
+std::vector<LimitWrench> sample_section(double direction_rad, int count,
+                                        const FrictionEllipsoid& limits, Evaluate evaluate) {
+  std::vector<LimitWrench> section(count > 0 ? count : 0);
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * kPi * i / count;
+    const Eigen::Vector3d direction(std::cos(angle) * std::cos(direction_rad),
+                                    std::cos(angle) * std::sin(direction_rad), std::sin(angle));
+    section[i] = unscaled(surface_point(direction, limits, evaluate), limits);
+  }
+  return section;
 }
 
 /// A piece of a contact, of a `share` of the load at (x, y), with a friction ellipsoid of its own
