@@ -246,8 +246,8 @@ TEST(ShearSurface, OfLimitedFrictionEqualsTheDifferenceOfSurfacesForWholeExponen
           const double error =
               distance(surface.wrench_for_twist(twist), exact, surface.ellipsoid());
           worst = std::max(worst, error);
-          EXPECT_LT(error, 1e-9)  // as shear_surface.h states << "a/b " << aspect << " share " <<
-                                  // share << " n " << exponent;
+          // As shear_surface.h states.
+          EXPECT_LT(error, 1e-9) << "a/b " << aspect << " share " << share << " n " << exponent;
         }
       }
   std::printf("limited friction against differences of limit surfaces: %.1e\n", worst);
