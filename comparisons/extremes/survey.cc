@@ -12,10 +12,10 @@
 #include "comparisons/extremes/extreme_problem.h"
 #include "comparisons/extremes/jumps.h"
 #include "comparisons/prediction/answer_text.h"
-#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/friction/limit_surface.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 #include "softfinger/pressure/soundness.h"
 
 namespace softfinger::extremes {
@@ -75,8 +75,7 @@ bool has_sound_friction(const ContactProblem& problem, const Prediction& predict
   const double arm_m = prediction.torque_arm_exact_m;
   const FrictionEllipsoid ellipsoid{max_force_N, arm_m};
   const LimitSurface surface(prediction.a_m, prediction.b_m,
-                             std::clamp(prediction::equivalent_exponent(prediction), -0.5, 50.),
-                             max_force_N);
+                             std::clamp(equivalent_exponent(prediction), -0.5, 50.), max_force_N);
   const LimitWrench wrench = surface.wrench_for_twist({0.3 * arm_m, -0.2 * arm_m, 1});
   const double used = ellipsoid.utilisation(wrench.force_x_N, wrench.force_y_N, wrench.torque_Nm);
   constexpr double kRounding = 1e-8;

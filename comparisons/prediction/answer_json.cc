@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 #include "softfinger/pressure/gradient.h"
 
 namespace softfinger::prediction {

@@ -12,11 +12,11 @@
 #include <variant>
 
 #include "comparisons/input/recorded_contacts.h"
-#include "comparisons/prediction/equivalent_exponent.h"
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
 #include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/friction/linearised_friction.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 
 namespace softfinger::simulation {
 namespace {
@@ -118,8 +118,8 @@ class SceneContacts final : public ContactFinder {
     // The shape changes little with the load: that of the nominal one.
     const Prediction nominal = origin.pressure->predict(scene_.nominal_load_N);
     if (!nominal.has_answer) return;
-    shapes_.push_back(origin.friction->shape(nominal.b_m / nominal.a_m,
-                                             prediction::equivalent_exponent(nominal)));
+    shapes_.push_back(
+        origin.friction->shape(nominal.b_m / nominal.a_m, equivalent_exponent(nominal)));
     contact.shape = shapes_.back().get();
   }
 
@@ -181,7 +181,7 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
     const Prediction prediction = origin.pressure->predict(wrench.normal_force_N);
     result.semi_axis_a_m = prediction.a_m;
     result.semi_axis_b_m = prediction.b_m;
-    result.pressure_exponent = prediction::equivalent_exponent(prediction);
+    result.pressure_exponent = equivalent_exponent(prediction);
     result.model = std::string(origin.pressure->model().card().name);
   }
   result.utilisation = utilisation(result, contact.shape);

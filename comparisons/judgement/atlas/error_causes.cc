@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "comparisons/prediction/equivalent_exponent.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/max_torque.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -24,7 +24,7 @@ double exponent_of(const TorqueContact& contact) {
   prediction.a_m = std::max(contact.a, contact.b);
   prediction.b_m = std::min(contact.a, contact.b);
   prediction.torque_arm_exact_m = contact.arm;
-  return prediction::equivalent_exponent(prediction);
+  return equivalent_exponent(prediction);
 }
 
 TorqueCauses torque_causes(const TorqueContact& model, const TorqueContact& truth) {

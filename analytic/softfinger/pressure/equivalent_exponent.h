@@ -2,7 +2,7 @@
 
 #include "softfinger/pressure/pressure_model.h"
 
-namespace softfinger::prediction {
+namespace softfinger {
 
 /// The exponent n for which a pressure p ~ (1 - x²/a² - y²/b²)^n on the predicted ellipse has the
 /// predicted torque arm. The limit surface for this n equals the true one at pure torque and at
@@ -10,4 +10,4 @@ namespace softfinger::prediction {
 /// -0.99 and 1000; NaN without an answer. About 10 microseconds.
 double equivalent_exponent(const Prediction& prediction);
 
-}  // namespace softfinger::prediction
+}  // namespace softfinger

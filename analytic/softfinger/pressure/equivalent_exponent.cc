@@ -1,10 +1,10 @@
-#include "comparisons/prediction/equivalent_exponent.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 
 #include <cmath>
 
 #include "softfinger/friction/max_torque.h"
 
-namespace softfinger::prediction {
+namespace softfinger {
 
 double equivalent_exponent(const Prediction& prediction) {
   if (!prediction.has_answer) return NAN;
@@ -22,4 +22,4 @@ double equivalent_exponent(const Prediction& prediction) {
   return (low + high) / 2;
 }
 
-}  // namespace softfinger::prediction
+}  // namespace softfinger
