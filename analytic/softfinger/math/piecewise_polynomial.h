@@ -33,13 +33,17 @@ class PiecewisePolynomial {
     return sum;
   }
 
-  Values slope(double x) const noexcept {
+  Values value(double x, Values* slope) const noexcept {
     double t;
     const Values* term = place(x, &t);
-    Values sum{};
-    for (int k = kDegree; k > 0; --k)
-      for (int f = 0; f < kFunctions; ++f) sum[f] = sum[f] * t + k * term[k][f];
-    for (double& of_function : sum) of_function *= 2 / kLength;
+    Values sum = term[kDegree];
+    *slope = {};
+    for (int k = kDegree - 1; k >= 0; --k)
+      for (int f = 0; f < kFunctions; ++f) {
+        (*slope)[f] = (*slope)[f] * t + sum[f];
+        sum[f] = sum[f] * t + term[k][f];
+      }
+    for (double& of_function : *slope) of_function *= 2 / kLength;
     return sum;
   }
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "softfinger/layer/bonded_layer_spline.h"
 #include "softfinger/layer/fingertip_layer_core.h"
 #include "softfinger/math/pack.h"
+#include "softfinger/math/wide.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -29,8 +29,8 @@ inline LimitShapesOf<Pack> tabulated_limit_shapes(const Pack& log_radii_ratio) n
 inline LayerQuantitiesOf<Pack> table_correction(const TableCoordinatesOf<Pack>& at) noexcept {
   LayerQuantitiesOf<Pack> correction;
   for (int i = 0; i < Pack::kSize; ++i) {
-    const LayerQuantities one = bonded_layer_spline<false>(
-        {at.log_size[i], at.compressibility[i], at.elongation[i]}, nullptr);
+    const LayerQuantities one =
+        table_correction(TableCoordinates{at.log_size[i], at.compressibility[i], at.elongation[i]});
     for (std::size_t q = 0; q < kLayerQuantities; ++q) correction[q].set(i, one[q]);
   }
   return correction;
@@ -88,12 +88,9 @@ inline bool is_plain_answer(const ContactInputOf<Pack>& input, const ContactNumb
   return plain && is_positive(found.a_m[i] * found.b_m[i]);
 }
 
-/// The same source is compiled for the instructions that every processor has and, inlined into one
-/// function, for wider ones. Neither fuses multiplications with additions, so that the bits agree.
 template <class Numbers>
-[[gnu::always_inline]] inline void fill(const PressureModel& model, const ContactBatch& contacts,
-                                        const PredictionBatch& predictions,
-                                        const Numbers& numbers_of) noexcept {
+inline void fill(const PressureModel& model, const ContactBatch& contacts,
+                 const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
   const std::size_t count = contacts.count;
   for (std::size_t first = 0; first < count; first += Pack::kSize) {
     const ContactInputOf<Pack> input = {taken(contacts.normal_force_N, first, count),
@@ -122,49 +119,6 @@ template <class Numbers>
   }
 }
 
-struct BondedLayerNumbers {
-  [[gnu::always_inline]] ContactNumbersOf<Pack> operator()(
-      const ContactInputOf<Pack>& input) const noexcept {
-    return bonded_layer_numbers(input);
-  }
-};
-
-struct FingertipLayerNumbers {
-  double sphere;
-  [[gnu::always_inline]] ContactNumbersOf<Pack> operator()(
-      const ContactInputOf<Pack>& input) const noexcept {
-    return fingertip_layer_numbers(input, sphere);
-  }
-};
-
-template <class Numbers>
-void fill_plain(const PressureModel& model, const ContactBatch& contacts,
-                const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
-  fill(model, contacts, predictions, numbers_of);
-}
-
-#if defined(__x86_64__)
-template <class Numbers>
-[[gnu::target("avx2"), gnu::flatten]] void fill_wide(const PressureModel& model,
-                                                     const ContactBatch& contacts,
-                                                     const PredictionBatch& predictions,
-                                                     const Numbers& numbers_of) noexcept {
-  fill(model, contacts, predictions, numbers_of);
-}
-#endif
-
-template <class Numbers>
-void fill_best(const PressureModel& model, const ContactBatch& contacts,
-               const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) {
-    fill_wide(model, contacts, predictions, numbers_of);
-    return;
-  }
-#endif
-  fill_plain(model, contacts, predictions, numbers_of);
-}
-
 }  // namespace
 
 void PressureModel::predict_batch(const ContactBatch& contacts,
@@ -180,13 +134,20 @@ void predict_batch(const PressureModel& model, const ContactBatch& contacts,
 
 void predict_bonded_layer_batch(const PressureModel& model, const ContactBatch& contacts,
                                 const PredictionBatch& predictions) noexcept {
-  fill_best(model, contacts, predictions, BondedLayerNumbers{});
+  with_best_instructions([&] {
+    fill(model, contacts, predictions,
+         [](const ContactInputOf<Pack>& input) { return bonded_layer_numbers(input); });
+  });
 }
 
 void predict_fingertip_layer_batch(const PressureModel& model, const ContactBatch& contacts,
                                    const PredictionBatch& predictions) noexcept {
-  fill_best(model, contacts, predictions,
-            FingertipLayerNumbers{contacts.are_objects_spherical ? 1. : 0.});
+  const double sphere = contacts.are_objects_spherical ? 1 : 0;
+  with_best_instructions([&] {
+    fill(model, contacts, predictions, [sphere](const ContactInputOf<Pack>& input) {
+      return fingertip_layer_numbers(input, sphere);
+    });
+  });
 }
 
 }  // namespace softfinger
