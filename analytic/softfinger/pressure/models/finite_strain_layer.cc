@@ -113,7 +113,7 @@ class FiniteStrainLayer final : public PressureModel {
   std::optional<DifferentiatedContact> differentiated(
       const ContactProblem& problem) const noexcept override {
     const DifferentiatedInput input = differentiated_input(problem);
-    return corrected(bonded_layer_numbers(input), input);
+    return DifferentiatedContact{corrected(bonded_layer_numbers(input), input)};
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
