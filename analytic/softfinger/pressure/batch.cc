@@ -1,11 +1,11 @@
 #include "softfinger/pressure/batch.h"
 
-#include <cmath>
 #include <limits>
 
 #include "softfinger/layer/fingertip_layer_core.h"
 #include "softfinger/math/pack.h"
 #include "softfinger/math/wide.h"
+#include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -48,6 +48,7 @@ namespace {
 inline Pack taken(const double* array, std::size_t first, std::size_t count) noexcept {
   Pack pack;
   if (!array) return pack;
+  if (first + Pack::kSize <= count) return Pack::from(array + first);
   for (int i = 0; i < Pack::kSize; ++i) {
     const std::size_t index = first + std::size_t(i);
     pack.set(i, array[index < count ? index : count - 1]);
@@ -57,6 +58,10 @@ inline Pack taken(const double* array, std::size_t first, std::size_t count) noe
 
 inline void put(double value, double* array, std::size_t index) noexcept {
   if (array) array[index] = value;
+}
+
+inline void put(const Pack& values, double* array, std::size_t first) noexcept {
+  if (array) values.write(array + first);
 }
 
 inline void put(const Prediction& found, const PredictionBatch& predictions,
@@ -69,23 +74,31 @@ inline void put(const Prediction& found, const PredictionBatch& predictions,
   put(found.torque_arm_paper_m, predictions.torque_arm_paper_m, index);
 }
 
-inline bool is_positive(double value) noexcept {
-  return value >= std::numeric_limits<double>::min() && value <= std::numeric_limits<double>::max();
+/// Normal and finite.
+inline Pack::Mask are_positive(const Pack& numbers) noexcept {
+  using Limits = std::numeric_limits<double>;
+  return (numbers >= Limits::min()) & (numbers <= Limits::max());
+}
+
+inline Pack::Mask are_finite(const Pack& numbers) noexcept {
+  using Limits = std::numeric_limits<double>;
+  return (numbers >= Limits::lowest()) & (numbers <= Limits::max());
 }
 
 /// Whether `predict` would give these numbers: its other answers are left to itself.
-inline bool is_plain_answer(const ContactInputOf<Pack>& input, const ContactNumbersOf<Pack>& found,
-                            int i) noexcept {
-  bool plain = input.poisson_ratio[i] >= 0 && input.poisson_ratio[i] <= 0.5 &&
-               std::isfinite(input.finger_xx_per_m[i]) && std::isfinite(input.finger_yy_per_m[i]) &&
-               std::isfinite(input.finger_xy_per_m[i]) &&
-               input.radius_major_m[i] >= input.radius_minor_m[i];
-  for (const Pack* number :
+inline Pack::Mask are_plain_answers(const ContactInputOf<Pack>& input,
+                                    const ContactNumbersOf<Pack>& found) noexcept {
+  Pack::Mask plain = (input.poisson_ratio >= 0.) & (input.poisson_ratio <= 0.5) &
+                     are_finite(input.finger_xx_per_m) & are_finite(input.finger_yy_per_m) &
+                     are_finite(input.finger_xy_per_m) &
+                     (input.radius_major_m >= input.radius_minor_m) &
+                     are_positive(found.a_m * found.b_m);
+  for (const Pack* numbers :
        {&input.normal_force_N, &input.youngs_modulus_Pa, &input.thickness_m, &input.radius_major_m,
         &input.radius_minor_m, &found.a_m, &found.b_m, &found.indentation_m,
         &found.peak_pressure_Pa, &found.torque_arm_exact_m, &found.torque_arm_paper_m})
-    plain = plain && is_positive((*number)[i]);
-  return plain && is_positive(found.a_m[i] * found.b_m[i]);
+    plain &= are_positive(*numbers);
+  return plain;
 }
 
 template <class Numbers>
@@ -103,19 +116,23 @@ inline void fill(const PressureModel& model, const ContactBatch& contacts,
                                         taken(contacts.finger_yy_per_m, first, count),
                                         taken(contacts.finger_xy_per_m, first, count)};
     const ContactNumbersOf<Pack> found = numbers_of(input);
-    for (int i = 0; i < Pack::kSize && first + std::size_t(i) < count; ++i) {
-      const std::size_t index = first + std::size_t(i);
-      if (is_plain_answer(input, found, i)) {
-        put(found.a_m[i], predictions.a_m, index);
-        put(found.b_m[i], predictions.b_m, index);
-        put(found.indentation_m[i], predictions.indentation_m, index);
-        put(found.peak_pressure_Pa[i], predictions.peak_pressure_Pa, index);
-        put(found.torque_arm_exact_m[i], predictions.torque_arm_exact_m, index);
-        put(found.torque_arm_paper_m[i], predictions.torque_arm_paper_m, index);
-      } else {
-        put(model.predict(contacts.problem(index)), predictions, index);
-      }
+    const Pack::Mask plain = are_plain_answers(input, found);
+    if (plain[0] && plain[1] && plain[2] && plain[3] && first + Pack::kSize <= count) {
+      put(found.a_m, predictions.a_m, first);
+      put(found.b_m, predictions.b_m, first);
+      put(found.indentation_m, predictions.indentation_m, first);
+      put(found.peak_pressure_Pa, predictions.peak_pressure_Pa, first);
+      put(found.torque_arm_exact_m, predictions.torque_arm_exact_m, first);
+      put(found.torque_arm_paper_m, predictions.torque_arm_paper_m, first);
+      continue;
     }
+    for (int i = 0; i < Pack::kSize && first + std::size_t(i) < count; ++i)
+      put(plain[i]
+              ? answer_of(ContactNumbers{found.a_m[i], found.b_m[i], found.indentation_m[i],
+                                         found.peak_pressure_Pa[i], found.torque_arm_exact_m[i],
+                                         found.torque_arm_paper_m[i]})
+              : model.predict(contacts.problem(first + std::size_t(i))),
+          predictions, first + std::size_t(i));
   }
 }
 
