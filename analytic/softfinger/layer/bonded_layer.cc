@@ -42,9 +42,9 @@ double log_ring_arm_beyond_table(double log_aspect) noexcept {
 
 LimitShapes limit_slopes_beyond_table(double L) noexcept {
   // There all of them are nearly straight.
-  constexpr double kStep = 1e-3;
-  const auto above = numbers_of(L + kStep), below = numbers_of(L - kStep);
-  const auto slope = [&](std::size_t i) { return (above[i] - below[i]) / (2 * kStep); };
+  constexpr double kDifference = 1e-3;
+  const auto above = numbers_of(L + kDifference), below = numbers_of(L - kDifference);
+  const auto slope = [&](std::size_t i) { return (above[i] - below[i]) / (2 * kDifference); };
   const auto here = numbers_of(L);
   return {1,       here[0] + L * slope(0), here[1] + L * slope(1), slope(2), slope(3), slope(4),
           slope(5)};
