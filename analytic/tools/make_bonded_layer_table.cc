@@ -139,7 +139,7 @@ int write_table(const char* path, const std::vector<double>& coefficients, doubl
   file << "// clang-format off\nconst double BondedLayerTable::unit[] = {";
   file.precision(17);
   for (int q = 0; q < kLayerQuantities; ++q) file << (q ? ",\n    " : "\n    ") << unit[q];
-  file << "};\n\nconst std::int16_t BondedLayerTable::coefficients[] = {";
+  file << "};\n\nconst float BondedLayerTable::coefficients[] = {";
   std::string line;
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
     const std::string word =

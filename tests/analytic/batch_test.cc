@@ -7,9 +7,11 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/wide.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "tests/allocation_counter.h"
 
@@ -94,6 +96,23 @@ TEST(Batch, HasTheBitsOfSinglePredictions) {
       answered += one.has_answer;
     }
     EXPECT_GT(answered, 1000) << name;
+  }
+}
+
+TEST(Batch, HasTheSameBitsWithoutWideInstructions) {
+  Arrays arrays = contacts(2000);
+  const ContactBatch batch = arrays.batch();
+  for (const char* name : {"bonded_layer", "fingertip_layer"}) {
+    const PressureModel& model = *find_pressure_model(name);
+    predict_batch(model, batch, arrays.answers());
+    const auto wide = arrays.out;
+    const bool had_wide_instructions = std::exchange(has_wide_instructions, false);
+    predict_batch(model, batch, arrays.answers());
+    const Prediction one = model.predict(batch.problem(1));
+    has_wide_instructions = had_wide_instructions;
+    EXPECT_EQ(arrays.out, wide) << name;
+    EXPECT_EQ(one.a_m, wide[0][1]) << name;
+    EXPECT_EQ(one.torque_arm_exact_m, wide[4][1]) << name;
   }
 }
 

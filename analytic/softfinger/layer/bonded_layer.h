@@ -24,11 +24,11 @@ struct BondedLayerSensitivity {
 /// indentation; beyond, the corrections fade (thickness) or stay (R'/R'').
 ///
 /// The arguments must lie in the ranges of contact_problem.h; results that do not fit into a double
-/// come out as zero or infinity. Cost: below 1 microsecond, no allocation.
+/// come out as zero or infinity. Cost: about 0.3 microseconds, no allocation.
 BondedLayerContact bonded_layer_contact(const RelativeRadii& radii, const ElasticLayer& layer,
                                         double normal_force_N) noexcept;
 
-/// The exact derivatives of what `bonded_layer_contact` returns. Cost: below 1.5 microseconds.
+/// The exact derivatives of what `bonded_layer_contact` returns. Cost: below 1 microsecond.
 BondedLayerSensitivity bonded_layer_sensitivity(const RelativeRadii& radii,
                                                 const ElasticLayer& layer,
                                                 double normal_force_N) noexcept;

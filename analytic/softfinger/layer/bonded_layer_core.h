@@ -2,48 +2,85 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
+#include "softfinger/layer/bonded_layer_spline.h"
 #include "softfinger/layer/layer_limits.h"
 #include "softfinger/math/dual.h"
+#include "softfinger/math/piecewise_polynomial.h"
 #include "softfinger/math/plain_functions.h"
 
 /// The bonded layer without units, in plain arithmetic on any kind of number: double, Dual for
 /// derivatives, a pack of contacts (plain::Pack).
 namespace softfinger {
 
+/// Pieces of the tables below: to ln(R'/R'') = 10, where ln(a/b) is smaller.
+constexpr int kShapePieces = 40, kShapeDegree = 8;
+/// Of `LimitShapes`, the aspects over L = ln(R'/R''), so that they vanish with it to the last
+/// digit.
+using ShapeTable = PiecewisePolynomial<6, kShapePieces, kShapeDegree>;
+/// Of `log_ring_arm` over the square of ln(a/b), with which it vanishes.
+using RingTable = PiecewisePolynomial<1, kShapePieces, kShapeDegree>;
+const ShapeTable& shape_table() noexcept;
+const RingTable& ring_table() noexcept;
+/// Beyond the tables.
+LimitShapes limit_slopes_beyond_table(double L) noexcept;
+double log_ring_arm_beyond_table(double log_aspect) noexcept;
+
 /// `limit_shapes` at R'/R'' = exp(L) >= 1, by piecewise polynomials to 1e-13; to a ratio of 22,000.
 /// Beyond, the exact ones, of which derivatives are differences.
-LimitShapes tabulated_limit_shapes(double L) noexcept;
-/// Their derivatives with respect to L.
-LimitShapes tabulated_limit_slopes(double L) noexcept;
+inline LimitShapes tabulated_limit_shapes(double L) noexcept {
+  if (L > ShapeTable::kEnd) return limit_shapes(std::exp(L));
+  const ShapeTable::Values v = shape_table().value(L);
+  return {L, v[0] * L, v[1] * L, v[2], v[3], v[4], v[5]};
+}
 
 /// ln of the mean distance of an ellipse's rings from the centre over sqrt(ab),
 /// (2/pi) sqrt(a/b) E(m), m = 1 - b²/a², of ln(a/b) >= 0, likewise.
-double log_ring_arm(double log_aspect) noexcept;
-double log_ring_arm_slope(double log_aspect) noexcept;
+inline double log_ring_arm(double log_aspect) noexcept {
+  return log_aspect > RingTable::kEnd ? log_ring_arm_beyond_table(log_aspect)
+                                      : log_aspect * log_aspect * ring_table().value(log_aspect)[0];
+}
+/// Its derivative.
+inline double log_ring_arm_slope(double log_aspect) noexcept {
+  // E(m) is 1 to 1e-8 beyond.
+  if (log_aspect > RingTable::kEnd) return 0.5;
+  RingTable::Values slope;
+  const double value = ring_table().value(log_aspect, &slope)[0];
+  return log_aspect * (2 * value + log_aspect * slope[0]);
+}
 
 /// The table's corrections to `layer_blend` (kAspect over ln(R'/R'')).
-LayerQuantities table_correction(const TableCoordinates& at) noexcept;
-/// The same, with the derivatives with respect to the three coordinates.
-LayerQuantities table_correction(const TableCoordinates& at,
-                                 std::array<LayerQuantities, 3>* slopes) noexcept;
+inline LayerQuantities table_correction(const TableCoordinates& at) noexcept {
+  return bonded_layer_spline<false>(at, nullptr);
+}
 
 // The same with derivatives.
 template <int N>
 LimitShapesOf<Dual<N>> tabulated_limit_shapes(const Dual<N>& log_radii_ratio) noexcept {
-  const LimitShapes value = tabulated_limit_shapes(log_radii_ratio.value);
-  const LimitShapes slope = tabulated_limit_slopes(log_radii_ratio.value);
-  LimitShapesOf<Dual<N>> result;
-  const auto chain = [&](double LimitShapes::*number) {
-    return Dual<N>::chain(log_radii_ratio, value.*number, slope.*number);
+  const double L = log_radii_ratio.value;
+  if (L > ShapeTable::kEnd) {
+    const LimitShapes value = limit_shapes(std::exp(L)), slope = limit_slopes_beyond_table(L);
+    const auto chain = [&](double LimitShapes::*number) {
+      return Dual<N>::chain(log_radii_ratio, value.*number, slope.*number);
+    };
+    return {log_radii_ratio,
+            chain(&LimitShapes::log_hertz_aspect),
+            chain(&LimitShapes::log_incompressible_aspect),
+            chain(&LimitShapes::log_hertz_depth),
+            chain(&LimitShapes::log_incompressible_depth),
+            chain(&LimitShapes::log_hertz_size_at_unit_load),
+            chain(&LimitShapes::log_incompressible_size_at_unit_load)};
+  }
+  ShapeTable::Values slope;
+  const ShapeTable::Values value = shape_table().value(L, &slope);
+  const auto aspect = [&](std::size_t i) {
+    return Dual<N>::chain(log_radii_ratio, value[i] * L, value[i] + L * slope[i]);
   };
-  return {log_radii_ratio,
-          chain(&LimitShapes::log_hertz_aspect),
-          chain(&LimitShapes::log_incompressible_aspect),
-          chain(&LimitShapes::log_hertz_depth),
-          chain(&LimitShapes::log_incompressible_depth),
-          chain(&LimitShapes::log_hertz_size_at_unit_load),
-          chain(&LimitShapes::log_incompressible_size_at_unit_load)};
+  const auto chain = [&](std::size_t i) {
+    return Dual<N>::chain(log_radii_ratio, value[i], slope[i]);
+  };
+  return {log_radii_ratio, aspect(0), aspect(1), chain(2), chain(3), chain(4), chain(5)};
 }
 
 template <int N>
@@ -55,13 +92,16 @@ Dual<N> log_ring_arm(const Dual<N>& log_aspect) noexcept {
 template <int N>
 LayerQuantitiesOf<Dual<N>> table_correction(const TableCoordinatesOf<Dual<N>>& at) noexcept {
   std::array<LayerQuantities, 3> slopes;
-  const LayerQuantities value = table_correction(
+  const LayerQuantities value = bonded_layer_spline<true>(
       TableCoordinates{at.log_size.value, at.compressibility.value, at.elongation.value}, &slopes);
   LayerQuantitiesOf<Dual<N>> result;
-  for (std::size_t q = 0; q < kLayerQuantities; ++q)
-    result[q] = Dual<N>::chain(at.log_size, value[q], slopes[0][q]) +
-                Dual<N>::chain(at.compressibility, 0, slopes[1][q]) +
-                Dual<N>::chain(at.elongation, 0, slopes[2][q]);
+  for (std::size_t q = 0; q < kLayerQuantities; ++q) {
+    result[q].value = value[q];
+    for (std::size_t i = 0; i < N; ++i)
+      result[q].slope[i] = slopes[0][q] * at.log_size.slope[i] +
+                           slopes[1][q] * at.compressibility.slope[i] +
+                           slopes[2][q] * at.elongation.slope[i];
+  }
   return result;
 }
 

@@ -31,7 +31,7 @@ struct SplineWeights {
   }
 };
 
-/// Sums of four lines of the table: those of the four elongations, weighted.
+/// The coefficients of the four sizes at one compressibility and elongation: one after the other.
 constexpr int kRow = 4 * kLayerQuantities;
 
 /// The table's corrections to `layer_blend`, and their derivatives with respect to the coordinates.
@@ -45,38 +45,54 @@ inline LayerQuantities bonded_layer_spline(const TableCoordinates& at,
   const bool longest = at.elongation > BondedLayerTable::kElongationMax;
   const SplineWeights ratio(longest ? BondedLayerTable::kElongationMax : at.elongation, 0,
                             BondedLayerTable::kElongationMax, BondedLayerTable::kElongationKnots);
-  LayerQuantities sum{}, by_size{}, by_soft{}, by_ratio{};
-  for (int i = 0; i < 4; ++i) {
-    double row[kRow] = {}, ratio_row[kRow] = {};
-    const std::int16_t* plane = BondedLayerTable::coefficients +
-                                ((soft.first + i) * BondedLayerTable::kElongations + ratio.first) *
-                                    BondedLayerTable::kSizes * kLayerQuantities +
-                                size.first * kLayerQuantities;
-    for (int j = 0; j < 4; ++j) {
-      const std::int16_t* line = plane + j * BondedLayerTable::kSizes * kLayerQuantities;
-      for (int k = 0; k < kRow; ++k) {
-        row[k] += ratio.weight[j] * line[k];
-        if (kWithSlopes) ratio_row[k] += ratio.slope[j] * line[k];
+  constexpr int kLine = BondedLayerTable::kSizes * kLayerQuantities;
+  const float* row = BondedLayerTable::coefficients +
+                     (soft.first * BondedLayerTable::kElongations + ratio.first) * kLine +
+                     size.first * kLayerQuantities;
+  // Sums over compressibilities and elongations. A few coefficients at a time, because the sums of
+  // all would not stay in registers.
+  constexpr int kPart = 4;
+  static_assert(kRow % kPart == 0);
+  double sums[kRow], soft_sums[kRow], ratio_sums[kRow];
+  for (int first = 0; first < kRow; first += kPart) {
+    double sum[kPart] = {}, soft_sum[kPart] = {}, ratio_sum[kPart] = {};
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) {
+        const float* part = row + (i * BondedLayerTable::kElongations + j) * kLine + first;
+        const double weight = soft.weight[i] * ratio.weight[j];
+        const double soft_slope = soft.slope[i] * ratio.weight[j];
+        const double ratio_slope = soft.weight[i] * ratio.slope[j];
+        for (int k = 0; k < kPart; ++k) {
+          const double coefficient = part[k];
+          sum[k] += weight * coefficient;
+          if (!kWithSlopes) continue;
+          soft_sum[k] += soft_slope * coefficient;
+          ratio_sum[k] += ratio_slope * coefficient;
+        }
       }
+    for (int k = 0; k < kPart; ++k) {
+      sums[first + k] = sum[k];
+      if (!kWithSlopes) continue;
+      soft_sums[first + k] = soft_sum[k];
+      ratio_sums[first + k] = ratio_sum[k];
     }
-    for (int k = 0; k < 4; ++k)
-      for (std::size_t q = 0; q < kLayerQuantities; ++q) {
-        const double value = row[k * kLayerQuantities + int(q)];
-        sum[q] += soft.weight[i] * size.weight[k] * value;
-        if (!kWithSlopes) continue;
-        by_size[q] += soft.weight[i] * size.slope[k] * value;
-        by_soft[q] += soft.slope[i] * size.weight[k] * value;
-        by_ratio[q] += soft.weight[i] * size.weight[k] * ratio_row[k * kLayerQuantities + int(q)];
-      }
   }
-  for (std::size_t q = 0; q < kLayerQuantities; ++q) {
-    sum[q] *= BondedLayerTable::unit[q];
-    if (!kWithSlopes) continue;
-    (*slopes)[0][q] = by_size[q] * BondedLayerTable::unit[q];
-    (*slopes)[1][q] = by_soft[q] * BondedLayerTable::unit[q];
-    (*slopes)[2][q] = longest ? 0 : by_ratio[q] * BondedLayerTable::unit[q];
+  // Then over sizes.
+  const auto over_sizes = [](const double(&weights)[4], const double* of) {
+    LayerQuantities sum;
+    for (std::size_t q = 0; q < kLayerQuantities; ++q)
+      sum[q] = (weights[0] * of[q] + weights[1] * of[q + kLayerQuantities] +
+                (weights[2] * of[q + 2 * kLayerQuantities] +
+                 weights[3] * of[q + 3 * kLayerQuantities])) *
+               BondedLayerTable::unit[q];
+    return sum;
+  };
+  if (kWithSlopes) {
+    (*slopes)[0] = over_sizes(size.slope, sums);
+    (*slopes)[1] = over_sizes(size.weight, soft_sums);
+    (*slopes)[2] = longest ? LayerQuantities{} : over_sizes(size.weight, ratio_sums);
   }
-  return sum;
+  return over_sizes(size.weight, sums);
 }
 
 }  // namespace softfinger

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "softfinger/layer/layer_limits.h"
 
 namespace softfinger {
@@ -18,9 +16,10 @@ struct BondedLayerTable {
   static constexpr double kElongationMax = 3.7125292;
 
   /// [compressibility][elongation][size][quantity], in units of `unit`. The correction to kAspect
-  /// is divided by ln(R'/R''), which makes it even in that logarithm like the others.
+  /// is divided by ln(R'/R''), which makes it even in that logarithm like the others. Whole
+  /// numbers to 32767; as floats, which take one instruction less to become doubles.
   static const double unit[kLayerQuantities];
-  static const std::int16_t coefficients[kCount];
+  static const float coefficients[kCount];
 };
 
 }  // namespace softfinger

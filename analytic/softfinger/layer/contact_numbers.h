@@ -42,12 +42,14 @@ template <class Real>
 LayerArguments<Real> layer_arguments(const ContactInputOf<Real>& input) noexcept {
   using plain::log;
   using plain::sqrt;
-  const Real& h = input.thickness_m;
+  const Real per_thickness = 1. / input.thickness_m;
   const Real R = sqrt(input.radius_major_m) * sqrt(input.radius_minor_m);
   const Real per_modulus =
       (1. - input.poisson_ratio * input.poisson_ratio) / input.youngs_modulus_Pa;
-  return {R, log(input.normal_force_N * per_modulus / h / h * (R / h)),
-          log(input.radius_major_m / input.radius_minor_m)};
+  return {
+      R,
+      log(input.normal_force_N * per_modulus * per_thickness * per_thickness * (R * per_thickness)),
+      log(input.radius_major_m / input.radius_minor_m)};
 }
 
 /// From logarithms (LayerQuantity) to the contact itself.

@@ -217,34 +217,54 @@ template <int N>
 FingertipCorrectionOf<Dual<N>> fingertip_correction(const FingertipLayerTable& table,
                                                     const FingertipArguments<Dual<N>>& at,
                                                     const Dual<N>& poisson_ratio) noexcept {
-  using Small = Dual<2>;
-  const Small n = Small::variable(2 * poisson_ratio.value, 0);
-  const Small l = Small::variable(at.l.value, 1);
-  const auto shapes = fingertip_shapes<Small>(n, l);
-  FingertipCorrectionOf<Dual<N>> correction;
-  const auto add = [&](const Dual<N>& effect, const Small& sum, Dual<N>& to) {
-    const double by_nu = 2 * effect.value * sum.slope[0], by_l = effect.value * sum.slope[1];
-    to.value = to.value + effect.value * sum.value;
-    for (int i = 0; i < N; ++i)
-      to.slope[i] +=
-          sum.value * effect.slope[i] + by_nu * poisson_ratio.slope[i] + by_l * at.l.slope[i];
+  const auto shapes = fingertip_shapes<Dual<2>>(Dual<2>::variable(2 * poisson_ratio.value, 0),
+                                                Dual<2>::variable(at.l.value, 1));
+  const auto add = [](double factor, const Dual<N>& number, Dual<N>& to) {
+    for (std::size_t i = 0; i < N; ++i) to.slope[i] += factor * number.slope[i];
   };
+  FingertipCorrectionOf<Dual<N>> correction;
+  double by_n[kFingertipColumns] = {}, by_l[kFingertipColumns] = {};
   int term = 0;
-  for (int effect = 0; effect < kSymmetricEffects; ++effect) {
-    std::array<Small, kFingertipColumns> sum{};
-    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
-      for (int column = 0; column < kFingertipColumns; ++column)
-        sum[column] += shapes[shape] * table.symmetric[term][column];
-    for (int column = 0; column < kFingertipColumns; ++column)
-      add(at.effects[effect], sum[column], correction.symmetric[column]);
+  for (std::size_t effect = 0; effect < kSymmetricEffects; ++effect) {
+    double sum[kFingertipColumns] = {}, sum_n[kFingertipColumns] = {},
+           sum_l[kFingertipColumns] = {};
+    for (std::size_t shape = 0; shape < std::size_t(kShapesOf[effect]); ++shape, ++term)
+      for (int column = 0; column < kFingertipColumns; ++column) {
+        const double coefficient = table.symmetric[term][column];
+        sum[column] += shapes[shape].value * coefficient;
+        sum_n[column] += shapes[shape].slope[0] * coefficient;
+        sum_l[column] += shapes[shape].slope[1] * coefficient;
+      }
+    for (std::size_t column = 0; column < kFingertipColumns; ++column) {
+      const Dual<N>& of = at.effects[effect];
+      correction.symmetric[column].value += of.value * sum[column];
+      by_n[column] += of.value * sum_n[column];
+      by_l[column] += of.value * sum_l[column];
+      add(sum[column], of, correction.symmetric[column]);
+    }
   }
+  for (std::size_t column = 0; column < kFingertipColumns; ++column) {
+    add(2 * by_n[column], poisson_ratio, correction.symmetric[column]);
+    add(by_l[column], at.l, correction.symmetric[column]);
+  }
+  double aspect_by_n = 0, aspect_by_l = 0;
   term = 0;
-  for (int effect = kSymmetricEffects; effect < kFingertipEffects; ++effect) {
-    Small sum;
-    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
-      sum += shapes[shape] * table.aspect[term];
-    add(at.effects[effect], sum, correction.aspect);
+  for (std::size_t effect = kSymmetricEffects; effect < kFingertipEffects; ++effect) {
+    double sum = 0, sum_n = 0, sum_l = 0;
+    for (std::size_t shape = 0; shape < std::size_t(kShapesOf[effect]); ++shape, ++term) {
+      const double coefficient = table.aspect[term];
+      sum += shapes[shape].value * coefficient;
+      sum_n += shapes[shape].slope[0] * coefficient;
+      sum_l += shapes[shape].slope[1] * coefficient;
+    }
+    const Dual<N>& of = at.effects[effect];
+    correction.aspect.value += of.value * sum;
+    aspect_by_n += of.value * sum_n;
+    aspect_by_l += of.value * sum_l;
+    add(sum, of, correction.aspect);
   }
+  add(2 * aspect_by_n, poisson_ratio, correction.aspect);
+  add(aspect_by_l, at.l, correction.aspect);
   return correction;
 }
 

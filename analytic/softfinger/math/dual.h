@@ -70,13 +70,13 @@ struct Dual {
   friend bool operator>(const Dual& x, const Dual& y) noexcept { return x.value > y.value; }
 
   friend Dual exp(const Dual& x) noexcept {
-    const double value = plain::exp(x.value);
-    return chain(x, value, value);
+    const double power = plain::exp(x.value);
+    return chain(x, power, power);
   }
   friend Dual log(const Dual& x) noexcept { return chain(x, plain::log(x.value), 1 / x.value); }
   friend Dual sqrt(const Dual& x) noexcept {
-    const double value = plain::sqrt(x.value);
-    return chain(x, value, 0.5 / value);
+    const double root = plain::sqrt(x.value);
+    return chain(x, root, 0.5 / root);
   }
   friend Dual larger(const Dual& x, double least) noexcept {
     return x.value > least ? x : Dual(least);

@@ -6,6 +6,7 @@ namespace softfinger {
 namespace plain::detail {
 
 typedef double PackNumbers __attribute__((vector_size(32)));
+typedef std::int64_t PackMask __attribute__((vector_size(32)));
 typedef std::uint64_t PackBits __attribute__((vector_size(32)));
 template <>
 struct BitsOf<PackNumbers> {
@@ -27,6 +28,12 @@ struct Pack {
 
   double operator[](int i) const noexcept { return numbers[i]; }
   void set(int i, double value) noexcept { numbers[i] = value; }
+  static Pack from(const double* array) noexcept {
+    Pack pack;
+    std::memcpy(&pack.numbers, array, sizeof(pack.numbers));
+    return pack;
+  }
+  void write(double* array) const noexcept { std::memcpy(array, &numbers, sizeof(numbers)); }
 
   friend Pack operator+(const Pack& x, const Pack& y) noexcept {
     return Pack(x.numbers + y.numbers);
@@ -41,6 +48,11 @@ struct Pack {
     return Pack(x.numbers / y.numbers);
   }
   Pack& operator+=(const Pack& y) noexcept { return *this = *this + y; }
+
+  /// Of each number, whether it holds.
+  using Mask = plain::detail::PackMask;
+  friend Mask operator>=(const Pack& x, const Pack& y) noexcept { return x.numbers >= y.numbers; }
+  friend Mask operator<=(const Pack& x, const Pack& y) noexcept { return x.numbers <= y.numbers; }
 
   friend Pack exp(const Pack& x) noexcept { return Pack(plain::detail::exp_of(x.numbers)); }
   friend Pack log(const Pack& x) noexcept { return Pack(plain::detail::log_of(x.numbers)); }

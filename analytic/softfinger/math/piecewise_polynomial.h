@@ -12,6 +12,8 @@ namespace softfinger {
 /// points of equal pieces: one contiguous block of coefficients.
 template <int kFunctions, int kPieces, int kDegree>
 class PiecewisePolynomial {
+  static_assert(kDegree % 2 == 0 && kDegree > 0);
+
  public:
   using Values = std::array<double, kFunctions>;
   static constexpr double kLength = 0.25;
@@ -27,20 +29,38 @@ class PiecewisePolynomial {
   Values value(double x) const noexcept {
     double t;
     const Values* term = place(x, &t);
-    Values sum = term[kDegree];
-    for (int k = kDegree - 1; k >= 0; --k)
-      for (int f = 0; f < kFunctions; ++f) sum[f] = sum[f] * t + term[k][f];
-    return sum;
+    // Even and odd powers by themselves, which a processor adds side by side.
+    const double t2 = t * t;
+    Values even = term[kDegree], odd = term[kDegree - 1];
+    for (int k = kDegree - 2; k >= 0; k -= 2)
+      for (int f = 0; f < kFunctions; ++f) {
+        even[f] = even[f] * t2 + term[k][f];
+        if (k > 0) odd[f] = odd[f] * t2 + term[k - 1][f];
+      }
+    for (int f = 0; f < kFunctions; ++f) even[f] += t * odd[f];
+    return even;
   }
 
-  Values slope(double x) const noexcept {
+  /// The same, and the derivatives.
+  Values value(double x, Values* slope) const noexcept {
     double t;
     const Values* term = place(x, &t);
-    Values sum{};
-    for (int k = kDegree; k > 0; --k)
-      for (int f = 0; f < kFunctions; ++f) sum[f] = sum[f] * t + k * term[k][f];
-    for (double& of_function : sum) of_function *= 2 / kLength;
-    return sum;
+    const double t2 = t * t;
+    Values even = term[kDegree], odd = term[kDegree - 1];
+    Values even_slope{}, odd_slope{};  // with respect to t²
+    for (int k = kDegree - 2; k >= 0; k -= 2)
+      for (int f = 0; f < kFunctions; ++f) {
+        even_slope[f] = even_slope[f] * t2 + even[f];
+        even[f] = even[f] * t2 + term[k][f];
+        if (k == 0) continue;
+        odd_slope[f] = odd_slope[f] * t2 + odd[f];
+        odd[f] = odd[f] * t2 + term[k - 1][f];
+      }
+    for (int f = 0; f < kFunctions; ++f) {
+      (*slope)[f] = (2 / kLength) * (2 * t * (even_slope[f] + t * odd_slope[f]) + odd[f]);
+      even[f] += t * odd[f];
+    }
+    return even;
   }
 
  private:

@@ -18,4 +18,11 @@ inline Prediction answer_of(const ContactNumbers& contact) noexcept {
   return prediction;
 }
 
+inline Prediction answer_of(const DifferentiatedContact& contact) noexcept {
+  const auto& numbers = contact.numbers;
+  return answer_of(ContactNumbers{numbers.a_m.value, numbers.b_m.value, numbers.indentation_m.value,
+                                  numbers.peak_pressure_Pa.value, numbers.torque_arm_exact_m.value,
+                                  numbers.torque_arm_paper_m.value});
+}
+
 }  // namespace softfinger

@@ -1,11 +1,11 @@
 #include "softfinger/pressure/batch.h"
 
-#include <cmath>
 #include <limits>
 
-#include "softfinger/layer/bonded_layer_spline.h"
 #include "softfinger/layer/fingertip_layer_core.h"
 #include "softfinger/math/pack.h"
+#include "softfinger/math/wide.h"
+#include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {
@@ -29,8 +29,8 @@ inline LimitShapesOf<Pack> tabulated_limit_shapes(const Pack& log_radii_ratio) n
 inline LayerQuantitiesOf<Pack> table_correction(const TableCoordinatesOf<Pack>& at) noexcept {
   LayerQuantitiesOf<Pack> correction;
   for (int i = 0; i < Pack::kSize; ++i) {
-    const LayerQuantities one = bonded_layer_spline<false>(
-        {at.log_size[i], at.compressibility[i], at.elongation[i]}, nullptr);
+    const LayerQuantities one =
+        table_correction(TableCoordinates{at.log_size[i], at.compressibility[i], at.elongation[i]});
     for (std::size_t q = 0; q < kLayerQuantities; ++q) correction[q].set(i, one[q]);
   }
   return correction;
@@ -48,6 +48,7 @@ namespace {
 inline Pack taken(const double* array, std::size_t first, std::size_t count) noexcept {
   Pack pack;
   if (!array) return pack;
+  if (first + Pack::kSize <= count) return Pack::from(array + first);
   for (int i = 0; i < Pack::kSize; ++i) {
     const std::size_t index = first + std::size_t(i);
     pack.set(i, array[index < count ? index : count - 1]);
@@ -57,6 +58,10 @@ inline Pack taken(const double* array, std::size_t first, std::size_t count) noe
 
 inline void put(double value, double* array, std::size_t index) noexcept {
   if (array) array[index] = value;
+}
+
+inline void put(const Pack& values, double* array, std::size_t first) noexcept {
+  if (array) values.write(array + first);
 }
 
 inline void put(const Prediction& found, const PredictionBatch& predictions,
@@ -69,31 +74,36 @@ inline void put(const Prediction& found, const PredictionBatch& predictions,
   put(found.torque_arm_paper_m, predictions.torque_arm_paper_m, index);
 }
 
-inline bool is_positive(double value) noexcept {
-  return value >= std::numeric_limits<double>::min() && value <= std::numeric_limits<double>::max();
+/// Normal and finite.
+inline Pack::Mask are_positive(const Pack& numbers) noexcept {
+  using Limits = std::numeric_limits<double>;
+  return (numbers >= Limits::min()) & (numbers <= Limits::max());
+}
+
+inline Pack::Mask are_finite(const Pack& numbers) noexcept {
+  using Limits = std::numeric_limits<double>;
+  return (numbers >= Limits::lowest()) & (numbers <= Limits::max());
 }
 
 /// Whether `predict` would give these numbers: its other answers are left to itself.
-inline bool is_plain_answer(const ContactInputOf<Pack>& input, const ContactNumbersOf<Pack>& found,
-                            int i) noexcept {
-  bool plain = input.poisson_ratio[i] >= 0 && input.poisson_ratio[i] <= 0.5 &&
-               std::isfinite(input.finger_xx_per_m[i]) && std::isfinite(input.finger_yy_per_m[i]) &&
-               std::isfinite(input.finger_xy_per_m[i]) &&
-               input.radius_major_m[i] >= input.radius_minor_m[i];
-  for (const Pack* number :
+inline Pack::Mask are_plain_answers(const ContactInputOf<Pack>& input,
+                                    const ContactNumbersOf<Pack>& found) noexcept {
+  Pack::Mask plain = (input.poisson_ratio >= 0.) & (input.poisson_ratio <= 0.5) &
+                     are_finite(input.finger_xx_per_m) & are_finite(input.finger_yy_per_m) &
+                     are_finite(input.finger_xy_per_m) &
+                     (input.radius_major_m >= input.radius_minor_m) &
+                     are_positive(found.a_m * found.b_m);
+  for (const Pack* numbers :
        {&input.normal_force_N, &input.youngs_modulus_Pa, &input.thickness_m, &input.radius_major_m,
         &input.radius_minor_m, &found.a_m, &found.b_m, &found.indentation_m,
         &found.peak_pressure_Pa, &found.torque_arm_exact_m, &found.torque_arm_paper_m})
-    plain = plain && is_positive((*number)[i]);
-  return plain && is_positive(found.a_m[i] * found.b_m[i]);
+    plain &= are_positive(*numbers);
+  return plain;
 }
 
-/// The same source is compiled for the instructions that every processor has and, inlined into one
-/// function, for wider ones. Neither fuses multiplications with additions, so that the bits agree.
 template <class Numbers>
-[[gnu::always_inline]] inline void fill(const PressureModel& model, const ContactBatch& contacts,
-                                        const PredictionBatch& predictions,
-                                        const Numbers& numbers_of) noexcept {
+inline void fill(const PressureModel& model, const ContactBatch& contacts,
+                 const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
   const std::size_t count = contacts.count;
   for (std::size_t first = 0; first < count; first += Pack::kSize) {
     const ContactInputOf<Pack> input = {taken(contacts.normal_force_N, first, count),
@@ -106,63 +116,24 @@ template <class Numbers>
                                         taken(contacts.finger_yy_per_m, first, count),
                                         taken(contacts.finger_xy_per_m, first, count)};
     const ContactNumbersOf<Pack> found = numbers_of(input);
-    for (int i = 0; i < Pack::kSize && first + std::size_t(i) < count; ++i) {
-      const std::size_t index = first + std::size_t(i);
-      if (is_plain_answer(input, found, i)) {
-        put(found.a_m[i], predictions.a_m, index);
-        put(found.b_m[i], predictions.b_m, index);
-        put(found.indentation_m[i], predictions.indentation_m, index);
-        put(found.peak_pressure_Pa[i], predictions.peak_pressure_Pa, index);
-        put(found.torque_arm_exact_m[i], predictions.torque_arm_exact_m, index);
-        put(found.torque_arm_paper_m[i], predictions.torque_arm_paper_m, index);
-      } else {
-        put(model.predict(contacts.problem(index)), predictions, index);
-      }
+    const Pack::Mask plain = are_plain_answers(input, found);
+    if (plain[0] && plain[1] && plain[2] && plain[3] && first + Pack::kSize <= count) {
+      put(found.a_m, predictions.a_m, first);
+      put(found.b_m, predictions.b_m, first);
+      put(found.indentation_m, predictions.indentation_m, first);
+      put(found.peak_pressure_Pa, predictions.peak_pressure_Pa, first);
+      put(found.torque_arm_exact_m, predictions.torque_arm_exact_m, first);
+      put(found.torque_arm_paper_m, predictions.torque_arm_paper_m, first);
+      continue;
     }
+    for (int i = 0; i < Pack::kSize && first + std::size_t(i) < count; ++i)
+      put(plain[i]
+              ? answer_of(ContactNumbers{found.a_m[i], found.b_m[i], found.indentation_m[i],
+                                         found.peak_pressure_Pa[i], found.torque_arm_exact_m[i],
+                                         found.torque_arm_paper_m[i]})
+              : model.predict(contacts.problem(first + std::size_t(i))),
+          predictions, first + std::size_t(i));
   }
-}
-
-struct BondedLayerNumbers {
-  [[gnu::always_inline]] ContactNumbersOf<Pack> operator()(
-      const ContactInputOf<Pack>& input) const noexcept {
-    return bonded_layer_numbers(input);
-  }
-};
-
-struct FingertipLayerNumbers {
-  double sphere;
-  [[gnu::always_inline]] ContactNumbersOf<Pack> operator()(
-      const ContactInputOf<Pack>& input) const noexcept {
-    return fingertip_layer_numbers(input, sphere);
-  }
-};
-
-template <class Numbers>
-void fill_plain(const PressureModel& model, const ContactBatch& contacts,
-                const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
-  fill(model, contacts, predictions, numbers_of);
-}
-
-#if defined(__x86_64__)
-template <class Numbers>
-[[gnu::target("avx2"), gnu::flatten]] void fill_wide(const PressureModel& model,
-                                                     const ContactBatch& contacts,
-                                                     const PredictionBatch& predictions,
-                                                     const Numbers& numbers_of) noexcept {
-  fill(model, contacts, predictions, numbers_of);
-}
-#endif
-
-template <class Numbers>
-void fill_best(const PressureModel& model, const ContactBatch& contacts,
-               const PredictionBatch& predictions, const Numbers& numbers_of) noexcept {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) {
-    fill_wide(model, contacts, predictions, numbers_of);
-    return;
-  }
-#endif
-  fill_plain(model, contacts, predictions, numbers_of);
 }
 
 }  // namespace
@@ -180,13 +151,20 @@ void predict_batch(const PressureModel& model, const ContactBatch& contacts,
 
 void predict_bonded_layer_batch(const PressureModel& model, const ContactBatch& contacts,
                                 const PredictionBatch& predictions) noexcept {
-  fill_best(model, contacts, predictions, BondedLayerNumbers{});
+  with_best_instructions([&] {
+    fill(model, contacts, predictions,
+         [](const ContactInputOf<Pack>& input) { return bonded_layer_numbers(input); });
+  });
 }
 
 void predict_fingertip_layer_batch(const PressureModel& model, const ContactBatch& contacts,
                                    const PredictionBatch& predictions) noexcept {
-  fill_best(model, contacts, predictions,
-            FingertipLayerNumbers{contacts.are_objects_spherical ? 1. : 0.});
+  const double sphere = contacts.are_objects_spherical ? 1 : 0;
+  with_best_instructions([&] {
+    fill(model, contacts, predictions, [sphere](const ContactInputOf<Pack>& input) {
+      return fingertip_layer_numbers(input, sphere);
+    });
+  });
 }
 
 }  // namespace softfinger

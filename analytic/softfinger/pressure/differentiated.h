@@ -10,7 +10,6 @@ namespace softfinger {
 /// friction coefficient times load and torque arm, which needs no derivative of a model.
 enum ContactVariable {
   kNormalForce,        ///< P in N
-  kYoungsModulus,      ///< E in Pa
   kPoissonRatio,       ///< nu; at 1/2 the derivative from below
   kThickness,          ///< h in m
   kRadiusMajor,        ///< R' in m, with the finger's curvature kept
@@ -18,11 +17,19 @@ enum ContactVariable {
   kFingerCurvatureX,   ///< of the finger along x in 1/m, with R', R'' kept
   kFingerCurvatureY,   ///< along y
   kFingerCurvatureXY,  ///< its twist
+  kYoungsModulus,      ///< E in Pa
   kContactVariables
 };
-using DifferentiatedNumber = Dual<kContactVariables>;
-using DifferentiatedContact = ContactNumbersOf<DifferentiatedNumber>;
+/// Derivatives are carried with respect to all but E: that one follows from the load's.
+using DifferentiatedNumber = Dual<kYoungsModulus>;
 using DifferentiatedInput = ContactInputOf<DifferentiatedNumber>;
+
+struct DifferentiatedContact {
+  ContactNumbersOf<DifferentiatedNumber> numbers;
+  /// Whether the contact is elastic: its lengths depend on P/E, so that
+  /// E d/dE = -P d/dP. Otherwise E does not matter.
+  bool is_elastic = true;
+};
 
 inline DifferentiatedInput differentiated_input(const ContactProblem& problem) noexcept {
   const auto variable = [](double value, ContactVariable which) {
@@ -30,7 +37,7 @@ inline DifferentiatedInput differentiated_input(const ContactProblem& problem) n
   };
   const SurfaceCurvature& finger = problem.finger_curvature;
   return {variable(problem.load.normal_force_N, kNormalForce),
-          variable(problem.layer.youngs_modulus_Pa, kYoungsModulus),
+          problem.layer.youngs_modulus_Pa,
           variable(problem.layer.poisson_ratio, kPoissonRatio),
           variable(problem.layer.thickness_m, kThickness),
           variable(problem.radii.major_m, kRadiusMajor),

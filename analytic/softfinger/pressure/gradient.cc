@@ -1,38 +1,75 @@
 #include "softfinger/pressure/gradient.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "softfinger/math/wide.h"
 
 namespace softfinger {
 namespace {
 
-Derivatives derivatives_of(const DifferentiatedNumber& number) noexcept {
-  return {number.slope, 0};
+/// Adds the derivative with respect to E, of contacts of one problem.
+struct Expansion {
+  double load_N, modulus_Pa;
+  double elastic;  ///< 1 where the contact's lengths depend on P/E, 0 where they depend on P
+
+  /// @param power  of E that the number is proportional to where P/E (elastic), or P, is kept
+  Derivatives operator()(const DifferentiatedNumber& number, double power = 0) const noexcept {
+    Derivatives derivatives;
+    std::copy(number.slope.begin(), number.slope.end(), derivatives.by.begin());
+    derivatives.by[kYoungsModulus] =
+        (power * number.value - elastic * (load_N * number.slope[kNormalForce])) / modulus_Pa;
+    return derivatives;
+  }
+};
+
+/// The stiffness of the stuck contact, which is proportional to E.
+void add_stuck_stiffness(const DifferentiatedContact& contact, const ContactProblem& problem,
+                         const Expansion& expanded, PredictionGradient& gradient) noexcept {
+  const ElasticLayer& layer = problem.layer;
+  const DifferentiatedNumber& a_m = contact.numbers.a_m;
+  const DifferentiatedNumber& b_m = contact.numbers.b_m;
+  // First by the four numbers that it depends on otherwise.
+  using Number = Dual<4>;
+  const StuckStiffnessOf<Number> stuck =
+      stuck_stiffness<Number>(Number::variable(a_m.value, 0), Number::variable(b_m.value, 1),
+                              Number::variable(layer.thickness_m, 2), layer.youngs_modulus_Pa,
+                              Number::variable(layer.poisson_ratio, 3));
+  const auto add = [&](const Number& number, double& value, Derivatives& derivatives) {
+    DifferentiatedNumber chained = number.value;
+    for (std::size_t i = 0; i < kYoungsModulus; ++i)
+      chained.slope[i] = number.slope[0] * a_m.slope[i] + number.slope[1] * b_m.slope[i];
+    chained.slope[kThickness] += number.slope[2];
+    chained.slope[kPoissonRatio] += number.slope[3];
+    value = number.value;
+    derivatives = expanded(chained, 1);
+  };
+  add(stuck.torsional_Nm_per_rad, gradient.stuck.torsional_Nm_per_rad,
+      gradient.torsional_stiffness_Nm_per_rad);
+  add(stuck.tangential_x_N_per_m, gradient.stuck.tangential_x_N_per_m,
+      gradient.tangential_stiffness_x_N_per_m);
+  add(stuck.tangential_y_N_per_m, gradient.stuck.tangential_y_N_per_m,
+      gradient.tangential_stiffness_y_N_per_m);
 }
 
-/// The stiffness of the stuck contact, first by the five numbers that it depends on.
-void add_stuck_stiffness(const DifferentiatedContact& contact, const ContactProblem& problem,
-                         PredictionGradient& gradient) noexcept {
-  using Number = Dual<5>;
-  const ElasticLayer& layer = problem.layer;
-  const StuckStiffnessOf<Number> stuck = stuck_stiffness<Number>(
-      Number::variable(contact.a_m.value, 0), Number::variable(contact.b_m.value, 1),
-      Number::variable(layer.thickness_m, 2), Number::variable(layer.youngs_modulus_Pa, 3),
-      Number::variable(layer.poisson_ratio, 4));
-  const auto chained = [&](const Number& number) {
-    Derivatives derivatives;
-    for (int i = 0; i < kContactVariables; ++i)
-      derivatives.by[std::size_t(i)] = number.slope[0] * contact.a_m.slope[std::size_t(i)] +
-                                       number.slope[1] * contact.b_m.slope[std::size_t(i)];
-    derivatives.by[kThickness] += number.slope[2];
-    derivatives.by[kYoungsModulus] += number.slope[3];
-    derivatives.by[kPoissonRatio] += number.slope[4];
-    return derivatives;
-  };
-  gradient.stuck = {stuck.torsional_Nm_per_rad.value, stuck.tangential_x_N_per_m.value,
-                    stuck.tangential_y_N_per_m.value};
-  gradient.torsional_stiffness_Nm_per_rad = chained(stuck.torsional_Nm_per_rad);
-  gradient.tangential_stiffness_x_N_per_m = chained(stuck.tangential_x_N_per_m);
-  gradient.tangential_stiffness_y_N_per_m = chained(stuck.tangential_y_N_per_m);
+void add_gradient(const DifferentiatedContact& contact, const ContactProblem& problem,
+                  PredictionGradient& gradient) noexcept {
+  const double P = problem.load.normal_force_N, mu = problem.load.friction_coefficient;
+  const Expansion expanded = {P, problem.layer.youngs_modulus_Pa, contact.is_elastic ? 1. : 0.};
+  const auto& numbers = contact.numbers;
+  gradient.known = true;
+  gradient.a_m = expanded(numbers.a_m);
+  gradient.b_m = expanded(numbers.b_m);
+  gradient.indentation_m = expanded(numbers.indentation_m);
+  gradient.area_m2 = expanded(numbers.a_m * numbers.b_m * kPi);
+  gradient.peak_pressure_Pa = expanded(numbers.peak_pressure_Pa, expanded.elastic);
+  gradient.torque_arm_exact_m = expanded(numbers.torque_arm_exact_m);
+  gradient.torque_arm_paper_m = expanded(numbers.torque_arm_paper_m);
+  for (std::size_t i = 0; i < kContactVariables; ++i)
+    gradient.max_torque_Nm.by[i] = mu * P * gradient.torque_arm_exact_m.by[i];
+  gradient.max_torque_Nm.by[kNormalForce] += mu * numbers.torque_arm_exact_m.value;
+  gradient.max_torque_Nm.by_friction_coefficient = P * numbers.torque_arm_exact_m.value;
+  add_stuck_stiffness(contact, problem, expanded, gradient);
 }
 
 template <class Real>
@@ -76,25 +113,10 @@ Gap<Real> gap_of(const std::array<Real, 4>& curvatures, const Real& cos_2_angle,
 
 PredictionWithGradient predict_with_gradient(const PressureModel& model,
                                              const ContactProblem& problem) noexcept {
-  PredictionWithGradient result;
-  result.prediction = model.predict(problem);
-  if (!result.prediction.has_answer || problem.has_object_layer()) return result;
-  const std::optional<DifferentiatedContact> contact = model.differentiated(problem);
-  if (!contact) return result;
-  PredictionGradient& gradient = result.gradient;
-  gradient.known = true;
-  gradient.a_m = derivatives_of(contact->a_m);
-  gradient.b_m = derivatives_of(contact->b_m);
-  gradient.indentation_m = derivatives_of(contact->indentation_m);
-  gradient.area_m2 = derivatives_of(contact->a_m * contact->b_m * kPi);
-  gradient.peak_pressure_Pa = derivatives_of(contact->peak_pressure_Pa);
-  gradient.torque_arm_exact_m = derivatives_of(contact->torque_arm_exact_m);
-  gradient.torque_arm_paper_m = derivatives_of(contact->torque_arm_paper_m);
-  const double P = problem.load.normal_force_N, mu = problem.load.friction_coefficient;
-  gradient.max_torque_Nm = derivatives_of(
-      mu * (DifferentiatedNumber::variable(P, kNormalForce) * contact->torque_arm_exact_m));
-  gradient.max_torque_Nm.by_friction_coefficient = P * result.prediction.torque_arm_exact_m;
-  add_stuck_stiffness(*contact, problem, gradient);
+  std::optional<DifferentiatedContact> contact;
+  PredictionWithGradient result = {model.predict_differentiated(problem, &contact), {}};
+  if (result.prediction.has_answer && contact)
+    with_best_instructions([&] { add_gradient(*contact, problem, result.gradient); });
   return result;
 }
 

@@ -133,10 +133,19 @@ class PressureModel {
 
   /// The numbers of the prediction with their derivatives, where the model can tell them: exact, by
   /// forward differentiation. Only for one layer, and where `predict` has an answer
-  /// (`predict_with_gradient` sees to both).
+  /// (`predict_differentiated` sees to both).
   virtual std::optional<DifferentiatedContact> differentiated(
       const ContactProblem&) const noexcept {
     return std::nullopt;
+  }
+
+  /// `predict`, and in `contact` the derivatives, which count only where `predict` has an answer.
+  /// Overridden where one calculation gives both.
+  virtual Prediction predict_differentiated(
+      const ContactProblem& problem, std::optional<DifferentiatedContact>* contact) const noexcept {
+    Prediction prediction = predict(problem);
+    if (prediction.has_answer && !problem.has_object_layer()) *contact = differentiated(problem);
+    return prediction;
   }
 
   /// Many contacts at once (predict_batch, batch.h). The default asks `predict` for each.

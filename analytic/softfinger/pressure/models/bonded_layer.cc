@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/wide.h"
 #include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/elliptic_pressure.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -80,46 +81,37 @@ class BondedLayer final : public PressureModel {
   }
 
   Prediction predict(const ContactProblem& problem) const noexcept override {
-    const ValidityCheck violation = first_range_violation(problem);
-    if (*violation.check) return no_answer(violation);
-    const bool two_layers = problem.has_object_layer();
-    if (two_layers && !same(problem.layer, problem.object_layer))
-      return no_answer({"single_layer", 0, 1, false,
-                        "no answer: a layer on the object must have the finger's thickness and "
-                        "material (then each takes half of the gap); layer_fredholm (round "
-                        "contacts) and layer_fft take two different ones"});
+    if (const ValidityCheck reason = why_unanswered(problem); *reason.check)
+      return no_answer(reason);
     // Two like layers meet in a plane of symmetry: each is pressed against half of the gap.
-    const double halves = two_layers ? 2 : 1;
+    const double halves = problem.has_object_layer() ? 2 : 1;
     RelativeRadii radii = problem.radii;
     radii.major_m *= halves;
     radii.minor_m *= halves;
-    const BondedLayerContact contact =
-        bonded_layer_contact(radii, problem.layer, problem.load.normal_force_N);
-
-    Prediction prediction = answer_of(contact);
+    Prediction prediction =
+        answer_of(bonded_layer_contact(radii, problem.layer, problem.load.normal_force_N));
     prediction.indentation_m *= halves;
-    prediction.validity.add(
-        {"table_size", contact_to_thickness(prediction, problem.layer), 100, true,
-         "the contact is larger than the tabulated ones (sqrt(ab)/h): the answer is on its way to "
-         "the limit of thin layers, without a stated error"});
-    prediction.validity.add(
-        {"table_radii_ratio", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300),
-         100.001, true,
-         "R'/R'' is beyond the tabulated ones: the corrections for R'/R'' = 100 "
-         "are used, without a stated error"});
-    prediction.validity.add(small_slope_check(prediction, problem.radii));
-    prediction.validity.add(small_strain_check(contact.indentation_m / problem.layer.thickness_m));
+    add_checks(problem, prediction);
+    return finite_or_no_answer(prediction, problem);
+  }
+
+  Prediction predict_differentiated(
+      const ContactProblem& problem,
+      std::optional<DifferentiatedContact>* contact) const noexcept override {
+    if (problem.has_object_layer()) return predict(problem);
+    if (const ValidityCheck reason = why_unanswered(problem); *reason.check)
+      return no_answer(reason);
+    with_best_instructions([&] {
+      contact->emplace(DifferentiatedContact{bonded_layer_numbers(differentiated_input(problem))});
+    });
+    Prediction prediction = answer_of(**contact);
+    add_checks(problem, prediction);
     return finite_or_no_answer(prediction, problem);
   }
 
   void predict_batch(const ContactBatch& contacts,
                      const PredictionBatch& predictions) const noexcept override {
     predict_bonded_layer_batch(*this, contacts, predictions);
-  }
-
-  std::optional<DifferentiatedContact> differentiated(
-      const ContactProblem& problem) const noexcept override {
-    return bonded_layer_numbers(differentiated_input(problem));
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
@@ -134,6 +126,33 @@ class BondedLayer final : public PressureModel {
   }
 
  private:
+  static ValidityCheck why_unanswered(const ContactProblem& problem) noexcept {
+    const ValidityCheck violation = first_range_violation(problem);
+    if (*violation.check) return violation;
+    if (problem.has_object_layer() && !same(problem.layer, problem.object_layer))
+      return {"single_layer", 0, 1, false,
+              "no answer: a layer on the object must have the finger's thickness and "
+              "material (then each takes half of the gap); layer_fredholm (round "
+              "contacts) and layer_fft take two different ones"};
+    return {};
+  }
+
+  static void add_checks(const ContactProblem& problem, Prediction& prediction) noexcept {
+    const double halves = problem.has_object_layer() ? 2 : 1;
+    prediction.validity.add(
+        {"table_size", contact_to_thickness(prediction, problem.layer), 100, true,
+         "the contact is larger than the tabulated ones (sqrt(ab)/h): the answer is on its way to "
+         "the limit of thin layers, without a stated error"});
+    prediction.validity.add(
+        {"table_radii_ratio", std::min(problem.radii.major_m / problem.radii.minor_m, 1e300),
+         100.001, true,
+         "R'/R'' is beyond the tabulated ones: the corrections for R'/R'' = 100 "
+         "are used, without a stated error"});
+    prediction.validity.add(small_slope_check(prediction, problem.radii));
+    prediction.validity.add(
+        small_strain_check(prediction.indentation_m / halves / problem.layer.thickness_m));
+  }
+
   static bool same(const ElasticLayer& one, const ElasticLayer& other) noexcept {
     return one.thickness_m == other.thickness_m &&
            one.youngs_modulus_Pa == other.youngs_modulus_Pa &&

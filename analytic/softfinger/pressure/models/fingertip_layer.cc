@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "softfinger/layer/fingertip_layer_core.h"
+#include "softfinger/math/wide.h"
 #include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/soundness.h"
@@ -41,13 +42,23 @@ class FingertipLayer final : public PressureModel {
   }
 
   Prediction predict(const ContactProblem& problem) const noexcept override {
-    const ValidityCheck violation = first_range_violation(problem);
-    if (*violation.check) return no_answer(violation);
-    if (problem.has_object_layer())
-      return no_answer(
-          {"single_layer", 0, 1, false, "no answer: the corrections were fitted to one layer"});
-    const ContactNumbers contact = fingertip_layer_contact(problem);
-    Prediction prediction = answer_of(contact);
+    if (const ValidityCheck reason = why_unanswered(problem); *reason.check)
+      return no_answer(reason);
+    Prediction prediction = answer_of(fingertip_layer_contact(problem));
+    add_checks(problem, prediction);
+    return finite_or_no_answer(prediction, problem);
+  }
+
+  Prediction predict_differentiated(
+      const ContactProblem& problem,
+      std::optional<DifferentiatedContact>* contact) const noexcept override {
+    if (const ValidityCheck reason = why_unanswered(problem); *reason.check)
+      return no_answer(reason);
+    with_best_instructions([&] {
+      contact->emplace(DifferentiatedContact{fingertip_layer_numbers(
+          differentiated_input(problem), problem.is_object_spherical ? 1. : 0.)});
+    });
+    Prediction prediction = answer_of(**contact);
     add_checks(problem, prediction);
     return finite_or_no_answer(prediction, problem);
   }
@@ -57,18 +68,18 @@ class FingertipLayer final : public PressureModel {
     predict_fingertip_layer_batch(*this, contacts, predictions);
   }
 
-  std::optional<DifferentiatedContact> differentiated(
-      const ContactProblem& problem) const noexcept override {
-    return fingertip_layer_numbers(differentiated_input(problem),
-                                   problem.is_object_spherical ? 1. : 0.);
-  }
-
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
                      double y_m) const noexcept override {
     return bonded_layer_model().pressure_Pa(problem, prediction, x_m, y_m);
   }
 
  private:
+  static ValidityCheck why_unanswered(const ContactProblem& problem) noexcept {
+    const ValidityCheck violation = first_range_violation(problem);
+    if (*violation.check || !problem.has_object_layer()) return violation;
+    return {"single_layer", 0, 1, false, "no answer: the corrections were fitted to one layer"};
+  }
+
   /// Whether the contact lies within the runs that the corrections were fitted to.
   static void add_checks(const ContactProblem& problem, Prediction& prediction) noexcept {
     const double h = problem.layer.thickness_m;

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "softfinger/layer/contact_numbers.h"
+#include "softfinger/math/wide.h"
 #include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/soundness.h"
@@ -112,8 +113,10 @@ class FiniteStrainLayer final : public PressureModel {
 
   std::optional<DifferentiatedContact> differentiated(
       const ContactProblem& problem) const noexcept override {
-    const DifferentiatedInput input = differentiated_input(problem);
-    return corrected(bonded_layer_numbers(input), input);
+    return with_best_instructions([&] {
+      const DifferentiatedInput input = differentiated_input(problem);
+      return DifferentiatedContact{corrected(bonded_layer_numbers(input), input)};
+    });
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,

@@ -69,10 +69,10 @@ class Hertz final : public PressureModel {
     const DifferentiatedInput input = differentiated_input(problem);
     const auto at = layer_arguments(input);
     const auto shapes = tabulated_limit_shapes(at.log_radii_ratio);
-    return contact_of_logarithms<DifferentiatedNumber>(
+    return DifferentiatedContact{contact_of_logarithms<DifferentiatedNumber>(
         {shapes.log_hertz_size_at_unit_load + at.log_load * (1. / 3), shapes.log_hertz_aspect,
          shapes.log_hertz_depth, kLogHertzArm, kLogHertzPeak},
-        at.mean_radius_m, input);
+        at.mean_radius_m, input)};
   }
 
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,

@@ -100,12 +100,10 @@ class PowerLawContact final : public PressureModel {
     using plain::sqrt;
     const DifferentiatedNumber arm = a * (prediction.torque_arm_exact_m / prediction.a_m);
     return DifferentiatedContact{
-        a,
-        a,
-        a / sqrt(input.radius_major_m) * (a / sqrt(input.radius_minor_m)),
-        P / (a * a) * (prediction.peak_pressure_Pa / P.value * prediction.a_m * prediction.a_m),
-        arm,
-        arm};
+        {a, a, a / sqrt(input.radius_major_m) * (a / sqrt(input.radius_minor_m)),
+         P / (a * a) * (prediction.peak_pressure_Pa / P.value * prediction.a_m * prediction.a_m),
+         arm, arm},
+        false};
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,

@@ -105,11 +105,11 @@ class ThinIncompressible final : public PressureModel {
     // The layer's G enters, not its E*: P/(E* h³) with E* = 4 G.
     at.log_load = at.log_load - log(2. * (1. - input.poisson_ratio));
     const auto shapes = tabulated_limit_shapes(at.log_radii_ratio);
-    return contact_of_logarithms<DifferentiatedNumber>(
+    return DifferentiatedContact{contact_of_logarithms<DifferentiatedNumber>(
         {shapes.log_incompressible_size_at_unit_load + at.log_load * (1. / 6),
          shapes.log_incompressible_aspect, shapes.log_incompressible_depth, kLogIncompressibleArm,
          kLogIncompressiblePeak},
-        at.mean_radius_m, input);
+        at.mean_radius_m, input)};
   }
 
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,

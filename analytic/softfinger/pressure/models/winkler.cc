@@ -94,10 +94,10 @@ class Winkler final : public PressureModel {
     const DifferentiatedNumber softness = problem.options.winkler_modulus == WinklerModulus::youngs
                                               ? 1. / (1. - nu * nu)
                                               : (1. - 2. * nu) / ((1. - nu) * (1. - nu));
-    return contact_of_logarithms<DifferentiatedNumber>(
+    return DifferentiatedContact{contact_of_logarithms<DifferentiatedNumber>(
         {0.25 * (at.log_load + log(softness * (4 / kPi))), 0.5 * at.log_radii_ratio,
          kLogWinklerDepth, kLogWinklerArm, kLogWinklerPeak},
-        at.mean_radius_m, input);
+        at.mean_radius_m, input)};
   }
 
   double pressure_Pa(const ContactProblem&, const Prediction& prediction, double x_m,
