@@ -52,7 +52,7 @@ judgement::FemEccentricity fem_table(const ContactProblem& problem, double least
   contact.id = "contact";
   contact.layer = problem.layer;
   contact.fem_finite = input::FiniteStrain{};
-  contact.friction_coefficient = problem.load.friction_coefficient;
+  contact.shear_law.friction_coefficient = problem.load.friction_coefficient;
   prediction::LocalGeometry geometry;
   geometry.radii = problem.radii;
   reference::FemBatch batch;
@@ -132,6 +132,7 @@ int run_select(SelectOptions options) {
   if (!options.quantities.empty())
     options.selection.quantities = judgement::quantities_by_name(options.quantities);
   const input::Case contact_case = input::read_case(system::find_case_file(options.file));
+  input::require_coulomb(contact_case, "select");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   std::vector<judgement::LoadChoice> loads;

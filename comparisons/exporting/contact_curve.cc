@@ -78,7 +78,7 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   ContactCurve curve;
   curve.case_id = contact_case.id;
   curve.model = std::string(model.card().name);
-  curve.friction_coefficient = contact_case.friction_coefficient;
+  curve.friction_coefficient = contact_case.shear_law.friction_coefficient;
   curve.radii = resolver.resolve(loads.nominal_N).radii;
   const auto at = [&](double load_N) {
     return ask(contact_case, resolver.resolve(load_N), model, load_N, tolerance);

@@ -147,7 +147,7 @@ FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalG
   problem.sublayers = contact_case.sublayers;
   problem.finite_strain = contact_case.fem_finite;
   problem.load_N = load_N;
-  problem.friction_coefficient = contact_case.friction_coefficient;
+  problem.friction_coefficient = contact_case.shear_law.friction_coefficient;
   problem.level = level;
   if (!contact_case.fem_mesh.empty()) {
     std::error_code ignored;
