@@ -145,9 +145,9 @@ TEST_F(Program, PredictsForceTorqueAndLimitSurfaceOfEachShearLaw) {
               1, 1e-12);
 
   const json circle =
-      predict("shear_law = \"limited\"\nshear_strength_kPa = 90\nfriction_coefficient = 0.8\n",
+      predict("shear_law = \"limited\"\nshear_strength_kPa = 40\nfriction_coefficient = 0.8\n",
               "[10.0, 10.0]");
-  const double a = circle["a_m"], peak = circle["peak_pressure_Pa"], tau = 9e4;
+  const double a = circle["a_m"], peak = circle["peak_pressure_Pa"], tau = 4e4;
   ASSERT_GT(0.8 * peak, tau);
   // r = a cos t; mu p = tau_0 where sin t = tau_0 / (mu p_0).
   const double t = std::asin(tau / (0.8 * peak)), c = a * std::cos(t);
@@ -175,8 +175,10 @@ TEST_F(Program, RefusesOtherShearLawsWhereErrorsAreKnownForCoulombsOnly) {
   std::string text = case_text();
   text += "shear_law = \"limited\"\nshear_strength_kPa = 40\n";
   const auto file = folder.write("case.toml", text);
-  for (const char* command : {"compare", "select"}) {
-    const ProgramRun result = run({command, file.string()});
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"compare", file.string()},
+        {"select", file.string(), "--tolerance", "0.1"}}) {
+    const ProgramRun result = run(command);
     EXPECT_EQ(result.status, 2);
     ASSERT_EQ(lines(result.err).size(), 1u) << result.err;
     EXPECT_NE(result.err.find("shear_law = \"limited\""), std::string::npos) << result.err;
