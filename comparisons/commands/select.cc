@@ -105,8 +105,14 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
-  const judgement::SceneChoice choice = judgement::choose_for_scene(
-      input::read_scene(file), options.selection.tolerance, fem_table, remark);
+  const input::Scene scene = input::read_scene(file);
+  for (const input::ContactRule& rule : scene.rules)
+    if (rule.shear_law.kind != ShearLaw::Kind::coulomb)
+      throw InputError(
+          file.string(), "shear_law", rule.shear_law.name(),
+          "\"coulomb\" for select: errors of the models' torque are known for it only");
+  const judgement::SceneChoice choice =
+      judgement::choose_for_scene(scene, options.selection.tolerance, fem_table, remark);
   const nlohmann::json result = to_json(choice, options.selection.tolerance);
   if (options.write_page)
     write_page(

@@ -294,18 +294,17 @@ ShearLaw TomlReader::shear_law(const toml::table& table, const std::string& name
   }
   const toml::node* friction = table.get("friction_coefficient");
   const toml::node* strength = table.get("shear_strength_kPa");
-  if (!law.has_friction_coefficient()) {
-    if (friction)
-      refuse(*friction, "friction_coefficient",
-             "nothing here: under shear_law = \"shear_strength\" the pressure does not matter");
-  } else if (!coefficient) {
-    law.friction_coefficient =
-        positive(required(table, name, "friction_coefficient"), "friction_coefficient", 1);
-  } else {
+  if (coefficient) {
     const std::string allowed = "a finite number >= 0";
     law.friction_coefficient =
         friction ? number(*friction, "friction_coefficient", allowed) : *coefficient;
     if (law.friction_coefficient < 0) refuse(*friction, "friction_coefficient", allowed);
+  } else if (law.has_friction_coefficient()) {
+    law.friction_coefficient =
+        positive(required(table, name, "friction_coefficient"), "friction_coefficient", 1);
+  } else if (friction) {
+    refuse(*friction, "friction_coefficient",
+           "nothing here: under shear_law = \"shear_strength\" the pressure does not matter");
   }
   if (law.has_shear_strength()) {
     law.shear_strength_Pa =

@@ -90,7 +90,8 @@ class TomlReader {
   ElasticLayer elastic_layer(const toml::table& table, const std::string& name) const;
   /// shear_law, friction_coefficient, shear_strength_kPa: what the law needs has to be there, what
   /// it does not use is refused. Coulomb's law unless another one is named.
-  /// @param coefficient  where none is typed, which then may also be 0; none: it has to be typed
+  /// @param coefficient  where none is typed; then it may also be 0, and belongs to every law: what
+  ///                     touches in a point has no other friction. None: it has to be typed
   ShearLaw shear_law(const toml::table& table, const std::string& name,
                      std::optional<double> coefficient = std::nullopt) const;
 
