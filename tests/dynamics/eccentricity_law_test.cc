@@ -140,7 +140,7 @@ TEST(EccentricityLaw, GivesAContactOfConstantShearStressItsLargestTorqueAtAnyLoa
     ContactLcp problem = coupled_contact();
     problem.delassus(0, 3) = problem.delassus(3, 0) = 0;
     problem.free_velocity[0] = -problem.delassus(0, 0) * load * kStep_s;
-    problem.free_velocity[3] = 1e5;  // faster than any friction could stop
+    problem.free_velocity[3] = 1;  // faster than any of the loads could stop
     const ConsistentResult result = solver.solve(problem, {&law}, kStep_s, solution, {});
     ASSERT_EQ(result.lcp.status, LcpStatus::solved);
     EXPECT_LE(result.iterations, 3);
