@@ -43,7 +43,7 @@ class ModelEccentricity final : public EccentricityLaw {
     return effective_friction(limit(predict(load_N), load_N), load_N);
   }
   /// n of the pressure (1 - s²)^n with the same largest torque over largest force: its limit
-  /// surface stands for that of the law, exactly so under a constant stress.
+  /// surface stands for that of the law within 1 %, exactly so under a constant stress.
   double limit_exponent(Prediction prediction, double load_N) const {
     if (law_.has_shear_strength())
       prediction.torque_arm_exact_m = limit(prediction, load_N).eccentricity_m;
