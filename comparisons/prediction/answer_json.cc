@@ -7,7 +7,6 @@
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/shear_surface.h"
 #include "softfinger/input/constants.h"
-#include "softfinger/pressure/equivalent_exponent.h"
 #include "softfinger/pressure/gradient.h"
 
 namespace softfinger::prediction {
