@@ -41,7 +41,11 @@ void check_load(const Problem& problem) {
     require_positive(problem, problem.approach_m, "approach_m");
   else
     require_positive(problem, problem.contact.load.normal_force_N, "load_N");
-  require_positive(problem, problem.contact.load.friction_coefficient, "friction_coefficient");
+  const ShearLaw law = problem.friction_law();
+  if (law.has_friction_coefficient())
+    require_positive(problem, law.friction_coefficient, "friction_coefficient");
+  if (law.has_shear_strength())
+    require_positive(problem, law.shear_strength_Pa, "shear_strength_Pa");
 }
 
 void check_radii(const Problem& problem) {

@@ -17,9 +17,10 @@ bool turns_about_centre(const FrictionRequest& request) {
 double torque_of_pressure(const PressedContact& contact) {
   double sum = 0;
   const auto& nodes = contact.model.nodes();
+  const Eigen::VectorXd friction = largest_friction(contact);
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    sum += contact.force[static_cast<Eigen::Index>(i)] * nodes[i].position.head<2>().norm();
-  return copies(contact) * contact.friction_coefficient * sum;
+    sum += friction[static_cast<Eigen::Index>(i)] * nodes[i].position.head<2>().norm();
+  return copies(contact) * sum;
 }
 
 Wrench in_newtons(const FrictionWrench& wrench, const Problem& problem) {
@@ -93,7 +94,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   result.stiffness = stuck_torsional_stiffness(contact, quarters);
   if (!plan)
     plan = plan_friction({result.stiffness, torque_of_pressure(contact),
-                          contact.friction_coefficient * contact.load, contact.b},
+                          copies(contact) * largest_friction(contact).sum(), contact.b},
                          problem);
   std::optional<SurfaceCompliance> of_any_motion;
   if (request.torsion) {
@@ -189,7 +190,7 @@ Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& foun
   return torsion;
 }
 
-/// Largest of the components, forces relative to mu P and the torque to that of the pressure.
+/// Largest of the components, forces and torque relative to the largest ones.
 double difference(const Wrench& one, const Wrench& other, double force_N, double torque_Nm) {
   return std::max({std::abs(one.force_x_N - other.force_x_N) / force_N,
                    std::abs(one.force_y_N - other.force_y_N) / force_N,
@@ -235,7 +236,7 @@ void state_friction(const FrictionOfLevel& coarse, const FrictionOfLevel& found,
     result.torsion = state_torsion(coarse, found, fine, refinement,
                                    result.finest.elements_per_semi_axis, problem);
   if (fine.limit_surface.empty()) return;
-  const double force_limit_N = problem.contact.load.friction_coefficient * result.finest.load_N;
+  const double force_limit_N = result.finest.max_force_N;
   double largest = 0;
   for (std::size_t i = 0; i < fine.limit_surface.size(); ++i) {
     LimitPoint point;

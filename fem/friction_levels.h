@@ -43,7 +43,7 @@ struct FrictionPlan {
 /// Scales of the motions in a plan, in the units of the model.
 struct FrictionScale {
   double stiffness = 0;          ///< of the stuck contact against a turn
-  double torque = 0, force = 0;  ///< mu int p r dA, mu P
+  double torque = 0, force = 0;  ///< largest ones of the frictionless pressure
   double b = 0;                  ///< smaller semi-axis
 };
 

@@ -25,7 +25,10 @@ FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& 
   Eigen::VectorXd gap(surface.size());
   for (Index i = 0; i < surface.size(); ++i)
     gap[i] = contact.gap[surface.model_node[static_cast<std::size_t>(i)]];
-  return {surface, gap, contact.load, contact.friction_coefficient};
+  Eigen::VectorXd area;
+  if (contact.strength_share.size() > 0)
+    area = surface.area.cwiseProduct(contact.strength_share(surface.model_node));
+  return {surface, gap, contact.load, FrictionBound(contact.law, area)};
 }
 
 /// Relative radius of the outermost node that touches.
@@ -47,6 +50,13 @@ double edge_of(const PressedContact& contact, const SurfaceCompliance& surface,
 }
 
 }  // namespace
+
+Eigen::VectorXd largest_friction(const PressedContact& contact) {
+  const auto& nodes = contact.model.nodes();
+  Eigen::VectorXd area = contact.strength_share;
+  for (Index i = 0; i < area.size(); ++i) area[i] *= seen_area(nodes[static_cast<std::size_t>(i)]);
+  return FrictionBound(contact.law, area).of(contact.force);
+}
 
 QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest,
                                         KeptCompliances* kept) {

@@ -21,7 +21,9 @@ struct PressedContact {
   Eigen::VectorXd force;  ///< frictionless, along the load, per node of the model
   double a = 0, b = 0;    ///< semi-axes along the surface
   double load = 0;        ///< of the whole contact
-  double friction_coefficient = 0;
+  ShearLaw law;           ///< its strength in units of E
+  /// Per node of the model, see `strength_share`; empty for Coulomb's law.
+  Eigen::VectorXd strength_share{};
   double edge = 1;  ///< relative radius of the frictionless contact's edge, where it is no ellipse
   /// How far the edge may move while friction moves the pressure, in cells of the refined patch.
   double margin = 1;
@@ -29,6 +31,9 @@ struct PressedContact {
 
 /// Sums over the model's nodes times this are sums over the contact.
 inline int copies(const PressedContact& contact) { return contact.model.whole() ? 1 : 4; }
+
+/// The largest force of friction on each node of the model without friction's own effect.
+Eigen::VectorXd largest_friction(const PressedContact& contact);
 
 /// Outermost part of the margin, in cells. A node that touches there shows that the margin is too
 /// small.

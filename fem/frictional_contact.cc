@@ -25,16 +25,16 @@ Eigen::VectorXd displacement(const SurfaceCompliance& surface, const PlaneMotion
 }  // namespace
 
 FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
-                                     double load, double friction_coefficient)
+                                     double load, FrictionBound bound)
     : surface_(surface),
       gap_(gap),
       load_(load / surface.copies),
-      friction_coefficient_(friction_coefficient),
+      bound_(std::move(bound)),
       normal_(solve_normal_contact(surface.normal, gap, load_)),
       pressed_(normal_.force),
       tangential_(Eigen::VectorXd::Zero(2 * surface.size())),
       slip_(Eigen::VectorXd::Zero(2 * surface.size())),
-      limit_(friction_coefficient * normal_.force) {}
+      limit_(bound_.of(normal_.force)) {}
 
 template <class TangentialSolver>
 void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_tangential) {
@@ -46,7 +46,7 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
   NormalContact found = normal_;
   double change = 0;
   for (int iteration = 1; iteration <= limit; ++iteration) {
-    limit_ = friction_coefficient_ * normal_.force;
+    limit_ = bound_.of(normal_.force);
     solve_tangential();
     const Eigen::VectorXd lift = surface_.normal_tangential * tangential_;
     found = solve_normal_contact(surface_.normal, gap_ + lift, load_, &found, &touching_);
@@ -119,8 +119,7 @@ double FrictionalContact::slip_fraction() const {
 }
 
 double FrictionalContact::torque_of_pressure() const {
-  return surface_.copies * friction_coefficient_ *
-         surface_.position.colwise().norm().dot(normal_.force);
+  return surface_.copies * surface_.position.colwise().norm().dot(bound_.of(normal_.force));
 }
 
 }  // namespace softfinger::fem

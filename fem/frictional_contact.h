@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "fem/coulomb_friction.h"
+#include "fem/friction_bound.h"
 #include "fem/normal_contact.h"
 #include "fem/surface_compliance.h"
 
@@ -18,17 +19,18 @@ struct FrictionWrench {
   double force_x = 0, force_y = 0, torque = 0;
 };
 
-/// A contact at constant normal load with Coulomb friction, in the units of the model (h, E h²).
+/// A contact at constant normal load with friction, in the units of the model (h, E h²).
 ///
 /// It is pressed without friction; from then on friction resists. Every displacement of the surface
 /// is measured from there. Normal and tangential problem are solved in turn until neither changes:
 /// tangential forces lift and lower the surface, which moves pressure, which moves the limits.
 class FrictionalContact {
  public:
-  /// @param gap  per point of the surface
+  /// @param gap    per point of the surface
+  /// @param bound  of friction's force on each point
   /// @throws ConvergenceError from the normal contact
   FrictionalContact(const SurfaceCompliance& surface, const Eigen::VectorXd& gap, double load,
-                    double friction_coefficient);
+                    FrictionBound bound);
 
   /// Moves the indenter from where it is to `motion`, in one increment with the slip law at its
   /// end.
@@ -42,7 +44,7 @@ class FrictionalContact {
   /// Share of the contact's area that slips, 0 to 1.
   double slip_fraction() const;
   double approach() const { return normal_.approach; }
-  /// int mu p r dA over the present pressure.
+  /// int tau r dA, tau the shear law's stress under the present pressure.
   double torque_of_pressure() const;
 
   const SurfaceCompliance& surface() const { return surface_; }
@@ -58,7 +60,8 @@ class FrictionalContact {
 
   const SurfaceCompliance& surface_;
   const Eigen::VectorXd gap_;
-  const double load_, friction_coefficient_;
+  const double load_;
+  const FrictionBound bound_;
   NormalContact normal_;
   TouchingFactor touching_;
   StickSlipFactor stick_slip_;

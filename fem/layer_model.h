@@ -76,6 +76,11 @@ struct SurfaceNode {
   bool at_end = false;  ///< of the surface that can be touched, on a mesh from outside
 };
 
+/// Of a node, seen along the load.
+inline double seen_area(const SurfaceNode& node) {
+  return node.weight * node.area_ratio * node.normal.z();
+}
+
 /// A finest face of the surface, an axis-parallel rectangle, with the nodes of its biquadratic
 /// shape functions (index x + 3 y; -1 where the node cannot be touched). On a mesh from outside it
 /// is the unit square of its own coordinates, wherever it lies.

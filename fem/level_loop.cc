@@ -383,12 +383,16 @@ class LevelLoop {
     const auto half = [&](double LevelResult::*quantity) {
       return (clamped.*quantity / free.*quantity - 1) / 2;
     };
-    // The torque over the load is a length of the contact, and one that no fit blurs.
-    const double load = half(&LevelResult::load_N), torque = half(&LevelResult::max_torque_Nm);
-    const double length = torque - load;
-    result_.wall = {
-        length, length, 2 * length, half(&LevelResult::indentation_m), load - 2 * length,
-        torque, load};
+    // The arm of the pressure is a length of the contact, and one that no fit blurs.
+    const double load = half(&LevelResult::load_N), length = half(&LevelResult::torque_arm_m);
+    result_.wall = {length,
+                    length,
+                    2 * length,
+                    half(&LevelResult::indentation_m),
+                    load - 2 * length,
+                    half(&LevelResult::max_torque_Nm),
+                    load,
+                    half(&LevelResult::max_force_N)};
     task_.progress(
         formatted("side wall: clamped it would change the contact's size by %.2g, d by "
                   "%.2g, load by %.2g %%; half of that is taken",
@@ -406,6 +410,8 @@ class LevelLoop {
       level.peak_pressure_Pa *= 1 + wall.peak_pressure;
       level.centre_pressure_Pa *= 1 + wall.peak_pressure;
       level.max_torque_Nm *= 1 + wall.max_torque;
+      level.max_force_N *= 1 + wall.max_force;
+      level.torque_arm_m *= 1 + wall.a;
       level.max_torque_projected_Nm *= 1 + wall.max_torque;
       level.load_N *= 1 + wall.load;
     }

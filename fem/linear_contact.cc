@@ -140,8 +140,8 @@ class LinearContact : public ContactPhysics {
     result.indentation_m = pressed_.contact.approach * h;
     result.load_N =
         problem.approach_m > 0 ? pressed_.load() * E * h * h : problem.contact.load.normal_force_N;
-    result.max_torque_Nm =
-        problem.contact.load.friction_coefficient * result.load_N * pressed_.torque_arm() * h;
+    result.torque_arm_m = pressed_.torque_arm() * h;
+    set_largest_friction(result);
     result.load_residual = pressed_.contact.load_residual;
     result.complementarity_residual = pressed_.contact.complementarity_residual;
     if (shares_meshes_)
@@ -207,6 +207,20 @@ class LinearContact : public ContactPhysics {
   /// Trial meshes are not kept, except the last one where it serves as level 0 as well.
   bool is_kept_level() const { return level_ >= task_.problem.level - 1; }
 
+  void set_largest_friction(LevelResult& result) const {
+    const Problem& problem = task_.problem;
+    const double h = task_.pressing.thickness_m;
+    const double unit_of_force_N = problem.contact.layer.youngs_modulus_Pa * h * h;
+    if (problem.shear_law == ShearLaw::Kind::coulomb) {
+      result.max_force_N = problem.contact.load.friction_coefficient * result.load_N;
+      result.max_torque_Nm = result.max_force_N * result.torque_arm_m;
+      return;
+    }
+    const Eigen::VectorXd friction = largest_friction(start_of_friction());
+    result.max_force_N = pressed_.copies * friction.sum() * unit_of_force_N;
+    result.max_torque_Nm = pressed_.copies * pressed_.moment_of(friction) * unit_of_force_N * h;
+  }
+
   PressedContact start_of_friction() const {
     PressedContact start{*pressed_.model,
                          pressed_.gap,
@@ -214,10 +228,21 @@ class LinearContact : public ContactPhysics {
                          shape_.block_a,
                          shape_.block_b,
                          pressed_.load(),
-                         task_.problem.contact.load.friction_coefficient};
+                         task_.problem.friction_law_of_model()};
+    const auto& nodes = pressed_.model->nodes();
+    if (start.law.has_shear_strength()) {
+      Eigen::VectorXd area(start.force.size()), radius(start.force.size());
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        area[static_cast<Eigen::Index>(i)] = seen_area(nodes[i]);
+        radius[static_cast<Eigen::Index>(i)] =
+            std::hypot(nodes[i].x / start.a, nodes[i].y / start.b);
+      }
+      start.strength_share = strength_share(
+          start.law, {start.force, area, radius, 1.0 / discretisation().elements_per_semi_axis,
+                      shape_.projected_area / pressed_.copies});
+    }
     if (!pressed_.model->whole()) return start;
     // Without symmetry nodes beyond the ellipse of the moments may touch.
-    const auto& nodes = pressed_.model->nodes();
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (start.force[static_cast<Eigen::Index>(i)] > 0)
         start.edge = std::max(start.edge, std::hypot(nodes[i].x / start.a, nodes[i].y / start.b));

@@ -49,7 +49,9 @@ double Pressed::pressure(Index node) const {
   return normal_force[node] / (at.weight * at.area_ratio);
 }
 
-double Pressed::torque_arm() const {
+double Pressed::torque_arm() const { return moment_of(contact.force) / contact.force.sum(); }
+
+double Pressed::moment_of(const Eigen::VectorXd& force) const {
   const auto position = [&](Index i) -> Eigen::Vector2d {
     return model->nodes()[static_cast<std::size_t>(i)].position.head<2>();
   };
@@ -58,8 +60,8 @@ double Pressed::torque_arm() const {
     centre += contact.force[i] / contact.force.sum() * position(i);
   double moment = 0;
   for (Index i = 0; i < contact.force.size(); ++i)
-    moment += contact.force[i] * (position(i) - centre).norm();
-  return moment / contact.force.sum();
+    moment += force[i] * (position(i) - centre).norm();
+  return moment;
 }
 
 namespace {

@@ -73,6 +73,8 @@ struct Pressed {
   /// int p r dA / P over the contact seen along the load, r the distance from the pressure's
   /// centre: the deformed surface has the object's slope, not the finger's.
   double torque_arm() const;
+  /// Sum of nodal forces times their distance from that centre.
+  double moment_of(const Eigen::VectorXd& force) const;
 };
 
 /// Refuses a mesh from outside whose surface ends at a node that the object touches.

@@ -289,8 +289,16 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
   if (const auto approach_m = root.find("approach_m"))
     problem.approach_m = approach_m->number(0, std::numeric_limits<double>::max(),
                                             "a finite number > 0, or 0 to press by load_N");
-  problem.contact.load = {problem.approach_m != 0 ? 0.0 : root.at("load_N").positive(),
-                          root.at("friction_coefficient").positive()};
+  if (const auto name = root.find("shear_law")) {
+    const std::string typed = name->choice({kShearLawNames.begin(), kShearLawNames.end()});
+    problem.shear_law = ShearLaw::Kind(
+        std::find(kShearLawNames.begin(), kShearLawNames.end(), typed) - kShearLawNames.begin());
+  }
+  const ShearLaw law = problem.friction_law();
+  if (law.has_shear_strength()) problem.shear_strength_Pa = root.at("shear_strength_Pa").positive();
+  problem.contact.load = {
+      problem.approach_m != 0 ? 0.0 : root.at("load_N").positive(),
+      law.has_friction_coefficient() ? root.at("friction_coefficient").positive() : 0.0};
   if (const auto hint = root.find("size_hint_m")) {
     const std::vector<Entry> both = hint->list(2, 2);
     problem.size_hint_m = {both[0].positive(), both[1].positive()};

@@ -12,6 +12,7 @@
 #include "fem/fingertip.h"
 #include "fem/finite/material.h"
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/input/shear_law.h"
 
 /// The finite-element reference: a rigid object pressed on an elastic layer that is bonded to a
 /// rigid core, then twisted and shifted with friction. Nothing in this header depends on the
@@ -46,6 +47,9 @@ struct Problem {
   std::string name = "case";
   ContactProblem contact;
   double sphere_radius_m = std::numeric_limits<double>::infinity();
+  /// What friction carries at a point; its coefficient is that of the contact's load.
+  ShearLaw::Kind shear_law = ShearLaw::Kind::coulomb;
+  double shear_strength_Pa = 0;  ///< > 0, for laws that have one
   /// Presses by this approach in place of the contact's load, which is then ignored; 0: by load.
   double approach_m = 0;
   /// Semi-axes to expect along x and y, from an earlier contact or a closed form: they save trial
@@ -64,6 +68,16 @@ struct Problem {
   /// Finite strain of this material, its small-strain constants those of the contact's layer; none:
   /// linear elasticity.
   std::optional<finite::MaterialChoice> finite_strain;
+  ShearLaw friction_law() const {
+    return {shear_law, contact.load.friction_coefficient, shear_strength_Pa};
+  }
+  /// In the units of the model, whose stress is E.
+  ShearLaw friction_law_of_model() const {
+    ShearLaw law = friction_law();
+    law.shear_strength_Pa /= contact.layer.youngs_modulus_Pa;
+    return law;
+  }
+
   std::string output_directory;  ///< for VTU; empty: none
   std::string compliance_file;   ///< for the surface's compliance (write_compliance.h); empty: none
 };
@@ -77,7 +91,10 @@ struct LevelResult {
   int iterations = 0;    ///< of the active set; at finite strain of Newton's method
   double turn_rad = 0;   ///< from the relative radii's long axis to the contact's; 0 by symmetry
   double load_N = 0;     ///< as given, or what the given approach takes
-  double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0, max_torque_Nm = 0;
+  double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0;
+  /// int tau r dA and int tau dA of the frictionless pressure, tau the shear law's stress.
+  double max_torque_Nm = 0, max_force_N = 0;
+  double torque_arm_m = 0;  ///< int p r dA / P
   /// What touches, seen along the load, and on the deformed surface. The first is what models of
   /// contact predict. The second has the object's slope, in linear elasticity too.
   double area_projected_m2 = 0, area_m2 = 0;
@@ -106,6 +123,7 @@ struct LevelResult {
 /// Quantities that the side wall of the layer changes, relative.
 struct WallChange {
   double a = 0, b = 0, area = 0, indentation = 0, peak_pressure = 0, max_torque = 0, load = 0;
+  double max_force = 0;
 };
 
 /// Relative, stated at about 95 % confidence.
@@ -173,7 +191,7 @@ struct Result {
   Profile along_x, along_y;  ///< nodal pressure from the centre outwards
   std::optional<Torsion> torsion;
   std::vector<LimitPoint> limit_surface;
-  /// Stated error of the limit surface's points, relative to mu P and to the largest torque.
+  /// Stated error of the limit surface's points, relative to the largest force and torque.
   double limit_surface_error = 0;
   bool interrupted = false;  ///< a coarser answer than was asked for, its errors stated accordingly
   std::string vtu_file;      ///< empty when none was asked for

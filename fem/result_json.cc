@@ -78,7 +78,6 @@ void add_friction(const Problem& problem, const Result& result, json& output) {
 
 json to_json(const Problem& problem, const Result& result) {
   const auto& finest = result.finest;
-  const auto& load = problem.contact.load;
   json levels = json::array();
   for (const auto& level : result.levels)
     levels.push_back({{"level", level.level},
@@ -99,40 +98,41 @@ json to_json(const Problem& problem, const Result& result) {
                       {"cpu_s", level.cpu_s}});
   json outlines = json::array();
   for (const Eigen::Matrix2Xd& outline : finest.outlines_m) outlines.push_back(points(outline));
-  json output = {
-      {"model", "fem"},
-      {"load_N", finest.load_N},
-      {"a_m", finest.a_m},
-      {"b_m", finest.b_m},
-      {"axis_rad", problem.contact.radii.axis_rad + finest.turn_rad},
-      {"indentation_m", finest.indentation_m},
-      {"peak_pressure_Pa", finest.peak_pressure_Pa},
-      {"area_m2", finest.area_m2},
-      {"area_projected_m2", finest.area_projected_m2},
-      {"centre_pressure_Pa", finest.centre_pressure_Pa},
-      {"outline_m", outlines.empty() ? json::array() : outlines.front()},
-      {"ellipse_departure", finest.ellipse_departure},
-      {"kinematics", problem.finite_strain ? "finite" : "linear"},
-      {"geometry", problem.mesh        ? "mesh"
-                   : problem.fingertip ? "curved"
-                                       : "flat"},
-      {"max_torque_Nm", finest.max_torque_Nm},
-      {"eccentricity_m", finest.max_torque_Nm / (load.friction_coefficient * finest.load_N)},
-      {"error", relative(result.error)},
-      {"level", problem.level},
-      {"levels", levels},
-      {"unknowns", finest.unknowns},
-      {"active_nodes", finest.active_nodes},
-      {"iterations", finest.iterations},
-      {"pressure_exponent", result.pressure_exponent},
-      {"profile_x", profile(result.along_x)},
-      {"profile_y", profile(result.along_y)},
-      {"vtu", result.vtu_file.empty() ? json(nullptr) : json(result.vtu_file)},
-      {"pvd", result.pvd_file.empty() ? json(nullptr) : json(result.pvd_file)},
-      {"coarse", result.interrupted},
-      {"wall_s", result.wall_s},
-      {"cpu_s", result.cpu_s},
-      {"peak_memory_MB", result.peak_memory_MB}};
+  json output = {{"model", "fem"},
+                 {"load_N", finest.load_N},
+                 {"a_m", finest.a_m},
+                 {"b_m", finest.b_m},
+                 {"axis_rad", problem.contact.radii.axis_rad + finest.turn_rad},
+                 {"indentation_m", finest.indentation_m},
+                 {"peak_pressure_Pa", finest.peak_pressure_Pa},
+                 {"area_m2", finest.area_m2},
+                 {"area_projected_m2", finest.area_projected_m2},
+                 {"centre_pressure_Pa", finest.centre_pressure_Pa},
+                 {"outline_m", outlines.empty() ? json::array() : outlines.front()},
+                 {"ellipse_departure", finest.ellipse_departure},
+                 {"kinematics", problem.finite_strain ? "finite" : "linear"},
+                 {"geometry", problem.mesh        ? "mesh"
+                              : problem.fingertip ? "curved"
+                                                  : "flat"},
+                 {"max_torque_Nm", finest.max_torque_Nm},
+                 {"shear_law", problem.friction_law().name()},
+                 {"max_force_N", finest.max_force_N},
+                 {"eccentricity_m", finest.max_torque_Nm / finest.max_force_N},
+                 {"error", relative(result.error)},
+                 {"level", problem.level},
+                 {"levels", levels},
+                 {"unknowns", finest.unknowns},
+                 {"active_nodes", finest.active_nodes},
+                 {"iterations", finest.iterations},
+                 {"pressure_exponent", result.pressure_exponent},
+                 {"profile_x", profile(result.along_x)},
+                 {"profile_y", profile(result.along_y)},
+                 {"vtu", result.vtu_file.empty() ? json(nullptr) : json(result.vtu_file)},
+                 {"pvd", result.pvd_file.empty() ? json(nullptr) : json(result.pvd_file)},
+                 {"coarse", result.interrupted},
+                 {"wall_s", result.wall_s},
+                 {"cpu_s", result.cpu_s},
+                 {"peak_memory_MB", result.peak_memory_MB}};
   if (problem.finite_strain) {
     output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
     output["strain_energy_J"] = finest.strain_energy_J;

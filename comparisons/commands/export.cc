@@ -83,17 +83,22 @@ struct Export {
   const ContactCurve& curve;
   SoftContact contact;
   exporting::Lines lines;
-  std::vector<double> errors;  ///< at each of the curve's points
-  std::size_t worst = 0;       ///< index of the largest
+  std::vector<double> errors;        ///< of the torque, at each of the curve's points
+  std::vector<double> force_errors;  ///< likewise
+  std::size_t worst = 0;             ///< index of the largest
+  std::size_t worst_force = 0;
 
   Export(const Simulator& of, const ContactCurve& from, exporting::Fit fit)
       : simulator(of),
         curve(from),
         contact(soft_contact(curve, simulator, fit)),
         lines(simulator.lines(contact)),
-        errors(relative_errors(simulator, contact, curve)) {
-    for (std::size_t i = 0; i < errors.size(); ++i)
+        errors(relative_errors(simulator, contact, curve)),
+        force_errors(relative_force_errors(contact, curve)) {
+    for (std::size_t i = 0; i < errors.size(); ++i) {
       if (std::abs(errors[i]) > std::abs(errors[worst])) worst = i;
+      if (std::abs(force_errors[i]) > std::abs(force_errors[worst_force])) worst_force = i;
+    }
   }
 
   double eccentricity_m(double load_N) const {
@@ -125,10 +130,11 @@ nlohmann::json to_json(const Export& made, const std::string& fit, double tolera
     loads.push_back(
         {{"load_N", point.load_N},
          {"eccentricity_m", text::finite_or_null(point.eccentricity_m)},
-         {"max_torque_Nm",
-          text::finite_or_null(curve.friction_coefficient * point.load_N * point.eccentricity_m)},
+         {"max_force_N", text::finite_or_null(point.max_force_N())},
+         {"max_torque_Nm", text::finite_or_null(point.max_torque_Nm())},
          {"simulator_eccentricity_m", text::finite_or_null(made.eccentricity_m(point.load_N))},
          {"relative_error", text::finite_or_null(made.errors[i])},
+         {"force_relative_error", text::finite_or_null(made.force_errors[i])},
          {"valid", point.valid(tolerance)},
          {"usable", point.error_bound() <= tolerance},
          {"error_bound", text::finite_or_null(point.error_bound())}});
@@ -140,7 +146,9 @@ nlohmann::json to_json(const Export& made, const std::string& fit, double tolera
           {"fit", fit},
           {"load_N", curve.nominal.load_N},
           {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
-          {"friction_coefficient", curve.friction_coefficient},
+          {"shear_law", curve.shear_law.name()},
+          {"friction_coefficient", text::finite_or_null(curve.nominal.friction_coefficient)},
+          {"friction_exponent", text::finite_or_null(curve.friction_exponent)},
           {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
           {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
           {"error_evidence", curve.nominal.assessment.evidence},
@@ -150,7 +158,27 @@ nlohmann::json to_json(const Export& made, const std::string& fit, double tolera
           {"values", values},
           {"loads", loads},
           {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
+          {"worst_force_relative_error", text::finite_or_null(made.force_errors[made.worst_force])},
           {"traps", made.simulator.traps}};
+}
+
+/// The largest force, whose ratio to the load depends on the load under the shear law.
+std::string forces_in_words(const Export& made) {
+  const ContactCurve& curve = made.curve;
+  std::string text = fmt::format(
+      "Largest force / load {:.4g}, which goes with P^{:.3f} there, in {} it is {:.4g} at any "
+      "load:\n"
+      "  {:>9} {:>12} {:>9} {:>13}\n",
+      curve.nominal.friction_coefficient, curve.friction_exponent, made.simulator.title,
+      made.contact.friction_coefficient, "load N", "force N", "over load", "its force %");
+  for (std::size_t i = 0; i < curve.points.size(); ++i)
+    text += fmt::format("  {:>9.4g} {:>12.4g} {:>9.4g} {:>+13.1f}\n", curve.points[i].load_N,
+                        curve.points[i].max_force_N(), curve.points[i].friction_coefficient,
+                        std::abs(made.force_errors[i]) < 5e-4 ? 0.0 : made.force_errors[i] * 100);
+  return text + fmt::format("Worst over {:g} to {:g} N: {:+.1f} % of the force, at {:.4g} N\n",
+                            curve.points.front().load_N, curve.points.back().load_N,
+                            made.force_errors[made.worst_force] * 100,
+                            curve.points[made.worst_force].load_N);
 }
 
 std::string to_text(const Export& made) {
@@ -164,16 +192,15 @@ std::string to_text(const Export& made) {
       "{} for {:.4g} N, by {}: e_n {:.4g} mm ({}), largest torque {:.4g} mN·m; e_n goes with "
       "P^{:.3f} there, {}\n{}: {}\n\n{}\n",
       title, curve.nominal.load_N, curve.model, curve.nominal.eccentricity_m * 1e3,
-      error_in_words(curve.nominal),
-      curve.friction_coefficient * curve.nominal.load_N * curve.nominal.eccentricity_m * 1e3,
-      curve.load_exponent, growth, title, made.simulator.law, made.lines.text);
+      error_in_words(curve.nominal), curve.nominal.max_torque_Nm() * 1e3, curve.load_exponent,
+      growth, title, made.simulator.law, made.lines.text);
   text += fmt::format("  {:>9} {:>12} {:>9} {:>16} {:>13} {:>6}\n", "load N", "torque mN·m",
                       "e_n mm", "e_n there mm", "its torque %", "e_n ±");
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const LoadPoint& point = curve.points[i];
     text += fmt::format("  {:>9.4g} {:>12.4g} {:>9.4g} {:>16.4g} {:>+13.1f} {:>6}\n", point.load_N,
-                        curve.friction_coefficient * point.load_N * point.eccentricity_m * 1e3,
-                        point.eccentricity_m * 1e3, made.eccentricity_m(point.load_N) * 1e3,
+                        point.max_torque_Nm() * 1e3, point.eccentricity_m * 1e3,
+                        made.eccentricity_m(point.load_N) * 1e3,
                         // A value that rounds to zero is printed without a sign.
                         std::abs(made.errors[i]) < 5e-4 ? 0.0 : made.errors[i] * 100,
                         short_error(point));
@@ -181,6 +208,7 @@ std::string to_text(const Export& made) {
   text += fmt::format("Worst over {:g} to {:g} N: {:+.1f} % of the torque, at {:.4g} N\n",
                       curve.points.front().load_N, curve.points.back().load_N,
                       made.errors[made.worst] * 100, curve.points[made.worst].load_N);
+  if (curve.shear_law.has_shear_strength()) text += forces_in_words(made);
   for (const auto trap : made.simulator.traps) text += fmt::format("- {}\n", trap);
   return text;
 }
@@ -250,7 +278,10 @@ void add_export(CLI::App& app, Action& action) {
   command->footer(
       "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "
       "about\n"
-      "P^(1/4) to P^(1/3), where most simulators keep it constant.\n"
+      "P^(1/4) to P^(1/3), where most simulators keep it constant. Under another shear_law of the\n"
+      "case the largest force / load, exported as mu, depends on the load too; e_n is then over "
+      "the\n"
+      "largest force, and both errors are stated.\n"
       "Samples:\n"
       "  softfinger export silicone_pad_2mm --to mujoco\n"
       "  softfinger export seed_thumb --to drake --load 2 --load-range 0.5,8\n"

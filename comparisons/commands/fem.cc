@@ -50,7 +50,7 @@ std::string twist_table(const reference::ReferenceResult& result) {
   const reference::TwistedContact& twist = *result.twist;
   std::string text = fmt::format(
       "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {:.2g} %\n"
-      "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %, {:+.2g} % against int mu p r "
+      "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %, {:+.2g} % against int tau r "
       "dA\n"
       "  twist: angle (deg), torque (mN·m, ± {:.2g} % of full slip), slipping share of the "
       "area\n",
@@ -66,7 +66,7 @@ std::string twist_table(const reference::ReferenceResult& result) {
 
 std::string limit_surface_table(const reference::ReferenceResult& result) {
   std::string text = fmt::format(
-      "  limit surface, ± {:.2g} % of mu P and of the largest torque: fx, fy (N), torque (mN·m)\n",
+      "  limit surface, ± {:.2g} % of the largest force and torque: fx, fy (N), torque (mN·m)\n",
       in_percent(result.error.limit_surface));
   for (const reference::FrictionWrench& point : result.limit_surface)
     text += fmt::format("    {:>10.5g} {:>10.5g} {:>10.5g}\n", point.force_x_N, point.force_y_N,
@@ -96,7 +96,7 @@ std::string table_row(const reference::ReferenceResult& result) {
              within(error.peak_pressure), result.area_projected_m2 * 1e6, within(error.area),
              result.area_m2 * 1e6, result.max_torque_Nm * 1e3, within(error.max_torque)) +
          (result.projected_torque_Nm
-              ? fmt::format("  projected   {:>10.5g} mN·m  int mu p n_z r dA, without the slope\n",
+              ? fmt::format("  projected   {:>10.5g} mN·m  int tau n_z r dA, without the slope\n",
                             *result.projected_torque_Nm * 1e3)
               : "") +
          fmt::format("  {} unknowns, {:.3g} s\n",
@@ -294,9 +294,10 @@ void add_fem(CLI::App& app, Action& action) {
       ->check(CLI::PositiveNumber);
   command->add_option("--output", options->output,
                       "folder for VTU files (ParaView), one sub-folder per load; default: none");
-  command->add_flag("--torsion", options->torsion,
-                    "twist from stick to full slip under Coulomb friction: torque against angle, "
-                    "stiffness at the start, torque at full slip");
+  command->add_flag(
+      "--torsion", options->torsion,
+      "twist from stick to full slip under the case's shear law: torque against angle, "
+      "stiffness at the start, torque at full slip");
   command->add_option("--increments", options->increments, "of the twist, 1 to 1000; default: 20")
       ->check(CLI::Range(1, 1000));
   command

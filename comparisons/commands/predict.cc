@@ -60,7 +60,8 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
   const auto found = judgement::estimate_error(std::string(answer.model->card().name), contact_case,
                                                answer.problem);
   if (found.bound)
-    answer.error_bound = judgement::with_torque_rule(found, answer.prediction, rule);
+    answer.error_bound = judgement::with_shear_law(
+        judgement::with_torque_rule(found, answer.prediction, rule), answer);
   else
     answer.no_bound = found.outside;
 }
@@ -109,6 +110,7 @@ int run_predict(const PredictOptions& options) {
     remark("left out, slower than the others: " + text::joined(prediction::slow_models()) +
            "; ask with --model NAME or --model everything");
   if (options.json) {
+    const ShearLaw& law = contact_case.shear_law;
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
         {"case", contact_case.id},
@@ -117,7 +119,12 @@ int run_predict(const PredictOptions& options) {
         {"object_layer",
          two_layers ? input::layer_json(contact_case.object_layer) : nlohmann::json()},
         {"power_law_fit", prediction::to_json(contact_case.power_law_fit)},
-        {"friction_coefficient", contact_case.friction_coefficient},
+        {"shear_law", law.name()},
+        {"friction_coefficient", law.has_friction_coefficient()
+                                     ? nlohmann::json(law.friction_coefficient)
+                                     : nlohmann::json()},
+        {"shear_strength_Pa",
+         law.has_shear_strength() ? nlohmann::json(law.shear_strength_Pa) : nlohmann::json()},
         {"geometry", geometries},
         {"results", results}};
     system::write_to_stdout(object.dump(2) + "\n");
@@ -129,8 +136,11 @@ int run_predict(const PredictOptions& options) {
                             result["load_N"].get<double>());
         if (result["limit_surface_model"] == "exact")
           text += fmt::format(
-              "exact for p ~ (1 - x²/a² - y²/b²)^n, n = {:.4g}, which has the model's torque\n",
-              result["pressure_exponent"].get<double>());
+              "exact for p ~ (1 - x²/a² - y²/b²)^n, n = {:.4g}, which has the model's torque; the "
+              "friction ellipsoid is up to {:.1f} % outside of it and {:.1f} % inside\n",
+              result["pressure_exponent"].get<double>(),
+              -100 * result["ellipsoid_deviation"][0].get<double>(),
+              100 * result["ellipsoid_deviation"][1].get<double>());
         else
           text += "the friction ellipsoid of Ciocarlie et al. (2007)\n";
         text += fmt::format("  {:>12}{:>12}{:>14}\n", "fx N", "fy N", "torque mN·m");
@@ -189,6 +199,14 @@ void add_predict(CLI::App& app, Action& action) {
       "    without [layer]: a rigid finger on it\n"
       "  [power_law] radius_coefficient_mm, radius_exponent, pressure_exponent (default 2), or\n"
       "    data = [[load_N, radius_mm], ...] to fit the first two: for the model power_law\n"
+      "  [contact] shear_law = \"coulomb\" (default): a point carries the shear stress mu p,\n"
+      "    \"shear_strength\" tau_0, \"limited\" min(mu p, tau_0), \"adhesive_shear\" tau_0 + mu "
+      "p;\n"
+      "    mu: friction_coefficient (not for shear_strength), tau_0: shear_strength_kPa (not for\n"
+      "    coulomb). Largest force, torque and limit surface are the law's; e_n is largest torque "
+      "/\n"
+      "    largest force, which is mu P under Coulomb's law. The models' pressure is taken as\n"
+      "    p ~ (1 - x²/a² - y²/b²)^n with n from their torque\n"
       "A case has at most 1000 loads, 100 sublayers, 1000 measured radii and 16 MiB.\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"

@@ -52,7 +52,7 @@ judgement::FemEccentricity fem_table(const ContactProblem& problem, double least
   contact.id = "contact";
   contact.layer = problem.layer;
   contact.fem_finite = input::FiniteStrain{};
-  contact.friction_coefficient = problem.load.friction_coefficient;
+  contact.shear_law.friction_coefficient = problem.load.friction_coefficient;
   prediction::LocalGeometry geometry;
   geometry.radii = problem.radii;
   reference::FemBatch batch;
@@ -105,8 +105,14 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
-  const judgement::SceneChoice choice = judgement::choose_for_scene(
-      input::read_scene(file), options.selection.tolerance, fem_table, remark);
+  const input::Scene scene = input::read_scene(file);
+  for (const input::ContactRule& rule : scene.rules)
+    if (rule.shear_law.kind != ShearLaw::Kind::coulomb)
+      throw InputError(
+          file.string(), "shear_law", rule.shear_law.name(),
+          "\"coulomb\" for select: errors of the models' torque are known for it only");
+  const judgement::SceneChoice choice =
+      judgement::choose_for_scene(scene, options.selection.tolerance, fem_table, remark);
   const nlohmann::json result = to_json(choice, options.selection.tolerance);
   if (options.write_page)
     write_page(
@@ -132,6 +138,7 @@ int run_select(SelectOptions options) {
   if (!options.quantities.empty())
     options.selection.quantities = judgement::quantities_by_name(options.quantities);
   const input::Case contact_case = input::read_case(system::find_case_file(options.file));
+  input::require_coulomb(contact_case, "select");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   std::vector<judgement::LoadChoice> loads;

@@ -32,8 +32,17 @@ LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& 
     throw InputError(contact_case.id, "--model", std::string(model.card().name),
                      fmt::format("a model with a torque at {:g} N{}", load_N,
                                  objections.empty() ? "" : " (" + objections + ")"));
+  const FrictionEllipsoid limit = answer.friction_ellipsoid(prediction::TorqueRule::exact);
+  // Under Coulomb's law the coefficient is the case's own, to the last digit.
+  const double friction = contact_case.shear_law.has_shear_strength()
+                              ? limit.max_force_N / load_N
+                              : contact_case.shear_law.friction_coefficient;
   return {
-      load_N, prediction.torque_arm_exact_m, prediction.indentation_m, objections,
+      load_N,
+      friction,
+      limit.eccentricity_m,
+      prediction.indentation_m,
+      objections,
       judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, tolerance)};
 }
 
@@ -78,7 +87,7 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   ContactCurve curve;
   curve.case_id = contact_case.id;
   curve.model = std::string(model.card().name);
-  curve.friction_coefficient = contact_case.friction_coefficient;
+  curve.shear_law = contact_case.shear_law;
   curve.radii = resolver.resolve(loads.nominal_N).radii;
   const auto at = [&](double load_N) {
     return ask(contact_case, resolver.resolve(load_N), model, load_N, tolerance);
@@ -104,9 +113,11 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   // A central difference in ln P. The step is large against the unevenness of the models' tables
   // and small enough for a local exponent.
   constexpr double kStep = 1.1;
-  curve.load_exponent = std::log(at(loads.nominal_N * kStep).eccentricity_m /
-                                 at(loads.nominal_N / kStep).eccentricity_m) /
-                        (2 * std::log(kStep));
+  const LoadPoint above = at(loads.nominal_N * kStep), below = at(loads.nominal_N / kStep);
+  const double span = 2 * std::log(kStep);
+  curve.load_exponent = std::log(above.eccentricity_m / below.eccentricity_m) / span;
+  curve.friction_exponent =
+      std::log(above.friction_coefficient / below.friction_coefficient) / span;
   return curve;
 }
 

@@ -37,7 +37,8 @@ LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice
 /// The answer of one model for a contact at one load.
 struct LoadPoint {
   double load_N = 0;
-  double eccentricity_m = 0;  ///< e_n = max torque / (mu P), (6) of Ciocarlie et al. 2007
+  double friction_coefficient = 0;  ///< largest force / P: mu under Coulomb's law
+  double eccentricity_m = 0;  ///< e_n = max torque / largest force, (6) of Ciocarlie et al. 2007
   double indentation_m = 0;
   std::string objection;  ///< which assumptions of the model fail there; empty: all hold
   prediction::Assessment assessment;
@@ -46,20 +47,26 @@ struct LoadPoint {
   bool valid(double tolerance) const {
     return assessment.bound ? error_bound() <= tolerance : objection.empty();
   }
-  /// Of e_n, relative, what the fit of a mesh leaves open included; NaN where it is not known.
+  double max_force_N() const { return friction_coefficient * load_N; }
+  double max_torque_Nm() const { return max_force_N() * eccentricity_m; }
+  /// Of the torque, relative, what the fit of a mesh leaves open included; NaN where it is not
+  /// known.
   double error_bound() const { return assessment.total(prediction::Quantity::max_torque); }
 };
 
 /// The torsional friction limit of a contact against the load, by one model.
 struct ContactCurve {
   std::string case_id, model;
-  double friction_coefficient = 0;
+  ShearLaw shear_law;
   RelativeRadii radii;  ///< at the nominal load; radii that are fitted to meshes depend on the load
   LoadPoint nominal;
   std::vector<LoadPoint>
       points;  ///< evenly spaced in ln P from lowest to highest load, and the nominal load
   /// d ln e_n / d ln P at the nominal load: 1/3 for Hertz, 1/4 for Winkler.
   double load_exponent = 0;
+  /// d ln (largest force / P) / d ln P there: 0 under Coulomb's law, -1/3 for a constant stress on
+  /// Hertz' ellipse.
+  double friction_exponent = 0;
 };
 
 /// Asks the model at each of these loads, about ten.

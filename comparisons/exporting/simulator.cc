@@ -26,20 +26,27 @@ double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact
 
 SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, Fit fit) {
   SoftContact contact;
-  contact.friction_coefficient = curve.friction_coefficient;
+  contact.friction_coefficient = curve.nominal.friction_coefficient;
   contact.load_N = curve.nominal.load_N;
   contact.radii = curve.radii;
   contact.indentation_m = curve.nominal.indentation_m;
   contact.eccentricity_m = curve.nominal.eccentricity_m;
   if (fit == Fit::range) {
-    double least_m = curve.nominal.eccentricity_m, largest_m = least_m;
-    for (const LoadPoint& point : curve.points) {
-      const double wanted_m =
-          point.eccentricity_m * std::pow(contact.load_N / point.load_N, simulator.load_exponent);
-      least_m = std::min(least_m, wanted_m);
-      largest_m = std::max(largest_m, wanted_m);
-    }
-    contact.eccentricity_m = best_constant(least_m, largest_m).value;
+    const auto best_over_range = [&](const auto& wanted) {
+      double least = wanted(curve.nominal), largest = least;
+      for (const LoadPoint& point : curve.points) {
+        least = std::min(least, wanted(point));
+        largest = std::max(largest, wanted(point));
+      }
+      return best_constant(least, largest).value;
+    };
+    if (curve.shear_law.has_shear_strength())
+      contact.friction_coefficient =
+          best_over_range([](const LoadPoint& point) { return point.friction_coefficient; });
+    contact.eccentricity_m = best_over_range([&](const LoadPoint& point) {
+      return point.friction_coefficient / contact.friction_coefficient * point.eccentricity_m *
+             std::pow(contact.load_N / point.load_N, simulator.load_exponent);
+    });
   }
   contact.origin = fmt::format("{}, {}, {:.4g} N", curve.case_id, curve.model, contact.load_N);
   if (fit == Fit::range)
@@ -51,12 +58,21 @@ SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, 
   return contact;
 }
 
+std::vector<double> relative_force_errors(const SoftContact& contact, const ContactCurve& curve) {
+  std::vector<double> errors;
+  for (const LoadPoint& point : curve.points)
+    errors.push_back(contact.friction_coefficient / point.friction_coefficient - 1);
+  return errors;
+}
+
 std::vector<double> relative_errors(const Simulator& simulator, const SoftContact& contact,
                                     const ContactCurve& curve) {
   std::vector<double> errors;
   for (const LoadPoint& point : curve.points)
-    errors.push_back(
-        eccentricity_in_simulator_m(simulator, contact, point.load_N) / point.eccentricity_m - 1);
+    errors.push_back(contact.friction_coefficient / point.friction_coefficient *
+                         eccentricity_in_simulator_m(simulator, contact, point.load_N) /
+                         point.eccentricity_m -
+                     1);
   return errors;
 }
 

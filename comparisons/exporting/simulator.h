@@ -9,14 +9,15 @@
 
 namespace softfinger::exporting {
 
-/// The contact that is exported: one constant e_n, chosen for the nominal load.
+/// The contact that is exported: one constant e_n, and one constant mu, chosen for the nominal
+/// load.
 struct SoftContact {
-  double friction_coefficient = 0;
-  double load_N = 0;          ///< nominal
-  double eccentricity_m = 0;  ///< e_n that the simulator should have at that load
-  double indentation_m = 0;   ///< of the model, at that load
-  RelativeRadii radii;        ///< of the gap, at that load
-  std::string origin;         ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
+  double friction_coefficient = 0;  ///< largest force / load
+  double load_N = 0;                ///< nominal
+  double eccentricity_m = 0;        ///< e_n that the simulator should have at that load
+  double indentation_m = 0;         ///< of the model, at that load
+  RelativeRadii radii;              ///< of the gap, at that load
+  std::string origin;               ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
 
   /// Largest torque about the normal per newton of load: mu e_n.
   double torque_per_load_m() const { return friction_coefficient * eccentricity_m; }
@@ -65,10 +66,15 @@ double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact
 /// `nominal` is exact at the nominal load; `range` has the smallest worst error over the range.
 enum class Fit { nominal, range };
 
-/// The contact to export. `Fit::range`: in the simulator, e at the nominal load P0 becomes e
-/// (P/P0)^n at P, where n is its exponent. The relative error at P is thus e/c - 1 with c = e_n(P)
-/// (P0/P)^n. Its largest magnitude over the range is smallest for the `best_constant` of c.
+/// The contact to export. `Fit::range`: in the simulator, the torque per load mu e at the nominal
+/// load P0 becomes mu e (P/P0)^n at P, where n is its exponent. The relative error at P is thus mu
+/// e/c - 1 with c = T(P)/P (P0/P)^n. Its largest magnitude over the range is smallest for the
+/// `best_constant` of c. So is that of the force for the best constant of F(P)/P.
 SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, Fit fit);
+
+/// Relative error of the largest force in the simulator, against the model, at each of the curve's
+/// points: 0 under Coulomb's law.
+std::vector<double> relative_force_errors(const SoftContact& contact, const ContactCurve& curve);
 
 /// Relative error of the largest torque in the simulator, against the model, at each of the curve's
 /// points.

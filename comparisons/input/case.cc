@@ -272,7 +272,8 @@ void read_power_law(const TomlReader& reader, const toml::node& node, Case& resu
 }
 
 void read_contact(const TomlReader& reader, const toml::table& table, Case& result) {
-  reader.check_keys(table, "[contact]", {"load_N", "friction_coefficient"});
+  reader.check_keys(table, "[contact]",
+                    {"load_N", "friction_coefficient", "shear_law", "shear_strength_kPa"});
   const toml::node& load = reader.required(table, "[contact]", "load_N");
   if (load.is_array()) {
     const std::string allowed = "a number > 0 or a list of them";
@@ -287,8 +288,7 @@ void read_contact(const TomlReader& reader, const toml::table& table, Case& resu
   } else {
     result.loads_N.push_back(reader.positive(load, "load_N", 1));
   }
-  result.friction_coefficient = reader.positive(
-      reader.required(table, "[contact]", "friction_coefficient"), "friction_coefficient", 1);
+  result.shear_law = reader.shear_law(table, "[contact]");
 }
 
 void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
@@ -414,6 +414,14 @@ Case case_of(const toml::table& root, const std::string& text, const fs::path& f
 
 Case parse_case(const std::string& text, const fs::path& file) {
   return case_of(parse_toml(text, file.string()), text, file);
+}
+
+void require_coulomb(const Case& contact_case, const std::string& command) {
+  if (contact_case.shear_law.kind != ShearLaw::Kind::coulomb)
+    throw InputError(
+        contact_case.file.string(), "shear_law",
+        "\"" + std::string(contact_case.shear_law.name()) + "\"",
+        "\"coulomb\" for " + command + "; predict, fem, export and simulate take the other laws");
 }
 
 Case read_case(const fs::path& file) {

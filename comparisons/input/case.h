@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/power_law_fit.h"
 
 /// A case file: what to compare, as written by a user. The only place that knows TOML.
@@ -87,9 +88,9 @@ struct Case {
   ModelOptions options;
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
   std::vector<double> loads_N;               ///< all different
-  double friction_coefficient = 0;
-  int fem_level = 2;               ///< 1 to 3
-  bool fem_curved = false;         ///< finite elements on the finger's own curved core
+  ShearLaw shear_law;                        ///< what friction carries at a point
+  int fem_level = 2;                         ///< 1 to 3
+  bool fem_curved = false;                   ///< finite elements on the finger's own curved core
   std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
   double fem_mesh_metres_per_unit = 1e-3;
   std::optional<FiniteStrain> fem_finite;  ///< none: linear elasticity
@@ -97,7 +98,7 @@ struct Case {
   bool fem_geometry_typed = false, fem_kinematics_typed = false;
 
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
-    return {radii, layer, {load_N, friction_coefficient}, object_layer, options};
+    return {radii, layer, {load_N, shear_law.friction_coefficient}, object_layer, options};
   }
 };
 
@@ -114,5 +115,9 @@ Case read_case(const std::filesystem::path& file);
 
 /// The same for a text that is already in memory; `file` is used in messages and to find meshes.
 Case parse_case(const std::string& text, const std::filesystem::path& file);
+
+/// @throws InputError unless the case's friction is Coulomb's, for commands that compare torques
+/// whose errors are known for that one only.
+void require_coulomb(const Case& contact_case, const std::string& command);
 
 }  // namespace softfinger::input

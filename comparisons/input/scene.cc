@@ -666,13 +666,14 @@ const FrictionLaw* SceneReader::read_own_law(const toml::table& table) const {
 
 ContactRule SceneReader::read_rule(const toml::table& table) const {
   ContactRule rule;
-  if (const toml::node* friction = table.get("friction_coefficient")) {
-    rule.friction_coefficient =
-        reader_.number(*friction, "friction_coefficient", "a finite number >= 0");
-    if (rule.friction_coefficient < 0)
-      reader_.refuse(*friction, "friction_coefficient", "a finite number >= 0");
-  }
+  rule.shear_law = reader_.shear_law(table, "[[contact]]", rule.shear_law.friction_coefficient);
   rule.model = read_model(table);
+  const bool knows_area = std::holds_alternative<AutomaticModel>(rule.model) ||
+                          std::holds_alternative<const PressureModel*>(rule.model);
+  if (rule.shear_law.has_shear_strength() && !knows_area)
+    reader_.refuse(*table.get("shear_law"), "shear_law",
+                   "\"coulomb\" with this model: the other laws need the contact's area, from "
+                   "model = \"auto\" or a pressure model");
   rule.friction = read_own_law(table);
   if (const toml::node* collide = table.get("collide"))
     rule.collide = reader_.boolean(*collide, "collide");
@@ -684,9 +685,10 @@ void SceneReader::read_rules() {
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
   for (const toml::table* table : tables("contact", kMostContactRules)) {
-    reader_.check_keys(*table, "[[contact]]",
-                       {"bodies", "friction_coefficient", "model", "eccentricity_mm",
-                        "eccentricity_table", "friction", "limit_surface", "collide"});
+    reader_.check_keys(
+        *table, "[[contact]]",
+        {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa", "model",
+         "eccentricity_mm", "eccentricity_table", "friction", "limit_surface", "collide"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)

@@ -13,6 +13,7 @@
 #include "softfinger/dynamics/multibody.h"
 #include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/pressure_model.h"
 
 /// A scene as its file describes it: bodies, joints, motors, contacts, and what happens to them.
@@ -51,7 +52,8 @@ using ContactModel = std::variant<AutomaticModel, RigidPoint, GivenEccentricity,
 
 /// What holds for the contacts of two bodies.
 struct ContactRule {
-  double friction_coefficient = 0.5;
+  /// Its coefficient alone holds where the contact is a point: there the area is not known.
+  ShearLaw shear_law = ShearLaw::coulomb(0.5);
   ContactModel model;
   const FrictionLaw* friction = nullptr;  ///< null: the scene's
   bool collide = true;

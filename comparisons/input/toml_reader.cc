@@ -284,4 +284,37 @@ ElasticLayer TomlReader::elastic_layer(const toml::table& table, const std::stri
   return layer;
 }
 
+ShearLaw TomlReader::shear_law(const toml::table& table, const std::string& name,
+                               std::optional<double> coefficient) const {
+  ShearLaw law;
+  if (const toml::node* node = table.get("shear_law")) {
+    const std::vector<std::string> names(kShearLawNames.begin(), kShearLawNames.end());
+    const std::string typed = choice(*node, "shear_law", names);
+    law.kind = ShearLaw::Kind(std::find(names.begin(), names.end(), typed) - names.begin());
+  }
+  const toml::node* friction = table.get("friction_coefficient");
+  const toml::node* strength = table.get("shear_strength_kPa");
+  if (coefficient) {
+    const std::string allowed = "a finite number >= 0";
+    law.friction_coefficient =
+        friction ? number(*friction, "friction_coefficient", allowed) : *coefficient;
+    if (law.friction_coefficient < 0) refuse(*friction, "friction_coefficient", allowed);
+  } else if (law.has_friction_coefficient()) {
+    law.friction_coefficient =
+        positive(required(table, name, "friction_coefficient"), "friction_coefficient", 1);
+  } else if (friction) {
+    refuse(*friction, "friction_coefficient",
+           "nothing here: under shear_law = \"shear_strength\" the pressure does not matter");
+  }
+  if (law.has_shear_strength()) {
+    law.shear_strength_Pa =
+        positive(required(table, name, "shear_strength_kPa"), "shear_strength_kPa", 1e3);
+  } else if (strength) {
+    refuse(*strength, "shear_strength_kPa",
+           "nothing here: it needs shear_law = \"shear_strength\", \"limited\" or "
+           "\"adhesive_shear\"");
+  }
+  return law;
+}
+
 }  // namespace softfinger::input

@@ -19,11 +19,13 @@
 #pragma pop_macro("TOML_UNREACHABLE")
 #include <toml++/toml.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/input/shear_law.h"
 
 /// Internal to the readers of case and scene files: the only headers that know TOML.
 namespace softfinger::input {
@@ -86,6 +88,12 @@ class TomlReader {
   std::string id(const toml::table& root) const;
   /// thickness_mm, youngs_modulus_kPa, poisson_ratio.
   ElasticLayer elastic_layer(const toml::table& table, const std::string& name) const;
+  /// shear_law, friction_coefficient, shear_strength_kPa: what the law needs has to be there, what
+  /// it does not use is refused. Coulomb's law unless another one is named.
+  /// @param coefficient  where none is typed; then it may also be 0, and belongs to every law: what
+  ///                     touches in a point has no other friction. None: it has to be typed
+  ShearLaw shear_law(const toml::table& table, const std::string& name,
+                     std::optional<double> coefficient = std::nullopt) const;
 
  private:
   std::string file_;

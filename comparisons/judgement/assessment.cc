@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/fingertip_layer_core.h"
@@ -80,21 +81,23 @@ QuantityErrors change_with_region(const ContactPatch& patch,
   constexpr double kStepOfArea = 1.25 * 1.25;
   QuantityErrors change;
   change.fill(patch.radii_of_other_regions.empty() ? kNaN : 0);
-  const auto numbers_of = [](const Prediction& prediction) {
-    return QuantityErrors{prediction.a_m,
-                          prediction.b_m,
-                          prediction.indentation_m,
-                          prediction.area_m2(),
-                          prediction.peak_pressure_Pa,
-                          prediction.torque_arm_exact_m};
+  const auto numbers_of = [](const prediction::ModelAnswer& of) {
+    return QuantityErrors{of.prediction.a_m,
+                          of.prediction.b_m,
+                          of.prediction.indentation_m,
+                          of.prediction.area_m2(),
+                          of.prediction.peak_pressure_Pa,
+                          of.friction_ellipsoid(prediction::TorqueRule::exact).max_torque_Nm()};
   };
-  const QuantityErrors here = numbers_of(answer.prediction);
+  const QuantityErrors here = numbers_of(answer);
   for (const RelativeRadii& radii : patch.radii_of_other_regions) {
-    const Prediction there = answer.model->predict(prediction::with_radii(answer.problem, radii));
+    prediction::ModelAnswer there = answer;
+    there.prediction = answer.model->predict(prediction::with_radii(answer.problem, radii));
     const QuantityErrors moved = numbers_of(there);
     for (std::size_t q = 0; q < change.size(); ++q)
-      change[q] =
-          there.has_answer ? std::max(change[q], std::abs(moved[q] / here[q] - 1)) : kInfinity;
+      change[q] = there.prediction.has_answer
+                      ? std::max(change[q], std::abs(moved[q] / here[q] - 1))
+                      : kInfinity;
   }
   const double steps = std::abs(std::log(patch.region_area_m2 / (2 * patch.predicted_area_m2))) /
                        std::log(kStepOfArea);
@@ -120,14 +123,14 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
   }
   const Prediction& value = answer.prediction;
   const prediction::ModelAnswer::Deviations& std = *answer.deviations;
-  const double arm_std_m =
-      rule == prediction::TorqueRule::exact ? std.arm_exact_m : std.arm_paper_m;
+  const double torque_std_Nm =
+      rule == prediction::TorqueRule::exact ? std.torque_exact_Nm : std.torque_paper_Nm;
   error = {std.a_m / value.a_m,
            std.b_m / value.b_m,
            std.indentation_m / value.indentation_m,
            std.area_m2 / value.area_m2(),
            std.peak_pressure_Pa / value.peak_pressure_Pa,
-           arm_std_m / answer.eccentricity_m(rule)};
+           torque_std_Nm / answer.friction_ellipsoid(rule).max_torque_Nm()};
   const QuantityErrors by_region = change_with_region(*geometry.patch, answer);
   for (std::size_t q = 0; q < error.size(); ++q)
     error[q] = is_covered(*geometry.patch) ? std::hypot(kTwoSided * error[q], by_region[q]) : kNaN;
@@ -184,6 +187,10 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   if (has_logarithmic_energy(contact_case)) {
     const QuantityErrors change = change_by_logarithmic_energy(answer);
     for (std::size_t q = 0; q < change.size(); ++q) (*result.bound)[q] += change[q];
+  }
+  if (answer.shear_law.kind != ShearLaw::Kind::coulomb) {
+    *result.bound = with_shear_law(*result.bound, answer);
+    for (QuantityErrors& cause : result.causes) cause[std::size_t(Quantity::max_torque)] = kNaN;
   }
   result.evidence =
       "this model against fingertip_layer, which was fitted to finite-element runs of whole "

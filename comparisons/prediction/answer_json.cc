@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "comparisons/text/json_text.h"
-#include "softfinger/friction/limit_surface.h"
+#include "softfinger/friction/ellipsoid_deviation.h"
+#include "softfinger/friction/shear_surface.h"
 #include "softfinger/input/constants.h"
-#include "softfinger/pressure/equivalent_exponent.h"
 #include "softfinger/pressure/gradient.h"
 
 namespace softfinger::prediction {
@@ -31,6 +31,7 @@ void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
   const Prediction& prediction = answer.prediction;
   nlohmann::json& points = result["limit_surface"] = nlohmann::json::array();
   result["limit_surface_model"] = result["pressure_exponent"] = nullptr;
+  result["ellipsoid_deviation"] = nullptr;
   if (!prediction.has_answer) return;
   std::vector<LimitWrench> wrenches;
   const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid(rule);
@@ -38,11 +39,13 @@ void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
     result["limit_surface_model"] = "ellipsoid";
     wrenches = sample_ellipsoid(ellipsoid, count);
   } else {
-    const double exponent = equivalent_exponent(prediction);
+    const PressedEllipse contact = answer.pressed_ellipse(rule);
+    const ShearSurface surface(answer.shear_law, contact);
     result["limit_surface_model"] = "exact";
-    result["pressure_exponent"] = exponent;
-    wrenches =
-        LimitSurface(prediction.a_m, prediction.b_m, exponent, ellipsoid.max_force_N).sample(count);
+    result["pressure_exponent"] = contact.exponent;
+    const EllipsoidDeviation deviation = worst_ellipsoid_deviation(surface, ellipsoid);
+    result["ellipsoid_deviation"] = {deviation.lowest, deviation.highest};
+    wrenches = surface.sample(count);
   }
   for (const LimitWrench& point : wrenches)
     points.push_back(
@@ -94,6 +97,8 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
       {"peak_pressure_Pa", number(prediction.peak_pressure_Pa)},
       {"area_m2", number(prediction.area_m2())},
       {"area_projected_m2", number(prediction.area_m2())},
+      {"shear_law", answer.shear_law.name()},
+      {"max_force_N", number(ellipsoid.max_force_N)},
       {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
       {"eccentricity_m", number(ellipsoid.eccentricity_m)},
       {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
@@ -127,11 +132,11 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
   }
   if (answer.deviations) {
     const auto& deviations = *answer.deviations;
-    const double arm_m =
-        rule == TorqueRule::exact ? deviations.arm_exact_m : deviations.arm_paper_m;
+    const double torque_Nm =
+        rule == TorqueRule::exact ? deviations.torque_exact_Nm : deviations.torque_paper_Nm;
     result["a_std_m"] = text::finite_or_null(deviations.a_m);
     result["b_std_m"] = text::finite_or_null(deviations.b_m);
-    result["max_torque_std_Nm"] = text::finite_or_null(ellipsoid.max_force_N * arm_m);
+    result["max_torque_std_Nm"] = text::finite_or_null(torque_Nm);
   }
   if (answer.sampled) {
     const SampledGapResult& sampled = *answer.sampled;

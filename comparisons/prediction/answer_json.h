@@ -15,7 +15,8 @@ nlohmann::json to_json(const std::optional<QuantityErrors>& bound);
 /// The contract's keys for one answer. Numbers that do not exist are null. With
 /// `limit_surface_points` > 0, that many points all over the limit surface, in the contact frame (x
 /// along the long axis): the exact surface for the equivalent exponent, or for the paper's torque
-/// rule its friction ellipsoid.
+/// rule its friction ellipsoid. With the exact one also how far the friction ellipsoid is from it:
+/// lowest and highest of worst_ellipsoid_deviation.
 nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points);
 
 /// Validity as data: check, value, limit, holds, message.

@@ -33,6 +33,21 @@ std::string millimetres(double length_m) {
   return std::isfinite(length_m) ? fmt::format("{:.5g} mm", length_m * 1e3) : "flat";
 }
 
+std::string describe(const ShearLaw& law) {
+  const std::string friction = fmt::format("friction {:.6g}", law.friction_coefficient);
+  const std::string strength = fmt::format("{:.6g} kPa", law.shear_strength_Pa * 1e-3);
+  switch (law.kind) {
+    case ShearLaw::Kind::shear_strength:
+      return "shear strength " + strength;
+    case ShearLaw::Kind::limited:
+      return friction + " up to a shear strength of " + strength;
+    case ShearLaw::Kind::adhesive_shear:
+      return friction + " and a shear strength of " + strength + " in addition";
+    default:
+      return friction;
+  }
+}
+
 std::string describe(const input::Case& contact_case) {
   const auto layer_text = [](const ElasticLayer& layer) {
     return fmt::format("{:.6g} mm, E {:.6g} kPa, nu {:.6g}", layer.thickness_m * 1e3,
@@ -51,7 +66,7 @@ std::string describe(const input::Case& contact_case) {
     text += "; object's layer " + layer_text(contact_case.object_layer) + "; ";
   else
     text += ", ";
-  return text + fmt::format("friction {:.6g}", contact_case.friction_coefficient);
+  return text + describe(contact_case.shear_law);
 }
 
 std::string describe(const LocalGeometry& geometry) {
@@ -81,7 +96,10 @@ std::string bound_of(const ModelAnswer& answer, Quantity quantity) {
 
 /// "  hertz: of area, torque the model itself costs +27 %, +20 %, strain -2.2 %, -1.6 %, ..."
 std::string causes_in_words(const ModelAnswer& answer, const std::string& name) {
-  if (!answer.assessment || !answer.assessment->bound) return "";
+  // What each costs of another law's torque is not known.
+  if (!answer.assessment || !answer.assessment->bound ||
+      answer.shear_law.kind != ShearLaw::Kind::coulomb)
+    return "";
   constexpr std::array<const char*, kErrorCauses> words = {"the model itself", "strain", "slope",
                                                            "the layer's curvature"};
   std::string text;
@@ -109,13 +127,17 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
     const Prediction& p = answer.prediction;
     const std::string name(answer.model->card().name);
     if (p.has_answer) {
+      const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid(rule);
+      if (answer.shear_law.kind != ShearLaw::Kind::coulomb)
+        remarks +=
+            fmt::format("  {}: largest force {:.4g} N, e_n = largest torque / largest force\n",
+                        name, ellipsoid.max_force_N);
       text += fmt::format(
           "  {:<19} {:>9.4g} {:>9.4g} {:>9.4g} {:>10.4g} {:>10.4g} {:>12.4g} {:>9.4g} {:>6} {:>8} "
           "{:>6} {:>9.0f}\n",
           name, p.a_m * 1e3, p.b_m * 1e3, p.indentation_m * 1e3, p.peak_pressure_Pa * 1e-3,
-          p.area_m2() * 1e6, answer.friction_ellipsoid(rule).max_torque_Nm() * 1e3,
-          answer.eccentricity_m(rule) * 1e3, bound_of(answer, Quantity::area),
-          bound_of(answer, Quantity::max_torque),
+          p.area_m2() * 1e6, ellipsoid.max_torque_Nm() * 1e3, ellipsoid.eccentricity_m * 1e3,
+          bound_of(answer, Quantity::area), bound_of(answer, Quantity::max_torque),
           answer.assessment && answer.assessment->usable ? "yes" : "no", answer.cost_ns);
     } else {
       text += fmt::format("  {:<19} {:>9}\n", name, "no answer");
@@ -130,9 +152,8 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
       remarks += fmt::format(
           "  {}: the fitted radii leave a ± {:.2g} mm, b ± {:.2g} mm, torque ± {:.2g} mN·m\n", name,
           answer.deviations->a_m * 1e3, answer.deviations->b_m * 1e3,
-          answer.friction_ellipsoid(rule).max_force_N * 1e3 *
-              (rule == TorqueRule::exact ? answer.deviations->arm_exact_m
-                                         : answer.deviations->arm_paper_m));
+          1e3 * (rule == TorqueRule::exact ? answer.deviations->torque_exact_Nm
+                                           : answer.deviations->torque_paper_Nm));
   }
   for (const ModelAnswer& answer : answers)
     if (answer.sampled) {

@@ -16,7 +16,10 @@ std::vector<std::string> power_law_remarks(const input::Case& contact_case);
 /// "20 mm"; "flat" for an infinite radius.
 std::string millimetres(double length_m);
 
-/// "x, layer 2 mm, E 300 kPa, nu 0.49, mu 0.8": the checked input, echoed before any result.
+/// "friction 0.8 up to a shear strength of 40 kPa".
+std::string describe(const ShearLaw& law);
+
+/// "x, layer 2 mm, E 300 kPa, nu 0.49, friction 0.8": the checked input, echoed before any result.
 std::string describe(const input::Case& contact_case);
 
 /// "R' 20 mm, R'' 5 mm, axis 0°" and, for meshes, how well the patch agrees.

@@ -7,6 +7,7 @@
 
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -43,8 +44,17 @@ double measure_cost_ns(const PressureModel& model, const ContactProblem& problem
 
 }  // namespace
 
+PressedEllipse ModelAnswer::pressed_ellipse(TorqueRule rule) const {
+  const double mean_m = std::sqrt(prediction.a_m) * std::sqrt(prediction.b_m);
+  const bool paper = rule == TorqueRule::paper;
+  return {paper ? mean_m : prediction.a_m, paper ? mean_m : prediction.b_m,
+          equivalent_exponent(prediction), problem.load.normal_force_N};
+}
+
 FrictionEllipsoid ModelAnswer::friction_ellipsoid(TorqueRule rule) const {
-  return {problem.load.friction_coefficient * problem.load.normal_force_N, eccentricity_m(rule)};
+  if (shear_law.kind == ShearLaw::Kind::coulomb || !prediction.has_answer)
+    return {shear_law.friction_coefficient * problem.load.normal_force_N, eccentricity_m(rule)};
+  return softfinger::friction_ellipsoid(shear_law, pressed_ellipse(rule));
 }
 
 std::vector<const PressureModel*> models_by_name(const std::string& names) {
@@ -85,6 +95,7 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
   ModelAnswer answer;
   answer.model = &model;
   answer.problem = problem;
+  answer.shear_law = ShearLaw::coulomb(problem.load.friction_coefficient);
   const auto start = Clock::now();
   answer.prediction = model.predict(problem);
   answer.cost_ns = model.card().hot_path
@@ -97,6 +108,7 @@ ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_cas
                       const LocalGeometry& geometry, double load_N, double time_budget_ns) {
   ModelAnswer answer =
       ask_model(model, contact_problem(contact_case, geometry, load_N), time_budget_ns);
+  answer.shear_law = contact_case.shear_law;
   check_homogeneity(contact_case, answer.prediction.validity);
   if (model.card().finite_strain) check_energy(contact_case, answer.prediction.validity);
   return answer;
@@ -144,10 +156,13 @@ ContactProblem with_radii(ContactProblem problem, const RelativeRadii& radii) {
 void propagate_radii_uncertainty(const RelativeCurvature& relative, ModelAnswer& answer) {
   if (!answer.prediction.has_answer || !answer.model->card().hot_path) return;
   const Eigen::VectorXd std = propagated_std(relative, [&](const RelativeRadii& radii) {
-    const Prediction moved = answer.model->predict(with_radii(answer.problem, radii));
+    ModelAnswer there = answer;
+    there.prediction = answer.model->predict(with_radii(answer.problem, radii));
+    const Prediction& moved = there.prediction;
     Eigen::VectorXd quantities(7);
     quantities << moved.a_m, moved.b_m, moved.indentation_m, moved.area_m2(),
-        moved.peak_pressure_Pa, moved.torque_arm_exact_m, moved.torque_arm_paper_m;
+        moved.peak_pressure_Pa, there.friction_ellipsoid(TorqueRule::exact).max_torque_Nm(),
+        there.friction_ellipsoid(TorqueRule::paper).max_torque_Nm();
     if (!moved.has_answer) quantities.setConstant(std::numeric_limits<double>::quiet_NaN());
     return quantities;
   });

@@ -12,7 +12,7 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/quantity.h"
 #include "softfinger/accuracy/error_bound.h"
-#include "softfinger/friction/friction_ellipsoid.h"
+#include "softfinger/friction/shear_limit.h"
 #include "softfinger/geometry/relative_curvature.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -65,13 +65,14 @@ struct Assessment {
 struct ModelAnswer {
   const PressureModel* model = nullptr;
   ContactProblem problem;
+  ShearLaw shear_law;  ///< of the case; Coulomb's with the problem's coefficient without one
   Prediction prediction;
   double cost_ns = 0;  ///< median of repeated calls; slow models are called once
   /// Standard deviations that follow from the uncertainty of the fitted radii. Set for meshes and
   /// models that are fast enough to be asked repeatedly.
   struct Deviations {
     double a_m = 0, b_m = 0, indentation_m = 0, area_m2 = 0, peak_pressure_Pa = 0;
-    double arm_exact_m = 0, arm_paper_m = 0;
+    double torque_exact_Nm = 0, torque_paper_Nm = 0;  ///< of the largest torque, by rule
   };
   std::optional<Deviations> deviations;
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
@@ -89,6 +90,11 @@ struct ModelAnswer {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m
                                      : prediction.torque_arm_paper_m;
   }
+  /// The contact ellipse with the pressure of the form p ~ (1 - s²)^n that has the model's torque;
+  /// by the paper's rule the circle of the same area. Only with an answer.
+  PressedEllipse pressed_ellipse(TorqueRule rule) const;
+  /// Largest force and torque by the shear law. Under Coulomb's the eccentricity is the model's
+  /// own.
   FrictionEllipsoid friction_ellipsoid(TorqueRule rule) const;
 };
 

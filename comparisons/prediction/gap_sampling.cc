@@ -192,6 +192,7 @@ ModelAnswer ask_sampled_gap(const GeometryResolver& resolver, const LocalGeometr
   ModelAnswer answer;
   answer.model = find_pressure_model("layer_fft");
   answer.problem = contact_problem(contact_case, geometry, load_N);
+  answer.shear_law = contact_case.shear_law;
   const Prediction fitted = find_pressure_model(geometry.patch_model)->predict(answer.problem);
   constexpr std::array<double, 2> kReaches{2.5, 6};  // of the fitted ellipse
   for (const double reach : kReaches) {

@@ -105,8 +105,13 @@ json to_json(const FemProblem& problem) {
                  {"sphere_radius_m", text::finite_or_null(problem.sphere_radius_m)},
                  {"layer", input::layer_json(problem.layer)},
                  {"load_N", problem.load_N},
-                 {"friction_coefficient", problem.friction_coefficient},
                  {"level", problem.level}};
+  if (problem.shear_law.has_friction_coefficient())
+    object["friction_coefficient"] = problem.shear_law.friction_coefficient;
+  if (problem.shear_law.has_shear_strength()) {
+    object["shear_law"] = problem.shear_law.name();
+    object["shear_strength_Pa"] = problem.shear_law.shear_strength_Pa;
+  }
   if (problem.approach_m) object["approach_m"] = *problem.approach_m;
   if (problem.finite_strain) {
     object["kinematics"] = "finite";
@@ -147,7 +152,7 @@ FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalG
   problem.sublayers = contact_case.sublayers;
   problem.finite_strain = contact_case.fem_finite;
   problem.load_N = load_N;
-  problem.friction_coefficient = contact_case.friction_coefficient;
+  problem.shear_law = contact_case.shear_law;
   problem.level = level;
   if (!contact_case.fem_mesh.empty()) {
     std::error_code ignored;

@@ -55,7 +55,7 @@ struct FemProblem {
   std::optional<input::FiniteStrain> finite_strain;  ///< none: linear elasticity
   double load_N = 0;
   std::optional<double> approach_m;  ///< the load is then a result
-  double friction_coefficient = 0;
+  ShearLaw shear_law;
   int level = 2;
   std::optional<LayerMesh> layer_mesh;
   struct Bodies {

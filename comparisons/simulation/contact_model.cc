@@ -16,7 +16,7 @@ const PressureModel* model_of_contact(const input::Scene& scene, int a, int b,
   problem.radii = radii;
   problem.layer = layer_a ? *layer_a : *layer_b;
   if (layer_a && layer_b) problem.object_layer = *layer_b;
-  problem.load = {scene.nominal_load_N, rule.friction_coefficient};
+  problem.load = {scene.nominal_load_N, rule.shear_law.friction_coefficient};
   if (const auto* named = std::get_if<const PressureModel*>(&rule.model)) return *named;
   // The bonded layer holds for every load and thickness and takes a microsecond. Closed forms are
   // cheaper, but hold in part of that range only: they serve where the bonded layer has no answer.

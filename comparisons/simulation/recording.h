@@ -27,9 +27,9 @@ struct RecordedContact {
   RelativeRadii radii;                          ///< of the quadrics there; zero: a point contact
   double semi_axis_a_m = 0, semi_axis_b_m = 0;  ///< of the contact ellipse; 0: a point contact
   double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
-  double friction_coefficient = 0;
-  double eccentricity_m = 0;       ///< e_n that was used; 0: carries no torque
-  double pressure_exponent = 0.5;  ///< n of the exact limit surface
+  double friction_coefficient = 0;  ///< largest force over normal force, that was used
+  double eccentricity_m = 0;        ///< e_n that was used; 0: carries no torque
+  double pressure_exponent = 0.5;   ///< n of the exact limit surface
   const input::FrictionLaw* friction = &input::kEllipsoidLaw;  ///< that held
   /// How much of its friction limit the contact uses, 1 at the limit: by its law. For facets by the
   /// ellipsoid on which their corners lie, so that a contact may slide at a little less than 1.

@@ -16,6 +16,7 @@
 #include "comparisons/simulation/contact_model.h"
 #include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/friction/linearised_friction.h"
+#include "softfinger/friction/shear_limit.h"
 #include "softfinger/pressure/equivalent_exponent.h"
 
 namespace softfinger::simulation {
@@ -23,14 +24,30 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// e_n at a load by a pressure model. Nothing is kept, for the model takes only a microsecond.
+/// e_n, and the friction coefficient under a shear law other than Coulomb's, at a load by a
+/// pressure model. Nothing is kept, for the model takes only a microsecond, and ten with such a
+/// law.
 class ModelEccentricity final : public EccentricityLaw {
  public:
-  ModelEccentricity(const PressureModel& model, const ContactProblem& problem)
-      : model_(model), problem_(problem) {}
+  ModelEccentricity(const PressureModel& model, const ContactProblem& problem, const ShearLaw& law)
+      : model_(model), problem_(problem), law_(law) {}
 
   double eccentricity_m(double load_N) const noexcept override {
-    return load_N > 0 ? predict(load_N).torque_arm_exact_m : 0;
+    if (!(load_N > 0)) return 0;
+    const Prediction prediction = predict(load_N);
+    return law_.has_shear_strength() ? limit(prediction, load_N).eccentricity_m
+                                     : prediction.torque_arm_exact_m;
+  }
+  std::optional<double> friction_coefficient(double load_N) const noexcept override {
+    if (!law_.has_shear_strength()) return std::nullopt;
+    return effective_friction(limit(predict(load_N), load_N), load_N);
+  }
+  /// n of the pressure (1 - s²)^n with the same largest torque over largest force: its limit
+  /// surface stands for that of the law within 1 %, exactly so under a constant stress.
+  double limit_exponent(Prediction prediction, double load_N) const {
+    if (law_.has_shear_strength())
+      prediction.torque_arm_exact_m = limit(prediction, load_N).eccentricity_m;
+    return equivalent_exponent(prediction);
   }
   Prediction predict(double load_N) const noexcept {
     ContactProblem at_load = problem_;
@@ -40,8 +57,15 @@ class ModelEccentricity final : public EccentricityLaw {
   const PressureModel& model() const { return model_; }
 
  private:
+  FrictionEllipsoid limit(const Prediction& prediction, double load_N) const noexcept {
+    if (!prediction.has_answer) return {};
+    return friction_ellipsoid(
+        law_, {prediction.a_m, prediction.b_m, equivalent_exponent(prediction), load_N});
+  }
+
   const PressureModel& model_;
   ContactProblem problem_;
+  ShearLaw law_;
 };
 
 /// The touching points of the bodies as contacts with friction.
@@ -83,7 +107,7 @@ class SceneContacts final : public ContactFinder {
     contact.point_m = point.point_m;
     contact.axes = point.axes;
     contact.gap_m = point.gap_m;
-    contact.friction_coefficient = rule.friction_coefficient;
+    contact.friction_coefficient = rule.shear_law.friction_coefficient;
     if (const auto* given = std::get_if<input::GivenEccentricity>(&rule.model))
       contact.eccentricity_m = given->eccentricity_m;
     contact.id = point.id;
@@ -110,7 +134,7 @@ class SceneContacts final : public ContactFinder {
             ? of_a
             : SurfaceCurvature{1 / point.radii.major_m - of_a.xx_per_m,
                                1 / point.radii.minor_m - of_a.yy_per_m, -of_a.xy_per_m};
-    origin.pressure = &pressures_.emplace_back(*model, problem);
+    origin.pressure = &pressures_.emplace_back(*model, problem, rule.shear_law);
     contact.eccentricity_law = origin.pressure;
     if (const auto table = tables_.find(&rule); table != tables_.end())
       contact.eccentricity_law = &table->second;
@@ -119,7 +143,8 @@ class SceneContacts final : public ContactFinder {
     const Prediction nominal = origin.pressure->predict(scene_.nominal_load_N);
     if (!nominal.has_answer) return;
     shapes_.push_back(
-        origin.friction->shape(nominal.b_m / nominal.a_m, equivalent_exponent(nominal)));
+        origin.friction->shape(nominal.b_m / nominal.a_m,
+                               origin.pressure->limit_exponent(nominal, scene_.nominal_load_N)));
     contact.shape = shapes_.back().get();
   }
 
@@ -169,7 +194,7 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
   result.tangent_force_1_N = wrench.tangent_force_1_N;
   result.tangent_force_2_N = wrench.tangent_force_2_N;
   result.torque_Nm = wrench.torque_Nm;
-  result.friction_coefficient = contact.friction_coefficient;
+  result.friction_coefficient = stepper.friction_coefficient(index);
   result.eccentricity_m = stepper.eccentricity_m(index);
   result.friction = origin.friction;
   result.radii = origin.radii;
@@ -181,7 +206,7 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
     const Prediction prediction = origin.pressure->predict(wrench.normal_force_N);
     result.semi_axis_a_m = prediction.a_m;
     result.semi_axis_b_m = prediction.b_m;
-    result.pressure_exponent = equivalent_exponent(prediction);
+    result.pressure_exponent = origin.pressure->limit_exponent(prediction, wrench.normal_force_N);
     result.model = std::string(origin.pressure->model().card().name);
   }
   result.utilisation = utilisation(result, contact.shape);

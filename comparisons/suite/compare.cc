@@ -159,6 +159,7 @@ std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
     input::Case typed = input::read_case(file);
+    input::require_coulomb(typed, "compare");
     const prediction::GeometryResolver geometry(typed);
     cases.push_back(planned(reference::with_full_reference(typed, geometry, options.idealisations),
                             options.quick));

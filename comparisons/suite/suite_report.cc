@@ -162,7 +162,7 @@ json to_json(const CaseComparison& compared) {
           {"case_toml", contact_case.text},
           {"layer", input::layer_json(contact_case.layer)},
           {"sublayers", sublayers},
-          {"friction_coefficient", contact_case.friction_coefficient},
+          {"friction_coefficient", contact_case.shear_law.friction_coefficient},
           {"loads", loads}};
 }
 
@@ -240,7 +240,7 @@ std::string contact_cells(const Comparison& load) {
   const ElasticLayer& layer = contact_case.layer;
   return text::csv_cell(contact_case.id) +
          cells({load.load_N, layer.thickness_m, layer.youngs_modulus_Pa, layer.poisson_ratio,
-                contact_case.friction_coefficient, load.geometry.radii.major_m,
+                contact_case.shear_law.friction_coefficient, load.geometry.radii.major_m,
                 load.geometry.radii.minor_m});
 }
 

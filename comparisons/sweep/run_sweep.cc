@@ -166,7 +166,7 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"fem", plan.sweep.fem()},
                {"loads_N", base.loads_N},
                {"points", plan.sweep.points()},
-               {"friction_coefficient", base.friction_coefficient},
+               {"friction_coefficient", base.shear_law.friction_coefficient},
                {"all_rows", plan.sweep.rows()},
                {"failed", failed},
                {"sweep_toml", plan.text},

@@ -270,6 +270,7 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
   base_ = input::case_of(root, text, path);
+  input::require_coulomb(base_, "sweep");
 
   const std::vector<Entry> entries = entries_in_order(sweep);
   std::vector<std::string> known;

@@ -52,7 +52,7 @@ class FiniteContact : public ContactPhysics {
         problem_(task.problem),
         h_(task.pressing.thickness_m),
         E_(task.problem.contact.layer.youngs_modulus_Pa),
-        friction_coefficient_(task.problem.contact.load.friction_coefficient),
+        law_(task.problem.friction_law_of_model()),
         materials_(materials_of(task)),
         object_(rigid_object(task.pressing)),
         series_(task.problem) {}
@@ -136,9 +136,8 @@ class FiniteContact : public ContactPhysics {
     result.indentation_m = found.approach * h_;
     result.load_N =
         problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
-    const double friction_force = friction_coefficient_ * result.load_N;
-    result.max_torque_Nm = friction_force * contact_.torque_arm * h_;
-    result.max_torque_projected_Nm = friction_force * contact_.projected_arm * h_;
+    result.torque_arm_m = contact_.torque_arm * h_;
+    set_largest_friction(result);
     result.strain_energy_J = found.energy * E_ * h_ * h_ * h_;
     const double load = task_.pressing.load;
     result.load_residual = load > 0 ? std::abs(found.load / load - 1) : 0;
@@ -149,12 +148,11 @@ class FiniteContact : public ContactPhysics {
   FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
     const bool is_first = !plan;
     FrictionOfLevel result;
-    SuperposedMotion motion(*pressing_, friction_coefficient_);
+    SuperposedMotion motion(*pressing_, bound());
     result.stiffness = motion.stiffness();
-    result.full_slip = slide(*pressing_, friction_coefficient_, {0, 0, 1}).torque;
+    result.full_slip = slide(*pressing_, bound(), {0, 0, 1}).torque;
     if (is_first)
-      plan = plan_friction({result.stiffness, result.full_slip,
-                            friction_coefficient_ * equilibrium().load, contact_.shape.b},
+      plan = plan_friction({result.stiffness, result.full_slip, largest_force(), contact_.shape.b},
                            problem_);
     follow(*plan, motion, result);
     if (pressing_->layer().whole() || !plan->velocities.empty()) slip(plan->velocities, result);
@@ -236,6 +234,53 @@ class FiniteContact : public ContactPhysics {
     }
   }
 
+  FrictionBound bound() const { return bound(*pressing_); }
+
+  /// Per node of the layer.
+  FrictionBound bound(const FinitePressing& pressing) const {
+    if (!law_.has_shear_strength()) return law_.friction_coefficient;
+    const FiniteLayer& layer = pressing.layer();
+    const TouchingNodes touching = pressing.touching_nodes();
+    Eigen::VectorXd area = nodal_area(layer), seen = area, radius(area.size());
+    for (Eigen::Index i = 0; i < touching.size(); ++i)
+      seen[touching.node[static_cast<std::size_t>(i)]] *=
+          touching.axes[static_cast<std::size_t>(i)](2, 2);
+    const auto& nodes = layer.nodes();
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      radius[static_cast<Eigen::Index>(i)] =
+          std::hypot(nodes[i].x / contact_.shape.block_a, nodes[i].y / contact_.shape.block_b);
+    const Eigen::VectorXd share =
+        strength_share(law_, {pressing.equilibrium().force, seen, radius,
+                              1.0 / discretisation().elements_per_semi_axis,
+                              contact_.shape.projected_area / pressing.copies()});
+    return {law_, area.cwiseProduct(share)};
+  }
+
+  /// int tau dA, seen along the load under Coulomb's law.
+  double largest_force() const {
+    if (!law_.has_shear_strength()) return law_.friction_coefficient * equilibrium().load;
+    return pressing_->copies() * bound().of(equilibrium().normal_force).sum();
+  }
+
+  void set_largest_friction(LevelResult& result) const {
+    if (!law_.has_shear_strength()) {
+      result.max_force_N = law_.friction_coefficient * result.load_N;
+      result.max_torque_Nm = result.max_force_N * contact_.torque_arm * h_;
+      result.max_torque_projected_Nm = result.max_force_N * contact_.projected_arm * h_;
+      return;
+    }
+    const double unit_of_force_N = E_ * h_ * h_;
+    result.max_force_N = largest_force() * unit_of_force_N;
+    result.max_torque_Nm = slide(*pressing_, bound(), {0, 0, 1}).torque * unit_of_force_N * h_;
+    const TouchingNodes nodes = pressing_->touching_nodes();
+    const Eigen::VectorXd friction = bound().of(equilibrium().normal_force)(nodes.node);
+    double projected = 0;
+    for (Eigen::Index i = 0; i < nodes.size(); ++i)
+      projected += friction[i] * nodes.axes[static_cast<std::size_t>(i)](2, 2) *
+                   nodes.position.col(i).head<2>().norm();
+    result.max_torque_projected_Nm = pressing_->copies() * projected * unit_of_force_N * h_;
+  }
+
   /// The relative error of superposed motions is about friction's energy over this work
   /// (superposed_friction.h).
   double reference_work() const { return equilibrium().load * std::min(1.0, contact_.shape.b); }
@@ -273,13 +318,13 @@ class FiniteContact : public ContactPhysics {
   /// Full slip: the limit surface, and on a whole layer that of the twist too, whose turn moves the
   /// torque's own pressure where nothing is odd.
   void slip(const std::vector<PlaneMotion>& velocities, FrictionOfLevel& result) const {
-    const SuperposedSlide slides(*pressing_, friction_coefficient_);
-    const double force = friction_coefficient_ * equilibrium().load, torque = result.full_slip;
+    const SuperposedSlide slides(*pressing_, bound());
+    const double force = largest_force(), torque = result.full_slip;
     if (pressing_->layer().whole()) result.full_slip = slides.slide({0, 0, 1}).wrench.torque;
     double second_order = 0, moved = 0;
     for (const PlaneMotion& velocity : velocities) {
       const auto [found, energy] = slides.slide(velocity);
-      const FrictionWrench frictionless = slide(*pressing_, friction_coefficient_, velocity);
+      const FrictionWrench frictionless = slide(*pressing_, bound(), velocity);
       second_order = std::max(second_order, energy / reference_work());
       moved = std::max({moved, std::abs(found.force_x - frictionless.force_x) / force,
                         std::abs(found.force_y - frictionless.force_y) / force,
@@ -302,8 +347,8 @@ class FiniteContact : public ContactPhysics {
       whole->continue_from(*pressing_);
       whole->press({equilibrium().load, 0});
     }
-    FrictionalPressing solved(whole ? *whole : *pressing_, friction_coefficient_);
-    const double force = friction_coefficient_ * equilibrium().load, torque = result.full_slip;
+    FrictionalPressing solved(whole ? *whole : *pressing_, bound(whole ? *whole : *pressing_));
+    const double force = largest_force(), torque = result.full_slip;
     FrictionCorrection& correction = result.correction.emplace();
     correction.twist = moved(solved, result.twist, torque, correction.twist_error,
                              [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
@@ -359,7 +404,7 @@ class FiniteContact : public ContactPhysics {
                                    const std::vector<FrictionState>& superposed, double torque,
                                    double& error,
                                    const std::function<void(double)>& on_solved) const {
-    const double force = friction_coefficient_ * equilibrium().load;
+    const double force = largest_force();
     std::vector<FrictionState> changes;
     solved.restart();
     bool is_stuck = false;
@@ -450,7 +495,8 @@ class FiniteContact : public ContactPhysics {
 
   const ContactTask& task_;
   const Problem& problem_;
-  const double h_, E_, friction_coefficient_;
+  const double h_, E_;
+  const ShearLaw law_;  ///< in the units of the model
   const Materials materials_;
   const std::shared_ptr<const RigidObject> object_;
   std::unique_ptr<FinitePressing> pressing_;

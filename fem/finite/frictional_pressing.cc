@@ -106,12 +106,12 @@ struct FrictionalPressing::Tangent {
   }
 };
 
-FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, double friction_coefficient)
+FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, FrictionBound bound)
     : layer_(pressed.shared_layer()),
       object_(pressed.object()),
       offset_(pressed.offset()),
       load_(pressed.equilibrium().load),
-      friction_coefficient_(friction_coefficient),
+      bound_(std::move(bound)),
       pressed_state_(layer_->state()),
       pressed_force_(only_normal(pressed.equilibrium().normal_force)),
       pressed_approach_(pressed.equilibrium().approach) {
@@ -311,6 +311,7 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
   response.stiffness.diagonal().array() += tangent.shift;
   Eigen::VectorXd normal_force, sunk, free;
   SurfaceStep result;
+  const double largest = bound_.of(pressed_force_.row(2).transpose()).sum();
   FixedPoint settling;
   for (int turn = 0; turn < most_turns && !result.is_settled; ++turn) {
     response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
@@ -325,7 +326,7 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
     rub({normal_force, stuck_target(touching, result.approach) - free,
          free + tangent.compliance * friction},
         rubbed);
-    const double change = (rubbed - friction).cwiseAbs().sum() / (friction_coefficient_ * load_);
+    const double change = (rubbed - friction).cwiseAbs().sum() / largest;
     result.is_settled = change <= settled;
     if (!result.is_settled) friction = settling.next(friction, rubbed);
   }
@@ -370,8 +371,8 @@ void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
 
 void FrictionalPressing::move_to(const PlaneMotion& motion) {
   const Rub rub = [this](const Rubbed& at, Eigen::VectorXd& friction) {
-    solve_friction(tangent_->compliance, friction_coefficient_ * at.normal_force, at.target,
-                   friction, &tangent_->stick_slip);
+    solve_friction(tangent_->compliance, bound_.of(at.normal_force), at.target, friction,
+                   &tangent_->stick_slip);
   };
   // The slip law holds at an increment's end: a node that begins to slip within a longer turn would
   // be taken to stick.
@@ -455,7 +456,7 @@ double FrictionalPressing::slide(const PlaneMotion& velocity) {
       const Eigen::Vector2d along = tangents.transpose() * speed;
       // Around the centre of rotation forces point in all directions. A node has their mean over
       // its surroundings.
-      friction.segment<2>(2 * i) = ramp * friction_coefficient_ * rubbed.normal_force[i] /
+      friction.segment<2>(2 * i) = ramp * bound_.at(i, rubbed.normal_force[i]) /
                                    std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_) *
                                    along;
     }
@@ -482,7 +483,7 @@ FrictionWrench FrictionalPressing::wrench() const {
 
 bool FrictionalPressing::slips(Index node) const {
   constexpr double nearly = 1 - 1e-4;  // forces are known to Newton's tolerance
-  return force_.col(node).head<2>().norm() >= nearly * friction_coefficient_ * force_(2, node);
+  return force_.col(node).head<2>().norm() >= nearly * bound_.at(node, force_(2, node));
 }
 
 double FrictionalPressing::slip_fraction() const {
@@ -490,7 +491,7 @@ double FrictionalPressing::slip_fraction() const {
   double slipping = 0, touching = 0;
   for (Index i = 0; i < force_.cols(); ++i) {
     // The centre of a twist does not move, and carries nothing.
-    if (friction_coefficient_ * force_(2, i) <= 0 ||
+    if (bound_.at(i, force_(2, i)) <= 0 ||
         layer_->position(static_cast<std::size_t>(i)).head<2>().norm() < 1e-9)
       continue;
     touching += area[i];

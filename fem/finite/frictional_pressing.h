@@ -20,8 +20,8 @@ namespace softfinger::fem::finite {
 ///
 /// The contact is pressed without friction; from then on friction resists motions of the object,
 /// at constant load and without tilt. A node that sticks stays at its place on the moving object.
-/// One that slips carries mu N in the tangent plane at its present place, against the slip since
-/// the last increment. Pressure, touching nodes and friction change together.
+/// One that slips carries the bound of its N in the tangent plane at its present place, against the
+/// slip since the last increment. Pressure, touching nodes and friction change together.
 ///
 /// Newton's method with a tangent that is kept while it serves: each iteration is one contact
 /// problem with friction on the tangent condensed to the surface, normal and tangential part in
@@ -30,7 +30,7 @@ class FrictionalPressing {
  public:
   /// @param pressed  of a whole layer, in its equilibrium; friction takes its layer over, and gives
   ///                 it back as it was
-  FrictionalPressing(const FinitePressing& pressed, double friction_coefficient);
+  FrictionalPressing(const FinitePressing& pressed, FrictionBound bound);
   ~FrictionalPressing();
   FrictionalPressing(const FrictionalPressing&) = delete;
   FrictionalPressing& operator=(const FrictionalPressing&) = delete;
@@ -42,7 +42,7 @@ class FrictionalPressing {
 
   /// Slides from where the contact was pressed with the given velocity until every point slips. The
   /// object stays where it is. Friction is raised from none.
-  /// @returns the share of the coefficient of friction that was reached, mostly 1: soft layers
+  /// @returns the share of friction that was reached, mostly 1: soft layers
   /// under much friction fold before it
   double slide(const PlaneMotion& velocity);
 
@@ -99,7 +99,8 @@ class FrictionalPressing {
 
   std::shared_ptr<FiniteLayer> layer_;
   std::shared_ptr<const RigidObject> object_;
-  const double offset_, load_, friction_coefficient_;
+  const double offset_, load_;
+  const FrictionBound bound_;  ///< per node
   const std::shared_ptr<const FiniteLayer::State> pressed_state_;
   const Eigen::Matrix3Xd pressed_force_;
   const double pressed_approach_;

@@ -118,11 +118,18 @@ double sign(int image, int parity) {
 }
 Eigen::Vector3d mirror(int image) { return {image & 1 ? -1.0 : 1.0, image & 2 ? -1.0 : 1.0, 1}; }
 
+/// The bound of the touching nodes, from that of all nodes of the layer.
+FrictionBound bound_of(const TouchingNodes& nodes, const FrictionBound& of_layer) {
+  if (of_layer.area.size() == 0) return of_layer;
+  return {of_layer.law, of_layer.area(nodes.node)};
+}
+
 }  // namespace
 
-FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient,
+FrictionWrench slide(const FinitePressing& pressing, const FrictionBound& of_layer,
                      const PlaneMotion& velocity) {
   const TouchingNodes nodes = pressing.touching_nodes();
+  const FrictionBound bound = bound_of(nodes, of_layer);
   FrictionWrench result;
   for (int image = 0; image < pressing.copies(); ++image) {
     for (Index i = 0; i < nodes.size(); ++i) {
@@ -136,7 +143,7 @@ FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient
       // At the centre of rotation nothing slides. Forces around it point in all directions: it gets
       // their mean, none.
       if (!(speed > 0)) continue;
-      const Eigen::Vector3d force = friction_coefficient * nodes.normal_force[i] / speed * along;
+      const Eigen::Vector3d force = bound.at(i, nodes.normal_force[i]) / speed * along;
       result.force_x += force.x();
       result.force_y += force.y();
       result.torque += turned(position).dot(force);
@@ -170,11 +177,11 @@ ApproachResponse::ApproachResponse(const TouchingNodes& nodes, const Eigen::Matr
   load = -(slope.asDiagonal() * (stiffness(of.normal, Eigen::all) * of_all));
 }
 
-SuperposedSlide::SuperposedSlide(FinitePressing& pressing, double friction_coefficient)
+SuperposedSlide::SuperposedSlide(FinitePressing& pressing, const FrictionBound& bound)
     : nodes_(pressing.touching_nodes()),
       images_(pressing.copies()),
-      friction_coefficient_(friction_coefficient),
-      spacing_(node_spacing(pressing.layer().discretisation())) {
+      spacing_(node_spacing(pressing.layer().discretisation())),
+      bound_(bound_of(nodes_, bound)) {
   for (int parity = 0; parity < images_; ++parity) {
     const Eigen::MatrixXd stiffness =
         pressing.superposed_stiffness({(parity & 1) != 0, (parity & 2) != 0});
@@ -231,14 +238,14 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
             mirror(image).cwiseProduct(at);
         // Around the centre of rotation forces point in all directions. A node has their mean.
         rubbed.col(image).segment<2>(2 * i) =
-            friction_coefficient_ * normal_force(i, image) /
+            bound_.at(i, normal_force(i, image)) /
             std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_, 1e-300) * along;
       }
     return rubbed;
   };
   const Eigen::MatrixXd force =
       settled("full slip on the deformed layer", Eigen::MatrixXd::Zero(2 * count, images_),
-              friction_coefficient_ * load, next);
+              images_ * bound_.of(nodes_.normal_force).sum(), next);
   FrictionWrench wrench;
   for (int image = 0; image < images_; ++image)
     for (Index i = 0; i < count; ++i) {
@@ -252,17 +259,18 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
   return {wrench, energy};
 }
 
-SuperposedMotion::SuperposedMotion(FinitePressing& pressing, double friction_coefficient)
-    : SuperposedMotion(pressing, friction_coefficient,
+SuperposedMotion::SuperposedMotion(FinitePressing& pressing, const FrictionBound& bound)
+    : SuperposedMotion(pressing, bound,
                        pressing.superposed_stiffness({/*odd_x=*/true, /*odd_y=*/true})) {}
 
-SuperposedMotion::SuperposedMotion(const FinitePressing& pressing, double friction_coefficient,
+SuperposedMotion::SuperposedMotion(const FinitePressing& pressing, const FrictionBound& bound,
                                    const Eigen::MatrixXd& stiffness)
     : nodes_(pressing.touching_nodes()),
       copies_(pressing.copies()),
-      friction_coefficient_(friction_coefficient),
+      bound_(bound_of(nodes_, bound)),
       area_(nodal_area(pressing.layer())(nodes_.node)),
-      limit_(friction_coefficient * nodes_.normal_force),
+      limit_(bound_.of(nodes_.normal_force)),
+      present_normal_force_(nodes_.normal_force),
       response_(nodes_, stiffness),
       compliance_(response_.displacement) {
   if (copies_ == 1) approach_ = {nodes_, stiffness, response_};
@@ -302,7 +310,8 @@ SuperposedMotion::SuperposedMotion(const FinitePressing& pressing, double fricti
 
 void SuperposedMotion::restart() {
   force_ = slip_ = Eigen::VectorXd::Zero(2 * nodes_.size());
-  limit_ = friction_coefficient_ * nodes_.normal_force;
+  present_normal_force_ = nodes_.normal_force;
+  limit_ = bound_.of(present_normal_force_);
   motion_.setZero();
   dissipated_ = approached_ = 0;
 }
@@ -334,20 +343,20 @@ void SuperposedMotion::settle(const std::function<void()>& rub) {
   const double load = nodes_.force.sum();
   const Eigen::VectorXd slope = cosine(nodes_);
   double not_pulled = 0;
-  limit_ = friction_coefficient_ *
-           settled("twist on the deformed layer", limit_ / friction_coefficient_, load,
-                   [&](const Eigen::MatrixXd& normal_force) {
-                     limit_ = friction_coefficient_ * normal_force.cwiseMax(0.0);
-                     rub();
-                     const double along_load =
-                         not_pulled + (response_.load * force_).sum() - lift_of(nodes_, force_);
-                     approached_ = -along_load / approach_.load.sum();
-                     const Eigen::VectorXd next = nodes_.normal_force +
-                                                  response_.normal_force * force_ +
-                                                  approached_ * approach_.normal_force;
-                     not_pulled = -slope.dot(next.cwiseMin(0.0));
-                     return Eigen::MatrixXd(next.cwiseMax(0.0));
-                   });
+  present_normal_force_ =
+      settled("twist on the deformed layer", present_normal_force_, load,
+              [&](const Eigen::MatrixXd& normal_force) {
+                limit_ = bound_.of(normal_force.reshaped());
+                rub();
+                const double along_load =
+                    not_pulled + (response_.load * force_).sum() - lift_of(nodes_, force_);
+                approached_ = -along_load / approach_.load.sum();
+                const Eigen::VectorXd next = nodes_.normal_force + response_.normal_force * force_ +
+                                             approached_ * approach_.normal_force;
+                not_pulled = -slope.dot(next.cwiseMin(0.0));
+                return Eigen::MatrixXd(next.cwiseMax(0.0));
+              });
+  limit_ = bound_.of(present_normal_force_);
   rub();
 }
 

@@ -6,6 +6,7 @@
 
 #include "fem/coulomb_friction.h"
 #include "fem/finite/finite_pressing.h"
+#include "fem/friction_bound.h"
 #include "fem/frictional_contact.h"
 
 /// Coulomb friction on a contact pressed at finite strain, in units of h and E.
@@ -46,10 +47,12 @@ struct ApproachResponse {
 };
 
 /// Full slip with a rigid velocity of the object, v = (v_x, v_y) + omega e_z x x: each node carries
-/// mu N along the part of v in its tangent plane. N is that of the frictionless contact. So a turn
-/// has the torque mu sum N r, and a shift the force mu sum N sqrt(1 - n_x²), larger than mu P by
-/// what N exceeds its component along the load.
-FrictionWrench slide(const FinitePressing& pressing, double friction_coefficient,
+/// the bound of its normal force N, mu N under Coulomb's law, along the part of v in its tangent
+/// plane. N is that of the frictionless contact. So a turn has the torque mu sum N r, and a shift
+/// the force mu sum N sqrt(1 - n_x²), larger than mu P by what N exceeds its component along the
+/// load.
+/// @param bound  per node of the layer, here and in what follows
+FrictionWrench slide(const FinitePressing& pressing, const FrictionBound& bound,
                      const PlaneMotion& velocity);
 
 /// Full slip with a rigid velocity, as `slide`, with the pressure that friction moves: its forces
@@ -62,7 +65,7 @@ class SuperposedSlide {
   /// Factorises the layer's tangent: of a quarter four times, for motions odd or even in x and in
   /// y; of a whole layer once.
   /// @throws ConvergenceError where the pressed state is not stable against such motions
-  SuperposedSlide(FinitePressing& pressing, double friction_coefficient);
+  SuperposedSlide(FinitePressing& pressing, const FrictionBound& bound);
 
   struct Slid {
     FrictionWrench wrench;
@@ -74,7 +77,8 @@ class SuperposedSlide {
  private:
   TouchingNodes nodes_;
   int images_;  ///< of what is meshed: 4 of a quarter, 1 of a whole layer
-  double friction_coefficient_, spacing_;
+  double spacing_;
+  FrictionBound bound_;                        ///< per touching node
   std::vector<TangentialResponse> responses_;  ///< per parity
   ApproachResponse approach_;
 };
@@ -86,7 +90,7 @@ class SuperposedSlide {
 /// twist moves it by nothing under an object of revolution, under any other one because its heights
 /// turn. With the nodes held on the object along their normals, tangential forces q and slip s obey
 ///   C q + s = (V - W_0) m,  V m = (x, y, 0) + theta e_z x x
-/// along the tangents, with Coulomb's law (`solve_friction`).
+/// along the tangents, with bounded q (`solve_friction`).
 ///
 /// Friction also changes the pressure. In a symmetric contact a twist changes it by an odd field,
 /// which moves no torque to first order: the limits of friction leave it out. Elsewhere they follow
@@ -96,7 +100,7 @@ class SuperposedMotion {
  public:
   /// Factorises the layer's tangent, of a quarter for motions odd in x and y.
   /// @throws ConvergenceError where the pressed state is not stable against a twist
-  SuperposedMotion(FinitePressing& pressing, double friction_coefficient);
+  SuperposedMotion(FinitePressing& pressing, const FrictionBound& bound);
 
   /// Goes back to the contact as it was pressed, without friction.
   void restart();
@@ -129,7 +133,7 @@ class SuperposedMotion {
   Eigen::VectorXd frictionless() const { return frictionless_.col(2); }
 
  private:
-  SuperposedMotion(const FinitePressing& pressing, double friction_coefficient,
+  SuperposedMotion(const FinitePressing& pressing, const FrictionBound& bound,
                    const Eigen::MatrixXd& stiffness);
 
   /// Finds friction and the limits that the pressure has as friction moves it.
@@ -138,8 +142,8 @@ class SuperposedMotion {
 
   TouchingNodes nodes_;
   int copies_;
-  double friction_coefficient_;
-  Eigen::VectorXd area_, limit_;
+  FrictionBound bound_;  ///< per touching node
+  Eigen::VectorXd area_, limit_, present_normal_force_;
   TangentialResponse response_;
   StickSlipFactor stick_slip_;
   Eigen::MatrixXd compliance_;  ///< 2 n x 2 n along the tangents, normals held; no zero on it

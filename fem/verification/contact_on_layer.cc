@@ -164,7 +164,7 @@ PressedContact friction_start(const Pressed& pressed, const Problem& problem, do
           a_m / h,
           b_m / h,
           pressing_of(problem).load,
-          problem.contact.load.friction_coefficient};
+          problem.friction_law_of_model()};
 }
 
 Result friction_of(const Problem& problem, double a_m, double b_m,
@@ -178,8 +178,9 @@ Result friction_of(const Problem& problem, double a_m, double b_m,
     const double h = problem.contact.layer.thickness_m;
     result.finest.elements_per_semi_axis = pressed.model->discretisation().elements_per_semi_axis;
     result.finest.load_N = problem.contact.load.normal_force_N;
-    result.finest.max_torque_Nm = problem.contact.load.friction_coefficient *
-                                  problem.contact.load.normal_force_N * pressed.torque_arm() * h;
+    result.finest.max_force_N =
+        problem.contact.load.friction_coefficient * problem.contact.load.normal_force_N;
+    result.finest.max_torque_Nm = result.finest.max_force_N * pressed.torque_arm() * h;
     levels.push_back(friction_on(friction_start(pressed, problem, a_m, b_m), problem, nullptr, plan,
                                  quiet, [](auto&&...) {}));
   }

@@ -358,6 +358,36 @@ TEST(ShearSurface, ItsDerivativesAreDifferencesOfItsWrenches) {
   }
 }
 
+// What the simulation takes under the rules limit_surface and six_patches.
+TEST(ShearSurface, IsNearlyTheLimitSurfaceOfTheExponentWithItsArm) {
+  double worst = 0;
+  for (const Kind kind : {Kind::limited, Kind::adhesive_shear})
+    for (const double exponent : {0.5, 2.0})
+      for (const double aspect : {1.0, 10.0})
+        for (const double share : {0.2, 0.6}) {
+          const PressedEllipse contact{1e-3 * aspect, 1e-3, exponent, kLoad_N};
+          ShearLaw law = limited_at(share, contact);
+          law.kind = kind;
+          const ShearSurface exact(law, contact);
+          double low = -0.9, high = 10;
+          for (int i = 0; i < 60; ++i) {
+            const double middle = (low + high) / 2;
+            const bool is_long =
+                torque_arm_exact_m(contact.a_m, contact.b_m, middle) > exact.eccentricity_m();
+            (is_long ? low : high) = middle;
+          }
+          const LimitSurface simple(contact.a_m, contact.b_m, low, exact.max_force_N());
+          RandomTwist slip;
+          for (int i = 0; i < 20; ++i)
+            worst = std::max(
+                worst,
+                std::abs(simple.utilisation(exact.wrench_for_twist(slip(exact.eccentricity_m()))) -
+                         1));
+        }
+  std::printf("limit surface of the exponent with the law's arm: within %.4f\n", worst);
+  EXPECT_LT(worst, 0.0105);  // as shear_surface.h states, rounded
+}
+
 // Under a constant stress, for a circle: closed form of the support function at its worst is not
 // known; the numbers are those of LimitSurface with n = 0, which other tests check.
 TEST(ShearSurface, EllipsoidsAreAsFarOffUnderConstantStressAsUnderUniformPressure) {

@@ -44,6 +44,27 @@ std::string repeated(const std::string& text, int times) {
 
 }  // namespace
 
+TEST(Case, ReadsShearLawsInSiUnits) {
+  const auto law = [](const std::string& keys) {
+    return input::parse_case(replaced("friction_coefficient = 0.8", keys), "example.toml")
+        .shear_law;
+  };
+  EXPECT_EQ(law("friction_coefficient = 0.8").kind, ShearLaw::Kind::coulomb);
+  const ShearLaw strength = law("shear_law = \"shear_strength\"\nshear_strength_kPa = 40");
+  EXPECT_EQ(strength.kind, ShearLaw::Kind::shear_strength);
+  EXPECT_DOUBLE_EQ(strength.shear_strength_Pa, 4e4);
+  const ShearLaw adhesive =
+      law("shear_law = \"adhesive_shear\"\nshear_strength_kPa = 4\nfriction_coefficient = 1.5");
+  EXPECT_EQ(adhesive.kind, ShearLaw::Kind::adhesive_shear);
+  EXPECT_EQ(adhesive.friction_coefficient, 1.5);
+  for (const char* name : kShearLawNames)
+    EXPECT_STREQ(law(std::string("shear_law = \"") + name + "\"\n" +
+                     (std::string(name) == "shear_strength" ? "" : "friction_coefficient = 0.5\n") +
+                     (std::string(name) == "coulomb" ? "" : "shear_strength_kPa = 4\n"))
+                     .name(),
+                 name);
+}
+
 TEST(Case, IsReadInSiUnits) {
   const input::Case result = input::parse_case(kGoodCase, "folder/example.toml");
   EXPECT_EQ(result.id, "example");
@@ -56,7 +77,7 @@ TEST(Case, IsReadInSiUnits) {
   EXPECT_DOUBLE_EQ(result.layer.youngs_modulus_Pa, 3e5);
   EXPECT_EQ(result.layer.poisson_ratio, 0.49);
   EXPECT_EQ(result.loads_N, (std::vector<double>{1, 2}));
-  EXPECT_EQ(result.friction_coefficient, 0.8);
+  EXPECT_EQ(result.shear_law.friction_coefficient, 0.8);
   EXPECT_EQ(result.fem_level, 3);
 }
 
@@ -351,6 +372,37 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"NoLoads", "[1.0, 2]", "[]", 10, {"load_N"}},
         BadCase{"LoadAsText", "[1.0, 2]", "[1.0, \"five\"]", 10, {"load_N", "five"}},
         BadCase{"NoFriction", "= 0.8", "= 0.0", 11, {"friction_coefficient", "> 0"}},
+        BadCase{"UnknownShearLaw",
+                "friction_coefficient = 0.8",
+                "shear_law = \"limted\"",
+                11,
+                {"shear_law", "limted", "\"limited\""}},
+        BadCase{"CoulombWithShearStrength",
+                "friction_coefficient = 0.8",
+                "friction_coefficient = 0.8\nshear_strength_kPa = 40",
+                12,
+                {"shear_strength_kPa = 40", "\"adhesive_shear\""}},
+        BadCase{"ShearStrengthWithFriction",
+                "friction_coefficient = 0.8",
+                "shear_law = \"shear_strength\"\nshear_strength_kPa = 40\n"
+                "friction_coefficient = 0.8",
+                13,
+                {"friction_coefficient", "pressure does not matter"}},
+        BadCase{"LimitedWithoutStrength",
+                "friction_coefficient = 0.8",
+                "shear_law = \"limited\"\nfriction_coefficient = 0.8",
+                9,
+                {"[contact]", "shear_strength_kPa"}},
+        BadCase{"LimitedWithoutFriction",
+                "friction_coefficient = 0.8",
+                "shear_law = \"limited\"\nshear_strength_kPa = 40",
+                9,
+                {"[contact]", "friction_coefficient"}},
+        BadCase{"NegativeStrength",
+                "friction_coefficient = 0.8",
+                "shear_law = \"shear_strength\"\nshear_strength_kPa = -1",
+                12,
+                {"shear_strength_kPa", "-1", "> 0"}},
         BadCase{"LevelOutOfRange", "level = 3", "level = 4", 13, {"level", "1, 2 or 3"}},
         BadCase{"LevelNotWhole", "level = 3", "level = 2.5", 13, {"level"}},
         BadCase{"CurvedLayer",

@@ -161,6 +161,30 @@ TEST(Exporting, DrakeFollowsAWinklerContactExactly) {
       EXPECT_NEAR(error, 0, 1e-9);
 }
 
+// Constant stress on a Hertz circle: F/P ~ P^(-1/3), T/P does not depend on the load at all.
+TEST(Exporting, ConstantShearStressOnHertzHasAConstantTorquePerLoadAndAFallingForce) {
+  std::string text = round_contact().text;
+  const std::string friction = "friction_coefficient = 0.5";
+  text.replace(text.find(friction), friction.size(),
+               "shear_law = \"shear_strength\"\nshear_strength_kPa = 20");
+  const input::Case contact_case = input::parse_case(text, "round.toml");
+  const ContactCurve curve =
+      curve_of(contact_case, "hertz", {kLoad_N, std::vector<double>{kLoad_N / 8, kLoad_N * 8}});
+  EXPECT_NEAR(curve.nominal.max_force_N() / (kPi * 1e-6 * 2e4), 1, 1e-9);
+  EXPECT_NEAR(curve.nominal.max_torque_Nm() / (2 * kPi / 3 * 1e-9 * 2e4), 1, 1e-9);
+  EXPECT_NEAR(curve.load_exponent, 1.0 / 3, 1e-9);
+  EXPECT_NEAR(curve.friction_exponent, -1.0 / 3, 1e-9);
+  for (const Fit fit : {Fit::nominal, Fit::range}) {
+    const SoftContact contact = soft_contact(curve, mujoco(), fit);
+    for (const double error : relative_errors(mujoco(), contact, curve))
+      EXPECT_NEAR(error, 0, 1e-9);
+    const std::vector<double> forces = relative_force_errors(contact, curve);
+    // From 8 times lighter to 8 times heavier, F/P falls from twice to half of the nominal one.
+    EXPECT_NEAR(forces.front(), fit == Fit::nominal ? -0.5 : -0.6, 1e-9);
+    EXPECT_NEAR(forces.back(), fit == Fit::nominal ? 1 : 0.6, 1e-9);
+  }
+}
+
 TEST(Exporting, MujocoRaisesSmallValues) {
   SoftContact contact;
   contact.friction_coefficient = 0.5;

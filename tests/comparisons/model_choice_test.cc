@@ -32,7 +32,7 @@ struct Contact {
   Contact(double poisson_ratio, double major_m, double minor_m, double load) : load_N(load) {
     contact_case.id = "simple";
     contact_case.layer = {2e-3, 3e5, poisson_ratio};
-    contact_case.friction_coefficient = 0.5;
+    contact_case.shear_law.friction_coefficient = 0.5;
     geometry.radii = {major_m, minor_m, 0};
     contact_case.geometry = geometry.radii;
     contact_case.loads_N = {load};
@@ -119,7 +119,7 @@ class RandomCases {
     contact.id = "random";
     const double h_m = between_log(0.3e-3, 8e-3);
     contact.layer = {h_m, between_log(3e4, 3e6), uniform() < 0.2 ? 0.5 : 0.5 * uniform()};
-    contact.friction_coefficient = between_log(0.1, 1.5);
+    contact.shear_law.friction_coefficient = between_log(0.1, 1.5);
     const double major_m = between_log(1.2, 40) * h_m, minor_m = major_m / between_log(1, 25);
     const double plane = kInfinity;
     const auto quadric = [](double x_m, double y_m) {

@@ -122,6 +122,69 @@ TEST_F(Program, PredictsWithTheContractsKeys) {
   }
 }
 
+// Hertz' pressure on the model's own ellipse: constant stress and limited friction in closed form.
+TEST_F(Program, PredictsForceTorqueAndLimitSurfaceOfEachShearLaw) {
+  const auto predict = [&](const std::string& keys, const std::string& radii) {
+    std::string text = case_text();
+    const std::string friction = "friction_coefficient = 0.8\n";
+    text.replace(text.find(friction), friction.size(), keys);
+    const std::string circle = "[20.0, 10.0]";
+    text.replace(text.find(circle), circle.size(), radii);
+    const ProgramRun result = run({"predict", folder.write("case.toml", text).string(), "--model",
+                                   "hertz", "--limit-surface", "21", "--json"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return json::parse(result.out)["results"][0];
+  };
+  const json strength =
+      predict("shear_law = \"shear_strength\"\nshear_strength_kPa = 40\n", "[20.0, 10.0]");
+  EXPECT_EQ(strength["shear_law"], "shear_strength");
+  EXPECT_NEAR(strength["max_force_N"].get<double>() / (4e4 * strength["area_m2"].get<double>()), 1,
+              1e-12);
+  EXPECT_NEAR(strength["eccentricity_m"].get<double>() * strength["max_force_N"].get<double>() /
+                  strength["max_torque_Nm"].get<double>(),
+              1, 1e-12);
+
+  const json circle =
+      predict("shear_law = \"limited\"\nshear_strength_kPa = 40\nfriction_coefficient = 0.8\n",
+              "[10.0, 10.0]");
+  const double a = circle["a_m"], peak = circle["peak_pressure_Pa"], tau = 4e4;
+  ASSERT_GT(0.8 * peak, tau);
+  // r = a cos t; mu p = tau_0 where sin t = tau_0 / (mu p_0).
+  const double t = std::asin(tau / (0.8 * peak)), c = a * std::cos(t);
+  const double torque =
+      2 * M_PI * (tau * c * c * c / 3 + 0.8 * peak * a * a * a * (t / 8 - std::sin(4 * t) / 32));
+  EXPECT_NEAR(circle["max_torque_Nm"].get<double>() / torque, 1, 1e-12);
+
+  for (const json& answer : {strength, circle}) {
+    const double force = answer["max_force_N"], largest = answer["max_torque_Nm"];
+    const double outside = answer["ellipsoid_deviation"][0],
+                 inside = answer["ellipsoid_deviation"][1];
+    EXPECT_LT(outside, -0.05);
+    ASSERT_EQ(answer["limit_surface"].size(), 21u);
+    for (const json& point : answer["limit_surface"]) {
+      const double used =
+          std::hypot(std::hypot(point["fx_N"].get<double>(), point["fy_N"].get<double>()) / force,
+                     point["torque_Nm"].get<double>() / largest);
+      EXPECT_GE(used, 1 + outside - 1e-7);
+      EXPECT_LE(used, 1 + inside + 1e-7);
+    }
+  }
+}
+
+TEST_F(Program, RefusesOtherShearLawsWhereErrorsAreKnownForCoulombsOnly) {
+  std::string text = case_text();
+  text += "shear_law = \"limited\"\nshear_strength_kPa = 40\n";
+  const auto file = folder.write("case.toml", text);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"compare", file.string()},
+        {"select", file.string(), "--tolerance", "0.1"}}) {
+    const ProgramRun result = run(command);
+    EXPECT_EQ(result.status, 2);
+    ASSERT_EQ(lines(result.err).size(), 1u) << result.err;
+    EXPECT_NE(result.err.find("shear_law = \"limited\""), std::string::npos) << result.err;
+  }
+}
+
 TEST_F(Program, GivesNullForNumbersThatDoNotExist) {
   std::string text = case_text();
   text.replace(text.find("0.45"), 4, "0.5");

@@ -48,7 +48,7 @@ TEST(Sweep, MakesTheProductOfItsKeysInTheOrderOfTheFile) {
   sweep::Sweep::Cases cases(sweep);
   const input::Case last = cases.at(5), first = cases.at(0);
   EXPECT_EQ(last.layer.thickness_m, 4e-3);
-  EXPECT_EQ(last.friction_coefficient, 0.6);
+  EXPECT_EQ(last.shear_law.friction_coefficient, 0.6);
   EXPECT_EQ(first.layer.thickness_m, 1e-3);
   EXPECT_EQ(first.layer.youngs_modulus_Pa, 300e3);
 }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/dynamics/random_scene.h"
 
@@ -112,6 +113,98 @@ TEST(EccentricityLaw, RandomScenesBecomeConsistent) {
         EXPECT_NEAR(problem.eccentricity_m[i] / wanted, 1, 2e-9) << trial;
       }
     }
+}
+
+/// A constant shear stress on a Hertz circle a = c P^(1/3): F = pi a² tau_0, T = 2/3 pi a³ tau_0.
+class StrengthOnHertzCircle final : public EccentricityLaw {
+ public:
+  static constexpr double kStrength_Pa = 4e4;
+  double radius_m(double load_N) const noexcept { return 1.5e-3 * std::cbrt(load_N); }
+  FrictionEllipsoid limit(double load_N) const noexcept {
+    const double a = radius_m(load_N);
+    return {kPi * a * a * kStrength_Pa, 2 * a / 3};
+  }
+  double eccentricity_m(double load_N) const noexcept override {
+    return limit(load_N).eccentricity_m;
+  }
+  std::optional<double> friction_coefficient(double load_N) const noexcept override {
+    return effective_friction(limit(load_N), load_N);
+  }
+};
+
+TEST(EccentricityLaw, GivesAContactOfConstantShearStressItsLargestTorqueAtAnyLoad) {
+  const StrengthOnHertzCircle law;
+  ConsistentContactSolver solver(1, 0);
+  ContactSolution solution;
+  for (const double load : {0.02, 0.3, 2.0, 40.0}) {
+    ContactLcp problem = coupled_contact();
+    problem.delassus(0, 3) = problem.delassus(3, 0) = 0;
+    problem.free_velocity[0] = -problem.delassus(0, 0) * load * kStep_s;
+    problem.free_velocity[3] = 1;  // faster than any of the loads could stop
+    const ConsistentResult result = solver.solve(problem, {&law}, kStep_s, solution, {});
+    ASSERT_EQ(result.lcp.status, LcpStatus::solved);
+    EXPECT_LE(result.iterations, 3);
+    const double torque = solution.impulse[3] / kStep_s;
+    EXPECT_NEAR(torque / (-2 * kPi / 3 * std::pow(law.radius_m(load), 3) *
+                          StrengthOnHertzCircle::kStrength_Pa),
+                1, 1e-8)
+        << load;
+  }
+}
+
+TEST(EccentricityLaw, OfFrictionAgreesWithABisection) {
+  const StrengthOnHertzCircle law;
+  const auto load_of = [&](double load) {
+    ContactLcp problem = coupled_contact();
+    problem.friction_coefficient[0] = *law.friction_coefficient(load);
+    return load_N(problem, law.eccentricity_m(load));
+  };
+  double low = 1, high = 100;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (load_of(middle) > middle ? low : high) = middle;
+  }
+  ContactLcp problem = coupled_contact();
+  ConsistentContactSolver solver(1, 0);
+  ContactSolution solution;
+  const ConsistentResult result = solver.solve(problem, {&law}, kStep_s, solution, {});
+  ASSERT_EQ(result.lcp.status, LcpStatus::solved);
+  EXPECT_LE(result.inconsistency, 1e-9);
+  EXPECT_NEAR(solution.impulse[0] / kStep_s / low, 1, 1e-7);
+  EXPECT_NEAR(problem.friction_coefficient[0] / *law.friction_coefficient(low), 1, 1e-7);
+  EXPECT_LE(exact_contact_residual(problem, solution), 1e-12);
+}
+
+TEST(EccentricityLaw, BoundsTheFrictionOfLightContacts) {
+  const StrengthOnHertzCircle law;
+  EXPECT_EQ(*law.friction_coefficient(1e-9), kMostEffectiveFriction);
+  EXPECT_LT(*law.friction_coefficient(1), kMostEffectiveFriction);
+  EXPECT_EQ(effective_friction({1, 1}, 0), 0);
+}
+
+TEST(EccentricityLaw, OfConstantShearStressBecomesConsistentInRandomScenes) {
+  const StrengthOnHertzCircle strength;
+  const PowerEccentricity hertz(0.002, 1.0 / 3);
+  tests::RandomScenes scenes(43);
+  ContactSolution solution;
+  for (int trial = 0; trial < 100; ++trial) {
+    ContactLcp problem = tests::separate_contacts(scenes, 1 + trial % 8);
+    problem.friction_rule = FrictionRule::ellipsoid;
+    std::vector<const EccentricityLaw*> laws(std::size_t(problem.contacts()), &strength);
+    laws[0] = &hertz;
+    const double coulomb = problem.friction_coefficient[0];
+    ConsistentContactSolver solver(8, 16);
+    const ConsistentResult result = solver.solve(problem, laws, kStep_s, solution, {});
+    ASSERT_EQ(result.lcp.status, LcpStatus::solved) << trial;
+    EXPECT_LE(result.inconsistency, 1e-9) << trial;
+    EXPECT_EQ(problem.friction_coefficient[0], coulomb) << "a law of e_n alone";
+    for (int i = 1; i < problem.contacts(); ++i) {
+      const double load = solution.impulse[4 * i] / kStep_s;
+      if (!(load > 0)) continue;
+      EXPECT_NEAR(problem.friction_coefficient[i] / *strength.friction_coefficient(load), 1, 2e-9)
+          << trial;
+    }
+  }
 }
 
 TEST(EccentricityLaw, IsNeverNotANumberWithoutLoad) {

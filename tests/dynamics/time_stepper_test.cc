@@ -699,6 +699,46 @@ TEST(Eccentricity, AgreesWithTheLoadAtTheEndOfTheStep) {
   ASSERT_GT(stepper.bodies().velocity()[5], 0);
 }
 
+/// 10 kPa on a circle a = 2 mm (P/N)^(1/3).
+struct ConstantShearStress final : EccentricityLaw {
+  static double radius_m(double load_N) { return 2e-3 * std::cbrt(load_N); }
+  double eccentricity_m(double load_N) const noexcept override { return 2 * radius_m(load_N) / 3; }
+  std::optional<double> friction_coefficient(double load_N) const noexcept override {
+    const double a = radius_m(load_N);
+    return effective_friction({M_PI * a * a * 1e4, 0}, load_N);
+  }
+};
+
+TEST(Eccentricity, OfConstantShearStressTurnsWithTwoThirdsPiTauACubed) {
+  // As above, pressed ever harder: the torque is proportional to a³, here to the load, and the
+  // contact never learns that its own coefficient is another one.
+  const ConstantShearStress law;
+  const double radius = 0.02;
+  BodyDescription ball = tests::ball("ball", radius, 0.1, Vector3d(0, 0, radius + 1e-3));
+  ball.angular_velocity_rad_per_s = Vector3d(0, 0, 3000);
+  TimeStepper stepper(Multibody({tests::ground(), ball}, {}), {}, options());
+  stepper.applied_forces().push_back({1});
+  SimpleContacts contacts;
+  contacts.pairs = {on_plane(0, 1, radius, 0.3)};
+  contacts.pairs[0].law = &law;
+  int touched = 0;
+  for (int i = 0; i < 200; ++i) {
+    stepper.applied_forces()[0].force_N.z() = -0.05 * i;
+    const StepResult result = stepper.step(contacts);
+    ASSERT_TRUE(result.done());
+    ASSERT_LE(result.load_disagreement, 1e-9);
+    const ContactWrench wrench = stepper.wrench(0);
+    if (!(wrench.normal_force_N > 0)) continue;
+    ++touched;
+    const double a = law.radius_m(wrench.normal_force_N);
+    ASSERT_NEAR(wrench.torque_Nm / (-2 * M_PI / 3 * 1e4 * a * a * a), 1, 1e-8) << i;
+    ASSERT_NEAR(stepper.friction_coefficient(0) / *law.friction_coefficient(wrench.normal_force_N),
+                1, 1e-9);
+  }
+  EXPECT_GT(touched, 150);
+  ASSERT_GT(stepper.bodies().velocity()[5], 0) << "it never stops";
+}
+
 TEST(Eccentricity, AgreesWhereTheLoadDependsOnIt) {
   // A lever about z presses a soft ball against a wall; its spin about the normal is braked.
   const PowerLaw law;

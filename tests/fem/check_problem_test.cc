@@ -35,6 +35,11 @@ const Refused refused[] = {
     {"load_N", [](Problem& p) { p.contact.load.normal_force_N = 0; }},
     {"approach_m", [](Problem& p) { p.approach_m = -1e-4; }},
     {"friction_coefficient", [](Problem& p) { p.contact.load.friction_coefficient = 0; }},
+    {"shear_strength_Pa",
+     [](Problem& p) {
+       p.shear_law = ShearLaw::Kind::limited;
+       p.shear_strength_Pa = NAN;
+     }},
     {"sphere_radius_m", [](Problem& p) { p.sphere_radius_m = 0.02; }},
     {"sphere_radius_m", [](Problem& p) { p.sphere_radius_m = 0.01; }},
     {"object layer", [](Problem& p) { p.contact.object_layer.thickness_m = 1e-3; }},

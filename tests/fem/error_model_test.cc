@@ -334,6 +334,7 @@ class FrictionErrors : public testing::Test {
     result.finest.elements_per_semi_axis = 8;
     result.finest.load_N = 2;
     result.finest.max_torque_Nm = 4;
+    result.finest.max_force_N = 1;  // mu P
     for (FrictionOfLevel* of_level : {&coarse, &fine}) {
       of_level->stiffness = 10;
       of_level->full_slip = 4;

@@ -203,9 +203,8 @@ struct SmallContact {
   /// Stuck tractions are singular at the edge: a node more or less there counts, so those of finite
   /// strain.
   PressedContact contact() const {
-    return {*pressed.model,   pressed.gap,      pressing->equilibrium().force,
-            pressed.moment_a, pressed.moment_b, pressed.load(),
-            kFriction};
+    return {*pressed.model,   pressed.gap,    pressing->equilibrium().force, pressed.moment_a,
+            pressed.moment_b, pressed.load(), ShearLaw::coulomb(kFriction)};
   }
 
   Pressed pressed;
@@ -359,9 +358,9 @@ struct SmallContactWithoutSymmetry {
   }
 
   PressedContact contact() const {
-    PressedContact result{*pressed.model,   pressed.gap,      pressing->equilibrium().force,
-                          pressed.moment_a, pressed.moment_b, pressed.load(),
-                          kFriction};
+    PressedContact result{
+        *pressed.model,   pressed.gap,    pressing->equilibrium().force, pressed.moment_a,
+        pressed.moment_b, pressed.load(), ShearLaw::coulomb(kFriction)};
     result.edge = 1.3;
     return result;
   }

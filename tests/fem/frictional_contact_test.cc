@@ -45,8 +45,8 @@ struct Contact {
   }
 
   PressedContact start() const {
-    return {*pressed.model, pressed.gap, pressed.contact.force, pressed.moment_a, pressed.moment_b,
-            load,           mu};
+    return {*pressed.model,   pressed.gap, pressed.contact.force, pressed.moment_a,
+            pressed.moment_b, load,        ShearLaw::coulomb(mu)};
   }
   FrictionalContact on(const SurfaceCompliance& surface) const {
     Eigen::VectorXd gap(surface.size());
@@ -207,7 +207,8 @@ struct BentContact {
     surface = surface_compliance(*quarters, Invariance::none);
   }
   PressedContact start() const {
-    return {*pressed.model, pressed.gap, pressed.contact.force, 1.3, 1.0, load, mu};
+    return {*pressed.model, pressed.gap,          pressed.contact.force, 1.3, 1.0,
+            load,           ShearLaw::coulomb(mu)};
   }
   FrictionalContact contact() const {
     Eigen::VectorXd gap(surface.size());

@@ -62,7 +62,8 @@ class KnownContact : public ContactPhysics {
     result.fitted = true;
     result.indentation_m = 0.1 * off;
     result.peak_pressure_Pa = off;
-    result.max_torque_Nm = off;
+    result.max_torque_Nm = result.torque_arm_m = off;
+    result.max_force_N = 1;
     result.load_N = 1;
     result.oversize = oversize;
     return measurement;

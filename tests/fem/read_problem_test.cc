@@ -76,6 +76,22 @@ TEST(ReadProblem, EveryKeyArrives) {
   EXPECT_EQ(read.friction.increments_to_slip, 4);
 }
 
+TEST(ReadProblem, TakesShearLaws) {
+  json input = problem();
+  EXPECT_EQ(read_problem(input, no_files()).shear_law, ShearLaw::Kind::coulomb);
+  input["shear_law"] = "limited";
+  EXPECT_NE(refusal_of(input).find("shear_strength_Pa"), std::string::npos);
+  input["shear_strength_Pa"] = 4e4;
+  const Problem limited = read_problem(input, no_files());
+  EXPECT_EQ(limited.shear_law, ShearLaw::Kind::limited);
+  EXPECT_EQ(limited.shear_strength_Pa, 4e4);
+  input["shear_law"] = "shear_strength";
+  input.erase("friction_coefficient");
+  EXPECT_EQ(read_problem(input, no_files()).contact.load.friction_coefficient, 0);
+  input["shear_law"] = "stickiness";
+  EXPECT_NE(refusal_of(input).find("\"adhesive_shear\""), std::string::npos);
+}
+
 TEST(ReadProblem, KeysThatMayBeMissingMayBeNull) {
   json input = problem();
   for (const char* key :

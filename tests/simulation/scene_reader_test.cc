@@ -236,6 +236,18 @@ TEST_F(SceneProgram, ReportsAStepWithoutSolutionAndWritesEverythingUpToIt) {
     EXPECT_FALSE(file_text(folder.path() / "results" / name).empty()) << name;
 }
 
+TEST_F(SceneProgram, RefusesShearLawsThatItCannotUse) {
+  const std::string head = "[[contact]]\nbodies = [\"*\", \"*\"]\n";  // lines 20 and 21
+  const std::string scene = kHead + kBall + kJoint + head;
+  expect_refusal(scene + "shear_law = \"sticky\"\n", 22, {"shear_law", "\"limited\""});
+  expect_refusal(scene + "shear_law = \"limited\"\n", 20, {"shear_strength_kPa"});
+  expect_refusal(scene + "shear_strength_kPa = 4\n", 22, {"shear_strength_kPa", "\"limited\""});
+  expect_refusal(scene + "shear_law = \"limited\"\nshear_strength_kPa = 0\n", 23,
+                 {"shear_strength_kPa", "> 0"});
+  expect_refusal(scene + "shear_law = \"limited\"\nshear_strength_kPa = 9\nmodel = \"rigid\"\n", 22,
+                 {"shear_law", "area"});
+}
+
 // --- what is read --------------------------------------------------------------------------------
 
 TEST(Scene, IsReadInSi) {
@@ -269,9 +281,9 @@ TEST(Scene, IsReadInSi) {
   EXPECT_NEAR(scene.joints[0].lower, -10e-3, 1e-17);
   EXPECT_TRUE(std::isinf(scene.joints[0].upper));
   EXPECT_EQ(scene.motors[0].max_effort, 3);
-  EXPECT_EQ(scene.rule(0, 1).friction_coefficient, 0.7) << "the last one that fits";
-  EXPECT_EQ(scene.rule(1, 0).friction_coefficient, 0.7);
-  EXPECT_EQ(scene.rule(0, 0).friction_coefficient, 0.3);
+  EXPECT_EQ(scene.rule(0, 1).shear_law.friction_coefficient, 0.7) << "the last one that fits";
+  EXPECT_EQ(scene.rule(1, 0).shear_law.friction_coefficient, 0.7);
+  EXPECT_EQ(scene.rule(0, 0).shear_law.friction_coefficient, 0.3);
   // Eased: at rest at both ends, half way at half time, at 15/8 of the mean speed.
   const input::TimeTable& table = scene.motions[0].table;
   EXPECT_EQ(table.value(0)[0], 0);

@@ -103,6 +103,52 @@ TEST(PinchThreshold, OfSoftFingertipsWhoseArmDependsOnTheGrip) {
     expect_threshold("ellipsoid", "", arm, load, std::sqrt(1 - load * load));
 }
 
+/// The pinch with another effort of both motors.
+std::string with_grip(std::string text, double grip_N) {
+  const std::string effort = "effort_N = [5]", other = fmt::format("effort_N = [{:.17g}]", grip_N);
+  for (std::size_t at = 0; (at = text.find(effort, at)) != std::string::npos; at += other.size())
+    text.replace(at, effort.size(), other);
+  return text;
+}
+
+// On a circle under the stress tau_0: T = 2/3 pi tau_0 a³, whatever the grip.
+TEST(PinchThreshold, OfConstantShearStressFollowsTheAreaAndNotTheGrip) {
+  const std::string law = "shear_law = \"shear_strength\"\nshear_strength_kPa = 20";
+  for (const double grip_N : {0.5, 5.0, 40.0}) {
+    const auto pinched = [&](double torque_Nm, double duration_s) {
+      const Simulation result =
+          run(with_grip(pinch("ellipsoid", law, 0, torque_Nm, duration_s), grip_N));
+      EXPECT_EQ(result.failure, "");
+      return result;
+    };
+    const Simulation still = pinched(0, 0.01);
+    const RecordedContact& contact = still.recording.frames.back().contacts.at(0);
+    const double a = contact.semi_axis_a_m;
+    EXPECT_NEAR(contact.friction_coefficient * grip_N / (kPi * a * a * 2e4), 1, 1e-6);
+    EXPECT_NEAR(contact.eccentricity_m / (2 * a / 3), 1, 1e-6);
+    EXPECT_NEAR(contact.pressure_exponent, 0, 1e-6) << "the surface of a uniform stress";
+    const double limit_Nm = 2 * (2 * kPi / 3) * 2e4 * a * a * a;
+    EXPECT_LT(spin(pinched(0.999 * limit_Nm, 0.05)), 1e-9) << grip_N;
+    EXPECT_GT(spin(pinched(1.001 * limit_Nm, 0.05)), 1e-6) << grip_N;
+  }
+}
+
+// Limited friction between Coulomb's law, at a light grip, and its strength.
+TEST(PinchThreshold, OfLimitedFrictionTurnsFromCoulombsToTheStrength) {
+  const auto contact_of = [&](const std::string& law, double grip_N) {
+    return run(with_grip(pinch("limit_surface", law, 0, 0, 0.01), grip_N))
+        .recording.frames.back()
+        .contacts.at(0);
+  };
+  const std::string law = "shear_law = \"limited\"\nshear_strength_kPa = 20";
+  const RecordedContact light = contact_of(law, 1e-3), coulomb = contact_of("", 1e-3);
+  EXPECT_NEAR(light.friction_coefficient, 0.8, 1e-9);
+  EXPECT_NEAR(light.eccentricity_m / coulomb.eccentricity_m, 1, 1e-9);
+  const RecordedContact heavy = contact_of(law, 200);
+  EXPECT_LT(heavy.friction_coefficient, 0.3);
+  EXPECT_GT(heavy.eccentricity_m, contact_of("", 200).eccentricity_m);
+}
+
 /// The laws whose limit depends on the ellipse: the exact limit surface and six patches.
 class PinchThresholdOfAShape : public testing::TestWithParam<const input::FrictionLaw*> {};
 

@@ -69,10 +69,30 @@ double SampledEccentricity::eccentricity_m(double load_N) const noexcept {
 
 ConsistentContactSolver::ConsistentContactSolver(int largest_contacts, int largest_vertices)
     : solver_(largest_contacts, largest_vertices),
-      last_eccentricity_m_(largest_contacts),
-      mismatch_m_(largest_contacts),
-      last_mismatch_m_(largest_contacts) {
+      eccentricity_m_(largest_contacts),
+      friction_(largest_contacts) {
   itself_.reserve(std::size_t(largest_contacts));
+}
+
+/// Relative difference of what a law wants from what was used.
+double ConsistentContactSolver::Followed::compare(int contact, double used, double wanted) {
+  mismatch[contact] = wanted >= 0 && std::isfinite(wanted) ? wanted - used : 0;
+  if (mismatch[contact] == 0) return 0;
+  return std::abs(mismatch[contact]) / std::max(wanted, used);
+}
+
+double ConsistentContactSolver::Followed::next(int contact, double used, double fraction,
+                                               bool is_first) {
+  double step = mismatch[contact];
+  if (!is_first && step != 0) {
+    const double change = mismatch[contact] - last_mismatch[contact];
+    const double secant = change != 0 ? -(used - last[contact]) / change : 0;
+    step *= secant >= 0.25 && secant <= 4 ? secant : 1;
+  }
+  last[contact] = used;
+  last_mismatch[contact] = mismatch[contact];
+  // It stays positive, wherever the secant points: at least half of the used and the wanted one.
+  return std::max(used + fraction * step, 0.5 * std::min(used, used + mismatch[contact]));
 }
 
 ConsistentResult ConsistentContactSolver::solve(ContactLcp& problem,
@@ -103,34 +123,24 @@ ConsistentResult ConsistentContactSolver::solve(ContactLcp& problem,
     if (lcp.status != LcpStatus::solved) return result;
     for (int i = 0; i < nc; ++i) {
       const double load_N = solution.impulse[4 * i] / time_step_s;
-      const double used_m = problem.eccentricity_m[i];
-      mismatch_m_[i] = 0;
-      if (!laws[std::size_t(i)] || !(load_N > 0)) continue;
-      const double wanted_m = laws[std::size_t(i)]->eccentricity_m(load_N);
-      if (!(wanted_m >= 0 && std::isfinite(wanted_m))) continue;
-      mismatch_m_[i] = wanted_m - used_m;
-      if (wanted_m != used_m)
-        result.inconsistency =
-            std::max(result.inconsistency, std::abs(mismatch_m_[i]) / std::max(wanted_m, used_m));
+      const double arm_m = problem.eccentricity_m[i], friction = problem.friction_coefficient[i];
+      const EccentricityLaw* law = load_N > 0 ? laws[std::size_t(i)] : nullptr;
+      const double of_arm =
+          eccentricity_m_.compare(i, arm_m, law ? law->eccentricity_m(load_N) : arm_m);
+      const double of_friction = friction_.compare(
+          i, friction, law ? law->friction_coefficient(load_N).value_or(friction) : friction);
+      result.inconsistency = std::max({result.inconsistency, of_arm, of_friction});
     }
     if (result.inconsistency <= options.tolerance || result.iterations >= options.most_iterations)
       return result;
     fraction = result.inconsistency < best ? 1 : 0.5 * fraction;
     best = std::min(best, result.inconsistency);
     for (int i = 0; i < nc; ++i) {
-      const double used_m = problem.eccentricity_m[i];
-      double step_m = mismatch_m_[i];
-      if (result.iterations > 1 && step_m != 0) {
-        const double change = mismatch_m_[i] - last_mismatch_m_[i];
-        const double secant = change != 0 ? -(used_m - last_eccentricity_m_[i]) / change : 0;
-        step_m *= secant >= 0.25 && secant <= 4 ? secant : 1;
-      }
-      last_eccentricity_m_[i] = used_m;
-      last_mismatch_m_[i] = mismatch_m_[i];
-      // e_n stays positive, wherever the secant points: at least half of the used and the wanted
-      // one.
+      const bool is_first = result.iterations == 1;
       problem.eccentricity_m[i] =
-          std::max(used_m + fraction * step_m, 0.5 * std::min(used_m, used_m + mismatch_m_[i]));
+          eccentricity_m_.next(i, problem.eccentricity_m[i], fraction, is_first);
+      problem.friction_coefficient[i] =
+          friction_.next(i, problem.friction_coefficient[i], fraction, is_first);
     }
   }
 }

@@ -254,8 +254,12 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
         island.continued[i] = position(island.ids[i]);
         const int row = island.rows[i];
         if (island.continued[i] < 0 || row >= int(contacts_.size())) continue;
-        if (contacts_[std::size_t(row)].eccentricity_law)
-          problem_.eccentricity_m[row] = before.problem.eccentricity_m[island.continued[i]];
+        const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
+        if (!law) continue;
+        problem_.eccentricity_m[row] = before.problem.eccentricity_m[island.continued[i]];
+        if (law->friction_coefficient(1))  // of any load: whether it has one
+          problem_.friction_coefficient[row] =
+              before.problem.friction_coefficient[island.continued[i]];
       }
       island.solver = std::move(before.solver);
       island.capacity = before.capacity;
@@ -328,6 +332,7 @@ LcpResult TimeStepper::solve_islands(StepResult& result) {
       solution_.slip[row] = island.solution.slip[own];
       solution_.ray.segment<4>(4 * row) = island.solution.ray.segment<4>(4 * own);
       problem_.eccentricity_m[row] = island.problem.eccentricity_m[own];
+      problem_.friction_coefficient[row] = island.problem.friction_coefficient[own];
     }
     if (solved.status == LcpStatus::solved) continue;
     all.status = solved.status;

@@ -17,8 +17,8 @@ struct Contact {
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< halfway between the surfaces
   /// Columns: along the contact ellipse's long axis, its short axis, the normal from `a` to `b`.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  double gap_m = 0;  ///< negative: the bodies overlap
-  double friction_coefficient = 0;
+  double gap_m = 0;                                   ///< negative: the bodies overlap
+  double friction_coefficient = 0;                    ///< mu, unless the law has it
   double eccentricity_m = 0;                          ///< e_n, unless there is a law
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
@@ -117,6 +117,7 @@ class TimeStepper {
   ContactWrench wrench(int contact) const;
   Eigen::Vector4d contact_velocity(int contact) const;
   double eccentricity_m(int contact) const { return problem_.eccentricity_m[contact]; }
+  double friction_coefficient(int contact) const { return problem_.friction_coefficient[contact]; }
   /// The last problem, as solved; rows of joint limits come behind the contacts.
   const ContactLcp& problem() const { return problem_; }
   const ContactSolution& solution() const { return solution_; }

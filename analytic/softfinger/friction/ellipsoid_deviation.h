@@ -31,7 +31,7 @@ struct EllipsoidDeviation {
 /// for a force along the short axis; long ellipses carry *more* than the ellipsoid says when the
 /// force is along the long axis. At pure torque the e_n of Ciocarlie et al. (2007) is too small:
 /// exact over theirs, less 1, is 9 % at a/b = 2 and 105 % at 10. Cost: 1,300 wrenches, some
-/// milliseconds; under the law `limited` 0.2 s.
+/// milliseconds; under the law `limited` 0.1 s.
 EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
                                              const FrictionEllipsoid& ellipsoid) noexcept;
 EllipsoidDeviation worst_ellipsoid_deviation(const ShearSurface& surface,

@@ -25,7 +25,7 @@ double max_force_N(const ShearLaw& law, const PressedEllipse& contact) noexcept;
 ///   coulomb mu P e(n),   shear_strength pi a b tau_0 e(0) = 4/3 tau_0 a² b E(1 - b²/a²), adhesive_
 ///   shear their sum,   limited mu P e(n) I_w(n+1, 3/2) + pi a b tau_0 e(0) c³,
 /// I the regularised incomplete Beta function. Range, error and limits as above. Cost: 0.1
-/// (coulomb) to 0.5 microseconds.
+/// (coulomb) to 0.3 microseconds.
 double max_torque_Nm(const ShearLaw& law, const PressedEllipse& contact) noexcept;
 
 /// f² + tau²/e² <= F² with F the largest force and e the largest torque over it; no arm without F.

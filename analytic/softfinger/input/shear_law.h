@@ -27,18 +27,20 @@ struct ShearLaw {
   bool has_friction_coefficient() const { return kind != Kind::shear_strength; }
   bool has_shear_strength() const { return kind != Kind::coulomb; }
 
-  double largest_stress_Pa(double pressure_Pa) const {
+  /// The largest force on an area under the same pressure everywhere.
+  double largest_force_N(double normal_force_N, double area_m2) const {
     switch (kind) {
       case Kind::shear_strength:
-        return shear_strength_Pa;
+        return shear_strength_Pa * area_m2;
       case Kind::limited:
-        return std::min(friction_coefficient * pressure_Pa, shear_strength_Pa);
+        return std::min(friction_coefficient * normal_force_N, shear_strength_Pa * area_m2);
       case Kind::adhesive_shear:
-        return shear_strength_Pa + friction_coefficient * pressure_Pa;
+        return shear_strength_Pa * area_m2 + friction_coefficient * normal_force_N;
       default:
-        return friction_coefficient * pressure_Pa;
+        return friction_coefficient * normal_force_N;
     }
   }
+  double largest_stress_Pa(double pressure_Pa) const { return largest_force_N(pressure_Pa, 1); }
 
   /// Coulomb's law.
   static ShearLaw coulomb(double friction_coefficient) {

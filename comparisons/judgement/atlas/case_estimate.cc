@@ -1,5 +1,6 @@
 #include "comparisons/judgement/atlas/case_estimate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -82,6 +83,14 @@ QuantityErrors with_torque_rule(const ErrorAtlas::Estimate& estimate, const Pred
   const double ratio = prediction.torque_arm_paper_m / prediction.torque_arm_exact_m;
   const double mean = estimate.mean[torque], width = bound[torque] - std::abs(mean);
   bound[torque] = std::abs((1 + mean) * ratio - 1) + ratio * width;
+  return bound;
+}
+
+QuantityErrors with_shear_law(QuantityErrors bound, const prediction::ModelAnswer& answer) {
+  if (answer.shear_law.kind == ShearLaw::Kind::coulomb) return bound;
+  const auto of = [&](Quantity quantity) { return bound[std::size_t(quantity)]; };
+  const double arm = std::max({of(Quantity::a), of(Quantity::b), of(Quantity::max_torque)});
+  bound[std::size_t(Quantity::max_torque)] = of(Quantity::area) + arm;
   return bound;
 }
 

@@ -20,4 +20,9 @@ ErrorAtlas::Estimate estimate_error(const std::string& model, const input::Case&
 QuantityErrors with_torque_rule(const ErrorAtlas::Estimate& estimate, const Prediction& prediction,
                                 prediction::TorqueRule rule);
 
+/// The bounds, known for Coulomb's law, for the answer's: the torque tau_0 A e(0) is off by what
+/// the area A and an arm are. An arm is between the semi-axes, and Coulomb's own has the pressure's
+/// error too: the largest of the three.
+QuantityErrors with_shear_law(QuantityErrors bound, const prediction::ModelAnswer& answer);
+
 }  // namespace softfinger::judgement

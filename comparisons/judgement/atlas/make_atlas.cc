@@ -97,7 +97,7 @@ reference::FemProblem fem_problem_of(const AtlasRun& run) {
                    kThickness_m * scale * unit.radii.minor_m, 0};
   problem.layer = {kThickness_m, kModulus_Pa * unit.layer.youngs_modulus_Pa, run.poisson_ratio};
   problem.load_N = load_of(unit, scale);
-  problem.friction_coefficient = unit.load.friction_coefficient;
+  problem.shear_law = ShearLaw::coulomb(unit.load.friction_coefficient);
   if (is_finite_strain(run.kind)) problem.finite_strain.emplace();
   const double radius_m = kThickness_m / run.thickness_over_radius;
   if (is_on_sphere(run)) problem.sphere_radius_m = radius_m;

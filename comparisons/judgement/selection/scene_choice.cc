@@ -81,7 +81,7 @@ Choice choose_for_either_finger(const ContactProblem& problem, const SelectionOp
   input::Case contact;
   contact.layer = problem.layer;
   contact.object_layer = problem.object_layer;
-  contact.friction_coefficient = problem.load.friction_coefficient;
+  contact.shear_law.friction_coefficient = problem.load.friction_coefficient;
   prediction::LocalGeometry geometry;
   geometry.radii = problem.radii;
   const double load_N = problem.load.normal_force_N;

@@ -94,8 +94,9 @@ json geometry_fit(const PressureModel& model, const LoadChoice& load) {
   if (!answer.prediction.has_answer) return nullptr;
   prediction::propagate_radii_uncertainty(load.geometry.patch->relative, answer);
   if (!answer.deviations) return nullptr;
-  return text::finite_or_null(answer.deviations->arm_exact_m /
-                              answer.prediction.torque_arm_exact_m);
+  return text::finite_or_null(
+      answer.deviations->torque_exact_Nm /
+      answer.friction_ellipsoid(prediction::TorqueRule::exact).max_torque_Nm());
 }
 
 json causes(const input::Case& contact_case, const SelectionOptions& options,
