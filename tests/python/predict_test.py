@@ -148,7 +148,7 @@ class Errors(unittest.TestCase):
 
     def test_every_number_has_a_range(self):
         for number in NUMBERS:
-            for broken in ("wrong", numpy.nan, -numpy.inf, None, 1j):
+            for broken in ("wrong", numpy.nan, -numpy.inf, None, 1j, [True]):
                 error = self.refused(**{number.name: broken})
                 self.assertEqual(error.argument, number.name)
                 self.assertTrue(error.allowed)

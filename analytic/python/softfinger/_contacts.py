@@ -91,7 +91,7 @@ def as_numbers(function, name, value):
     """An array of doubles."""
     try:
         numbers = numpy.asarray(value)
-        if numbers.dtype.kind not in "buif":
+        if numbers.dtype.kind not in "uif":  # no truth values, texts or complex numbers
             raise TypeError
         return numbers.astype(numpy.float64, copy=False)
     except (TypeError, ValueError):
