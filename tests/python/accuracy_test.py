@@ -7,7 +7,7 @@ import numpy
 
 import softfinger
 from samples import FAST_MODELS, PAD, needs_program, random_contacts
-from softfinger import _fem
+from softfinger import _program
 
 
 class ErrorBounds(unittest.TestCase):
@@ -56,7 +56,7 @@ class Select(unittest.TestCase):
                 "[contact]\nload_N = [2.0]\nfriction_coefficient = 0.8\n"
             )
             file.flush()
-            told = _fem.run_program(["select", file.name, "--tolerance", "0.05", "--json"])
+            told = _program.run_program(["select", file.name, "--tolerance", "0.05", "--json"])
         candidates = {c["model"]: c for c in told["choices"][0]["candidates"]}
         choice = softfinger.select(**PAD)
         for name, bound in choice.bounds.items():

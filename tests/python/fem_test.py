@@ -8,7 +8,7 @@ import numpy
 
 import softfinger
 from samples import needs_program
-from softfinger import _fem
+from softfinger import _program
 
 
 class Fem(unittest.TestCase):
@@ -23,7 +23,7 @@ class Fem(unittest.TestCase):
             "geometry": {"finger": {"radii_mm": (12, 7)}, "object": {"radii_mm": (numpy.inf, 15)}},
             "contact": {"load_N": numpy.array([1.0, 2.0]), "friction_coefficient": 0.8},
         }
-        text = _fem._toml({"id": "tables", "question": 'are "they" equal?', **case})
+        text = _program._toml({"id": "tables", "question": 'are "they" equal?', **case})
         self.assertIn('question = "are \\"they\\" equal?"', text)
         self.assertIn("object = { radii_mm = [inf, 15] }", text)
         self.assertIn("load_N = [1.0, 2.0]", text)

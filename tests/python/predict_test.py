@@ -12,7 +12,7 @@ import numpy
 
 import softfinger
 from samples import FAST_MODELS, PAD, needs_program, random_contacts
-from softfinger import _core, _fem
+from softfinger import _core, _program
 from softfinger._contacts import NUMBERS, Contacts
 
 CASE = """
@@ -89,7 +89,7 @@ class SameBits(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
             file.write(CASE.format(**bodies, thickness=1.7, modulus=310, nu=0.43))
             file.flush()
-            told = _fem.run_program(["predict", file.name, "--json"])
+            told = _program.run_program(["predict", file.name, "--json"])
         gap = softfinger.gap_between((12e-3, 7e-3), (numpy.inf, 15e-3), numpy.radians(30))
         layer = told["layer"]
         compared = 0

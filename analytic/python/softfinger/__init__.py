@@ -17,6 +17,7 @@ from ._friction import FrictionEllipsoid, LimitSurface
 from ._geometry import Gap, QuadricFit, fit, gap_between, weld
 from ._gradient import Derivatives, PredictionWithGradient, predict_with_gradient
 from ._predict import Check, ModelCard, Prediction, checks, models, predict, pressure_Pa
+from ._scene import Scene, SceneContact, simulate
 from ._simulation import (
     BoxOnPlane,
     Body,
@@ -53,6 +54,8 @@ __all__ = [
     "PredictionWithGradient",
     "ProgramError",
     "QuadricFit",
+    "Scene",
+    "SceneContact",
     "Simulation",
     "SphereOnPlane",
     "SphereOnSphere",
@@ -68,5 +71,6 @@ __all__ = [
     "predict_with_gradient",
     "pressure_Pa",
     "select",
+    "simulate",
     "weld",
 ]

@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import json
-import math
 import os
-import pathlib
-import shutil
-import subprocess
 import tempfile
 from typing import Optional, Union
 
-from ._result import Result
 from ._accuracy import QUANTITIES, Errors
-from ._errors import InputError, ProgramError
-
-_HOW_TO_GET_IT = (
-    "the program softfinger is not installed: this package holds the analytic models alone. "
-    "Build it on Debian 12 from the sources with `comparisons/run.sh`, then put build/release/bin "
-    "into PATH, or name the program in the environment variable SOFTFINGER_PROGRAM"
-)
+from ._program import input_file, run_program
+from ._result import Result
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -83,39 +72,8 @@ def fem(
     if torsion:
         arguments.append("--torsion")
     with tempfile.TemporaryDirectory() as folder:
-        name = str(case)
-        if isinstance(case, dict):
-            name = os.path.join(folder, "case.toml")
-            text = _toml({"id": "from_python", "question": "asked from Python", **case})
-            pathlib.Path(name).write_text(text, encoding="utf-8")
-        document = run_program(["fem", name, *arguments, "--json"])
+        document = run_program(["fem", input_file(case, folder), *arguments, "--json"])
     return tuple(_result(result) for result in document["results"])
-
-
-def find_program() -> str:
-    """Path of the program `softfinger`: that in SOFTFINGER_PROGRAM, else the first one in PATH.
-
-    Raises:
-        ProgramError: there is none; the message says how to get it
-    """
-    named = os.environ.get("SOFTFINGER_PROGRAM")
-    found = shutil.which(named or "softfinger")
-    if found is None:
-        raise ProgramError(
-            f"SOFTFINGER_PROGRAM = {named!r} is no program" if named else _HOW_TO_GET_IT
-        )
-    return found
-
-
-def run_program(arguments):
-    """What the program `softfinger` writes to its output with these arguments, as JSON."""
-    run = subprocess.run([find_program(), *arguments], capture_output=True, text=True, check=False)
-    if run.returncode == 0:
-        return json.loads(run.stdout)
-    lines = run.stderr.strip().splitlines() or [f"exit status {run.returncode}"]
-    if run.returncode == 2:  # by the program's own convention: bad input, told in one line
-        raise InputError.told(lines[-1].removeprefix("softfinger: error: "))
-    raise ProgramError(lines[-1])
 
 
 def _result(document):
@@ -131,34 +89,3 @@ def _result(document):
         Errors(**error),
         document,
     )
-
-
-def _toml(tables):
-    """A case file with these tables."""
-    head = "".join(
-        f"{key} = {_toml_value(key, value)}\n"
-        for key, value in tables.items()
-        if not isinstance(value, dict)
-    )
-    return head + "".join(
-        f"[{name}]\n"
-        + "".join(f"{key} = {_toml_value(key, value)}\n" for key, value in table.items())
-        for name, table in tables.items()
-        if isinstance(table, dict)
-    )
-
-
-def _toml_value(key, value):
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str) or isinstance(value, os.PathLike):
-        return json.dumps(os.fspath(value))
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{k} = {_toml_value(k, v)}" for k, v in value.items()) + " }"
-    if hasattr(value, "tolist"):  # numpy's arrays and numbers
-        value = value.tolist()
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml_value(key, one) for one in value) + "]"
-    if isinstance(value, (int, float)):
-        return repr(value) if not math.isinf(value) else "inf" if value > 0 else "-inf"
-    raise InputError("fem", key, value, "numbers, texts, lists and tables")

@@ -145,7 +145,9 @@ class Gap(Result):
         return {name: getattr(self, name) for name in names}
 
 
-def gap_between(finger: Curvature, object: Curvature = numpy.inf, angle_rad: ArrayLike = 0.0) -> Gap:
+def gap_between(
+    finger: Curvature, object: Curvature = numpy.inf, angle_rad: ArrayLike = 0.0
+) -> Gap:
     """The gap between a finger and an object that touch, from their radii of curvature (Ciocarlie
     et al. 2007, eq. 8).
 
@@ -198,7 +200,9 @@ def _radii(body, name):
         return tuple(numpy.asarray(radius) for radius in body.radii_m), body.axis_rad
     pair = body if isinstance(body, tuple) else (body, body)
     if len(pair) != 2:
-        raise InputError("gap_between", name, body, "a radius, a tuple of two radii or a QuadricFit")
+        raise InputError(
+            "gap_between", name, body, "a radius, a tuple of two radii or a QuadricFit"
+        )
     radii = tuple(as_numbers("gap_between", name, radius) for radius in pair)
     for radius in radii:
         check_range("gap_between", name, radius, _RADIUS)
