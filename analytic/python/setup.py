@@ -20,7 +20,8 @@ def version():
 
 class BuildWithCMake(build_ext):
     def build_extension(self, extension):
-        build = pathlib.Path(self.build_temp).resolve()
+        # Beside the project's other builds, where it is continued when it is asked for again.
+        build = ROOT / "build" / f"wheel-{sys.implementation.cache_tag}"
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         parts = [f"-DSOFTFINGER_BUILD_{part}=OFF" for part in ("COMPARISONS", "FEM", "TESTS")]
         subprocess.run(
@@ -29,8 +30,8 @@ class BuildWithCMake(build_ext):
             check=True,
         )
         jobs = str(os.cpu_count() or 1)
-        target = ["--target", "softfinger_python_core", "--parallel", jobs]
-        subprocess.run(["cmake", "--build", build, *target], check=True)
+        what = ["--target", "softfinger_python_core", "--parallel", jobs]
+        subprocess.run(["cmake", "--build", build, *what], check=True)
         built = next((build / "python" / "softfinger").glob("_core.*"))
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)

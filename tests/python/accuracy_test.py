@@ -71,6 +71,7 @@ class Select(unittest.TestCase):
             dict(models=["hertz", "herz"]),
             dict(quantities=["depth"]),
             dict(tolerance=0),
+            dict(tolerance=[0.1]),
         ):
             with self.assertRaises(softfinger.InputError) as caught:
                 softfinger.select(**PAD, **wrong)

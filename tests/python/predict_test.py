@@ -164,7 +164,7 @@ class Errors(unittest.TestCase):
 
     def test_unknown_models_and_arguments_are_refused(self):
         self.assertIn("bonded_layer", str(self.refused(model="bonded")))
-        with self.assertRaisesRegex(TypeError, "thickness_mm"):
+        with self.assertRaisesRegex(TypeError, r"^predict\(\) .*thickness_mm"):
             softfinger.predict(**PAD, thickness_mm=2)
 
     def test_an_object_layer_needs_a_modulus(self):

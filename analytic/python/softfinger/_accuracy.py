@@ -124,7 +124,10 @@ def select(
     Returns:
         Choice, whose arrays have the shape to which the arguments broadcast
     """
-    check_range("select", "tolerance", as_numbers("select", "tolerance", tolerance), POSITIVE)
+    wanted = as_numbers("select", "tolerance", tolerance)
+    if wanted.shape:
+        raise InputError("select", "tolerance", tolerance, "one number for all contacts")
+    check_range("select", "tolerance", wanted, POSITIVE)
     quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
     for quantity in quantities:
         if quantity not in QUANTITIES:

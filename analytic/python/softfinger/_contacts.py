@@ -239,7 +239,10 @@ def takes_contacts(function):
 
     @functools.wraps(function)
     def of_numbers(**arguments):
-        bound = signature.bind(**arguments)
+        try:
+            bound = signature.bind(**arguments)
+        except TypeError as wrong:
+            raise TypeError(f"{function.__name__}() {wrong}") from None
         bound.apply_defaults()
         contacts = Contacts.of(function.__name__, bound.arguments)
         return function(contacts, **{p.name: bound.arguments[p.name] for p in own})
