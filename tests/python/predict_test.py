@@ -211,6 +211,15 @@ class Results(unittest.TestCase):
         failing = softfinger.checks(**{**PAD, "poisson_ratio": 0.5}, model="winkler")
         self.assertTrue(any(not check.holds and check.message for check in failing))
 
+    def test_what_a_double_cannot_hold_is_no_answer(self):
+        huge = {**PAD, "normal_force_N": 1e200, "friction_coefficient": [0.5, 1e200]}
+        for model in ("hertz", "winkler"):
+            contact = softfinger.predict(**huge, model=model)
+            self.assertEqual(contact.has_answer.tolist(), [True, False])
+            self.assertEqual((contact.max_force_N[1], contact.max_torque_Nm[1]), (0, 0))
+            alone = softfinger.checks(**{**huge, "friction_coefficient": 1e200}, model=model)
+            self.assertEqual([c.name for c in alone if not c.holds], ["representable"])
+
     def test_two_layers_are_answered_one_by_one(self):
         # Two equal half-spaces share the load: half the modulus (Johnson, Contact Mechanics, 4.2).
         twice = softfinger.predict(

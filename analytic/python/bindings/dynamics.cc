@@ -1,12 +1,10 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include <deque>
 #include <memory>
 
 #include "analytic/python/bindings/contacts.h"
 #include "softfinger/dynamics/time_stepper.h"
-#include "softfinger/friction/linearised_friction.h"
 
 namespace softfinger::python {
 namespace {

@@ -13,7 +13,6 @@ from ._contacts import (
     as_numbers,
     check_model,
     check_range,
-    model_card_names,
     takes_contacts,
     POSITIVE,
 )

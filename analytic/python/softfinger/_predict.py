@@ -71,6 +71,11 @@ class Prediction(Result):
         return LimitSurface(self.a_m, self.b_m, exponent, self.max_force_N)
 
 
+def _is_normal(values):
+    limits = numpy.finfo(numpy.float64)
+    return (values >= limits.tiny) & (values <= limits.max)
+
+
 @takes_contacts
 def predict(contacts, model: str = "fingertip_layer") -> Prediction:
     """Contact ellipse, indentation, pressure and largest torque of elastic layers on rigid cores.
@@ -86,12 +91,20 @@ def predict(contacts, model: str = "fingertip_layer") -> Prediction:
     """
     check_model("predict", model)
     numbers = _core.predict(model, contacts.numbers)
-    a_m = numbers["a_m"]
-    force_N = contacts.numbers["friction_coefficient"] * contacts.numbers["normal_force_N"]
-    numbers["area_m2"] = numpy.pi * a_m * numbers["b_m"]
-    numbers["max_force_N"] = force_N
-    numbers["max_torque_Nm"] = force_N * numbers["torque_arm_exact_m"]
-    numbers["has_answer"] = a_m > 0
+    numbers["area_m2"] = numpy.pi * numbers["a_m"] * numbers["b_m"]
+    friction = contacts.numbers["friction_coefficient"]
+    with numpy.errstate(over="ignore", under="ignore"):
+        numbers["max_force_N"] = friction * contacts.numbers["normal_force_N"]
+        numbers["max_torque_Nm"] = numbers["max_force_N"] * numbers["torque_arm_exact_m"]
+    # As PressureModel::predict has it, which knows the friction coefficient: what a double cannot
+    # hold is no answer.
+    is_lost = (friction > 0) & ~(
+        _is_normal(numbers["max_force_N"]) & _is_normal(numbers["max_torque_Nm"])
+    )
+    if is_lost.any():
+        for values in numbers.values():
+            values[is_lost] = 0
+    numbers["has_answer"] = numbers["a_m"] > 0
     return Prediction(model, **{name: shaped(x, contacts.shape) for name, x in numbers.items()})
 
 
