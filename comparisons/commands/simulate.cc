@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/report/motion_page.h"
+#include "comparisons/simulation/control.h"
+#include "comparisons/simulation/frame_json.h"
 #include "comparisons/simulation/trajectory_files.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -22,48 +25,14 @@ using namespace simulation;
 struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
   int vtu_every = 0;
-  bool json = false;
+  bool json = false, control = false;
 };
 
 volatile std::sig_atomic_t interrupted = 0;
 
-nlohmann::json vector_json(const Eigen::Vector3d& vector) {
-  return {vector.x(), vector.y(), vector.z()};
-}
-
 nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
   const Recording& recording = run.recording;
   const Frame& last = recording.frames.back();
-  nlohmann::json bodies = nlohmann::json::array(), contacts = nlohmann::json::array();
-  for (std::size_t b = 0; b < recording.bodies.size(); ++b) {
-    Eigen::Quaterniond turn(last.poses[b].linear());
-    if (turn.w() < 0) turn.coeffs() *= -1;
-    bodies.push_back(
-        {{"name", recording.bodies[b].name},
-         {"position_m", vector_json(last.poses[b].translation())},
-         {"quaternion_wxyz", {turn.w(), turn.x(), turn.y(), turn.z()}},
-         {"velocity_m_per_s", vector_json(last.velocities_m_per_s[b])},
-         {"angular_velocity_rad_per_s", vector_json(last.angular_velocities_rad_per_s[b])}});
-  }
-  for (const RecordedContact& contact : last.contacts) {
-    const Eigen::Vector3d force =
-        contact.axes * Eigen::Vector3d(contact.tangent_force_1_N, contact.tangent_force_2_N,
-                                       contact.normal_force_N);
-    contacts.push_back({{"bodies",
-                         {recording.bodies[std::size_t(contact.a)].name,
-                          recording.bodies[std::size_t(contact.b)].name}},
-                        {"point_m", vector_json(contact.point_m)},
-                        {"normal", vector_json(contact.axes.col(2))},
-                        {"force_N", vector_json(force)},
-                        {"normal_force_N", contact.normal_force_N},
-                        {"torque_Nm", contact.torque_Nm},
-                        {"semi_axes_m", {contact.semi_axis_a_m, contact.semi_axis_b_m}},
-                        {"eccentricity_m", contact.eccentricity_m},
-                        {"utilisation", contact.utilisation},
-                        {"slides", contact.slides},
-                        {"model", contact.model},
-                        {"friction_law", std::string(contact.friction->name)}});
-  }
   return {{"scene", scene.id},
           {"steps", run.steps},
           {"simulated_s", last.time_s},
@@ -79,8 +48,8 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
           {"load_disagreement", run.max_load_disagreement},
           {"motor_disagreements", run.motor_disagreements},
           {"failure", run.failure.empty() ? nlohmann::json() : nlohmann::json(run.failure)},
-          {"bodies", bodies},
-          {"contacts", contacts}};
+          {"bodies", bodies_json(last, recording.bodies)},
+          {"contacts", contacts_json(last, recording.bodies)}};
 }
 
 std::string summary(const nlohmann::json& result) {
@@ -131,7 +100,9 @@ int run_simulate(const SimulateOptions& options) {
   const input::Scene scene = input::read_scene(system::find_scene_file(options.scene_file));
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
+  std::optional<Control> control;
   SimulationOptions settings;
+  if (options.control) settings = control.emplace(scene, std::cin, std::cout).options();
   if (!options.record_lcp.empty()) {
     system::make_writable_folder(options.record_lcp);
     settings.record_lcp = options.record_lcp;
@@ -140,16 +111,21 @@ int run_simulate(const SimulateOptions& options) {
   {
     system::Progress progress;
     std::signal(SIGINT, [](int) { interrupted = 1; });
-    settings.go_on = [&](int step) {
-      if (step % 100 == 0)
+    settings.go_on = [&, further = settings.go_on](int step) {
+      if (step % 100 == 0 && !options.control)
         progress.show(fmt::format("{}: step {} of {}", scene.id, step, scene.steps()));
-      return !interrupted;
+      return !interrupted && further(step);
     };
     run = simulate(scene, settings);
     std::signal(SIGINT, SIG_DFL);
   }
   if (!options.output.empty()) write_results(options, scene, run);
   const nlohmann::json result = to_json(run, scene);
+  if (options.control) {
+    // The states have been written, and the end of the commands is no interruption.
+    if (!run.failure.empty()) remark("error: " + run.failure);
+    return run.failure.empty() ? 0 : 3;
+  }
   if (options.json)
     system::write_to_stdout(result.dump(2) + "\n");
   else
@@ -186,6 +162,10 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
   command->add_flag(
       "--json", options->json,
       "one JSON object on standard output: SI units; the end state, times, residuals");
+  command->add_flag("--control", options->control,
+                    "another program steps: commands on standard input, states on standard output, "
+                    "one JSON object per line (comparisons/simulation/control.h; from Python: "
+                    "softfinger.simulate)");
   std::string laws;
   for (const input::FrictionLaw* law : input::all_friction_laws())
     laws += fmt::format("  {:<14}{}\n", law->name, law->description);

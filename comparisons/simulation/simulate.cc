@@ -365,6 +365,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
   Recording& recording = result.recording;
   recording = empty_recording(scene, stepper.bodies());
   recording.frames.push_back(bodies_now(stepper));
+  options.reached(recording, stepper);
 
   for (int step = 0; step < scene.steps(); ++step) {
     if (!options.go_on(step)) {
@@ -373,6 +374,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
     }
     const auto start = Clock::now();
     command(stepper, scene);
+    options.command(stepper);
     const StepResult stepped = stepper.step(finder);
     result.step_ms.push_back(
         std::chrono::duration<double, std::milli>(Clock::now() - start).count());
@@ -395,6 +397,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
     }
     count(stepped, result);
     recording.frames.push_back(std::move(reached));
+    options.reached(recording, stepper);
   }
   for (const double ms : result.step_ms) result.wall_s += 1e-3 * ms;
   result.quadric_fits = finder.detector().fits();

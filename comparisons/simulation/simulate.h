@@ -7,6 +7,7 @@
 
 #include "comparisons/input/scene.h"
 #include "comparisons/simulation/recording.h"
+#include "softfinger/dynamics/time_stepper.h"
 
 namespace softfinger::simulation {
 
@@ -15,6 +16,11 @@ struct SimulationOptions {
   std::filesystem::path record_lcp;
   /// Called before each step; returns false to stop, with what there is.
   std::function<bool(int step)> go_on = [](int) { return true; };
+  /// Called before each step, after the scene's own motors, forces and gravity have been set.
+  std::function<void(TimeStepper& stepper)> command = [](TimeStepper&) {};
+  /// Called at the start and after each step done, which is the recording's last frame.
+  std::function<void(const Recording& recording, const TimeStepper& stepper)> reached =
+      [](const Recording&, const TimeStepper&) {};
 };
 
 struct Simulation {

@@ -34,6 +34,7 @@ may_include(analytic/softfinger/fft ${std} ${eigen} ${input} "^softfinger/(math|
 may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
 may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
+may_include(analytic/python ${std} ${eigen} "^softfinger/" "^pybind11/" "^analytic/python/bindings/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^nanoflann[.]hpp")
 # Only the program knows JSON, and the file that begins with a line of it.

@@ -1,0 +1,44 @@
+#include "analytic/python/bindings/contacts.h"
+#include "softfinger/accuracy/error_bound.h"
+
+namespace softfinger::python {
+namespace {
+
+/// Whether bounds are known, expected errors (6, n), their causes (4, 6, n), bounds (6, n), and why
+/// nothing is known, per contact.
+py::tuple bounds(const std::string& name, const py::dict& numbers) {
+  const PressureModel& model = model_named(name);
+  const Contacts contacts(numbers);
+  const std::size_t count = contacts.count();
+  py::array_t<bool> known{py::ssize_t(count)};
+  Numbers expected({kBoundedQuantities, count}), causes({kErrorCauses, kBoundedQuantities, count}),
+      bound({kBoundedQuantities, count});
+  std::vector<const char*> reasons(count);
+  bool* is_known = known.mutable_data();
+  double *expects = expected.mutable_data(), *cause = causes.mutable_data(),
+         *within = bound.mutable_data();
+  {
+    const py::gil_scoped_release others_may_run;
+    for (std::size_t i = 0; i < count; ++i) {
+      const ErrorBound found = error_bound(model, contacts.problem(i));
+      is_known[i] = found.known;
+      reasons[i] = found.outside;
+      for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
+        expects[q * count + i] = found.expected[q];
+        // Nothing smaller is known.
+        within[q * count + i] = found.known ? found.bound[q] : kInfinity;
+        for (std::size_t c = 0; c < kErrorCauses; ++c)
+          cause[(c * kBoundedQuantities + q) * count + i] = found.causes[c][q];
+      }
+    }
+  }
+  py::list outside;
+  for (const char* reason : reasons) outside.append(py::str(reason));
+  return py::make_tuple(known, expected, causes, bound, outside);
+}
+
+}  // namespace
+
+void bind_accuracy(py::module_& module) { module.def("error_bound", &bounds); }
+
+}  // namespace softfinger::python

@@ -1,0 +1,58 @@
+#include "softfinger/pressure/gradient.h"
+
+#include "analytic/python/bindings/contacts.h"
+
+namespace softfinger::python {
+namespace {
+
+/// In the order of softfinger/_gradient.py.
+constexpr std::size_t kNumbers = 11, kVariables = kContactVariables + 1;
+
+std::array<const Derivatives*, kNumbers> numbers_of(const PredictionGradient& gradient) {
+  return {&gradient.a_m,
+          &gradient.b_m,
+          &gradient.indentation_m,
+          &gradient.area_m2,
+          &gradient.peak_pressure_Pa,
+          &gradient.torque_arm_exact_m,
+          &gradient.torque_arm_paper_m,
+          &gradient.max_torque_Nm,
+          &gradient.torsional_stiffness_Nm_per_rad,
+          &gradient.tangential_stiffness_x_N_per_m,
+          &gradient.tangential_stiffness_y_N_per_m};
+}
+
+/// Whether derivatives are known, the three stuck stiffnesses (3, n), and derivatives
+/// (numbers, variables, n): each derivative is contiguous.
+py::tuple gradient(const std::string& name, const py::dict& numbers) {
+  const PressureModel& model = model_named(name);
+  const Contacts contacts(numbers);
+  const std::size_t count = contacts.count();
+  py::array_t<bool> known{py::ssize_t(count)};
+  Numbers stiffness({std::size_t(3), count}), derivatives({kNumbers, kVariables, count});
+  bool* is_known = known.mutable_data();
+  double *stuck = stiffness.mutable_data(), *by = derivatives.mutable_data();
+  {
+    const py::gil_scoped_release others_may_run;
+    for (std::size_t i = 0; i < count; ++i) {
+      const PredictionGradient of = predict_with_gradient(model, contacts.problem(i)).gradient;
+      is_known[i] = of.known;
+      stuck[i] = of.stuck.torsional_Nm_per_rad;
+      stuck[count + i] = of.stuck.tangential_x_N_per_m;
+      stuck[2 * count + i] = of.stuck.tangential_y_N_per_m;
+      const std::array<const Derivatives*, kNumbers> rows = numbers_of(of);
+      for (std::size_t number = 0; number < kNumbers; ++number)
+        for (std::size_t variable = 0; variable < kVariables; ++variable)
+          by[(number * kVariables + variable) * count + i] =
+              variable < kContactVariables ? rows[number]->by[variable]
+                                           : rows[number]->by_friction_coefficient;
+    }
+  }
+  return py::make_tuple(known, stiffness, derivatives);
+}
+
+}  // namespace
+
+void bind_gradient(py::module_& module) { module.def("gradient", &gradient); }
+
+}  // namespace softfinger::python

@@ -1,0 +1,97 @@
+#include "analytic/python/bindings/contacts.h"
+
+namespace softfinger::python {
+namespace {
+
+py::list models() {
+  py::list cards;
+  for (const PressureModel* model : all_pressure_models()) {
+    const ModelCard& card = model->card();
+    py::dict entry;
+    entry["name"] = std::string(card.name);
+    entry["title"] = std::string(card.title);
+    entry["assumptions"] = std::string(card.assumptions);
+    entry["equations"] = std::string(card.equations);
+    entry["source"] = std::string(card.source);
+    entry["validity"] = std::string(card.validity);
+    entry["cost"] = std::string(card.cost);
+    entry["is_fast"] = card.hot_path;
+    entry["has_finite_strain"] = card.finite_strain;
+    cards.append(entry);
+  }
+  return cards;
+}
+
+/// One by one: predict_batch knows rigid objects only.
+void predict_each(const PressureModel& model, const Contacts& contacts,
+                  const PredictionBatch& answers) {
+  for (std::size_t i = 0; i < contacts.count(); ++i) {
+    const Prediction answer = model.predict(contacts.problem(i));
+    answers.a_m[i] = answer.a_m;
+    answers.b_m[i] = answer.b_m;
+    answers.indentation_m[i] = answer.indentation_m;
+    answers.peak_pressure_Pa[i] = answer.peak_pressure_Pa;
+    answers.torque_arm_exact_m[i] = answer.torque_arm_exact_m;
+    answers.torque_arm_paper_m[i] = answer.torque_arm_paper_m;
+  }
+}
+
+py::dict predict(const std::string& name, const py::dict& numbers) {
+  const PressureModel& model = model_named(name);
+  const Contacts contacts(numbers);
+  py::dict result;
+  const auto output = [&](const char* quantity) {
+    Numbers values(py::ssize_t(contacts.count()));
+    result[quantity] = values;
+    return values.mutable_data();
+  };
+  const PredictionBatch answers{output("a_m"),
+                                output("b_m"),
+                                output("indentation_m"),
+                                output("peak_pressure_Pa"),
+                                output("torque_arm_exact_m"),
+                                output("torque_arm_paper_m")};
+  const py::gil_scoped_release others_may_run;
+  if (contacts.have_object_layers())
+    predict_each(model, contacts, answers);
+  else
+    predict_batch(model, contacts.batch(), answers);
+  return result;
+}
+
+/// Of one contact: what the model assumes, and whether it holds.
+py::list checks(const std::string& name, const py::dict& numbers) {
+  py::list result;
+  for (const ValidityCheck& check :
+       model_named(name).predict(Contacts(numbers).problem(0)).validity)
+    result.append(py::make_tuple(check.check, check.value, check.limit, check.holds(),
+                                 check.holds_below, check.message));
+  return result;
+}
+
+Numbers pressure_Pa(const std::string& name, const py::dict& numbers, const Numbers& points_m) {
+  const PressureModel& model = model_named(name);
+  const ContactProblem problem = Contacts(numbers).problem(0);
+  const double* point = rows(points_m, 2);
+  Numbers result(points_m.shape(0));
+  double* pressure = result.mutable_data();
+  const py::ssize_t count = points_m.shape(0);
+  const py::gil_scoped_release others_may_run;
+  const Prediction prediction = model.predict(problem);
+  for (py::ssize_t i = 0; i < count; ++i)
+    pressure[i] = prediction.has_answer
+                      ? model.pressure_Pa(problem, prediction, point[2 * i], point[2 * i + 1])
+                      : 0;
+  return result;
+}
+
+}  // namespace
+
+void bind_pressure(py::module_& module) {
+  module.def("models", &models);
+  module.def("predict", &predict);
+  module.def("checks", &checks);
+  module.def("pressure_Pa", &pressure_Pa);
+}
+
+}  // namespace softfinger::python

@@ -1,0 +1,76 @@
+"""Reference models for soft-finger contact, in about a microsecond: contact ellipse, pressure,
+largest frictional torque and limit surface of an elastic layer on a rigid core. SI units
+throughout; each name ends with its unit. Arrays broadcast.
+
+    import softfinger
+    contact = softfinger.predict(normal_force_N=2.0, youngs_modulus_Pa=300e3, poisson_ratio=0.45,
+                                 thickness_m=2e-3, radius_major_m=20e-3, radius_minor_m=5e-3,
+                                 friction_coefficient=0.8)
+    contact.max_torque_Nm
+"""
+
+from ._accuracy import Choice, ErrorBound, Errors, error_bound, select
+from ._core import __version__
+from ._errors import InputError, ProgramError
+from ._fem import FemResult, fem
+from ._friction import FrictionEllipsoid, LimitSurface
+from ._geometry import Gap, QuadricFit, fit, gap_between, weld
+from ._gradient import Derivatives, PredictionWithGradient, predict_with_gradient
+from ._predict import Check, ModelCard, Prediction, checks, models, predict, pressure_Pa
+from ._scene import Scene, SceneContact, simulate
+from ._simulation import (
+    BoxOnPlane,
+    Body,
+    Contact,
+    ContactState,
+    Joint,
+    Motor,
+    Simulation,
+    SphereOnPlane,
+    SphereOnSphere,
+    StepError,
+    eccentricity_law,
+)
+
+__all__ = [
+    "Body",
+    "BoxOnPlane",
+    "Check",
+    "Choice",
+    "Contact",
+    "ContactState",
+    "Derivatives",
+    "ErrorBound",
+    "Errors",
+    "FemResult",
+    "FrictionEllipsoid",
+    "Gap",
+    "InputError",
+    "Joint",
+    "LimitSurface",
+    "ModelCard",
+    "Motor",
+    "Prediction",
+    "PredictionWithGradient",
+    "ProgramError",
+    "QuadricFit",
+    "Scene",
+    "SceneContact",
+    "Simulation",
+    "SphereOnPlane",
+    "SphereOnSphere",
+    "StepError",
+    "checks",
+    "eccentricity_law",
+    "error_bound",
+    "fem",
+    "fit",
+    "gap_between",
+    "models",
+    "predict",
+    "predict_with_gradient",
+    "pressure_Pa",
+    "select",
+    "simulate",
+    "weld",
+]

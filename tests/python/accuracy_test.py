@@ -1,0 +1,82 @@
+"""Error bounds and the choice of a model."""
+
+import tempfile
+import unittest
+
+import numpy
+
+import softfinger
+from samples import FAST_MODELS, PAD, needs_program, random_contacts
+from softfinger import _program
+
+
+class ErrorBounds(unittest.TestCase):
+    def test_causes_add_up(self):
+        contacts = random_contacts(50)
+        for model in FAST_MODELS:
+            found = softfinger.error_bound(**contacts, model=model)
+            causes = (found.by_model, found.by_strain, found.by_slope, found.by_curvature)
+            for quantity in ("area", "max_torque"):
+                total = sum(getattr(cause, quantity) for cause in causes)
+                numpy.testing.assert_allclose(
+                    total, getattr(found.expected, quantity), rtol=1e-12, atol=1e-12
+                )
+
+    def test_what_is_not_known_is_infinite_and_says_why(self):
+        # A layer thicker than the runs that the bounds are from.
+        found = softfinger.error_bound(**{**PAD, "thickness_m": [2e-3, 1.0]})
+        self.assertEqual(found.known.tolist(), [True, False])
+        self.assertEqual(found.bound.area[1], numpy.inf)
+        self.assertIn("thick", found.outside[1])
+        self.assertEqual(found.outside[0], "")
+        self.assertEqual(found.usable().tolist(), [True, False])
+
+
+class Select(unittest.TestCase):
+    def test_the_choice_meets_the_tolerance_and_nothing_cheaper_does(self):
+        contacts = random_contacts(200)
+        for tolerance in (0.02, 0.1, 0.5):
+            choice = softfinger.select(**contacts, tolerance=tolerance)
+            for i, name in enumerate(choice.model):
+                worst = {m: bound.bound.largest()[i] for m, bound in choice.bounds.items()}
+                if not name:
+                    self.assertGreater(min(worst.values()), tolerance)
+                    continue
+                self.assertLessEqual(worst[name], tolerance)
+                for other, cost in choice.cost_s.items():
+                    if cost < choice.cost_s[name]:
+                        self.assertGreater(worst[other], tolerance)
+
+    @needs_program
+    def test_the_program_states_the_same_errors(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+            file.write(
+                'id = "pad"\nquestion = "?"\n[geometry]\nrelative_radii_mm = [20, 5]\n'
+                "[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"
+                "[contact]\nload_N = [2.0]\nfriction_coefficient = 0.8\n"
+            )
+            file.flush()
+            told = _program.run_program(["select", file.name, "--tolerance", "0.05", "--json"])
+        candidates = {c["model"]: c for c in told["choices"][0]["candidates"]}
+        choice = softfinger.select(**PAD)
+        for name, bound in choice.bounds.items():
+            if candidates[name]["error_estimate"] is None:
+                self.assertFalse(bound.known)
+                continue
+            for quantity, value in candidates[name]["error_estimate"].items():
+                self.assertAlmostEqual(getattr(bound.bound, quantity) / value, 1, delta=1e-12)
+
+    def test_unknown_names_are_refused(self):
+        for wrong in (
+            dict(models=["hertz", "herz"]),
+            dict(quantities=["depth"]),
+            dict(tolerance=0),
+            dict(tolerance=[0.1]),
+        ):
+            with self.assertRaises(softfinger.InputError) as caught:
+                softfinger.select(**PAD, **wrong)
+            self.assertEqual(caught.exception.argument, next(iter(wrong)))
+
+
+if __name__ == "__main__":
+    unittest.main()

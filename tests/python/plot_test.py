@@ -1,0 +1,52 @@
+"""Figures, drawn without a screen."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+import unittest
+
+os.environ["MPLBACKEND"] = "Agg"
+os.environ.setdefault("MPLCONFIGDIR", os.environ.get("TMPDIR", "/tmp"))
+
+import numpy
+
+import softfinger
+import softfinger.plot
+from samples import PAD
+
+HAS_MATPLOTLIB = importlib.util.find_spec("matplotlib") is not None
+
+
+class Plot(unittest.TestCase):
+    def test_matplotlib_is_not_loaded_before_a_figure_is_drawn(self):
+        code = "import softfinger.plot, sys; sys.exit('matplotlib' in sys.modules)"
+        subprocess.run([sys.executable, "-c", code], check=True)
+
+    @unittest.skipUnless(HAS_MATPLOTLIB, "no matplotlib")
+    def test_a_contact_is_drawn_at_equal_scale_with_its_ellipse(self):
+        axes = softfinger.plot.plot_contact(**PAD)
+        (ellipse,) = axes.get_lines()
+        contact = softfinger.predict(**PAD)
+        self.assertAlmostEqual(ellipse.get_xdata().max(), 1e3 * contact.a_m, delta=1e-12)
+        self.assertAlmostEqual(ellipse.get_ydata().max(), 1e3 * contact.b_m, delta=1e-12)
+        self.assertEqual(axes.get_aspect(), 1)
+
+    @unittest.skipUnless(HAS_MATPLOTLIB, "no matplotlib")
+    def test_limits_are_drawn_into_one_figure(self):
+        surface = softfinger.predict(**PAD).limit_surface()
+        axes = softfinger.plot.plot_limit_surface(surface, 0.3)
+        softfinger.plot.plot_limit_surface(surface.ellipsoid(), 0.3, axes=axes, linestyle="--")
+        exact, ellipsoid = axes.get_lines()
+        for curve in (exact, ellipsoid):
+            # Closed, and as far as the largest force; the torque's sampling may miss its top.
+            self.assertEqual(curve.get_xdata()[0], curve.get_xdata()[-1])
+            self.assertAlmostEqual(numpy.max(curve.get_xdata()), surface.max_force_N, delta=1e-12)
+
+    def test_several_contacts_are_refused(self):
+        with self.assertRaises(softfinger.InputError):
+            softfinger.plot.plot_contact(**{**PAD, "normal_force_N": [1, 2]})
+
+
+if __name__ == "__main__":
+    unittest.main()
