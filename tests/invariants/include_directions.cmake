@@ -3,7 +3,8 @@
 # With -D SELF_TEST=ON -D SCRATCH_DIRECTORY=<dir> it checks itself on a small tree with broken arrows.
 #
 # The arrows go one way, towards what is depended on:
-#   input <- math <- friction, layer <- fft <- pressure;  input, math <- geometry;  all of these <- dynamics
+#   input <- math <- friction, layer <- fft <- pressure <- calibration;  input, math <- geometry;
+#   all of these <- dynamics
 #   input <- meshes <- fem
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes
@@ -33,6 +34,8 @@ may_include(analytic/softfinger/layer ${std} ${eigen} ${input} "^softfinger/(mat
 may_include(analytic/softfinger/fft ${std} ${eigen} ${input} "^softfinger/(math|layer|fft)/")
 may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
+may_include(analytic/softfinger/calibration ${std} ${eigen} "^unsupported/Eigen/" ${input}
+            "^softfinger/(math|friction|layer|fft|pressure|calibration)/")
 may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
 may_include(analytic/python ${std} ${eigen} "^softfinger/" "^pybind11/" "^analytic/python/bindings/")
 may_include(analytic ${std} ${eigen} "^softfinger/")

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "softfinger/calibration/calibrate.h"
+
+/// What a calibration means: which model and which friction the data want, what they cannot tell,
+/// and what to measure next.
+namespace softfinger {
+
+/// A model or a shear law, fitted for comparison.
+struct Comparison {
+  const PressureModel* model = nullptr;
+  ShearLaw::Kind shear_law = ShearLaw::Kind::coulomb;
+  std::vector<Parameter> free;
+  ParameterValues values{};
+  double scatter = 0;  ///< root mean square of (measured - predicted)/predicted
+  double aic = 0;      ///< Akaike's criterion, 2 parameters - 2 log likelihood; the least is best
+  /// Root mean square relative error on the upper third of the loads, predicted by a fit to the
+  /// others. Not a number where too few are left.
+  double held_out_error = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// hertz, winkler, bonded_layer, fingertip_layer and power_law, each with what it has of the
+/// parameters looked for, on the measurements that are no outliers. A model without an answer, or
+/// that says nothing of a measured quantity, is left out. The best first.
+std::vector<Comparison> compare_models(const CalibrationProblem& problem,
+                                       const Calibration& calibration);
+
+/// The calibration's model with each shear law; empty where no friction was measured.
+std::vector<Comparison> compare_shear_laws(const CalibrationProblem& problem,
+                                           const Calibration& calibration);
+
+/// The growth of the contact with its load, gamma = d ln a/d ln P, over all measured a, b and
+/// areas. A bonded layer under a sphere has 1/3 where it is thick against the contact, and less the
+/// thinner it is: it tells a/h without any modulus.
+struct GrowthExponent {
+  bool is_known = false;
+  double value = 0, std = 0;
+};
+GrowthExponent growth_exponent(const CalibrationProblem& problem, const Calibration& calibration);
+
+/// One more measurement, which would make the parameter that is known worst known better.
+struct NextMeasurement {
+  bool exists = false;
+  Parameter parameter = Parameter::thickness;  ///< that is known worst
+  bool is_thickness = false;                   ///< the thickness itself, with a caliper
+  MeasuredQuantity quantity = MeasuredQuantity::indentation;  ///< else this
+  double load_N = 0;                                          ///< at this load
+  double relative_std = 0;                                    ///< that it is supposed to have
+  /// Of the parameter, relative (of nu, absolute), now and with it; infinite: not known at all.
+  double std_now = 0, std_then = 0;
+};
+
+/// The best of every quantity at the lowest and highest measured load and at twice it, measured as
+/// well as the present ones, and of the thickness to 5 %.
+NextMeasurement next_measurement(const CalibrationProblem& problem, const Calibration& calibration);
+
+/// What the data cannot tell, a sentence each; empty when every parameter is determined.
+std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
+                                     const Calibration& calibration);
+
+/// Measurements that no model explains: for each, its place and by how many standard deviations it
+/// is off, in one line; empty when there is nothing to complain of. With own errors: a goodness
+/// below one in a million. Without: a scatter of more than 30 %, before 10 % as the standard
+/// deviation.
+std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration);
+
+}  // namespace softfinger

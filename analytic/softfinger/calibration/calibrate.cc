@@ -1,0 +1,423 @@
+#include "softfinger/calibration/calibrate.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "softfinger/calibration/statistics.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+const char* const kWhere = "calibration";
+
+void check(const CalibrationProblem& problem) {
+  const auto refuse = [](const std::string& field, double value, const std::string& allowed) {
+    throw InputError(kWhere, field, value, allowed);
+  };
+  const auto& [contacts, values] = problem.measurements;
+  if (problem.free.empty())
+    throw InputError(kWhere, "parameters", "none", "at least one parameter to find");
+  if (values.size() <= problem.free.size())
+    refuse("number of measurements", double(values.size()),
+           "more than the " + std::to_string(problem.free.size()) + " parameters to find");
+  for (const Measurement& measurement : values) {
+    const std::string name(kMeasuredQuantityNames[std::size_t(measurement.quantity)]);
+    if (measurement.contact >= contacts.size())
+      refuse("contact of " + name, double(measurement.contact), "one of the contacts");
+    if (!(measurement.value > 0) || !std::isfinite(measurement.value))
+      refuse(name, measurement.value, "finite numbers > 0");
+    if (!(measurement.std >= 0) || !std::isfinite(measurement.std))
+      refuse("standard deviation of " + name, measurement.std, "finite numbers > 0");
+  }
+  for (const ParameterRange& range : kParameterRanges) {
+    const double value = problem.start[index_of(range.parameter)];
+    if (!contains(problem.free, range.parameter)) continue;
+    if (!(value >= range.lowest && value <= range.highest))
+      refuse(std::string(range.name), value,
+             internal::number_text(range.lowest, 3) + " to " +
+                 internal::number_text(range.highest, 3));
+  }
+}
+
+/// Own errors that are the same part of every value of a quantity were meant as a part of it, and
+/// then of the true value. Others are taken as they are.
+bool are_errors_relative(const std::vector<Measurement>& values, MeasuredQuantity quantity) {
+  double least = kInfinity, largest = 0;
+  for (const Measurement& measurement : values) {
+    if (measurement.quantity != quantity || measurement.std == 0) continue;
+    const double part = measurement.std / measurement.value;
+    least = std::min(least, part);
+    largest = std::max(largest, part);
+  }
+  // Values and errors are written with three digits or so.
+  return largest <= 1.02 * least;
+}
+
+/// The calibration while it is being made.
+class Calibrator {
+ public:
+  explicit Calibrator(const CalibrationProblem& problem)
+      : problem_(problem),
+        predicted_{*problem.model, problem.measurements, problem.shear_law},
+        squares_(predicted_, weights_, contains(problem.free, Parameter::thickness)) {
+    const auto& values = problem.measurements.values;
+    weights_.resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      Weight& weight = weights_[i];
+      if (values[i].std == 0) continue;
+      weight.is_relative = are_errors_relative(values, values[i].quantity);
+      weight.std = weight.is_relative ? values[i].std / values[i].value : values[i].std;
+    }
+  }
+
+  Calibration calibrate() {
+    find_start();
+    take_out_outliers();
+    settle_scatter();
+    // Looking for an interval's end may find a better fit than the one that it started from.
+    constexpr int kMostRounds = 3;
+    Calibration result;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const double sum = best_.sum_of_squares;
+      result = summary();
+      find_intervals(result);
+      if (best_.sum_of_squares > 0.999 * sum) break;
+      settle_scatter();
+    }
+    return result;
+  }
+
+ private:
+  bool has_own_error(std::size_t i) const { return problem_.measurements.values[i].std > 0; }
+  std::size_t counted() const {
+    return std::size_t(std::count_if(weights_.begin(), weights_.end(),
+                                     [](const Weight& weight) { return weight.counts; }));
+  }
+
+  /// The best fit of several starting points: the caller's, and thin, middling and thick layers on
+  /// compressible and incompressible material, where these are free.
+  void find_start() {
+    best_ = squares_.solve(problem_.start, problem_.free);
+    optima_ = {best_.values};
+    const std::vector<double> as_it_is{0};
+    const bool thickness = contains(problem_.free, Parameter::thickness);
+    const bool poisson_ratio = contains(problem_.free, Parameter::poisson_ratio);
+    const ContactProblem& middle =
+        problem_.measurements.contacts[problem_.measurements.contacts.size() / 2];
+    const double size_m = std::sqrt(middle.radii.minor_m) * std::sqrt(middle.radii.major_m);
+    for (const double part : thickness ? std::vector<double>{0.02, 0.1, 0.5} : as_it_is)
+      for (const double nu : poisson_ratio ? std::vector<double>{0.2, 0.48} : as_it_is) {
+        if (!thickness && !poisson_ratio) return;
+        ParameterValues start = problem_.start;
+        if (thickness) start[index_of(Parameter::thickness)] = std::clamp(part * size_m, 2e-5, 0.5);
+        if (poisson_ratio) start[index_of(Parameter::poisson_ratio)] = nu;
+        settle_scale(start);
+        const Fit fit = squares_.solve(start, problem_.free);
+        optima_.push_back(fit.values);
+        if (fit.sum_of_squares < best_.sum_of_squares) best_ = fit;
+      }
+  }
+
+  /// A first fit of what scales the numbers only, so that the search starts near the data.
+  void settle_scale(ParameterValues& start) const {
+    std::vector<Parameter> scales;
+    for (const Parameter parameter : problem_.free)
+      if (parameter != Parameter::thickness && parameter != Parameter::poisson_ratio)
+        scales.push_back(parameter);
+    start = squares_.solve(start, scales).values;
+  }
+
+  /// Residuals in the scatter of the middle half, which outliers do not spoil.
+  double robust_scatter(const Eigen::VectorXd& residuals) const {
+    std::vector<double> sizes(residuals.size());
+    for (Eigen::Index i = 0; i < residuals.size(); ++i)
+      sizes[std::size_t(i)] = std::abs(residuals[i]);
+    std::sort(sizes.begin(), sizes.end());
+    // The fit bends towards as many points as it has parameters.
+    const std::size_t free = problem_.free.size();
+    const double part = double(free) + 0.5 * double(sizes.size() - free);
+    const double median = sizes[std::min(sizes.size() - 1, std::size_t(part))];
+    return std::max(median / 0.6745, 1e-12);
+  }
+
+  /// A fit in which distant points count less (weights of Cauchy's distribution).
+  Fit robust_fit() {
+    const std::vector<Weight> plain = weights_;
+    Fit fit = best_;
+    for (int i = 0; i < 8; ++i) {
+      weights_ = plain;
+      const Eigen::VectorXd residuals = squares_.residuals(fit.values);
+      const double scatter = robust_scatter(residuals);
+      for (std::size_t k = 0; k < weights_.size(); ++k) {
+        const double size = residuals[Eigen::Index(k)] / (2.385 * scatter);
+        weights_[k].std *= std::sqrt(1 + size * size);
+      }
+      fit = squares_.solve(fit.values, problem_.free);
+    }
+    weights_ = plain;
+    fit.sum_of_squares = squares_.sum_of_squares(fit.values);
+    return fit;
+  }
+
+  /// Candidates are the points farthest from the robust fit, at most a fifth of all. From the most
+  /// downwards: a number of candidates are outliers when the least of them is one before the fit to
+  /// the points that remain (Rosner's many-outlier procedure, backwards, so that none hides
+  /// another).
+  void take_out_outliers() {
+    const std::size_t count = weights_.size(), free = problem_.free.size();
+    const std::size_t most = std::min(count / 5, count > free + 3 ? count - free - 3 : 0);
+    if (most == 0) return;
+    const Fit robust = robust_fit();
+    const Eigen::VectorXd residuals = squares_.residuals(robust.values);
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::size_t one, std::size_t other) {
+      return std::abs(residuals[Eigen::Index(one)]) > std::abs(residuals[Eigen::Index(other)]);
+    });
+    const std::vector<Weight> plain = weights_;
+    for (std::size_t number = most; number > 0; --number) {
+      weights_ = plain;
+      for (std::size_t i = 0; i < number; ++i) weights_[order[i]].counts = false;
+      const Fit fit = squares_.solve(robust.values, problem_.free);
+      if (!is_outlier(order[number - 1], fit, count - number)) continue;
+      best_ = fit;
+      return;
+    }
+    weights_ = plain;
+  }
+
+  /// Whether a point that does not count lies farther from the fit to the others than chance
+  /// allows.
+  bool is_outlier(std::size_t candidate, const Fit& fit, std::size_t others) {
+    constexpr double kChance = 0.01;  // for the whole set of measurements
+    const double freedom = double(others) - double(problem_.free.size());
+    const double scatter = std::sqrt(fit.sum_of_squares / freedom);
+    const bool is_known = has_own_error(candidate);
+    const Eigen::MatrixXd slopes = squares_.jacobian(fit.values, problem_.free);
+    weights_[candidate].counts = true;
+    const Eigen::VectorXd own =
+        squares_.jacobian(fit.values, problem_.free).row(Eigen::Index(candidate)).transpose();
+    weights_[candidate].counts = false;
+    const double leverage =
+        own.dot((slopes.transpose() * slopes).completeOrthogonalDecomposition().solve(own));
+    const double size = std::abs(squares_.residuals(fit.values)[Eigen::Index(candidate)]) /
+                        ((is_known ? std::max(1., scatter) : scatter) * std::sqrt(1 + leverage));
+    return size > statistics::student_quantile(kChance / double(others + 1),
+                                               is_known ? kInfinity : freedom);
+  }
+
+  /// Standard deviations of what has no error of its own, from the fit: one for all quantities, or
+  /// each its own where they differ more than by chance (Bartlett's test at 1 in 1000).
+  void settle_scatter() {
+    const auto& values = problem_.measurements.values;
+    best_ = squares_.solve(best_.values, problem_.free);
+    for (int round = 0; round < 3; ++round) {
+      const Eigen::VectorXd residuals = squares_.counted_residuals(best_.values);
+      std::array<double, kMeasuredQuantities> sums{}, counts{};
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (has_own_error(i) || !weights_[i].counts) continue;
+        const double log_residual = residuals[Eigen::Index(i)] * weights_[i].std;
+        sums[std::size_t(values[i].quantity)] += log_residual * log_residual;
+        ++counts[std::size_t(values[i].quantity)];
+      }
+      const double all = std::accumulate(counts.begin(), counts.end(), 0.);
+      if (all == 0) {
+        freedom_ = kInfinity;
+        return;
+      }
+      // Each measurement carries its part of the parameters.
+      const double per_measurement = 1 - double(problem_.free.size()) / double(counted());
+      freedom_ = std::max(1., all * per_measurement);
+      const double pooled = std::accumulate(sums.begin(), sums.end(), 0.) / (all * per_measurement);
+      double bartlett = 0;
+      int groups = 0;
+      for (std::size_t q = 0; q < kMeasuredQuantities; ++q) {
+        if (counts[q] == 0) continue;
+        const double freedom = counts[q] * per_measurement;
+        bartlett += freedom * std::log(pooled / std::max(sums[q] / freedom, 1e-300));
+        ++groups;
+      }
+      const bool differ =
+          groups > 1 && statistics::chi_squared_exceeds(bartlett, groups - 1) < 1e-3;
+      for (std::size_t q = 0; q < kMeasuredQuantities; ++q) {
+        if (counts[q] == 0) continue;
+        // Measurements without any scatter are no more exact than arithmetic.
+        scatter_[q] =
+            std::max(1e-9, std::sqrt(differ ? sums[q] / (counts[q] * per_measurement) : pooled));
+      }
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (has_own_error(i)) continue;
+        const double scatter = scatter_[std::size_t(values[i].quantity)];
+        if (scatter == 0) continue;
+        weights_[i].std = scatter;
+      }
+      for (Weight& weight : weights_)
+        if (weight.is_relative) weight.shift = 0.5 * weight.std * weight.std;
+      best_ = squares_.solve(best_.values, problem_.free);
+    }
+  }
+
+  Calibration summary() {
+    const auto& values = problem_.measurements.values;
+    Calibration result;
+    result.freedom = freedom_;
+    result.scatter = scatter_;
+    const double freedom = double(counted()) - double(problem_.free.size());
+    if (freedom_ == kInfinity && freedom > 0) {
+      result.goodness = statistics::chi_squared_exceeds(best_.sum_of_squares, int(freedom));
+      // The particle physicists' factor: errors that do not explain the fit are enlarged until they
+      // do.
+      if (result.goodness < 0.01) {
+        result.error_factor = std::sqrt(best_.sum_of_squares / freedom);
+        freedom_ = result.freedom = freedom;
+      }
+    }
+    for (Weight& weight : weights_) weight.std *= result.error_factor;
+    best_.sum_of_squares = squares_.sum_of_squares(best_.values);
+    result.weights = weights_;
+    result.values = best_.values;
+    result.sum_of_squares = best_.sum_of_squares;
+    Eigen::VectorXd log_values;
+    predicted_.evaluate(best_.values, log_values, nullptr);
+    const Eigen::VectorXd residuals = squares_.residuals(best_.values);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!weights_[i].counts) result.outliers.push_back(i);
+      result.predicted.push_back(std::exp(log_values[Eigen::Index(i)]));
+      result.deviation.push_back(residuals[Eigen::Index(i)]);
+      if (!weights_[i].counts) continue;
+      const double std =
+          weights_[i].is_relative ? weights_[i].std * result.predicted[i] : weights_[i].std;
+      result.log_likelihood -= 0.5 * residuals[Eigen::Index(i)] * residuals[Eigen::Index(i)] +
+                               std::log(std) + 0.5 * std::log(2 * kPi);
+    }
+    const Eigen::MatrixXd slopes = squares_.jacobian(best_.values, problem_.free);
+    const Eigen::MatrixXd information = slopes.transpose() * slopes;
+    // A combination that the data do not tell at all has no information but rounding.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
+    if (eigen.eigenvalues()[0] > 1e-12 * eigen.eigenvalues()[eigen.eigenvalues().size() - 1])
+      result.covariance = information.inverse();
+    return result;
+  }
+
+  /// How much worse the best fit with this parameter at this coordinate is, in standard deviations.
+  double distance(Parameter parameter, double coordinate, ParameterValues& values) {
+    std::vector<Parameter> others;
+    for (const Parameter free : problem_.free)
+      if (free != parameter) others.push_back(free);
+    values[index_of(parameter)] = value_at(parameter, coordinate);
+    const Fit fit = squares_.solve(values, others);
+    values = fit.values;
+    if (fit.sum_of_squares < best_.sum_of_squares) best_ = fit;
+    return std::sqrt(std::max(0., fit.sum_of_squares - best_.sum_of_squares));
+  }
+
+  /// Where that distance reaches `limit`, upwards (sign 1) or downwards.
+  double border(ParameterValues values, Parameter parameter, double std, int sign, double limit,
+                bool* is_open) {
+    const ParameterRange& range = range_of(parameter);
+    const double end = coordinate(parameter, sign > 0 ? range.highest : range.lowest);
+    const double start = coordinate(parameter, values[index_of(parameter)]);
+    const double whole = coordinate(parameter, range.highest) - coordinate(parameter, range.lowest);
+    double step = std::clamp(limit * std, 1e-6 * whole, 0.05 * whole);
+    double inner = start, inner_distance = 0, outer = start, outer_distance = 0;
+    ParameterValues inner_values = values;
+    *is_open = false;
+    while (true) {
+      outer = sign > 0 ? std::min(end, outer + step) : std::max(end, outer - step);
+      outer_distance = distance(parameter, outer, values);
+      if (outer_distance >= limit) break;
+      inner = outer;
+      inner_distance = outer_distance;
+      inner_values = values;
+      if (outer == end) {
+        *is_open = true;
+        return end;
+      }
+      step *= 1.7;
+    }
+    // The distance is nearly linear: regula falsi, with the end that stays counting half
+    // (Illinois).
+    double inner_weighed = inner_distance - limit, outer_weighed = outer_distance - limit;
+    int side = 0;
+    for (int i = 0; i < 20 && std::abs(outer - inner) > 1e-3 * std::abs(outer - start); ++i) {
+      const double middle =
+          (inner * outer_weighed - outer * inner_weighed) / (outer_weighed - inner_weighed);
+      values = inner_values;
+      const double value = distance(parameter, middle, values) - limit;
+      if (std::abs(value) < 1e-3 * limit) return middle;
+      if (value < 0) {
+        inner = middle;
+        inner_weighed = value;
+        inner_values = values;
+        if (side == -1) outer_weighed *= 0.5;
+        side = -1;
+      } else {
+        outer = middle;
+        outer_weighed = value;
+        if (side == 1) inner_weighed *= 0.5;
+        side = 1;
+      }
+    }
+    return 0.5 * (inner + outer);
+  }
+
+  void find_intervals(Calibration& result) {
+    const double limit = statistics::student_quantile(0.05, freedom_);
+    // Other optima that chance cannot tell from the best one.
+    std::vector<ParameterValues> rivals;
+    for (const ParameterValues& optimum : optima_) {
+      const Fit fit = squares_.solve(optimum, problem_.free);
+      if (fit.sum_of_squares < best_.sum_of_squares) best_ = fit;
+      if (fit.sum_of_squares < best_.sum_of_squares + limit * limit) rivals.push_back(fit.values);
+    }
+    for (std::size_t i = 0; i < problem_.free.size(); ++i) {
+      const Parameter parameter = problem_.free[i];
+      ParameterEstimate estimate{parameter, best_.values[index_of(parameter)]};
+      const double std = result.covariance.size() > 0
+                             ? std::sqrt(result.covariance(Eigen::Index(i), Eigen::Index(i)))
+                             : kInfinity;
+      estimate.std = range_of(parameter).logarithmic ? std * estimate.value : std;
+      const auto reach = [&](const ParameterValues& from, int sign, bool* is_open) {
+        return value_at(parameter, border(from, parameter, std, sign, limit, is_open));
+      };
+      estimate.low = reach(best_.values, -1, &estimate.is_low_open);
+      estimate.high = reach(best_.values, 1, &estimate.is_high_open);
+      for (const ParameterValues& rival : rivals) {
+        if (rival[index_of(parameter)] < estimate.low)
+          estimate.low = reach(rival, -1, &estimate.is_low_open);
+        if (rival[index_of(parameter)] > estimate.high)
+          estimate.high = reach(rival, 1, &estimate.is_high_open);
+      }
+      result.parameters.push_back(estimate);
+    }
+  }
+
+  const CalibrationProblem& problem_;
+  PredictedMeasurements predicted_;
+  std::vector<Weight> weights_;
+  LeastSquares squares_;
+  Fit best_;
+  std::vector<ParameterValues> optima_;  ///< where the searches from all starting points ended
+  std::array<double, kMeasuredQuantities> scatter_{};
+  double freedom_ = kInfinity;
+};
+
+}  // namespace
+
+bool Calibration::is_outlier(std::size_t measurement) const {
+  return std::find(outliers.begin(), outliers.end(), measurement) != outliers.end();
+}
+
+Calibration calibrate(const CalibrationProblem& problem) {
+  check(problem);
+  return Calibrator(problem).calibrate();
+}
+
+}  // namespace softfinger

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+namespace softfinger {
+
+/// What a calibration can find out of measurements.
+enum class Parameter {
+  youngs_modulus,        ///< E in Pa
+  thickness,             ///< h in m
+  poisson_ratio,         ///< nu
+  radius,                ///< R = sqrt(R'R'') in m; all radii of the contact change with it
+  friction_coefficient,  ///< mu
+  shear_strength,        ///< tau_0 in Pa
+  radius_coefficient,    ///< c of a = c P^gamma, in m for P in N; of the model power_law
+  radius_exponent        ///< gamma
+};
+constexpr std::size_t kParameters = 8;
+
+/// Where a fit may look for a parameter. Wider than any finger, so that a parameter which the data
+/// leave open shows it by an interval that ends here.
+struct ParameterRange {
+  Parameter parameter;
+  std::string_view name;  ///< as on the command line
+  std::string_view unit;  ///< SI; empty for a number
+  double lowest, highest;
+  bool logarithmic;  ///< fitted as its logarithm
+};
+
+constexpr std::array<ParameterRange, kParameters> kParameterRanges{{
+    {Parameter::youngs_modulus, "youngs_modulus", "Pa", 1e2, 1e11, true},
+    {Parameter::thickness, "thickness", "m", 1e-5, 1, true},
+    {Parameter::poisson_ratio, "poisson_ratio", "", 0, 0.5, false},
+    {Parameter::radius, "radius", "m", 1e-4, 10, true},
+    {Parameter::friction_coefficient, "friction_coefficient", "", 1e-3, 100, true},
+    {Parameter::shear_strength, "shear_strength", "Pa", 1, 1e9, true},
+    {Parameter::radius_coefficient, "radius_coefficient", "m", 1e-7, 1, true},
+    {Parameter::radius_exponent, "radius_exponent", "", 0.01, 0.99, false},
+}};
+
+constexpr const ParameterRange& range_of(Parameter parameter) {
+  return kParameterRanges[std::size_t(parameter)];
+}
+
+/// One number for each parameter, by `index_of` it.
+using ParameterValues = std::array<double, kParameters>;
+
+constexpr std::size_t index_of(Parameter parameter) { return std::size_t(parameter); }
+
+inline bool contains(const std::vector<Parameter>& parameters, Parameter parameter) {
+  return std::find(parameters.begin(), parameters.end(), parameter) != parameters.end();
+}
+
+}  // namespace softfinger

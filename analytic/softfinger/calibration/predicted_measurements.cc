@@ -1,0 +1,254 @@
+#include "softfinger/calibration/predicted_measurements.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "softfinger/friction/shear_limit.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/pressure/equivalent_exponent.h"
+
+namespace softfinger {
+namespace {
+
+constexpr double kNoAnswer = 1e3;  ///< the logarithm of what no model predicts
+
+/// A positive number's logarithm and its derivatives by all parameters.
+struct LogNumber {
+  double value = kNoAnswer;
+  std::array<double, kParameters> slope{};
+
+  static LogNumber of(double value) noexcept {
+    LogNumber result;
+    if (value > 0 && std::isfinite(value)) result.value = std::log(value);
+    return result;
+  }
+  bool exists() const noexcept { return value != kNoAnswer; }
+  double& by(Parameter parameter) noexcept { return slope[std::size_t(parameter)]; }
+};
+
+LogNumber product(const LogNumber& one, const LogNumber& other) noexcept {
+  LogNumber result;
+  result.value = one.value + other.value;
+  for (std::size_t i = 0; i < kParameters; ++i) result.slope[i] = one.slope[i] + other.slope[i];
+  return result;
+}
+
+struct ContactLogarithms {
+  LogNumber a, b, indentation, arm;
+};
+
+/// By the parameters that a model's own derivatives know.
+LogNumber logarithm(const DifferentiatedNumber& number, const ContactProblem& problem,
+                    bool is_elastic) noexcept {
+  LogNumber result = LogNumber::of(number.value);
+  if (!result.exists()) return result;
+  const auto by = [&](ContactVariable variable, double at) {
+    return number.slope[std::size_t(variable)] * at / number.value;
+  };
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  result.by(Parameter::youngs_modulus) =
+      is_elastic ? -by(kNormalForce, problem.load.normal_force_N) : 0;
+  result.by(Parameter::thickness) = by(kThickness, problem.layer.thickness_m);
+  result.by(Parameter::poisson_ratio) = by(kPoissonRatio, 1);
+  // All lengths of the bodies grow alike.
+  result.by(Parameter::radius) =
+      by(kRadiusMajor, problem.radii.major_m) + by(kRadiusMinor, problem.radii.minor_m) -
+      by(kFingerCurvatureX, finger.xx_per_m) - by(kFingerCurvatureY, finger.yy_per_m) -
+      by(kFingerCurvatureXY, finger.xy_per_m);
+  for (const double slope : result.slope)
+    if (!std::isfinite(slope)) return {};
+  return result;
+}
+
+/// By the two of a power law, which no model differentiates by: central differences, exact for
+/// powers but for rounding.
+void add_power_law_slopes(const PressureModel& model, const ContactProblem& problem,
+                          ContactLogarithms& contact) noexcept {
+  constexpr double kStep = 1e-4;
+  for (const Parameter parameter : {Parameter::radius_coefficient, Parameter::radius_exponent}) {
+    const auto moved = [&](double step) {
+      ContactProblem other = problem;
+      PowerLaw& law = other.options.power_law;
+      if (parameter == Parameter::radius_coefficient)
+        law.radius_coefficient *= std::exp(step);
+      else
+        law.radius_exponent += step;
+      return model.predict(other);
+    };
+    const Prediction more = moved(kStep), less = moved(-kStep);
+    if (!more.has_answer || !less.has_answer) continue;
+    const auto slope = [&](double above, double below) {
+      return std::log(above / below) / (2 * kStep);
+    };
+    contact.a.by(parameter) = slope(more.a_m, less.a_m);
+    contact.b.by(parameter) = slope(more.b_m, less.b_m);
+    contact.indentation.by(parameter) = slope(more.indentation_m, less.indentation_m);
+    contact.arm.by(parameter) = slope(more.torque_arm_exact_m, less.torque_arm_exact_m);
+  }
+}
+
+/// Without derivatives: a prediction takes a quarter of the time.
+ContactLogarithms contact_logarithms_alone(const PressureModel& model,
+                                           const ContactProblem& problem) noexcept {
+  const Prediction contact = model.predict(problem);
+  if (!contact.has_answer) return {};
+  return {LogNumber::of(contact.a_m), LogNumber::of(contact.b_m),
+          LogNumber::of(contact.indentation_m), LogNumber::of(contact.torque_arm_exact_m)};
+}
+
+ContactLogarithms contact_logarithms(const PressureModel& model,
+                                     const ContactProblem& problem) noexcept {
+  std::optional<DifferentiatedContact> contact;
+  if (!model.predict_differentiated(problem, &contact).has_answer || !contact) return {};
+  const auto known = [&](const DifferentiatedNumber& number) {
+    return logarithm(number, problem, contact->is_elastic);
+  };
+  const auto& numbers = contact->numbers;
+  ContactLogarithms result{known(numbers.a_m), known(numbers.b_m), known(numbers.indentation_m),
+                           known(numbers.torque_arm_exact_m)};
+  if (problem.options.power_law.radius_coefficient > 0)
+    add_power_law_slopes(model, problem, result);
+  return result;
+}
+
+/// The largest force or torque under the law, on the ellipse with a pressure that has the contact's
+/// torque arm.
+double limit_of(MeasuredQuantity quantity, const ShearLaw& law, double a_m, double b_m,
+                double arm_m, double load_N) noexcept {
+  Prediction prediction;
+  prediction.has_answer = true;
+  prediction.a_m = std::max(a_m, b_m);
+  prediction.b_m = std::min(a_m, b_m);
+  prediction.torque_arm_exact_m = arm_m;
+  const PressedEllipse contact{prediction.a_m, prediction.b_m, equivalent_exponent(prediction),
+                               load_N};
+  return quantity == MeasuredQuantity::max_torque ? max_torque_Nm(law, contact)
+                                                  : max_force_N(law, contact);
+}
+
+LogNumber friction(MeasuredQuantity quantity, const ContactLogarithms& contact, ShearLaw::Kind kind,
+                   const ParameterValues& values, double load_N, bool with_slopes) noexcept {
+  if (!contact.a.exists() || !contact.b.exists() || !contact.arm.exists()) return {};
+  const ShearLaw law{kind, values[index_of(Parameter::friction_coefficient)],
+                     values[index_of(Parameter::shear_strength)]};
+  if (kind == ShearLaw::Kind::coulomb) {
+    LogNumber result = LogNumber::of(law.friction_coefficient * load_N);
+    result.by(Parameter::friction_coefficient) = 1;
+    return quantity == MeasuredQuantity::max_torque ? product(result, contact.arm) : result;
+  }
+  const double a_m = std::exp(contact.a.value), b_m = std::exp(contact.b.value);
+  const double arm_m = std::exp(contact.arm.value);
+  LogNumber result = LogNumber::of(limit_of(quantity, law, a_m, b_m, arm_m, load_N));
+  if (!with_slopes || !result.exists()) return result;
+  // By the logarithms of a, b, the arm and mu: central differences, right to 1e-8.
+  constexpr double kStep = 1e-4;
+  const double up = std::exp(kStep), down = std::exp(-kStep);
+  const auto slope = [&](double a, double b, double arm, double mu) {
+    const auto moved = [&](double factor) {
+      const ShearLaw other{kind, law.friction_coefficient * (mu == 0 ? 1 : factor),
+                           law.shear_strength_Pa};
+      return limit_of(quantity, other, a_m * (a == 0 ? 1 : factor), b_m * (b == 0 ? 1 : factor),
+                      arm_m * (arm == 0 ? 1 : factor), load_N);
+    };
+    return std::log(moved(up) / moved(down)) / (2 * kStep);
+  };
+  const double by_a = slope(1, 0, 0, 0), by_b = slope(0, 1, 0, 0);
+  const double by_arm = kind == ShearLaw::Kind::shear_strength ? 0 : slope(0, 0, 1, 0);
+  for (std::size_t i = 0; i < kParameters; ++i)
+    result.slope[i] =
+        by_a * contact.a.slope[i] + by_b * contact.b.slope[i] + by_arm * contact.arm.slope[i];
+  // Twice mu and twice tau_0 carry twice as much.
+  const double by_friction = law.has_friction_coefficient() ? slope(0, 0, 0, 1) : 0;
+  result.by(Parameter::friction_coefficient) = by_friction;
+  result.by(Parameter::shear_strength) = 1 - by_friction;
+  return result;
+}
+
+LogNumber predicted(MeasuredQuantity quantity, const ContactLogarithms& contact, ShearLaw::Kind law,
+                    const ParameterValues& values, double load_N, bool with_slopes) noexcept {
+  switch (quantity) {
+    case MeasuredQuantity::a:
+      return contact.a;
+    case MeasuredQuantity::b:
+      return contact.b;
+    case MeasuredQuantity::area:
+      return product(LogNumber::of(kPi), product(contact.a, contact.b));
+    case MeasuredQuantity::indentation:
+      return contact.indentation;
+    case MeasuredQuantity::max_torque:
+    case MeasuredQuantity::tangential_force:
+      return friction(quantity, contact, law, values, load_N, with_slopes);
+  }
+  return {};
+}
+
+}  // namespace
+
+ContactProblem PredictedMeasurements::problem(std::size_t contact,
+                                              const ParameterValues& values) const noexcept {
+  const auto value = [&](Parameter parameter) { return values[std::size_t(parameter)]; };
+  ContactProblem problem = measurements.contacts[contact];
+  problem.layer = {value(Parameter::thickness), value(Parameter::youngs_modulus),
+                   value(Parameter::poisson_ratio)};
+  problem.load.friction_coefficient = value(Parameter::friction_coefficient);
+  const double scale = value(Parameter::radius) /
+                       (std::sqrt(problem.radii.major_m) * std::sqrt(problem.radii.minor_m));
+  // One rounding away from 1 is no change: results are those of the contact as it is.
+  if (std::abs(scale - 1) > 1e-15) {
+    problem.radii.major_m *= scale;
+    problem.radii.minor_m *= scale;
+    problem.finger_curvature.xx_per_m /= scale;
+    problem.finger_curvature.yy_per_m /= scale;
+    problem.finger_curvature.xy_per_m /= scale;
+  }
+  if (problem.options.power_law.radius_coefficient > 0) {
+    problem.options.power_law.radius_coefficient = value(Parameter::radius_coefficient);
+    problem.options.power_law.radius_exponent = value(Parameter::radius_exponent);
+  }
+  return problem;
+}
+
+void PredictedMeasurements::evaluate(const ParameterValues& values, Eigen::VectorXd& log_values,
+                                     Eigen::MatrixXd* log_slopes) const {
+  const std::size_t count = measurements.values.size();
+  log_values.resize(Eigen::Index(count));
+  if (log_slopes) log_slopes->resize(Eigen::Index(count), Eigen::Index(kParameters));
+  std::vector<ContactLogarithms> contacts(measurements.contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    contacts[i] = log_slopes ? contact_logarithms(model, problem(i, values))
+                             : contact_logarithms_alone(model, problem(i, values));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Measurement& measurement = measurements.values[i];
+    const LogNumber number = predicted(
+        measurement.quantity, contacts[measurement.contact], shear_law, values,
+        measurements.contacts[measurement.contact].load.normal_force_N, log_slopes != nullptr);
+    log_values[Eigen::Index(i)] = number.value;
+    if (!log_slopes) continue;
+    for (std::size_t k = 0; k < kParameters; ++k)
+      (*log_slopes)(Eigen::Index(i), Eigen::Index(k)) = number.exists() ? number.slope[k] : 0;
+  }
+}
+
+double PredictedMeasurements::log_compression(const ParameterValues& values,
+                                              Eigen::RowVectorXd* slopes) const {
+  const auto hardest =
+      std::max_element(measurements.contacts.begin(), measurements.contacts.end(),
+                       [](const ContactProblem& one, const ContactProblem& other) {
+                         return one.load.normal_force_N < other.load.normal_force_N;
+                       });
+  const ContactProblem contact =
+      problem(std::size_t(hardest - measurements.contacts.begin()), values);
+  LogNumber depth =
+      (slopes ? contact_logarithms(model, contact) : contact_logarithms_alone(model, contact))
+          .indentation;
+  if (slopes) {
+    depth.by(Parameter::thickness) -= 1;
+    *slopes = Eigen::Map<const Eigen::RowVectorXd>(depth.slope.data(), Eigen::Index(kParameters));
+  }
+  return depth.value - std::log(values[std::size_t(Parameter::thickness)]);
+}
+
+}  // namespace softfinger
