@@ -7,6 +7,9 @@ namespace {
 
 /// In the order of softfinger/_gradient.py.
 constexpr std::size_t kNumbers = 11, kVariables = kContactVariables + 1;
+constexpr std::array<ContactVariable, kContactVariables> kVariablesInOrder{
+    kNormalForce, kYoungsModulus,    kPoissonRatio,     kThickness,        kRadiusMajor,
+    kRadiusMinor, kFingerCurvatureX, kFingerCurvatureY, kFingerCurvatureXY};
 
 std::array<const Derivatives*, kNumbers> numbers_of(const PredictionGradient& gradient) {
   return {&gradient.a_m,
@@ -44,7 +47,7 @@ py::tuple gradient(const std::string& name, const py::dict& numbers) {
       for (std::size_t number = 0; number < kNumbers; ++number)
         for (std::size_t variable = 0; variable < kVariables; ++variable)
           by[(number * kVariables + variable) * count + i] =
-              variable < kContactVariables ? rows[number]->by[variable]
+              variable < kContactVariables ? rows[number]->by[kVariablesInOrder[variable]]
                                            : rows[number]->by_friction_coefficient;
     }
   }
