@@ -60,6 +60,53 @@ TEST(Calibration, FindsAnOutlierAndSaysWhich) {
   EXPECT_TRUE(found.is_outlier(7));
 }
 
+/// A round finger's contacts with friction, as the law has it, without noise but for a tenth of a
+/// per cent, alternating.
+CalibrationProblem friction_under(ShearLaw::Kind law) {
+  CalibrationProblem problem = test::random_calibration(0).problem;
+  problem.measurements = {};
+  problem.shear_law = law;
+  ContactProblem contact;
+  contact.radii = {0.02, 0.02, 0};
+  contact.layer = {3e-3, 3e5, 0.48};
+  problem.start = {3e5, 3e-3, 0.48, 0.02, 0.8, 2e4, 1e-3, 0.3};
+  for (int i = 0; i < 8; ++i) {
+    contact.load.normal_force_N = 0.3 * std::pow(1.5, i);
+    problem.measurements.contacts.push_back(contact);
+    for (const MeasuredQuantity quantity :
+         {MeasuredQuantity::a, MeasuredQuantity::max_torque, MeasuredQuantity::tangential_force})
+      problem.measurements.values.push_back({quantity, std::size_t(i), 1, 0});
+  }
+  Eigen::VectorXd log_values;
+  PredictedMeasurements{*problem.model, problem.measurements, law}.evaluate(problem.start,
+                                                                            log_values, nullptr);
+  for (std::size_t i = 0; i < problem.measurements.values.size(); ++i)
+    problem.measurements.values[i].value =
+        std::exp(log_values[Eigen::Index(i)]) * (i % 2 == 0 ? 1.001 : 0.999);
+  problem.free = {Parameter::youngs_modulus, Parameter::thickness};
+  if (ShearLaw{law}.has_friction_coefficient())
+    problem.free.push_back(Parameter::friction_coefficient);
+  if (ShearLaw{law}.has_shear_strength()) problem.free.push_back(Parameter::shear_strength);
+  return problem;
+}
+
+TEST(Calibration, TellsCoulombFrictionFromAConstantStrength) {
+  for (const ShearLaw::Kind law : {ShearLaw::Kind::coulomb, ShearLaw::Kind::shear_strength}) {
+    const CalibrationProblem problem = friction_under(law);
+    const std::vector<Comparison> laws = compare_shear_laws(problem, calibrate(problem));
+    ASSERT_FALSE(laws.empty());
+    // A law with both parameters contains it and may only tie, at the price of a parameter.
+    EXPECT_EQ(laws.front().shear_law, law);
+  }
+}
+
+TEST(Calibration, FindsThatOnlyALayerExplainsALayer) {
+  const CalibrationProblem problem = friction_under(ShearLaw::Kind::coulomb);
+  const std::vector<Comparison> models = compare_models(problem, calibrate(problem));
+  ASSERT_FALSE(models.empty());
+  EXPECT_EQ(models.front().model->card().name, "fingertip_layer");
+}
+
 TEST(Calibration, RefusesFewerMeasurementsThanItNeeds) {
   test::SyntheticCalibration synthetic = test::random_calibration(1);
   synthetic.problem.measurements.values.resize(synthetic.problem.free.size());
