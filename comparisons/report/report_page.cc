@@ -89,14 +89,18 @@ Html names_of(const std::vector<ComparedLoad>& loads) {
   return joined(names, ", ");
 }
 
-/// The model that is usable at most of the loads, a fast one where there is any, and its worst
-/// error there.
+/// A model, where it is usable, and how far it is off there.
 struct Recommended {
   std::string model;
   bool hot_path = false;
-  double worst = 0;
+  double worst = 0, sum_of_errors = 0;
   std::vector<ComparedLoad> usable_at;
+
+  double mean() const { return sum_of_errors / double(usable_at.size()); }
 };
+
+/// The model to use: a fast one where there is any, usable at nearly as many of the loads as any
+/// other, and the most accurate of those.
 
 std::optional<Recommended> recommended(const std::vector<ComparedLoad>& loads, double limit) {
   std::map<std::string, Recommended> found;
@@ -106,10 +110,15 @@ std::optional<Recommended> recommended(const std::vector<ComparedLoad>& loads, d
       use.model = model->model;
       use.hot_path = model->hot_path;
       use.worst = std::max(use.worst, model->larger());
+      use.sum_of_errors += model->larger();
       use.usable_at.push_back(one);
     }
-  const auto rank = [](const Recommended& use) {
-    return std::tuple(use.usable_at.size(), use.hot_path, -use.worst);
+  std::size_t most = 0;
+  for (const auto& [name, use] : found) most = std::max(most, use.usable_at.size());
+  // One load in ten more does not outweigh a smaller error at the other nine.
+  const auto rank = [most](const Recommended& use) {
+    const bool is_nearly_everywhere = 10 * use.usable_at.size() >= 9 * most;
+    return std::tuple(is_nearly_everywhere, use.hot_path, -use.mean());
   };
   std::optional<Recommended> best;
   for (const auto& [name, use] : found)
