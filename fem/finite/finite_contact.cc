@@ -10,6 +10,7 @@
 
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
+#include "fem/finite/full_slip.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/formatted.h"
 #include "fem/level_loop.h"
@@ -317,8 +318,9 @@ class FiniteContact : public ContactPhysics {
 
   /// Full slip: the limit surface, and on a whole layer that of the twist too, whose turn moves the
   /// torque's own pressure where nothing is odd.
-  void slip(const std::vector<PlaneMotion>& velocities, FrictionOfLevel& result) const {
-    const SuperposedSlide slides(*pressing_, bound());
+  void slip(const std::vector<PlaneMotion>& velocities, FrictionOfLevel& result) {
+    slides_.emplace(*pressing_, bound());
+    const SuperposedSlide& slides = *slides_;
     const double force = largest_force(), torque = result.full_slip;
     if (pressing_->layer().whole()) result.full_slip = slides.slide({0, 0, 1}).wrench.torque;
     double second_order = 0, moved = 0;
@@ -352,12 +354,13 @@ class FiniteContact : public ContactPhysics {
     FrictionCorrection& correction = result.correction.emplace();
     correction.twist = moved(solved, result.twist, torque, correction.twist_error,
                              [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
+    double aim = 1;  // of the slides: less where an earlier one folds
     if (problem_.friction.torsion)
       correction.full_slip = slid(solved, {{{}, {}, 1}, {0, 0, result.full_slip}, 1, 0}, force,
-                                  torque, correction.twist_error)
+                                  torque, aim, correction.twist_error)
                                  .wrench.torque;
     correction.limit_surface =
-        slid(solved, result.limit_surface, force, torque, correction.slide_error);
+        slid(solved, result.limit_surface, force, torque, aim, correction.slide_error);
     for (const std::vector<FrictionState>& path : result.paths)
       correction.paths.push_back(
           moved(solved, path, torque, correction.slide_error, [](double) {}));
@@ -375,21 +378,19 @@ class FiniteContact : public ContactPhysics {
   }
 
   /// Difference of wrenches, solved less superposed, and the state that was solved for.
-  static FrictionState difference(const FrictionalPressing& solved, double share,
+  static FrictionState difference(const FrictionalPressing& solved,
                                   const FrictionState& superposed) {
     const FrictionWrench found = solved.wrench();
     return {superposed.motion,
-            {found.force_x / share - superposed.wrench.force_x,
-             found.force_y / share - superposed.wrench.force_y,
-             found.torque / share - superposed.wrench.torque},
+            {found.force_x - superposed.wrench.force_x, found.force_y - superposed.wrench.force_y,
+             found.torque - superposed.wrench.torque},
             solved.slip_fraction(),
             0,
             solved.sheared()};
   }
 
   static double size_of(const FrictionWrench& change, double force, double torque) {
-    return std::max({std::abs(change.force_x) / force, std::abs(change.force_y) / force,
-                     std::abs(change.torque) / torque});
+    return relative(change, force, torque).cwiseAbs().maxCoeff();
   }
 
   /// What the next finer mesh changes about a correction: of corrections 0.05, 0.14 and 0.25 it
@@ -416,7 +417,7 @@ class FiniteContact : public ContactPhysics {
         is_stuck = true;
       }
       if (!is_stuck) {
-        changes.push_back(difference(solved, 1, state));
+        changes.push_back(difference(solved, state));
         error = std::max(error, error_of(size_of(changes.back().wrench, force, torque)));
         on_solved(state.motion.turn_rad);
         continue;
@@ -445,51 +446,60 @@ class FiniteContact : public ContactPhysics {
   /// linear in the wrench, by least squares.
   std::vector<FrictionState> slid(FrictionalPressing& solved,
                                   const std::vector<FrictionState>& superposed, double force,
-                                  double torque, double& error) const {
+                                  double torque, double& aim, double& error) {
     constexpr std::size_t most = 8;
     const std::size_t count = std::min(most, superposed.size());
-    const Eigen::Vector3d scale(force, force, torque);
-    const auto relative = [&](const FrictionWrench& wrench) -> Eigen::Vector3d {
-      return Eigen::Vector3d(wrench.force_x, wrench.force_y, wrench.torque).cwiseQuotient(scale);
-    };
     std::vector<FrictionState> changes;
     for (const FrictionState& state : superposed) changes.push_back({state.motion, {}, 1, 0});
+    std::vector<bool> is_solved(superposed.size());
     Eigen::MatrixX3d wrenches(count, 3), corrections(count, 3);
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = k * superposed.size() / count;
-      changes[i] = slid(solved, superposed[i], force, torque, error);
-      wrenches.row(static_cast<Eigen::Index>(k)) = relative(superposed[i].wrench);
-      corrections.row(static_cast<Eigen::Index>(k)) = relative(changes[i].wrench);
+      changes[i] = slid(solved, superposed[i], force, torque, aim, error);
+      is_solved[i] = true;
+      wrenches.row(static_cast<Eigen::Index>(k)) = relative(superposed[i].wrench, force, torque);
+      corrections.row(static_cast<Eigen::Index>(k)) = relative(changes[i].wrench, force, torque);
     }
     if (count == superposed.size()) return changes;
     const Eigen::Matrix3d linear = wrenches.colPivHouseholderQr().solve(corrections);
     error += (wrenches * linear - corrections).cwiseAbs().maxCoeff();
     for (std::size_t i = 0; i < superposed.size(); ++i) {
-      if (changes[i].sheared) continue;
+      if (is_solved[i]) continue;
       const Eigen::Vector3d change =
-          (linear.transpose() * relative(superposed[i].wrench)).cwiseProduct(scale);
-      changes[i].wrench = {change.x(), change.y(), change.z()};
+          linear.transpose() * relative(superposed[i].wrench, force, torque);
+      changes[i].wrench = {force * change.x(), force * change.y(), torque * change.z()};
     }
     return changes;
   }
 
+  /// @param aim  share of friction to go to; lowered to the one that was reached
   FrictionState slid(FrictionalPressing& solved, const FrictionState& superposed, double force,
-                     double torque, double& error) const {
-    const double share = solved.slide(superposed.motion);
-    if (share < 1)
+                     double torque, double& aim, double& error) {
+    std::vector<SolvedSlide> solutions;
+    const double share = solved.slide(superposed.motion, aim, [&](double at) {
+      solutions.push_back({at, solved.wrench()});
+    });
+    if (share < aim)
       task_.progress(formatted("friction: a slide is solved to %.3g of full friction: %s", share,
                                solved.failure().c_str()));
-    if (!(share > 0)) {
-      error = std::max(error, 1.0);
-      FrictionState unchanged = superposed;
-      unchanged.wrench = {};
-      return unchanged;
+    aim = std::clamp(share, FrictionalPressing::telling_share, aim);
+    if (share == 1) {
+      const FrictionState change = difference(solved, superposed);
+      error = std::max(error, error_of(size_of(change.wrench, force, torque)));
+      return change;
     }
-    FrictionState change = difference(solved, share, superposed);
-    if (share < 1) change.sheared.reset();
-    // What is left out grows with the square of friction: from the share that was reached to all.
-    const double size = size_of(change.wrench, force, torque);
-    error = std::max(error, error_of(size) + (1 / (share * share) - 1) * size);
+    FrictionState change = superposed;
+    change.wrench = {};
+    if (solutions.empty()) {
+      error = std::max(error, 1.0);
+      return change;
+    }
+    if (!slides_) slides_.emplace(*pressing_, bound());
+    const FullSlip full = full_slip(*slides_, superposed.motion, solutions, force, torque);
+    error = std::max(error, error_of(full.neglected.cwiseAbs().maxCoeff()) + full.added);
+    change.wrench = {full.wrench.x() * force - superposed.wrench.force_x,
+                     full.wrench.y() * force - superposed.wrench.force_y,
+                     full.wrench.z() * torque - superposed.wrench.torque};
     return change;
   }
 
@@ -500,7 +510,8 @@ class FiniteContact : public ContactPhysics {
   const Materials materials_;
   const std::shared_ptr<const RigidObject> object_;
   std::unique_ptr<FinitePressing> pressing_;
-  DeformedContact contact_;  ///< as measured last
+  DeformedContact contact_;                ///< as measured last
+  std::optional<SuperposedSlide> slides_;  ///< on what is pressed, where needed
   SurfaceSeries series_;
 };
 

@@ -193,7 +193,7 @@ Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touch
 }
 
 bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
-  constexpr int most_iterations = 60, most_tangents = 8;
+  constexpr int most_iterations = 60, most_tangents = 6;
   constexpr double tolerance = 5e-4;  // of the step, relative to the approach
   constexpr double slow = 0.6;        // a tangent that shortens steps by less is renewed
   constexpr double far = 0.25;        // h: the tangent is of no use beyond
@@ -382,7 +382,7 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
       std::max(1.0, std::ceil(std::abs(motion.turn_rad - start.turn_rad) / longest_turn_rad));
   for (double part = 0; part < parts; ++part) {
     double length = 1;
-    const double reached = advance(length, 1.0 / 8, [&](double share) {
+    const double reached = advance(length, 1.0 / 8, 1, [&](double share) {
       return try_motion(between(start, motion, (part + share) / parts), rub);
     });
     if (reached < 1)
@@ -393,9 +393,11 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
 
 /// Goes from 0 to 1 in steps, in shorter ones where they do not converge.
 /// @param length  of the first step, becomes that of a next one
+/// @param enough  where a step does not converge beyond this and there are two already, it ends
 /// @returns how far it came
-double FrictionalPressing::advance(double& length, double shortest,
-                                   const std::function<bool(double)>& try_share) {
+double FrictionalPressing::advance(double& length, double shortest, double enough,
+                                   const std::function<bool(double)>& try_share,
+                                   const std::function<void(double)>& on_share) {
   double done = 0, before = 0;
   std::optional<Mixed> earlier;  // converged at `before`
   while (done < 1 && length >= shortest) {
@@ -412,6 +414,7 @@ double FrictionalPressing::advance(double& length, double shortest,
       keep();
       before = done;
       done = next;
+      on_share(done);
       // One hard stretch need not make all that follow it short.
       constexpr double growth = 1.5;
       length = std::min(1.0, growth * length);
@@ -421,6 +424,7 @@ double FrictionalPressing::advance(double& length, double shortest,
     tangent_.reset();
     earlier.reset();
     length = (next - done) / 2;
+    if (done >= enough && before > 0) break;
   }
   return done;
 }
@@ -439,7 +443,8 @@ void FrictionalPressing::extrapolate(const Mixed& earlier, double share) {
   approach_ = (1 + share) * kept_approach_ - share * earlier.approach;
 }
 
-double FrictionalPressing::slide(const PlaneMotion& velocity) {
+double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
+                                 const std::function<void(double)>& on_share) {
   restart();
   tangent_.reset();
   constexpr double shortest_ramp = 1.0 / 32;
@@ -461,11 +466,15 @@ double FrictionalPressing::slide(const PlaneMotion& velocity) {
                                    along;
     }
   };
-  ramp_ = std::clamp(2 * ramp_, 4 * shortest_ramp, 1.0);
-  return advance(ramp_, shortest_ramp, [&](double share) {
-    ramp = share;
-    return try_motion({}, rub);
-  });
+  // Less than all is asked for where all of it was too much at once.
+  ramp_ = aim < 1 ? 0.5 : std::clamp(2 * ramp_, 4 * shortest_ramp, 1.0);
+  return aim * advance(
+                   ramp_, shortest_ramp, telling_share / aim,
+                   [&](double part) {
+                     ramp = aim * part;
+                     return try_motion({}, rub);
+                   },
+                   [&](double part) { on_share(aim * part); });
 }
 
 FrictionWrench FrictionalPressing::wrench() const {

@@ -42,9 +42,14 @@ class FrictionalPressing {
 
   /// Slides from where the contact was pressed with the given velocity until every point slips. The
   /// object stays where it is. Friction is raised from none.
-  /// @returns the share of friction that was reached, mostly 1: soft layers
-  /// under much friction fold before it
-  double slide(const PlaneMotion& velocity);
+  /// @param aim       share of full friction to stop at
+  /// @param on_share  called with each share that is solved, in its state
+  /// @returns the share that was reached, mostly `aim`: soft layers under much friction fold before
+  /// it. A share that shows how friction's effects grow is not refined further (`telling_share`).
+  double slide(
+      const PlaneMotion& velocity, double aim = 1,
+      const std::function<void(double share)>& on_share = [](double) {});
+  static constexpr double telling_share = 0.5;
 
   /// Goes back to the contact as it was pressed, without friction.
   void restart();
@@ -89,7 +94,9 @@ class FrictionalPressing {
   SurfaceStep settle_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
                              const Rub& rub) const;
   void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<Mixed>& history);
-  double advance(double& length, double shortest, const std::function<bool(double)>& try_share);
+  double advance(
+      double& length, double shortest, double enough, const std::function<bool(double)>& try_share,
+      const std::function<void(double)>& on_share = [](double) {});
   void extrapolate(const Mixed& earlier, double share);
   void keep();
   void take_back();

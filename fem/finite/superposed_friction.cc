@@ -190,7 +190,7 @@ SuperposedSlide::SuperposedSlide(FinitePressing& pressing, const FrictionBound& 
   }
 }
 
-SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const {
+SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity, double share) const {
   const Index count = nodes_.size();
   const double load = images_ * nodes_.force.sum();
   const Eigen::VectorXd slope = cosine(nodes_);
@@ -238,7 +238,7 @@ SuperposedSlide::Slid SuperposedSlide::slide(const PlaneMotion& velocity) const 
             mirror(image).cwiseProduct(at);
         // Around the centre of rotation forces point in all directions. A node has their mean.
         rubbed.col(image).segment<2>(2 * i) =
-            bound_.at(i, normal_force(i, image)) /
+            share * bound_.at(i, normal_force(i, image)) /
             std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_, 1e-300) * along;
       }
     return rubbed;

@@ -71,8 +71,9 @@ class SuperposedSlide {
     FrictionWrench wrench;
     double stored_energy;  ///< of what friction's forces strain the pressed layer by, E h³
   };
+  /// @param share  of full friction, 0 to 1
   /// @throws ConvergenceError when pressure and friction do not settle
-  Slid slide(const PlaneMotion& velocity) const;
+  Slid slide(const PlaneMotion& velocity, double share = 1) const;
 
  private:
   TouchingNodes nodes_;

@@ -12,6 +12,7 @@
 
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
+#include "fem/finite/full_slip.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/friction_study.h"
 #include "fem/pressing.h"
@@ -660,6 +661,35 @@ TEST_F(SolvedFriction, IsTheSameInStepsOfAnyLength) {
   EXPECT_NEAR(again.force_y, once.force_y, newton * force);
   EXPECT_NEAR(again.torque, once.torque, newton * once.torque);
   EXPECT_NEAR(solved.sheared().area_ratio, sheared.area_ratio, newton);
+}
+
+// Where a layer folds before full slip, it is inferred from slides with less friction.
+TEST_F(SolvedFriction, InfersFullSlipFromSlidesWithLess) {
+  constexpr double high = 0.7;
+  const double force = high * pressing.equilibrium().load,
+               torque = finite::slide(pressing, high, {0, 0, 1}).torque;
+  const finite::SuperposedSlide superposed(pressing, high);
+  finite::FrictionalPressing solved(pressing, high);
+  for (const PlaneMotion velocity : {PlaneMotion{0, 0, 1}, PlaneMotion{1, 0, 0.5}}) {
+    std::vector<finite::SolvedSlide> solutions;
+    const double aim = 0.6;
+    EXPECT_DOUBLE_EQ(solved.slide(velocity, aim,
+                                  [&](double share) {
+                                    solutions.push_back({share, solved.wrench()});
+                                  }),
+                     aim);
+    ASSERT_GE(solutions.size(), 2u);
+    const finite::FullSlip inferred =
+        finite::full_slip(superposed, velocity, solutions, force, torque);
+    ASSERT_EQ(solved.slide(velocity), 1);
+    const Eigen::Vector3d exact = finite::relative(solved.wrench(), force, torque);
+    constexpr double newton = 1e-3;  // of the steps, relative to the approach
+    EXPECT_LE((inferred.wrench - exact).cwiseAbs().maxCoeff(), inferred.added + newton);
+    // That is better than what superposed motions say.
+    const Eigen::Vector3d without =
+        finite::relative(superposed.slide(velocity).wrench, force, torque);
+    EXPECT_LT((inferred.wrench - exact).norm(), 0.5 * (without - exact).norm());
+  }
 }
 
 // Under much pressure nodes that are released would be unstable, and the contact on the tangent has
