@@ -9,6 +9,7 @@
 #include <fstream>
 #include <initializer_list>
 
+#include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/prediction/answer_json.h"
@@ -309,7 +310,8 @@ json page_json(const SuiteComparison& suite) {
   }
   return {{"atlas", atlas},
           {"finite_strain",
-           judgement::finite_strain_overview(judgement::finite_strain_atlas().file())}};
+           judgement::finite_strain_overview(judgement::finite_strain_atlas().file())},
+          {"experiments", experiments::to_json(experiments::examine_builtin())}};
 }
 
 std::string results_csv(const SuiteComparison& suite) {

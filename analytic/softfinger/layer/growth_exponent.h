@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+
+/// How a round contact of a bonded layer grows with its load: gamma = d ln a/d ln P. It depends on
+/// s = a/h and Poisson's ratio alone, so a measured exponent tells the thickness without any
+/// modulus: 1/3 on a thick layer (Hertz), 1/4 on a thin compressible one (Winkler), 1/6 on a thin
+/// incompressible one.
+namespace softfinger {
+
+/// gamma at s = a/h by the Fredholm equation (circular_contact.h), to 1e-6. Cost: twice that of
+/// `circular_layer_contact`. 0 < s <= 100, nu in [0, 1/2].
+double layer_growth_exponent(double s, double poisson_ratio);
+
+/// The s at which a layer grows like this, the smallest if there are several: between nu = 0.4 and
+/// 1/2, gamma falls below 1/4 before it rises to it. Nothing when no layer between s = 0.05 and 20
+/// does: near 1/3 the layer is too thick for its thickness to be felt.
+std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio);
+
+/// The smallest gamma of s from 0.05 to 20.
+double smallest_layer_exponent(double poisson_ratio);
+
+/// A layer under a sphere with a measured radius and exponent at one load.
+struct MatchedLayer {
+  double s;                    ///< a/h
+  double thickness_m;          ///< h = a/s
+  double youngs_modulus_Pa;    ///< of the load
+  double torque_arm_over_a;    ///< (int p r dA)/(P a)
+};
+
+/// @param radius_m  of the sphere, or R = R' = R'' of the gap
+/// @param a_m       the contact's radius at the load
+/// @returns nothing where layer_size_of_exponent has nothing
+std::optional<MatchedLayer> match_layer(double exponent, double a_m, double normal_force_N,
+                                        double radius_m, double poisson_ratio);
+
+}  // namespace softfinger
