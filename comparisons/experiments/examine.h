@@ -63,7 +63,7 @@ struct Examined {
 /// uncertainty.
 Verdict compared(const Finding& finding);
 
-/// Cost: some 0.3 s for a growth law, below a millisecond for the others.
+/// Cost: some 0.1 s for a growth law, below 10 ms for the others.
 /// @throws InputError, ConvergenceError where the calibration does
 Examined examine(const Experiment& experiment);
 

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "comparisons/experiments/examine.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::experiments {
@@ -20,7 +21,8 @@ void examine_indentation(const Indentation& data, Examined& examined) {
     problem.is_object_spherical = true;
     return model.predict(problem);
   };
-  std::string text;
+  std::string numbers;
+  std::vector<std::string> excluded, possible;
   for (const auto& [name, role] : {std::pair("fingertip_layer", Role::theory),
                                    std::pair("bonded_layer", Role::rival),
                                    std::pair("hertz", Role::rival),
@@ -40,21 +42,30 @@ void examine_indentation(const Indentation& data, Examined& examined) {
     finding.uncertainty = kDeviations * data.indentation_std_m;
     finding.predicted = {middle.indentation_m, hard.indentation_m, soft.indentation_m};
     finding.verdict = compared(finding);
-    if (!middle.valid())
+    if (finding.verdict == Verdict::fails && data.includes_other_compliance &&
+        finding.predicted.high < data.indentation_m) {
+      finding.verdict = Verdict::cannot_tell;
+      finding.reason = "Less than measured, but the measured approach is not the gel's alone.";
+    }
+    (finding.verdict == Verdict::fails ? excluded : possible).push_back(name);
+    if (!middle.valid() && finding.reason.empty())
       for (const ValidityCheck& check : middle.validity)
         if (!check.holds()) {
           finding.reason = fmt::format("Outside its range: {}.", check.message);
           break;
         }
-    text += fmt::format("{}{} {:.2f} ({:.2f} to {:.2f})", text.empty() ? "" : ", ", name,
+    numbers += fmt::format("{}{} {:.2f} ({:.2f} to {:.2f})", numbers.empty() ? "" : ", ", name,
                         middle.indentation_m * 1e3, hard.indentation_m * 1e3,
                         soft.indentation_m * 1e3);
     examined.findings.push_back(finding);
   }
   examined.sentence = fmt::format(
-      "Measured {:.2g} ± {:.1g} mm; predicted in mm, with E known to a factor of {:g}: {}.",
+      "Excluded: {}; not told apart: {}. Measured {:.2g} ± {:.1g} mm; predicted in mm, with E known to a "
+      "factor of {:g}: {}.",
+      excluded.empty() ? "none" : text::joined(excluded),
+      possible.empty() ? "none" : text::joined(possible),
       data.indentation_m * 1e3, kDeviations * data.indentation_std_m * 1e3,
-      data.youngs_modulus_factor, text);
+      data.youngs_modulus_factor, numbers);
 }
 
 }  // namespace softfinger::experiments

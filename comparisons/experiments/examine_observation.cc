@@ -44,18 +44,19 @@ void examine_observation(const Observation& observed, Examined& examined) {
     case Observation::Quantity::pressure_exponent: {
       const char* test = "exponent n of the pressure";
       const bool has_size = observed.value > 0.5 && observed.value < 1.9;
+      const double size = has_size ? size_of_pressure_exponent(observed.value) : 0;
       add(examined, observed, test, "bonded_layer", Role::theory, {1, 0.5, 2},
           has_size ? fmt::format("A layer of nu {:g} has the torque of this n at a/h = {:.2g}.",
-                                 kRubber, size_of_pressure_exponent(observed.value))
+                                 kRubber, size)
                    : "");
       add(examined, observed, test, "hertz", Role::rival, {0.5, 0.5, 0.5}, "");
       add(examined, observed, test, "winkler", Role::rival, {1, 1, 1}, "");
       add(examined, observed, test, "thin_incompressible", Role::rival, {2, 2, 2}, "");
       examined.sentence = fmt::format(
-          "n = {:g} lies between a thick layer's 1/2 and a thin incompressible one's 2: it excludes "
-          "the half-space, and asks of a layer that it is about as thick as the contact is wide, or "
-          "compressible.",
-          observed.value);
+          "n = {:g}, between a thick layer's 1/2 and a thin incompressible one's 2: the pad is no "
+          "half-space, but a compressible or a thin layer{}; which of them cannot be told.",
+          observed.value,
+          has_size ? fmt::format(" (a/h = {:.2g} at nu {:g})", size, kRubber) : "");
       break;
     }
     case Observation::Quantity::torque_exponent: {
@@ -85,7 +86,7 @@ void examine_observation(const Observation& observed, Examined& examined) {
     }
     case Observation::Quantity::area_change_under_shear: {
       add(examined, observed, "relative change of the area from no shear to sliding",
-          "all models", Role::theory, {0, 0, 0},
+          "any model", Role::theory, {0, 0, 0},
           "The normal contact is computed without friction, so shear does not change it.");
       examined.sentence = fmt::format(
           "Up to {:.0f} % of the area are lost under shear; no model of this program knows of it, so "

@@ -124,8 +124,8 @@ Indentation indentation(const TomlReader& reader, const toml::table& table) {
   const std::string name = "[indentation]";
   reader.check_keys(table, name,
                     {"sphere_radius_mm", "load_N", "indentation_mm", "indentation_std_mm",
-                     "thickness_mm", "youngs_modulus_kPa", "youngs_modulus_factor",
-                     "poisson_ratio"});
+                     "includes_other_compliance", "thickness_mm", "youngs_modulus_kPa",
+                     "youngs_modulus_factor", "poisson_ratio"});
   Indentation found;
   found.sphere_radius_m = length_m(reader, table, name, "sphere_radius_mm");
   found.load_N = load_N(reader, table, name, "load_N");
@@ -136,6 +136,9 @@ Indentation indentation(const TomlReader& reader, const toml::table& table) {
   found.youngs_modulus_factor = number_in(reader, table, name, "youngs_modulus_factor", 1, 100,
                                           "a number from 1 to 100");
   found.poisson_ratio = poisson_ratio(reader, table, name);
+  found.includes_other_compliance =
+      reader.boolean(reader.required(table, name, "includes_other_compliance"),
+                     "includes_other_compliance");
   return found;
 }
 

@@ -38,6 +38,8 @@ struct Indentation {
   double sphere_radius_m = 0, load_N = 0, indentation_m = 0, indentation_std_m = 0;
   double thickness_m = 0, youngs_modulus_Pa = 0, poisson_ratio = 0;
   double youngs_modulus_factor = 1;  ///< E lies between E/factor and E factor
+  /// The approach contains that of something else as well: it is an upper limit.
+  bool includes_other_compliance = false;
 };
 
 /// Shore hardness and modulus of one material.

@@ -141,12 +141,13 @@ std::string table(const std::vector<Examined>& examined) {
   return text;
 }
 
-std::string noise_floor() {
+std::string noise_remark() {
   try {
     for (const auto& file : system::builtin_experiment_files()) {
-      // The others need no look: only this kind has a noise floor, and it costs nothing.
+      // To examine the others would cost more than most predictions.
       if (file.stem() != "waltersson_2024_in_hand") continue;
-      return noise_sentence({examine(read_experiment(file))});
+      return "\nTorques have more digits than measurements: " +
+             noise_sentence({examine(read_experiment(file))}) + ".\n";
     }
   } catch (const InputError&) {
     // A remark beside a result: without it, the result stands.

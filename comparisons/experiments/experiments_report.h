@@ -19,10 +19,11 @@ nlohmann::json to_json(const std::vector<Examined>& examined);
 /// One verdict line for each data set, then its numbers.
 std::string table(const std::vector<Examined>& examined);
 
-/// "in hand, two fingers of one gripper differ by 26 to 51 % (waltersson_2024_in_hand)": what a
-/// torque can be measured to, for wherever one is printed more finely. From the built-in data set;
-/// empty where it is not installed or cannot be read.
-std::string noise_floor();
+/// A line that tells what a torque can be measured to, for wherever one is printed more finely:
+/// "Torques have more digits than measurements: in hand, two fingers of one gripper differ by 26 to
+/// 51 % (waltersson_2024_in_hand)." From the built-in data set; empty where it is not installed or
+/// cannot be read.
+std::string noise_remark();
 
 /// A number of a finding in the unit that people read: mm, kPa, %.
 std::string shown(double value, const std::string& unit);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "softfinger/layer/bonded_layer.h"
 #include "softfinger/layer/growth_exponent.h"
 
 namespace softfinger {
@@ -39,9 +40,8 @@ TEST(GrowthExponent, IsInvertedByTheSize) {
       if (exponent <= smallest_layer_exponent(nu) + 1e-3) continue;
       const auto found = layer_size_of_exponent(exponent, nu);
       ASSERT_TRUE(found) << "nu " << nu << ", s " << s;
-      // Twenty halvings of a step of ln 1.25, and the error of 1e-6 of gamma, whose slope in ln s is
-      // 0.01 at least.
-      EXPECT_NEAR(std::log(*found / s), 0, 0.25 / (1 << 20) + 1e-6 / 0.01);
+      // gamma is known to 1e-6, and its slope over ln s is 0.01 at least.
+      EXPECT_NEAR(std::log(*found / s), 0, 2e-6 / 0.01);
     }
 }
 
@@ -52,15 +52,20 @@ TEST(GrowthExponent, HasNoSizeBeyondTheLimits) {
 }
 
 TEST(GrowthExponent, LeadsToTheLayerThatHasIt) {
-  // h, E and R scale out: the load of any layer by the fast model (within 0.5 % of a, so 2 % of E).
-  const auto found = match_layer(0.26, 4e-3, 2, 0.03, 0.49);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->thickness_m * found->s, 4e-3, 1e-15);
-  EXPECT_NEAR(found->s, 1.4, 0.01);
-  const auto stiffer = match_layer(0.26, 4e-3, 6, 0.03, 0.49);
-  EXPECT_NEAR(stiffer->youngs_modulus_Pa / found->youngs_modulus_Pa, 3, 1e-12);
-  const auto flatter = match_layer(0.26, 4e-3, 2, 0.06, 0.49);
-  EXPECT_NEAR(flatter->youngs_modulus_Pa / found->youngs_modulus_Pa, 2, 1e-12);
+  constexpr double kSize = 1.4, kContact_m = 4e-3, kLoad_N = 2, kSphere_m = 0.03, kRubber = 0.49;
+  const MatchedLayer found = match_layer(kSize, kContact_m, kLoad_N, kSphere_m, kRubber);
+  EXPECT_NEAR(found.thickness_m * kSize, kContact_m, 1e-15 * kContact_m);
+  // The fast model knows a, and with it the torque arm, within 0.5 %.
+  const BondedLayerContact contact =
+      bonded_layer_contact({kSphere_m, kSphere_m, 0},
+                           {found.thickness_m, found.youngs_modulus_Pa, kRubber}, kLoad_N);
+  EXPECT_NEAR(contact.a_m, kContact_m, 0.005 * kContact_m);
+  EXPECT_NEAR(contact.torque_arm_exact_m, found.torque_arm_over_a * kContact_m, 0.005 * kContact_m);
+  // E grows with the load and the sphere's radius.
+  EXPECT_NEAR(match_layer(kSize, kContact_m, 3 * kLoad_N, kSphere_m, kRubber).youngs_modulus_Pa,
+              3 * found.youngs_modulus_Pa, 1e-12 * found.youngs_modulus_Pa);
+  EXPECT_NEAR(match_layer(kSize, kContact_m, kLoad_N, 2 * kSphere_m, kRubber).youngs_modulus_Pa,
+              2 * found.youngs_modulus_Pa, 1e-12 * found.youngs_modulus_Pa);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace softfinger {
 namespace {
 
 constexpr double kSmallestSize = 0.05, kLargestSize = 20;
-constexpr double kSizeStep = 1.25;  ///< ratio; gamma has one minimum, several steps wide
+constexpr double kLogSizeStep = 0.3;  ///< gamma has one minimum over ln s, several steps wide
 
 /// With h = 1 and R = 1: P/(E* h²) of any other radius is this times h/R.
 CircularLayerContact unit_contact(double s, double poisson_ratio) {
@@ -28,38 +28,55 @@ double layer_growth_exponent(double s, double poisson_ratio) {
 }
 
 std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio) {
-  double low = kSmallestSize, high = low;
-  if (!(layer_growth_exponent(low, poisson_ratio) >= exponent)) return std::nullopt;
-  do {
-    if (high >= kLargestSize) return std::nullopt;
-    low = high;
-    high = std::min(high * kSizeStep, kLargestSize);
-  } while (layer_growth_exponent(high, poisson_ratio) > exponent);
-  // Bisection of ln s, down to the error of gamma itself.
-  for (int i = 0; i < 20; ++i) {
-    const double middle = std::sqrt(low * high);
-    (layer_growth_exponent(middle, poisson_ratio) > exponent ? low : high) = middle;
+  // The excess of gamma over ln s, which falls; the first interval in which it changes its sign.
+  const auto excess = [&](double log_s) {
+    return layer_growth_exponent(std::exp(log_s), poisson_ratio) - exponent;
+  };
+  const double last = std::log(kLargestSize);
+  double low = std::log(kSmallestSize), high = low;
+  double at_low = excess(low), at_high = at_low;
+  if (!(at_low >= 0)) return std::nullopt;
+  while (at_high > 0) {
+    if (high >= last) return std::nullopt;
+    low = high, at_low = at_high;
+    high = std::min(high + kLogSizeStep, last);
+    at_high = excess(high);
   }
-  return std::sqrt(low * high);
+  // False position, with the value of an end that stays halved (Illinois). gamma is known to 1e-6.
+  constexpr double kTolerance = 1e-7;
+  double log_s = high, found = at_high;
+  for (int i = 0, side = 0; i < 50 && std::abs(found) > kTolerance; ++i) {
+    log_s = (low * at_high - high * at_low) / (at_high - at_low);
+    found = excess(log_s);
+    if (found > 0) {
+      low = log_s, at_low = found;
+      if (side == 1) at_high /= 2;
+      side = 1;
+    } else {
+      high = log_s, at_high = found;
+      if (side == -1) at_low /= 2;
+      side = -1;
+    }
+  }
+  return std::exp(log_s);
 }
 
 double smallest_layer_exponent(double poisson_ratio) {
+  // Down to s = 1, gamma only falls.
   double smallest = 1;
-  for (double s = kSmallestSize; s <= kLargestSize; s *= kSizeStep)
-    smallest = std::min(smallest, layer_growth_exponent(s, poisson_ratio));
+  for (double log_s = 0; log_s <= std::log(kLargestSize); log_s += kLogSizeStep)
+    smallest = std::min(smallest, layer_growth_exponent(std::exp(log_s), poisson_ratio));
   return smallest;
 }
 
-std::optional<MatchedLayer> match_layer(double exponent, double a_m, double normal_force_N,
-                                        double radius_m, double poisson_ratio) {
-  const auto s = layer_size_of_exponent(exponent, poisson_ratio);
-  if (!s) return std::nullopt;
-  const CircularLayerContact contact = unit_contact(*s, poisson_ratio);
-  const double h = a_m / *s;
+MatchedLayer match_layer(double s, double a_m, double normal_force_N, double radius_m,
+                         double poisson_ratio) {
+  const CircularLayerContact contact = unit_contact(s, poisson_ratio);
+  const double h = a_m / s;
   const double plane_strain_modulus_Pa =
       normal_force_N * radius_m / (contact.load_over_modulus_m2 * h * h * h);
-  return MatchedLayer{*s, h, plane_strain_modulus_Pa * (1 - poisson_ratio * poisson_ratio),
-                      contact.torque_arm_m / *s};
+  return {h, plane_strain_modulus_Pa * (1 - poisson_ratio * poisson_ratio),
+          contact.torque_arm_m / s};
 }
 
 }  // namespace softfinger

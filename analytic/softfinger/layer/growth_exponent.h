@@ -9,7 +9,7 @@
 namespace softfinger {
 
 /// gamma at s = a/h by the Fredholm equation (circular_contact.h), to 1e-6. Cost: twice that of
-/// `circular_layer_contact`. 0 < s <= 100, nu in [0, 1/2].
+/// `circular_layer_contact`; the other functions ask for it some twenty times. 0 < s <= 100, nu in [0, 1/2].
 double layer_growth_exponent(double s, double poisson_ratio);
 
 /// The s at which a layer grows like this, the smallest if there are several: between nu = 0.4 and
@@ -17,21 +17,20 @@ double layer_growth_exponent(double s, double poisson_ratio);
 /// does: near 1/3 the layer is too thick for its thickness to be felt.
 std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio);
 
-/// The smallest gamma of s from 0.05 to 20.
+/// The smallest gamma of s from 0.05 to 20, to some 1e-3.
 double smallest_layer_exponent(double poisson_ratio);
 
-/// A layer under a sphere with a measured radius and exponent at one load.
+/// A layer under a sphere, by its contact's radius at one load.
 struct MatchedLayer {
-  double s;                    ///< a/h
-  double thickness_m;          ///< h = a/s
-  double youngs_modulus_Pa;    ///< of the load
-  double torque_arm_over_a;    ///< (int p r dA)/(P a)
+  double thickness_m;        ///< h = a/s
+  double youngs_modulus_Pa;  ///< by the load
+  double torque_arm_over_a;  ///< (int p r dA)/(P a)
 };
 
-/// @param radius_m  of the sphere, or R = R' = R'' of the gap
+/// @param s         a/h, of layer_size_of_exponent
 /// @param a_m       the contact's radius at the load
-/// @returns nothing where layer_size_of_exponent has nothing
-std::optional<MatchedLayer> match_layer(double exponent, double a_m, double normal_force_N,
-                                        double radius_m, double poisson_ratio);
+/// @param radius_m  of the sphere, or R = R' = R'' of the gap
+MatchedLayer match_layer(double s, double a_m, double normal_force_N, double radius_m,
+                         double poisson_ratio);
 
 }  // namespace softfinger
