@@ -1,10 +1,9 @@
-#include "comparisons/experiments/experiments_report.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/experiments/experiments_report.h"
 #include "comparisons/report/experiments_page.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
@@ -39,8 +38,8 @@ int run_experiments(const ExperimentsOptions& options) {
     remark("the page is " + options.page);
   }
   if (options.json)
-    system::write_to_stdout(
-        result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    system::write_to_stdout(result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                            "\n");
   else
     system::write_text_to_stdout(table(examined));
   return std::any_of(examined.begin(), examined.end(),
@@ -67,7 +66,8 @@ void add_experiments(CLI::App& app, Action& action, const std::string& command_l
       "Verdicts: agrees, fails, cannot tell; each with its numbers and their uncertainty. Exit\n"
       "status 1 when the theory fails at a data set, which is so for some of the built-in ones:\n"
       "it is shown, not fitted away.\n"
-      "A data set of your own is one file with id, what, source, certainty, unknown and one table:\n"
+      "A data set of your own is one file with id, what, source, certainty, unknown and one "
+      "table:\n"
       "  [growth] laws = [{ coefficient_mm, exponent }]   contact radius a = c P^gamma, P in N\n"
       "  [indentation]   a sphere pressed into a flat layer\n"
       "  [hardness]      Shore \"A\" or \"00\" beside a modulus\n"

@@ -35,7 +35,8 @@ class Sizes {
     return place->second;
   }
 
-  /// The same with the exponent moved by its uncertainty; 0 or infinite at an end that no layer has.
+  /// The same with the exponent moved by its uncertainty; 0 or infinite at an end that no layer
+  /// has.
   std::optional<Interval> interval(double exponent, double uncertainty, double poisson_ratio) {
     const auto s = of(exponent, poisson_ratio);
     if (!s) return std::nullopt;
@@ -67,8 +68,8 @@ void test_exponents(const Growth& growth, Sizes& sizes_of, Examined& examined) {
     finding.verdict = compared(finding);
     const auto s = sizes_of.interval(law.exponent, moved, nu);
     if (s) {
-      finding.reason = fmt::format("A layer of nu {:g} has this exponent at a/h = {:.3g}.", nu,
-                                   s->value);
+      finding.reason =
+          fmt::format("A layer of nu {:g} has this exponent at a/h = {:.3g}.", nu, s->value);
       sizes += fmt::format("{}P^{:.4g} says a/h = {:.3g}", sizes.empty() ? "a ~ " : ", ",
                            law.exponent, s->value);
       if (s->high > s->low && std::isfinite(s->high))
@@ -92,15 +93,15 @@ void test_exponents(const Growth& growth, Sizes& sizes_of, Examined& examined) {
             {"size_over_thickness", "",
              fmt::format("of the exponent {:.4g}, nu {:g}", law.exponent, ratio), *size});
   }
-  examined.sentence = sizes.empty() ? "No bonded layer grows like this"
-                                    : sizes + fmt::format(" at nu {:g}", nu);
+  examined.sentence =
+      sizes.empty() ? "No bonded layer grows like this" : sizes + fmt::format(" at nu {:g}", nu);
   if (growth.exponent_uncertainty && !excluded.empty()) {
-    examined.sentence += fmt::format("; excluded, if the exponent is known to ± {:g} as supposed: {}",
-                                     moved, text::joined(excluded));
+    examined.sentence +=
+        fmt::format("; excluded, if the exponent is known to ± {:g} as supposed: {}", moved,
+                    text::joined(excluded));
   }
-  examined.sentence += growth.exponent_uncertainty
-                           ? "."
-                           : "; how certain the exponent is is not known.";
+  examined.sentence +=
+      growth.exponent_uncertainty ? "." : "; how certain the exponent is is not known.";
 }
 
 /// The two readings of a published a = c P^gamma with a pressure exponent k.
@@ -139,7 +140,8 @@ struct MeasuredLaw {
   }
 
   double predicted_m(const ElasticLayer& layer, double load_N) const {
-    const Prediction found = find_pressure_model("fingertip_layer")->predict(contact(layer, load_N));
+    const Prediction found =
+        find_pressure_model("fingertip_layer")->predict(contact(layer, load_N));
     return reading == Reading::radius ? found.a_m : found.torque_arm_exact_m;
   }
 };
@@ -176,8 +178,8 @@ ElasticLayer layer_of(const Calibration& calibration) {
           calibration.values[index_of(Parameter::poisson_ratio)]};
 }
 
-/// The largest relative deviation of a layer fitted to the law over all its loads: as far as this, a
-/// power law may be off the points it was fitted to, if these were a layer's.
+/// The largest relative deviation of a layer fitted to the law over all its loads: as far as this,
+/// a power law may be off the points it was fitted to, if these were a layer's.
 double misfit(const MeasuredLaw& law, const std::array<double, 2>& range_N) {
   const ElasticLayer layer = layer_of(calibrated(law, range_N));
   double largest = 0;
@@ -187,9 +189,9 @@ double misfit(const MeasuredLaw& law, const std::array<double, 2>& range_N) {
 }
 
 /// Calibrated below, predicted above. The law is uncertain there by its exponent, turned about the
-/// middle of the fitted loads. A deviation beyond that, but within what a power law cannot follow of a
-/// layer over the loads that were supposedly measured, tells nothing: the points are not published.
-/// The rivals are given the same tolerance.
+/// middle of the fitted loads. A deviation beyond that, but within what a power law cannot follow
+/// of a layer over the loads that were supposedly measured, tells nothing: the points are not
+/// published. The rivals are given the same tolerance.
 void predict_above(const MeasuredLaw& law, double exponent_uncertainty, Examined& examined) {
   const LawCalibration& data = law.data;
   const Calibration calibration = calibrated(law, data.fit_load_N);
@@ -197,25 +199,22 @@ void predict_above(const MeasuredLaw& law, double exponent_uncertainty, Examined
   const double middle_N = std::sqrt(data.fit_load_N[0] * data.fit_load_N[1]);
   const double misfit_of_law = misfit(law, data.supposed_range_N);
   const bool is_radius = law.reading == Reading::radius;
-  const std::string condition =
-      fmt::format("calibrated from {:g} to {:g} N, {}, nu {:g}", data.fit_load_N[0],
-                  data.fit_load_N[1],
-                  is_radius ? "coefficient is the radius" : "coefficient is from torques",
-                  law.poisson_ratio);
+  const std::string condition = fmt::format(
+      "calibrated from {:g} to {:g} N, {}, nu {:g}", data.fit_load_N[0], data.fit_load_N[1],
+      is_radius ? "coefficient is the radius" : "coefficient is from torques", law.poisson_ratio);
   for (const ParameterEstimate& estimate : calibration.parameters)
     examined.inferred.push_back({std::string(range_of(estimate.parameter).name),
-                                 std::string(range_of(estimate.parameter).unit), condition,
+                                 std::string(range_of(estimate.parameter).unit),
+                                 condition,
                                  {estimate.value, estimate.low, estimate.high}});
   for (const double load_N : data.predicted_load_N) {
     Finding finding;
-    finding.test =
-        fmt::format("{} at {:g} N, calibrated from {:g} to {:g} N",
-                    is_radius ? "radius" : "eccentricity (torque read as measured)", load_N,
-                    data.fit_load_N[0], data.fit_load_N[1]);
+    finding.test = fmt::format("{} at {:g} N, calibrated from {:g} to {:g} N",
+                               is_radius ? "radius" : "eccentricity (torque read as measured)",
+                               load_N, data.fit_load_N[0], data.fit_load_N[1]);
     finding.unit = "m";
     finding.measured = law.value_m(load_N);
-    finding.uncertainty =
-        *finding.measured * exponent_uncertainty * std::log(load_N / middle_N);
+    finding.uncertainty = *finding.measured * exponent_uncertainty * std::log(load_N / middle_N);
     const ErrorBound error =
         error_bound(*find_pressure_model("fingertip_layer"), law.contact(layer, load_N));
     const double bound = error.known ? error.bound[is_radius ? 0 : 5] : 0;
@@ -244,11 +243,11 @@ void predict_above(const MeasuredLaw& law, double exponent_uncertainty, Examined
       add(limit.model, Role::rival,
           law.value_m(middle_N) * std::pow(load_N / middle_N, limit.exponent));
     if (load_N == data.predicted_load_N.back())
-      examined.sentence +=
-          fmt::format(" Calibrated below {:g} N, {} at {:g} N is off the law, which is known to {:.1f} "
-                      "%, by: {}.",
-                      data.fit_load_N[1], is_radius ? "the radius" : "the torque", load_N,
-                      100 * tolerated, deviations);
+      examined.sentence += fmt::format(
+          " Calibrated below {:g} N, {} at {:g} N is off the law, which is known to {:.1f} "
+          "%, by: {}.",
+          data.fit_load_N[1], is_radius ? "the radius" : "the torque", load_N, 100 * tolerated,
+          deviations);
   }
 }
 
@@ -270,36 +269,37 @@ void match_at_one_load(const Growth& growth, Reading reading, Sizes& sizes, Exam
       a_m *= torque_arm_of_power_law(data.pressure_exponent_k) / found.torque_arm_over_a;
       return match_layer(size, a_m, load_N, data.radius_m, nu);
     };
-    const MatchedLayer middle = matched(s->value),
-                       thick = matched(s->low > 0 ? s->low : s->value),
+    const MatchedLayer middle = matched(s->value), thick = matched(s->low > 0 ? s->low : s->value),
                        thin = matched(std::isfinite(s->high) ? s->high : s->value);
-    const std::string condition =
-        fmt::format("matched at {:g} N, {}, nu {:g}", load_N,
-                    reading == Reading::radius ? "coefficient is the radius"
-                                               : "coefficient is from torques",
-                    nu);
-    examined.inferred.push_back(
-        {"thickness", "m", condition,
-         spanned(middle.thickness_m, thick.thickness_m, thin.thickness_m)});
-    const Interval modulus_Pa = spanned(middle.youngs_modulus_Pa, thick.youngs_modulus_Pa,
-                                        thin.youngs_modulus_Pa);
+    const std::string condition = fmt::format(
+        "matched at {:g} N, {}, nu {:g}", load_N,
+        reading == Reading::radius ? "coefficient is the radius" : "coefficient is from torques",
+        nu);
+    examined.inferred.push_back({"thickness", "m", condition,
+                                 spanned(middle.thickness_m, thick.thickness_m, thin.thickness_m)});
+    const Interval modulus_Pa =
+        spanned(middle.youngs_modulus_Pa, thick.youngs_modulus_Pa, thin.youngs_modulus_Pa);
     examined.inferred.push_back({"youngs_modulus", "Pa", condition, modulus_Pa});
     if (nu != growth.main_poisson_ratio) continue;
     const std::string of_modulus = "of that modulus, to a factor of " +
                                    fmt::format("{:g}, ", kHardnessModulusFactor) + condition;
     const double E_Pa = modulus_Pa.value, low_Pa = modulus_Pa.low / kHardnessModulusFactor,
                  high_Pa = modulus_Pa.high * kHardnessModulusFactor;
-    examined.inferred.push_back({"shore_00", "", of_modulus,
+    examined.inferred.push_back({"shore_00",
+                                 "",
+                                 of_modulus,
                                  {shore_oo_of_modulus(E_Pa, nu), shore_oo_of_modulus(low_Pa, nu),
                                   shore_oo_of_modulus(high_Pa, nu)}});
     examined.inferred.push_back(
-        {"shore_a", "",
+        {"shore_a",
+         "",
          of_modulus + (shore_a_of_modulus(E_Pa) < kLeastTrustedShoreA
                            ? fmt::format(" (below {:g}, extrapolated)", kLeastTrustedShoreA)
                            : ""),
          {shore_a_of_modulus(E_Pa), shore_a_of_modulus(low_Pa), shore_a_of_modulus(high_Pa)}});
     examined.sentence += fmt::format(
-        " {}: h = {:.3g} mm, E = {:.3g} kPa at nu {:g} ({:g} N; exponent ± {:g}: h {:+.0f} to {:+.0f} "
+        " {}: h = {:.3g} mm, E = {:.3g} kPa at nu {:g} ({:g} N; exponent ± {:g}: h {:+.0f} to "
+        "{:+.0f} "
         "%).",
         reading == Reading::radius ? "If the coefficient is the radius" : "If it is from torques",
         middle.thickness_m * 1e3, E_Pa * 1e-3, nu, load_N, moved,
@@ -326,7 +326,8 @@ void test_assumed_pressure(const Growth& growth, Sizes& sizes, Examined& examine
   const double own_m = a_m * matched.torque_arm_over_a;
   finding.predicted = {own_m, own_m, own_m};
   finding.reason = fmt::format(
-      "The publication's own, {:.3g} mm, is {:+.0f} % from the layer's; it follows from the assumed "
+      "The publication's own, {:.3g} mm, is {:+.0f} % from the layer's; it follows from the "
+      "assumed "
       "k = {:g} and is no measurement.",
       published_m * 1e3, 100 * (published_m / own_m - 1), data.pressure_exponent_k);
   finding.verdict = compared(finding);

@@ -28,13 +28,16 @@ void examine_hardness(const Hardness& hardness, Examined& examined) {
       "supposed to hold within a factor of {:g}.",
       of_hardness_Pa * 1e-3, of_hardness_Pa / E_Pa, E_Pa * 1e-3, kHardnessModulusFactor);
   if (hardness.value < 100)
-    examined.inferred.push_back({"youngs_modulus", "Pa", "of the hardness",
+    examined.inferred.push_back({"youngs_modulus",
+                                 "Pa",
+                                 "of the hardness",
                                  {of_hardness_Pa, of_hardness_Pa / kHardnessModulusFactor,
                                   of_hardness_Pa * kHardnessModulusFactor}});
-  examined.sentence = fmt::format("E = {:.3g} kPa would be Shore {} {:.0f} ({:.0f} to {:.0f}), "
-                                  "stated is {:g}.",
-                                  E_Pa * 1e-3, is_a ? "A" : "00", finding.predicted.value,
-                                  finding.predicted.low, finding.predicted.high, hardness.value);
+  examined.sentence = fmt::format(
+      "E = {:.3g} kPa would be Shore {} {:.0f} ({:.0f} to {:.0f}), "
+      "stated is {:g}.",
+      E_Pa * 1e-3, is_a ? "A" : "00", finding.predicted.value, finding.predicted.low,
+      finding.predicted.high, hardness.value);
   examined.findings.push_back(finding);
 }
 

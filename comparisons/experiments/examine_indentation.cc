@@ -23,10 +23,9 @@ void examine_indentation(const Indentation& data, Examined& examined) {
   };
   std::string numbers;
   std::vector<std::string> excluded, possible;
-  for (const auto& [name, role] : {std::pair("fingertip_layer", Role::theory),
-                                   std::pair("bonded_layer", Role::rival),
-                                   std::pair("hertz", Role::rival),
-                                   std::pair("winkler", Role::rival)}) {
+  for (const auto& [name, role] :
+       {std::pair("fingertip_layer", Role::theory), std::pair("bonded_layer", Role::rival),
+        std::pair("hertz", Role::rival), std::pair("winkler", Role::rival)}) {
     const PressureModel& model = *find_pressure_model(name);
     const double factor = data.youngs_modulus_factor;
     const Prediction middle = predicted(model, data.youngs_modulus_Pa),
@@ -54,18 +53,18 @@ void examine_indentation(const Indentation& data, Examined& examined) {
           finding.reason = fmt::format("Outside its range: {}.", check.message);
           break;
         }
-    numbers += fmt::format("{}{} {:.2f} ({:.2f} to {:.2f})", numbers.empty() ? "" : ", ", name,
-                        middle.indentation_m * 1e3, hard.indentation_m * 1e3,
-                        soft.indentation_m * 1e3);
+    numbers +=
+        fmt::format("{}{} {:.2f} ({:.2f} to {:.2f})", numbers.empty() ? "" : ", ", name,
+                    middle.indentation_m * 1e3, hard.indentation_m * 1e3, soft.indentation_m * 1e3);
     examined.findings.push_back(finding);
   }
   examined.sentence = fmt::format(
-      "Excluded: {}; not told apart: {}. Measured {:.2g} ± {:.1g} mm; predicted in mm, with E known to a "
+      "Excluded: {}; not told apart: {}. Measured {:.2g} ± {:.1g} mm; predicted in mm, with E "
+      "known to a "
       "factor of {:g}: {}.",
       excluded.empty() ? "none" : text::joined(excluded),
-      possible.empty() ? "none" : text::joined(possible),
-      data.indentation_m * 1e3, kDeviations * data.indentation_std_m * 1e3,
-      data.youngs_modulus_factor, numbers);
+      possible.empty() ? "none" : text::joined(possible), data.indentation_m * 1e3,
+      kDeviations * data.indentation_std_m * 1e3, data.youngs_modulus_factor, numbers);
 }
 
 }  // namespace softfinger::experiments

@@ -18,7 +18,8 @@ double size_of_pressure_exponent(double exponent) {
   for (int i = 0; i < 30; ++i) {
     const double s = std::sqrt(low * high);
     (circular_layer_contact(s, 1, {{LayerKernel(kRubber), 1, 1}}).torque_arm_m / s > arm ? low
-                                                                                         : high) = s;
+                                                                                         : high) =
+        s;
   }
   return std::sqrt(low * high);
 }
@@ -55,8 +56,7 @@ void examine_observation(const Observation& observed, Examined& examined) {
       examined.sentence = fmt::format(
           "n = {:g}, between a thick layer's 1/2 and a thin incompressible one's 2: the pad is no "
           "half-space, but a compressible or a thin layer{}; which of them cannot be told.",
-          observed.value,
-          has_size ? fmt::format(" (a/h = {:.2g} at nu {:g})", size, kRubber) : "");
+          observed.value, has_size ? fmt::format(" (a/h = {:.2g} at nu {:g})", size, kRubber) : "");
       break;
     }
     case Observation::Quantity::torque_exponent: {
@@ -80,16 +80,18 @@ void examine_observation(const Observation& observed, Examined& examined) {
       add(examined, observed, test, "adhesive_shear", Role::option, {0.5, 0, 1},
           "tau_0 + mu p: between both.");
       examined.sentence =
-          "Coulomb's law, which is taken unless a case names another, is not that of smooth rubber; "
+          "Coulomb's law, which is taken unless a case names another, is not that of smooth "
+          "rubber; "
           "shear_law = \"shear_strength\" is.";
       break;
     }
     case Observation::Quantity::area_change_under_shear: {
-      add(examined, observed, "relative change of the area from no shear to sliding",
-          "any model", Role::theory, {0, 0, 0},
+      add(examined, observed, "relative change of the area from no shear to sliding", "any model",
+          Role::theory, {0, 0, 0},
           "The normal contact is computed without friction, so shear does not change it.");
       examined.sentence = fmt::format(
-          "Up to {:.0f} % of the area are lost under shear; no model of this program knows of it, so "
+          "Up to {:.0f} % of the area are lost under shear; no model of this program knows of it, "
+          "so "
           "areas at sliding and what follows from them may be too large by that.",
           -100 * observed.value);
       break;

@@ -22,7 +22,9 @@ void examine_repeated(const Repeated& repeated, Examined& examined) {
     sum += difference;
     ++count;
   }
-  examined.inferred.push_back({"noise_floor", "%", "difference of the two fingers over their mean",
+  examined.inferred.push_back({"noise_floor",
+                               "%",
+                               "difference of the two fingers over their mean",
                                {sum / count, least, largest}});
   examined.sentence = fmt::format(
       "The two fingers of one gripper differ by {:.0f} to {:.0f} % on {} objects{}: measured in "

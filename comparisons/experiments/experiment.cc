@@ -51,7 +51,8 @@ std::array<double, 2> load_range(const TomlReader& reader, const toml::table& ta
   const std::string allowed = "[least, largest], different numbers from 1e-6 to 1e6, in N";
   const toml::node& node = reader.required(table, name, key);
   const std::vector<double> loads_N = reader.numbers(node, key, 2, allowed);
-  if (loads_N[0] < 1e-6 || loads_N[1] > 1e6 || loads_N[0] >= loads_N[1]) reader.refuse(node, key, allowed);
+  if (loads_N[0] < 1e-6 || loads_N[1] > 1e6 || loads_N[0] >= loads_N[1])
+    reader.refuse(node, key, allowed);
   return {loads_N[0], loads_N[1]};
 }
 
@@ -68,8 +69,7 @@ LawCalibration law_calibration(const TomlReader& reader, const toml::table& tabl
   const toml::node& loads = reader.required(table, name, "predicted_load_N");
   for (const toml::node& node : reader.list(loads, "predicted_load_N", kMostEntries, above)) {
     found.predicted_load_N.push_back(reader.number(node, "predicted_load_N", above));
-    if (found.predicted_load_N.back() <= found.fit_load_N[1] ||
-        found.predicted_load_N.back() > 1e6)
+    if (found.predicted_load_N.back() <= found.fit_load_N[1] || found.predicted_load_N.back() > 1e6)
       reader.refuse(node, "predicted_load_N", above);
   }
   if (found.predicted_load_N.empty()) reader.refuse(loads, "predicted_load_N", above);
@@ -81,8 +81,8 @@ LawCalibration law_calibration(const TomlReader& reader, const toml::table& tabl
 Growth growth(const TomlReader& reader, const toml::table& table) {
   const std::string name = "[growth]";
   reader.check_keys(table, name,
-                    {"laws", "supposed_exponent_uncertainty", "poisson_ratio",
-                     "main_poisson_ratio", "calibration"});
+                    {"laws", "supposed_exponent_uncertainty", "poisson_ratio", "main_poisson_ratio",
+                     "calibration"});
   Growth found;
   const std::string laws_allowed = "[{ coefficient_mm, exponent }, ...]";
   const toml::node& laws = reader.required(table, name, "laws");
@@ -90,9 +90,9 @@ Growth growth(const TomlReader& reader, const toml::table& table) {
     const toml::table* law = node.as_table();
     if (!law) reader.refuse(node, "laws", laws_allowed);
     reader.check_keys(*law, "laws", {"coefficient_mm", "exponent"});
-    found.laws.push_back({length_m(reader, *law, "laws", "coefficient_mm"),
-                          number_in(reader, *law, "laws", "exponent", 0.01, 0.99,
-                                    "a number from 0.01 to 0.99")});
+    found.laws.push_back(
+        {length_m(reader, *law, "laws", "coefficient_mm"),
+         number_in(reader, *law, "laws", "exponent", 0.01, 0.99, "a number from 0.01 to 0.99")});
   }
   if (found.laws.empty()) reader.refuse(laws, "laws", laws_allowed);
   if (table.contains("supposed_exponent_uncertainty"))
@@ -100,7 +100,8 @@ Growth growth(const TomlReader& reader, const toml::table& table) {
                                            1e-6, 0.5, "a number from 1e-6 to 0.5");
   const std::string ratios_allowed = "[nu, ...], numbers from 0 to 0.5";
   const toml::node& ratios = reader.required(table, name, "poisson_ratio");
-  for (const toml::node& node : reader.list(ratios, "poisson_ratio", kMostEntries, ratios_allowed)) {
+  for (const toml::node& node :
+       reader.list(ratios, "poisson_ratio", kMostEntries, ratios_allowed)) {
     const double value = reader.number(node, "poisson_ratio", ratios_allowed);
     if (value < 0 || value > 0.5) reader.refuse(node, "poisson_ratio", ratios_allowed);
     found.poisson_ratios.push_back(value);
@@ -108,8 +109,7 @@ Growth growth(const TomlReader& reader, const toml::table& table) {
   found.main_poisson_ratio = poisson_ratio(reader, table, name, "main_poisson_ratio");
   if (std::find(found.poisson_ratios.begin(), found.poisson_ratios.end(),
                 found.main_poisson_ratio) == found.poisson_ratios.end())
-    reader.refuse(*table.get("main_poisson_ratio"), "main_poisson_ratio",
-                  "one of poisson_ratio");
+    reader.refuse(*table.get("main_poisson_ratio"), "main_poisson_ratio", "one of poisson_ratio");
   if (const toml::node* calibration = table.get("calibration")) {
     if (!calibration->is_table()) reader.refuse(*calibration, "calibration", "a table");
     if (found.laws.size() != 1 || !found.exponent_uncertainty)
@@ -133,12 +133,11 @@ Indentation indentation(const TomlReader& reader, const toml::table& table) {
   found.indentation_std_m = length_m(reader, table, name, "indentation_std_mm");
   found.thickness_m = length_m(reader, table, name, "thickness_mm");
   found.youngs_modulus_Pa = modulus_Pa(reader, table, name);
-  found.youngs_modulus_factor = number_in(reader, table, name, "youngs_modulus_factor", 1, 100,
-                                          "a number from 1 to 100");
+  found.youngs_modulus_factor =
+      number_in(reader, table, name, "youngs_modulus_factor", 1, 100, "a number from 1 to 100");
   found.poisson_ratio = poisson_ratio(reader, table, name);
-  found.includes_other_compliance =
-      reader.boolean(reader.required(table, name, "includes_other_compliance"),
-                     "includes_other_compliance");
+  found.includes_other_compliance = reader.boolean(
+      reader.required(table, name, "includes_other_compliance"), "includes_other_compliance");
   return found;
 }
 
@@ -195,11 +194,11 @@ Observation observation(const TomlReader& reader, const toml::table& table) {
   const std::string chosen =
       reader.choice(reader.required(table, name, "quantity"), "quantity", names);
   Observation found;
-  found.quantity = Observation::Quantity(std::find(names.begin(), names.end(), chosen) -
-                                         names.begin());
+  found.quantity =
+      Observation::Quantity(std::find(names.begin(), names.end(), chosen) - names.begin());
   found.value = number_in(reader, table, name, "value", -100, 100, "a number from -100 to 100");
-  found.uncertainty = number_in(reader, table, name, "supposed_uncertainty", 0, 100,
-                                "a number from 0 to 100");
+  found.uncertainty =
+      number_in(reader, table, name, "supposed_uncertainty", 0, 100, "a number from 0 to 100");
   return found;
 }
 
@@ -216,9 +215,9 @@ Experiment parse_experiment(const std::string& text, const std::filesystem::path
   Experiment found;
   found.file = file;
   found.id = reader.id(root);
-  for (const auto& [key, text_of] : {std::pair("what", &found.what),
-                                     std::pair("source", &found.source),
-                                     std::pair("certainty", &found.certainty)})
+  for (const auto& [key, text_of] :
+       {std::pair("what", &found.what), std::pair("source", &found.source),
+        std::pair("certainty", &found.certainty)})
     *text_of = reader.text(reader.required(root, "the file", key), key);
   const std::string list = "[\"...\", ...]";
   const toml::node& unknown = reader.required(root, "the file", "unknown");

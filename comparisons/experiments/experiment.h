@@ -18,11 +18,11 @@ struct GrowthLaw {
 
 /// What a calibration on a part of the loads needs to know beside the law.
 struct LawCalibration {
-  double radius_m = 0;                        ///< of the finger, a sphere on a plane
-  std::array<double, 2> fit_load_N{};         ///< points of the law that are fitted
-  std::vector<double> predicted_load_N;       ///< above them
-  std::array<double, 2> supposed_range_N{};   ///< of the measurements behind the law
-  double pressure_exponent_k = 0;             ///< p ~ (1 - (r/a)^k)^(1/k), as published
+  double radius_m = 0;                       ///< of the finger, a sphere on a plane
+  std::array<double, 2> fit_load_N{};        ///< points of the law that are fitted
+  std::vector<double> predicted_load_N;      ///< above them
+  std::array<double, 2> supposed_range_N{};  ///< of the measurements behind the law
+  double pressure_exponent_k = 0;            ///< p ~ (1 - (r/a)^k)^(1/k), as published
 };
 
 struct Growth {
@@ -63,10 +63,10 @@ struct Repeated {
 /// One number that a publication states in words.
 struct Observation {
   enum class Quantity {
-    pressure_exponent,         ///< n of p ~ (1 - r²/a²)^n
-    torque_exponent,           ///< d ln T/d ln P at slip
-    shear_stress_exponent,     ///< d ln tau/d ln p at slip
-    area_change_under_shear    ///< relative
+    pressure_exponent,       ///< n of p ~ (1 - r²/a²)^n
+    torque_exponent,         ///< d ln T/d ln P at slip
+    shear_stress_exponent,   ///< d ln tau/d ln p at slip
+    area_change_under_shear  ///< relative
   };
   Quantity quantity = Quantity::pressure_exponent;
   double value = 0, uncertainty = 0;

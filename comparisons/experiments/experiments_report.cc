@@ -49,14 +49,10 @@ json to_json(const Examined& examined) {
   json findings = json::array(), inferred = json::array();
   for (const Finding& finding : examined.findings) findings.push_back(to_json(finding));
   for (const Inferred& number : examined.inferred) inferred.push_back(to_json(number));
-  return {{"id", experiment.id},
-          {"what", experiment.what},
-          {"source", experiment.source},
-          {"certainty", experiment.certainty},
-          {"unknown", experiment.unknown},
-          {"verdict", words_of(examined.verdict)},
-          {"sentence", examined.sentence},
-          {"findings", findings},
+  return {{"id", experiment.id},           {"what", experiment.what},
+          {"source", experiment.source},   {"certainty", experiment.certainty},
+          {"unknown", experiment.unknown}, {"verdict", words_of(examined.verdict)},
+          {"sentence", examined.sentence}, {"findings", findings},
           {"inferred", inferred}};
 }
 
@@ -109,8 +105,8 @@ json to_json(const std::vector<Examined>& examined) {
 std::string table(const std::vector<Examined>& examined) {
   std::string text;
   for (const Examined& one : examined)
-    text += fmt::format("{:<12} {:<24} {}\n", words_of(one.verdict), one.experiment.id,
-                        one.sentence);
+    text +=
+        fmt::format("{:<12} {:<24} {}\n", words_of(one.verdict), one.experiment.id, one.sentence);
   for (const Examined& one : examined) {
     text += fmt::format("\n{}: {}\n  source: {}\n  {}\n", one.experiment.id, one.experiment.what,
                         one.experiment.source, one.experiment.certainty);

@@ -11,8 +11,8 @@ double modulus_of_shore_a_Pa(double shore_a) {
 
 double shore_a_of_modulus(double youngs_modulus_Pa) {
   const double E_MPa = youngs_modulus_Pa * 1e-6;
-  const double typed = (0.137505 * 254 * E_MPa - 0.0981 * 56) /
-                       (0.0981 * 7.62336 + 0.137505 * 2.54 * E_MPa);
+  const double typed =
+      (0.137505 * 254 * E_MPa - 0.0981 * 56) / (0.0981 * 7.62336 + 0.137505 * 2.54 * E_MPa);
   return std::clamp(typed, 0., 100.);
 }
 

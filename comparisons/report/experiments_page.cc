@@ -33,6 +33,10 @@ std::string with_interval(const Json& object, const char* value_key, const char*
   return fmt::format("{} ({} to {})", value, shown(low, unit), shown(high, unit));
 }
 
+Html words_heading(const char* words) {
+  return html("<th scope=\"col\" class=\"words\">{}</th>", words);
+}
+
 Html overview(const Json& list, bool links) {
   Html rows;
   for (const Json& one : list) {
@@ -43,7 +47,7 @@ Html overview(const Json& list, bool links) {
         "</tr>\n",
         name, text(one, "what"), badge(text(one, "verdict")), text(one, "sentence"));
   }
-  return "<table class=\"overview\"><thead><tr><th scope=\"col\">measurement</th><th "
+  return "<table class=\"overview sentences\"><thead><tr><th scope=\"col\">measurement</th><th "
          "scope=\"col\">theory against it</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table>\n";
 }
@@ -64,23 +68,23 @@ Html findings_table(const Json& findings) {
         text(finding, "reason"));
   }
   if (rows.empty()) return "";
-  return scrolling_table(column_heading("test") + column_heading("model") + column_heading("as") +
+  return scrolling_table(words_heading("test") + words_heading("model") + words_heading("as") +
                              column_heading("measured") + column_heading("predicted") +
-                             column_heading("verdict") + column_heading("remark"),
+                             words_heading("verdict") + words_heading("remark"),
                          rows);
 }
 
 Html inferred_table(const Json& inferred) {
   Html rows;
   for (const Json& one : inferred)
-    rows += html("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"words\">{}</td></tr>\n",
-                 text(one, "name"), with_interval(one, "value", "interval"),
-                 text(one, "condition"));
+    rows +=
+        html("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"words\">{}</td></tr>\n",
+             text(one, "name"), with_interval(one, "value", "interval"), text(one, "condition"));
   if (rows.empty()) return "";
   return "<h4>What follows from it</h4>\n" +
-         scrolling_table(column_heading("quantity") + column_heading("value (interval)") +
-                             column_heading("how"),
-                         rows);
+         scrolling_table(
+             column_heading("quantity") + column_heading("value (interval)") + words_heading("how"),
+             rows);
 }
 
 Html data_set(const Json& one) {
@@ -109,8 +113,9 @@ Html lead(const Json& experiments) {
   const Json& list = child(experiments, "experiments");
   auto count = counts(list);
   Html out = html(
-      "<p class=\"lead\">{} published data sets: the theory agrees with {}, fails at {}, and {} "
-      "cannot tell.</p>\n",
+      "<p class=\"lead\">{} published data sets: the theory agrees with {} and fails at {}; {} "
+      "cannot "
+      "tell.</p>\n",
       list.size(), count["agrees"], count["fails"], count["cannot tell"]);
   if (const std::string noise = text(experiments, "noise_floor"); !noise.empty())
     out += html("<p>What measurements of torque are worth: {}.</p>\n", noise);
@@ -119,10 +124,12 @@ Html lead(const Json& experiments) {
 
 constexpr char kHowToRead[] =
     "<p><i>agrees</i>: measured and predicted intervals touch, and the same test excludes a "
-    "simpler theory (<i>rival</i>). <i>fails</i>: they do not touch. <i>cannot tell</i>: nothing was "
+    "simpler theory (<i>rival</i>). <i>fails</i>: they do not touch. <i>cannot tell</i>: nothing "
+    "was "
     "measured, its uncertainty is not known, or no theory is excluded. Only what the program takes "
     "unless told otherwise (<i>theory</i>) decides; what it offers beside that is an "
-    "<i>option</i>. Uncertainties that no publication states are supposed, and said to be. No number "
+    "<i>option</i>. Uncertainties that no publication states are supposed, and said to be. No "
+    "number "
     "was fitted by hand.</p>\n";
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Calibrated on a finger's contacts to 3 N, without its modulus and thickness, what does the library
-// say of 6 to 12 N? The finger is a finite-element one: curved, at finite strain (fingers/).
+// Calibrated on a finger's contacts to 3 N, without its modulus and thickness, what does the
+// library say of 6 to 12 N? The finger is a finite-element one: curved, at finite strain
+// (fingers/).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -82,8 +83,7 @@ TEST(BlindCalibration, PredictsRadiusAndTorqueOfFourFingersFromASoftPress) {
       for (const FemRun& run : runs) {
         if (run.load_N <= kFitted_N) continue;
         const ContactProblem problem = contact(run, layer);
-        const Prediction answer =
-            find_pressure_model("fingertip_layer")->predict(problem);
+        const Prediction answer = find_pressure_model("fingertip_layer")->predict(problem);
         ASSERT_TRUE(answer.has_answer);
         const double a = answer.a_m / run.a_m - 1, b = answer.b_m / run.b_m - 1,
                      torque =

@@ -1,10 +1,11 @@
+#include "softfinger/layer/growth_exponent.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
 #include "softfinger/layer/bonded_layer.h"
-#include "softfinger/layer/growth_exponent.h"
 
 namespace softfinger {
 namespace {
@@ -56,9 +57,8 @@ TEST(GrowthExponent, LeadsToTheLayerThatHasIt) {
   const MatchedLayer found = match_layer(kSize, kContact_m, kLoad_N, kSphere_m, kRubber);
   EXPECT_NEAR(found.thickness_m * kSize, kContact_m, 1e-15 * kContact_m);
   // The fast model knows a, and with it the torque arm, within 0.5 %.
-  const BondedLayerContact contact =
-      bonded_layer_contact({kSphere_m, kSphere_m, 0},
-                           {found.thickness_m, found.youngs_modulus_Pa, kRubber}, kLoad_N);
+  const BondedLayerContact contact = bonded_layer_contact(
+      {kSphere_m, kSphere_m, 0}, {found.thickness_m, found.youngs_modulus_Pa, kRubber}, kLoad_N);
   EXPECT_NEAR(contact.a_m, kContact_m, 0.005 * kContact_m);
   EXPECT_NEAR(contact.torque_arm_exact_m, found.torque_arm_over_a * kContact_m, 0.005 * kContact_m);
   // E grows with the load and the sphere's radius.

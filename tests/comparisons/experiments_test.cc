@@ -93,16 +93,11 @@ TEST(Experiments, ReadTheSizeOfTwoFingersFromTheirExponents) {
 
 TEST(Experiments, HaveTheirVerdicts) {
   const std::map<std::string, Verdict> expected = {
-      {"suntouch_v3", Verdict::agrees},
-      {"suntouch_2019_sets", Verdict::cannot_tell},
-      {"xydas_kao_1999", Verdict::agrees},
-      {"waltersson_2024_in_hand", Verdict::cannot_tell},
-      {"gelsight_golf_ball", Verdict::agrees},
-      {"gelsight_gel_hardness", Verdict::fails},
-      {"pawluk_howe_1999", Verdict::agrees},
-      {"kinoshita_1997", Verdict::fails},
-      {"trejo_2017", Verdict::fails},
-      {"sahli_2018", Verdict::fails}};
+      {"suntouch_v3", Verdict::agrees},        {"suntouch_2019_sets", Verdict::cannot_tell},
+      {"xydas_kao_1999", Verdict::agrees},     {"waltersson_2024_in_hand", Verdict::cannot_tell},
+      {"gelsight_golf_ball", Verdict::agrees}, {"gelsight_gel_hardness", Verdict::fails},
+      {"pawluk_howe_1999", Verdict::agrees},   {"kinoshita_1997", Verdict::fails},
+      {"trejo_2017", Verdict::fails},          {"sahli_2018", Verdict::fails}};
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(SOFTFINGER_EXPERIMENTS)) {
     if (entry.path().extension() != ".toml") continue;
@@ -143,8 +138,8 @@ TEST(Experiments, DoNotAgreeWithoutAnUncertaintyOrATestThatExcludesSomething) {
   text = replaced(text, "supposed_exponent_uncertainty = 0.005", "");
   EXPECT_EQ(examine(parse_experiment(text, "set.toml")).verdict, Verdict::cannot_tell);
   // So uncertain that the half-space, columns and an incompressible layer would do as well.
-  EXPECT_EQ(examine(parse_experiment(replaced(data_set_text("xydas_kao_1999"), "uncertainty = 0.005",
-                                              "uncertainty = 0.2"),
+  EXPECT_EQ(examine(parse_experiment(replaced(data_set_text("xydas_kao_1999"),
+                                              "uncertainty = 0.005", "uncertainty = 0.2"),
                                      "set.toml"))
                 .verdict,
             Verdict::cannot_tell);
@@ -172,8 +167,8 @@ TEST(Experiments, JudgeTheSimplerTheoriesByTheSameTolerance) {
 
 TEST(Experiments, KnowHowFarTwoFingersDiffer) {
   const Examined fingers = examined("waltersson_2024_in_hand");
-  const Interval noise = inferred(fingers, "noise_floor",
-                                  "difference of the two fingers over their mean").value;
+  const Interval noise =
+      inferred(fingers, "noise_floor", "difference of the two fingers over their mean").value;
   // 26 to 51 %, rounded.
   EXPECT_NEAR(noise.low, 0.26, 0.005);
   EXPECT_NEAR(noise.high, 0.51, 0.005);
@@ -191,7 +186,8 @@ TEST(Experiments, RefuseWrongFilesInOneLine) {
         Wrong{replaced(pad, "exponent = 0.2569", "exponent = 1.5"), "0.01 to 0.99"},
         Wrong{replaced(pad, "exponent = 0.2569", "exponent = nan"), "exponent"},
         Wrong{replaced(pad, "exponent = 0.2569", "exponant = 0.2569"), "exponant"},
-        Wrong{replaced(pad, "fit_load_N = [0.5, 3.0]", "fit_load_N = [3.0, 0.5]"), "[least, largest]"},
+        Wrong{replaced(pad, "fit_load_N = [0.5, 3.0]", "fit_load_N = [3.0, 0.5]"),
+              "[least, largest]"},
         Wrong{replaced(pad, "[6.0, 9.0, 12.0]", "[2.0]"), "above those of fit_load_N"},
         Wrong{replaced(pad, "main_poisson_ratio = 0.49", "main_poisson_ratio = 0.48"),
               "one of poisson_ratio"},
@@ -220,7 +216,8 @@ TEST(Hardness, FollowsGentAndTheDurometersSphere) {
     EXPECT_NEAR(shore_oo_of_modulus(modulus_of_shore_oo_Pa(shore, 0.49), 0.49), shore, 1e-9);
   }
   EXPECT_EQ(shore_a_of_modulus(1), 0);
-  // Hertz at H = 50: d = 1.27 mm, F = 0.657 N; E = 0.75 (1 - 0.25) 0.657/(sqrt(1.19e-3) 1.27e-3^1.5).
+  // Hertz at H = 50: d = 1.27 mm, F = 0.657 N; E = 0.75 (1 - 0.25)
+  // 0.657/(sqrt(1.19e-3) 1.27e-3^1.5).
   EXPECT_NEAR(modulus_of_shore_oo_Pa(50, 0.5),
               0.75 * 0.75 * 0.657 / (std::sqrt(1.19e-3) * std::pow(1.27e-3, 1.5)), 1e-6);
 }

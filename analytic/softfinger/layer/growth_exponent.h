@@ -9,7 +9,8 @@
 namespace softfinger {
 
 /// gamma at s = a/h by the Fredholm equation (circular_contact.h), to 1e-6. Cost: twice that of
-/// `circular_layer_contact`; the other functions ask for it some twenty times. 0 < s <= 100, nu in [0, 1/2].
+/// `circular_layer_contact`; the other functions ask for it some twenty times. 0 < s <= 100, nu in
+/// [0, 1/2].
 double layer_growth_exponent(double s, double poisson_ratio);
 
 /// The s at which a layer grows like this, the smallest if there are several: between nu = 0.4 and
