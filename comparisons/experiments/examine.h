@@ -49,6 +49,8 @@ struct Finding {
 struct Inferred {
   std::string name, unit, condition;
   Interval value;
+  /// Where the publication can be read in several ways: in which one. Else empty.
+  std::string reading = "";
 };
 
 struct Examined {

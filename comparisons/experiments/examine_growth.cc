@@ -110,6 +110,10 @@ enum class Reading {
   torque   ///< c was identified from torques: e_n = 2 (xi nu)_k c P^gamma is what was measured
 };
 
+const char* words_of(Reading reading) {
+  return reading == Reading::radius ? "coefficient is the radius" : "coefficient is from torques";
+}
+
 /// (int p r dA)/(P a) of p ~ (1 - (r/a)^k)^(1/k):
 /// B(3/k, 1 + 1/k)/B(2/k, 1 + 1/k), which is 2 (xi nu)_k.
 double torque_arm_of_power_law(double k) {
@@ -199,14 +203,15 @@ void predict_above(const MeasuredLaw& law, double exponent_uncertainty, Examined
   const double middle_N = std::sqrt(data.fit_load_N[0] * data.fit_load_N[1]);
   const double misfit_of_law = misfit(law, data.supposed_range_N);
   const bool is_radius = law.reading == Reading::radius;
-  const std::string condition = fmt::format(
-      "calibrated from {:g} to {:g} N, {}, nu {:g}", data.fit_load_N[0], data.fit_load_N[1],
-      is_radius ? "coefficient is the radius" : "coefficient is from torques", law.poisson_ratio);
+  const std::string condition =
+      fmt::format("calibrated from {:g} to {:g} N, nu {:g}", data.fit_load_N[0], data.fit_load_N[1],
+                  law.poisson_ratio);
   for (const ParameterEstimate& estimate : calibration.parameters)
     examined.inferred.push_back({std::string(range_of(estimate.parameter).name),
                                  std::string(range_of(estimate.parameter).unit),
                                  condition,
-                                 {estimate.value, estimate.low, estimate.high}});
+                                 {estimate.value, estimate.low, estimate.high},
+                                 words_of(law.reading)});
   for (const double load_N : data.predicted_load_N) {
     Finding finding;
     finding.test = fmt::format("{} at {:g} N, calibrated from {:g} to {:g} N",
@@ -271,32 +276,27 @@ void match_at_one_load(const Growth& growth, Reading reading, Sizes& sizes, Exam
     };
     const MatchedLayer middle = matched(s->value), thick = matched(s->low > 0 ? s->low : s->value),
                        thin = matched(std::isfinite(s->high) ? s->high : s->value);
-    const std::string condition = fmt::format(
-        "matched at {:g} N, {}, nu {:g}", load_N,
-        reading == Reading::radius ? "coefficient is the radius" : "coefficient is from torques",
-        nu);
-    examined.inferred.push_back({"thickness", "m", condition,
-                                 spanned(middle.thickness_m, thick.thickness_m, thin.thickness_m)});
+    const std::string condition = fmt::format("matched at {:g} N, nu {:g}", load_N, nu);
+    const auto add = [&](const char* name, const char* unit, const Interval& value,
+                         const std::string& remark = "") {
+      examined.inferred.push_back({name, unit, condition + remark, value, words_of(reading)});
+    };
+    add("thickness", "m", spanned(middle.thickness_m, thick.thickness_m, thin.thickness_m));
     const Interval modulus_Pa =
         spanned(middle.youngs_modulus_Pa, thick.youngs_modulus_Pa, thin.youngs_modulus_Pa);
-    examined.inferred.push_back({"youngs_modulus", "Pa", condition, modulus_Pa});
+    add("youngs_modulus", "Pa", modulus_Pa);
     if (nu != growth.main_poisson_ratio) continue;
-    const std::string of_modulus = "of that modulus, to a factor of " +
-                                   fmt::format("{:g}, ", kHardnessModulusFactor) + condition;
     const double E_Pa = modulus_Pa.value, low_Pa = modulus_Pa.low / kHardnessModulusFactor,
                  high_Pa = modulus_Pa.high * kHardnessModulusFactor;
-    examined.inferred.push_back({"shore_00",
-                                 "",
-                                 of_modulus,
-                                 {shore_oo_of_modulus(E_Pa, nu), shore_oo_of_modulus(low_Pa, nu),
-                                  shore_oo_of_modulus(high_Pa, nu)}});
-    examined.inferred.push_back(
-        {"shore_a",
-         "",
-         of_modulus + (shore_a_of_modulus(E_Pa) < kLeastTrustedShoreA
-                           ? fmt::format(" (below {:g}, extrapolated)", kLeastTrustedShoreA)
-                           : ""),
-         {shore_a_of_modulus(E_Pa), shore_a_of_modulus(low_Pa), shore_a_of_modulus(high_Pa)}});
+    const std::string rough =
+        fmt::format(", of that modulus to a factor of {:g}", kHardnessModulusFactor);
+    add("shore_00", "",
+        {shore_oo_of_modulus(E_Pa, nu), shore_oo_of_modulus(low_Pa, nu),
+         shore_oo_of_modulus(high_Pa, nu)},
+        rough);
+    add("shore_a", "",
+        {shore_a_of_modulus(E_Pa), shore_a_of_modulus(low_Pa), shore_a_of_modulus(high_Pa)},
+        rough + fmt::format(", not trusted below {:g}", kLeastTrustedShoreA));
     examined.sentence += fmt::format(
         " {}: h = {:.3g} mm, E = {:.3g} kPa at nu {:g} ({:g} N; exponent ± {:g}: h {:+.0f} to "
         "{:+.0f} "

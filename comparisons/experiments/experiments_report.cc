@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
@@ -40,6 +42,7 @@ json to_json(const Inferred& inferred) {
   return {{"name", inferred.name},
           {"unit", inferred.unit},
           {"condition", inferred.condition},
+          {"reading", inferred.reading.empty() ? json() : json(inferred.reading)},
           {"value", finite_or_null(inferred.value.value)},
           {"interval", interval(inferred.value)}};
 }
@@ -67,6 +70,25 @@ std::string with_interval(const Interval& interval, const std::string& unit) {
   };
   return fmt::format("{} ({} to {}){}", value.substr(0, end), number(interval.low),
                      number(interval.high), value.substr(end));
+}
+
+/// One line for each number; those that have several readings with all of them.
+std::string inferred_text(const std::vector<Inferred>& inferred) {
+  std::string text;
+  std::set<std::pair<std::string, std::string>> written;
+  for (const Inferred& number : inferred) {
+    if (!written.insert({number.name, number.condition}).second) continue;
+    text += fmt::format("  {}, {}:", number.name, number.condition);
+    std::string separator = " ";
+    for (const Inferred& other : inferred) {
+      if (other.name != number.name || other.condition != number.condition) continue;
+      text += separator + with_interval(other.value, other.unit);
+      if (!other.reading.empty()) text += " if the " + other.reading;
+      separator = "; ";
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 std::string noise_sentence(const std::vector<Examined>& examined) {
@@ -130,9 +152,7 @@ std::string table(const std::vector<Examined>& examined) {
                           with_interval(finding.predicted, finding.unit),
                           finding.reason.empty() ? "" : "  ", finding.reason);
     }
-    for (const Inferred& number : one.inferred)
-      text += fmt::format("  {} = {}, {}\n", number.name, with_interval(number.value, number.unit),
-                          number.condition);
+    text += inferred_text(one.inferred);
   }
   return text;
 }

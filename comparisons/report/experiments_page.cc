@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <map>
+#include <set>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/report/embedded.h"
@@ -74,17 +77,34 @@ Html findings_table(const Json& findings) {
                          rows);
 }
 
+/// A row for each number; a column for each reading of the publication.
 Html inferred_table(const Json& inferred) {
-  Html rows;
+  std::vector<std::string> readings;
   for (const Json& one : inferred)
-    rows +=
-        html("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"words\">{}</td></tr>\n",
-             text(one, "name"), with_interval(one, "value", "interval"), text(one, "condition"));
+    if (const std::string reading = text(one, "reading");
+        std::find(readings.begin(), readings.end(), reading) == readings.end())
+      readings.push_back(reading);
+  Html rows;
+  std::set<std::pair<std::string, std::string>> written;
+  for (const Json& one : inferred) {
+    const auto row = std::pair(text(one, "name"), text(one, "condition"));
+    if (!written.insert(row).second) continue;
+    rows += html("<tr><th scope=\"row\">{}</th><td class=\"words\">{}</td>", row.first, row.second);
+    for (const std::string& reading : readings) {
+      std::string value = "–";
+      for (const Json& other : inferred)
+        if (std::pair(text(other, "name"), text(other, "condition")) == row &&
+            text(other, "reading") == reading)
+          value = with_interval(other, "value", "interval");
+      rows += html("<td>{}</td>", value);
+    }
+    rows += "</tr>\n";
+  }
   if (rows.empty()) return "";
-  return "<h4>What follows from it</h4>\n" +
-         scrolling_table(
-             column_heading("quantity") + column_heading("value (interval)") + words_heading("how"),
-             rows);
+  Html head = words_heading("quantity") + words_heading("how");
+  for (const std::string& reading : readings)
+    head += column_heading(reading.empty() ? "value (interval)" : "if the " + reading);
+  return "<h4>What follows from it</h4>\n" + scrolling_table(head, rows);
 }
 
 Html data_set(const Json& one) {
