@@ -334,6 +334,41 @@ void test_assumed_pressure(const Growth& growth, Sizes& sizes, Examined& examine
   examined.findings.push_back(finding);
 }
 
+/// In the second reading it is the eccentricity that has the law's exponent. Then a/h is another
+/// one than where the exponent is taken for the radius's, which match_at_one_load does in both
+/// readings.
+void match_by_eccentricity(const Growth& growth, Examined& examined) {
+  const LawCalibration& data = *growth.calibration;
+  const GrowthLaw& law = growth.laws.front();
+  const double load_N = data.fit_load_N[1], nu = growth.main_poisson_ratio;
+  const double arm_m = torque_arm_of_power_law(data.pressure_exponent_k) * law.coefficient_m *
+                       std::pow(load_N, law.exponent);
+  const auto matched = [&](double exponent) -> std::optional<MatchedLayer> {
+    const auto s = layer_size_of_exponent(exponent, nu, Growing::torque_arm);
+    if (!s) return std::nullopt;
+    // Of any radius: the ratio of arm and radius is the size's alone.
+    const double ratio = match_layer(*s, 1, load_N, data.radius_m, nu).torque_arm_over_a;
+    return match_layer(*s, arm_m / ratio, load_N, data.radius_m, nu);
+  };
+  const auto middle = matched(law.exponent);
+  if (!middle) return;
+  const MatchedLayer thick = matched(law.exponent + *growth.exponent_uncertainty).value_or(*middle),
+                     thin = matched(law.exponent - *growth.exponent_uncertainty).value_or(*middle);
+  const std::string condition =
+      fmt::format("matched at {:g} N by the eccentricity's own exponent, nu {:g}", load_N, nu);
+  examined.inferred.push_back({"thickness", "m", condition,
+                               spanned(middle->thickness_m, thick.thickness_m, thin.thickness_m),
+                               words_of(Reading::torque)});
+  examined.inferred.push_back(
+      {"youngs_modulus", "Pa", condition,
+       spanned(middle->youngs_modulus_Pa, thick.youngs_modulus_Pa, thin.youngs_modulus_Pa),
+       words_of(Reading::torque)});
+  examined.sentence += fmt::format(
+      " (By the torque's own exponent, which is lower than the radius's, h = {:.3g} mm, E = {:.3g} "
+      "kPa.)",
+      middle->thickness_m * 1e3, middle->youngs_modulus_Pa * 1e-3);
+}
+
 }  // namespace
 
 void examine_growth(const Growth& growth, Examined& examined) {
@@ -345,6 +380,7 @@ void examine_growth(const Growth& growth, Examined& examined) {
     predict_above({*growth.calibration, reading, growth.laws.front(), growth.main_poisson_ratio},
                   *growth.exponent_uncertainty, examined);
   }
+  match_by_eccentricity(growth, examined);
   test_assumed_pressure(growth, sizes, examined);
 }
 

@@ -55,24 +55,30 @@ Html overview(const Json& list, bool links) {
          rows + "</tbody></table>\n";
 }
 
+/// A heading for each test with what was measured; below it what the theories say.
 Html findings_table(const Json& findings) {
   Html rows;
+  std::string test;
   for (const Json& finding : findings) {
     const std::string unit = text(finding, "unit");
-    const auto uncertainty = number(finding, "measured_uncertainty");
+    if (text(finding, "test") != test) {
+      test = text(finding, "test");
+      const auto measured = number(finding, "measured"),
+                 uncertainty = number(finding, "measured_uncertainty");
+      rows +=
+          html("<tr><th scope=\"rowgroup\" colspan=\"4\">{}{}{}</th></tr>\n", test,
+               measured ? ": measured " + experiments::shown(*measured, unit) : ": not measured",
+               uncertainty ? " ± " + experiments::shown(*uncertainty, unit) : "");
+    }
     rows += html(
-        "<tr><th scope=\"row\" class=\"words\">{}</th><td class=\"words\">{}</td><td "
-        "class=\"words\">{}</td><td>{}{}</td><td>{}</td><td class=\"words\">{}</td><td "
+        "<tr><th scope=\"row\">{}<small>{}</small></th><td>{}</td><td class=\"words\">{}</td><td "
         "class=\"words\">{}</td></tr>\n",
-        text(finding, "test"), text(finding, "model"), text(finding, "role"),
-        shown(number(finding, "measured"), unit),
-        uncertainty ? " ± " + shown(uncertainty, unit) : "",
+        text(finding, "model"), text(finding, "role"),
         with_interval(finding, "predicted", "predicted_interval"), badge(text(finding, "verdict")),
         text(finding, "reason"));
   }
   if (rows.empty()) return "";
-  return scrolling_table(words_heading("test") + words_heading("model") + words_heading("as") +
-                             column_heading("measured") + column_heading("predicted") +
+  return scrolling_table(words_heading("test, theories") + column_heading("predicted") +
                              words_heading("verdict") + words_heading("remark"),
                          rows);
 }

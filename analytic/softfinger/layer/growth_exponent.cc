@@ -18,19 +18,20 @@ CircularLayerContact unit_contact(double s, double poisson_ratio) {
 
 }  // namespace
 
-double layer_growth_exponent(double s, double poisson_ratio) {
+double layer_growth_exponent(double s, double poisson_ratio, Growing what) {
   // The truncation is of the order of the step's square, the rounding that of 1e-10 over the step.
   constexpr double kStep = 1e-3;
-  const auto load = [&](double size) {
-    return unit_contact(size, poisson_ratio).load_over_modulus_m2;
-  };
-  return 2 * kStep / std::log(load(s * std::exp(kStep)) / load(s * std::exp(-kStep)));
+  const CircularLayerContact small = unit_contact(s * std::exp(-kStep), poisson_ratio),
+                             large = unit_contact(s * std::exp(kStep), poisson_ratio);
+  const double growth =
+      what == Growing::radius ? large.a_m / small.a_m : large.torque_arm_m / small.torque_arm_m;
+  return std::log(growth) / std::log(large.load_over_modulus_m2 / small.load_over_modulus_m2);
 }
 
-std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio) {
+std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio, Growing what) {
   // The excess of gamma over ln s, which falls; the first interval in which it changes its sign.
   const auto excess = [&](double log_s) {
-    return layer_growth_exponent(std::exp(log_s), poisson_ratio) - exponent;
+    return layer_growth_exponent(std::exp(log_s), poisson_ratio, what) - exponent;
   };
   const double last = std::log(kLargestSize);
   double low = std::log(kSmallestSize), high = low;

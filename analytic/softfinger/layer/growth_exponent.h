@@ -8,15 +8,23 @@
 /// incompressible one.
 namespace softfinger {
 
+/// What grows.
+enum class Growing {
+  radius,     ///< a
+  torque_arm  ///< (int p r dA)/P, slower by some 6 % of gamma, because the pressure changes its
+              ///< shape
+};
+
 /// gamma at s = a/h by the Fredholm equation (circular_contact.h), to 1e-6. Cost: twice that of
 /// `circular_layer_contact`; the other functions ask for it some twenty times. 0 < s <= 100, nu in
 /// [0, 1/2].
-double layer_growth_exponent(double s, double poisson_ratio);
+double layer_growth_exponent(double s, double poisson_ratio, Growing what = Growing::radius);
 
 /// The s at which a layer grows like this, the smallest if there are several: between nu = 0.4 and
 /// 1/2, gamma falls below 1/4 before it rises to it. Nothing when no layer between s = 0.05 and 20
 /// does: near 1/3 the layer is too thick for its thickness to be felt.
-std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio);
+std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio,
+                                             Growing what = Growing::radius);
 
 /// The smallest gamma of s from 0.05 to 20, to some 1e-3.
 double smallest_layer_exponent(double poisson_ratio);
