@@ -13,6 +13,7 @@ using input::kMillimetre;
 using input::TomlReader;
 
 constexpr std::size_t kMostEntries = 100;
+constexpr std::size_t kMostLaws = 10;  ///< and Poisson's ratios: each pair takes some 20 ms
 
 /// A number of a range, ends included.
 double number_in(const TomlReader& reader, const toml::table& table, const std::string& name,
@@ -86,7 +87,7 @@ Growth growth(const TomlReader& reader, const toml::table& table) {
   Growth found;
   const std::string laws_allowed = "[{ coefficient_mm, exponent }, ...]";
   const toml::node& laws = reader.required(table, name, "laws");
-  for (const toml::node& node : reader.list(laws, "laws", kMostEntries, laws_allowed)) {
+  for (const toml::node& node : reader.list(laws, "laws", kMostLaws, laws_allowed)) {
     const toml::table* law = node.as_table();
     if (!law) reader.refuse(node, "laws", laws_allowed);
     reader.check_keys(*law, "laws", {"coefficient_mm", "exponent"});
@@ -100,8 +101,7 @@ Growth growth(const TomlReader& reader, const toml::table& table) {
                                            1e-6, 0.5, "a number from 1e-6 to 0.5");
   const std::string ratios_allowed = "[nu, ...], numbers from 0 to 0.5";
   const toml::node& ratios = reader.required(table, name, "poisson_ratio");
-  for (const toml::node& node :
-       reader.list(ratios, "poisson_ratio", kMostEntries, ratios_allowed)) {
+  for (const toml::node& node : reader.list(ratios, "poisson_ratio", kMostLaws, ratios_allowed)) {
     const double value = reader.number(node, "poisson_ratio", ratios_allowed);
     if (value < 0 || value > 0.5) reader.refuse(node, "poisson_ratio", ratios_allowed);
     found.poisson_ratios.push_back(value);

@@ -308,10 +308,10 @@ json page_json(const SuiteComparison& suite) {
           marks.push_back(std::move(mark));
       }
   }
-  return {{"atlas", atlas},
-          {"finite_strain",
-           judgement::finite_strain_overview(judgement::finite_strain_atlas().file())},
-          {"experiments", experiments::to_json(experiments::examine_builtin())}};
+  return {
+      {"atlas", atlas},
+      {"finite_strain", judgement::finite_strain_overview(judgement::finite_strain_atlas().file())},
+      {"experiments", experiments::to_json(experiments::examine_builtin())}};
 }
 
 std::string results_csv(const SuiteComparison& suite) {

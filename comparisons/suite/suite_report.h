@@ -27,7 +27,8 @@ bool is_trusted_everywhere(const SuiteComparison& suite);
 nlohmann::json report_json(const SuiteComparison& suite);
 
 /// What the page shows beside report.json: the atlas with the contacts of the suite marked, and the
-/// theory against published measurements. These numbers are the program's own and the same in every report.
+/// theory against published measurements. These numbers are the program's own and the same in every
+/// report.
 nlohmann::json page_json(const SuiteComparison& suite);
 
 /// One row per case, load and model, the finite elements first; empty where a number does not
