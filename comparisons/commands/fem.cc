@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/experiments/experiments_report.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/system/files.h"
@@ -254,7 +255,7 @@ void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solve
     system::write_to_stdout(
         nlohmann::json({{"case", plan.contact_case.id}, {"results", results}}).dump(2) + "\n");
   else
-    system::write_text_to_stdout(text);
+    system::write_text_to_stdout(text + experiments::noise_remark());
 }
 
 int run_fem(const FemOptions& options) {

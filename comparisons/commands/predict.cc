@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/atlas/case_estimate.h"
@@ -149,7 +150,7 @@ int run_predict(const PredictOptions& options) {
                               point["fy_N"].get<double>(), point["torque_Nm"].get<double>() * 1e3);
       }
     }
-    system::write_text_to_stdout(text);
+    system::write_text_to_stdout(text + experiments::noise_remark());
   }
   return 0;
 }

@@ -17,6 +17,7 @@
 #include "comparisons/report/chart_data.h"
 #include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
+#include "comparisons/report/experiments_page.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/style.h"
@@ -347,6 +348,7 @@ Html report_body(const Json& report) {
   const Html simulator = simulator_table(report), cards = model_cards(report);
   const Html speed = speed_accuracy_section(report);
   const Html finite_strain = finite_strain_section(report);
+  const Html experiments = experiments_section(report);
   const bool atlas = !speed.empty();
   Html out =
       "<header><h1>Soft-finger contact: which model holds?</h1>\n"
@@ -358,6 +360,7 @@ Html report_body(const Json& report) {
            ? Html("<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> ")
            : "") +
       (finite_strain.empty() ? Html("") : "<a href=\"#finite-strain\">Large deformation</a> ") +
+      (experiments.empty() ? Html("") : "<a href=\"#experiments\">Experiments</a> ") +
       "<a href=\"#reading\">How to read</a> " +
       (cards.empty() ? Html("") : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
@@ -365,7 +368,7 @@ Html report_body(const Json& report) {
          overview_charts() + usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
   for (const Json& report_case : child(report, "cases")) out += case_section(report, report_case);
   return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
-         finite_strain + how_to_read(report) + cards + provenance(report);
+         finite_strain + experiments + how_to_read(report) + cards + provenance(report);
 }
 
 }  // namespace

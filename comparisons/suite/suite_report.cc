@@ -9,6 +9,7 @@
 #include <fstream>
 #include <initializer_list>
 
+#include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/prediction/answer_json.h"
@@ -307,9 +308,10 @@ json page_json(const SuiteComparison& suite) {
           marks.push_back(std::move(mark));
       }
   }
-  return {{"atlas", atlas},
-          {"finite_strain",
-           judgement::finite_strain_overview(judgement::finite_strain_atlas().file())}};
+  return {
+      {"atlas", atlas},
+      {"finite_strain", judgement::finite_strain_overview(judgement::finite_strain_atlas().file())},
+      {"experiments", experiments::to_json(experiments::examine_builtin())}};
 }
 
 std::string results_csv(const SuiteComparison& suite) {

@@ -26,8 +26,9 @@ bool is_trusted_everywhere(const SuiteComparison& suite);
 /// report.json. Links to VTU files are relative to the folder that holds it.
 nlohmann::json report_json(const SuiteComparison& suite);
 
-/// What the page shows beside report.json: the atlas with the contacts of the suite marked. These
-/// numbers are the program's own and the same in every report.
+/// What the page shows beside report.json: the atlas with the contacts of the suite marked, and the
+/// theory against published measurements. These numbers are the program's own and the same in every
+/// report.
 nlohmann::json page_json(const SuiteComparison& suite);
 
 /// One row per case, load and model, the finite elements first; empty where a number does not

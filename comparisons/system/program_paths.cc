@@ -69,6 +69,7 @@ fs::path find_builtin(const std::string& typed, const char* folder, const char* 
 std::vector<fs::path> builtin_case_files() { return builtin_files("cases"); }
 std::vector<fs::path> builtin_scene_files() { return builtin_files("scenes"); }
 std::vector<fs::path> builtin_sweep_files() { return builtin_files("sweeps"); }
+std::vector<fs::path> builtin_experiment_files() { return builtin_files("experiments"); }
 
 fs::path find_case_file(const std::string& typed) { return find_builtin(typed, "cases", "case"); }
 fs::path find_scene_file(const std::string& typed) {
@@ -77,6 +78,10 @@ fs::path find_scene_file(const std::string& typed) {
 
 fs::path find_sweep_file(const std::string& typed) {
   return find_builtin(typed, "sweeps", "sweep");
+}
+
+fs::path find_experiment_file(const std::string& typed) {
+  return find_builtin(typed, "experiments", "data set");
 }
 
 fs::path find_mesh_file(const std::string& typed, const fs::path& folder) {

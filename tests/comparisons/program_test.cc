@@ -967,12 +967,49 @@ TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
   expect_refusal({"extremes", "--points", "10"}, "--points");
 }
 
+TEST_F(Program, HoldsTheTheoryAgainstMeasurements) {
+  // Some of the built-in data sets are at odds with the theory.
+  const ProgramRun all = run({"experiments", "--json", "--page", "rubber.html"});
+  EXPECT_EQ(all.status, 1) << all.err;
+  const json result = json::parse(all.out);
+  ASSERT_GE(result["experiments"].size(), 9U);
+  int failed = 0;
+  for (const json& set : result["experiments"]) {
+    failed += set["verdict"] == "fails";
+    EXPECT_FALSE(set["source"].get<std::string>().empty());
+    for (const json& finding : set["findings"])
+      EXPECT_TRUE(finding["predicted"].is_number()) << finding;
+    for (const json& number : set["inferred"]) EXPECT_TRUE(number["value"].is_number()) << number;
+  }
+  EXPECT_GT(failed, 0);
+  EXPECT_NE(file_text(folder.path() / "rubber.html").find("suntouch_v3"), std::string::npos);
+
+  const ProgramRun one = run({"experiments", "suntouch_v3"});
+  EXPECT_EQ(one.status, 0) << one.err;
+  EXPECT_NE(one.out.find("h = 3.85 mm"), std::string::npos) << one.out;
+  // A data set of one's own.
+  folder.write("mine.toml",
+               "id = \"mine\"\nwhat = \"w\"\nsource = \"s\"\ncertainty = \"c\"\nunknown = []\n"
+               "[observation]\nquantity = \"torque_exponent\"\nvalue = 1.3\n"
+               "supposed_uncertainty = 0.05\n");
+  const ProgramRun mine = run({"experiments", "mine.toml"});
+  EXPECT_EQ(mine.status, 0) << mine.err;
+  EXPECT_EQ(mine.out.rfind("agrees       mine", 0), 0U) << mine.out;
+  expect_refusal({"experiments", "suntouch"}, "did you mean \"suntouch_v3\"");
+  expect_refusal({"experiments", "--page", ""}, "--page");
+
+  // Torques are printed to four digits.
+  EXPECT_NE(
+      run({"predict", "seed_thumb"}).out.find("two fingers of one gripper differ by 26 to 51 %"),
+      std::string::npos);
+}
+
 TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
   for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
-                                    "export", "list", "explain", "lcp"}) {
+                                    "experiments", "export", "list", "explain", "lcp"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -7,7 +7,8 @@
 #   all of these <- dynamics
 #   input <- meshes <- fem
 #   everything <- comparisons, and in it:
-#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes
+#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes,
+#   experiments
 #   all of these <- report <- suite, sweep <- commands, distributed
 # The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
@@ -67,6 +68,7 @@ room(simulation "^fcl/" "^meshes/")
 room(judgement)
 room(exporting)
 room(extremes)
+room(experiments)
 room(report)
 room(suite)
 room(sweep "^toml[+][+]/")
