@@ -7,7 +7,8 @@
 #   all of these <- dynamics
 #   input <- meshes <- fem
 #   everything <- comparisons, and in it:
-#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes
+#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes,
+#   calibration
 #   all of these <- report <- suite, sweep <- commands, distributed
 # The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
@@ -60,13 +61,14 @@ macro(room name)
 endmacro()
 room(text)
 room(system)
-room(input "^toml[+][+]/" "^meshes/io/")
+room(input "^toml[+][+]/" "^png[.]h$" "^meshes/io/")
 room(prediction "^meshes/")
 room(reference)
 room(simulation "^fcl/" "^meshes/")
 room(judgement)
 room(exporting)
 room(extremes)
+room(calibration "^toml[+][+]/")
 room(report)
 room(suite)
 room(sweep "^toml[+][+]/")

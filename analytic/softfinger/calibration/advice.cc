@@ -464,11 +464,33 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
   return sentences;
 }
 
+namespace {
+
+constexpr double kLeastGoodness = 1e-6, kMostScatter = 0.3, kSupposedStd = 0.1;
+
+double largest_scatter(const Calibration& calibration) {
+  return *std::max_element(calibration.scatter.begin(), calibration.scatter.end());
+}
+
+bool explains(const Calibration& calibration) {
+  const double scatter = largest_scatter(calibration);
+  return scatter == 0 ? calibration.goodness >= kLeastGoodness : scatter <= kMostScatter;
+}
+
+}  // namespace
+
 std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration) {
-  constexpr double kLeastGoodness = 1e-6, kMostScatter = 0.3, kSupposedStd = 0.1;
-  const double scatter = *std::max_element(calibration.scatter.begin(), calibration.scatter.end());
+  if (explains(calibration)) return {};
+  for (const std::string_view name : {"hertz", "winkler", "bonded_layer", "fingertip_layer"}) {
+    CalibrationProblem other = problem;
+    other.model = find_pressure_model(name);
+    if (!other.model || other.model == problem.model) continue;
+    other.free = parameters_of(problem, name);
+    other.start = calibration.values;
+    if (!other.free.empty() && explains(calibrate(other))) return {};
+  }
+  const double scatter = largest_scatter(calibration);
   const bool has_own_errors = scatter == 0;
-  if (has_own_errors ? calibration.goodness >= kLeastGoodness : scatter <= kMostScatter) return {};
   std::vector<std::pair<double, std::size_t>> worst;
   for (std::size_t i = 0; i < calibration.deviation.size(); ++i) {
     const double sigmas =
@@ -478,12 +500,11 @@ std::string contradiction(const CalibrationProblem& problem, const Calibration& 
     worst.push_back({-std::abs(sigmas), i});
   }
   std::sort(worst.begin(), worst.end());
-  std::string result = has_own_errors
-                           ? "no model explains the data within their errors"
-                           : text(
-                                 "no model explains the data to better than %.0f %% (sigma below: "
-                                 "10 %%)",
-                                 100 * scatter);
+  std::string result =
+      has_own_errors
+          ? "no model explains the data within their errors"
+          : text("no model explains the data to better than %.0f %% (sigma below: 10 %%)",
+                 100 * scatter);
   for (std::size_t i = 0; i < std::min<std::size_t>(3, worst.size()); ++i) {
     const Measurement& measurement = problem.measurements.values[worst[i].second];
     result +=
