@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/prediction/answer_text.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/calibration/statistics.h"
@@ -234,6 +233,30 @@ json next_json(const NextMeasurement& next) {
           {"std_then", text::finite_or_null(next.std_then)}};
 }
 
+/// The parameters of the case that were not looked for.
+std::vector<Parameter> known_parameters(const CaseCalibration& calibration) {
+  const ShearLaw& law = calibration.fitted.shear_law;
+  std::vector<Parameter> known;
+  for (const Parameter parameter :
+       {Parameter::youngs_modulus, Parameter::thickness, Parameter::poisson_ratio,
+        Parameter::radius, Parameter::friction_coefficient, Parameter::shear_strength})
+    if (!calibration.estimate(parameter) &&
+        (parameter != Parameter::friction_coefficient || law.has_friction_coefficient()) &&
+        (parameter != Parameter::shear_strength || law.has_shear_strength()))
+      known.push_back(parameter);
+  return known;
+}
+
+/// "27 values at 8 loads, 0.2 to 10 N, fitted with fingertip_layer; 1 of them left out".
+std::string headline(const CaseCalibration& calibration) {
+  const std::size_t outliers = calibration.found.outliers.size();
+  const std::vector<double>& loads_N = calibration.table.loads_N;
+  return fmt::format("{} values at {} loads, {:g} to {:g} N, fitted with {}{}",
+                     calibration.table.values.size(), loads_N.size(), loads_N.front(),
+                     loads_N.back(), calibration.problem.model->card().name,
+                     outliers == 0 ? "" : fmt::format("; {} of them left out", outliers));
+}
+
 std::string parameter_table(const CaseCalibration& calibration) {
   std::string out = fmt::format("  {:<22}{:>16}{:>14}   {}\n", "", "value", "std", "95 % interval");
   for (const ParameterEstimate& estimate : calibration.found.parameters) {
@@ -250,14 +273,17 @@ std::string parameter_table(const CaseCalibration& calibration) {
                     estimate.is_high_open ? "..." : "", space, unit.name,
                     estimate.is_determined() ? "" : "   not determined");
   }
+  for (const Parameter parameter : known_parameters(calibration))
+    out += fmt::format("  {:<22}{:>16}{:>14}   taken as known\n", range_of(parameter).name,
+                       in_words(parameter, calibration.found.values[index_of(parameter)]), "");
   return out;
 }
 
 std::string model_table(const std::vector<Comparison>& comparisons, bool laws) {
-  std::string out = fmt::format("  {:<22}{:>12}{:>12}{:>28}\n", laws ? "shear law" : "model", "AIC",
+  std::string out = fmt::format("  {:<18}{:>8}{:>10}{:>32}\n", laws ? "shear law" : "model", "AIC",
                                 "scatter", "upper third of loads, off by");
   for (const Comparison& comparison : comparisons)
-    out += fmt::format("  {:<22}{:>12}{:>12}{:>28}\n",
+    out += fmt::format("  {:<18}{:>8}{:>10}{:>32}\n",
                        laws ? std::string(ShearLaw{comparison.shear_law}.name())
                             : std::string(comparison.model->card().name),
                        fmt::format("+{:.1f}", comparison.aic - comparisons.front().aic),
@@ -281,13 +307,7 @@ std::vector<std::string> sentences(const CaseCalibration& calibration) {
 }  // namespace
 
 std::string describe(const CaseCalibration& calibration) {
-  const std::size_t outliers = calibration.found.outliers.size();
-  std::string out =
-      fmt::format("{}\n{} values at {} loads, {} to {} N, fitted with {}{}\n",
-                  prediction::describe(calibration.fitted), calibration.table.values.size(),
-                  calibration.table.loads_N.size(), calibration.table.loads_N.front(),
-                  calibration.table.loads_N.back(), calibration.problem.model->card().name,
-                  outliers == 0 ? "" : fmt::format("; {} left out as outliers", outliers));
+  std::string out = calibration.fitted.id + ": " + headline(calibration) + "\n";
   out += "\n" + parameter_table(calibration) + "\n";
   for (const std::string& sentence : sentences(calibration)) out += sentence + "\n";
   if (calibration.cannot_tell.empty())
@@ -308,14 +328,8 @@ nlohmann::json to_json(const CaseCalibration& calibration) {
   json parameters = json::object(), fixed = json::object();
   for (const ParameterEstimate& estimate : found.parameters)
     parameters[name_of(estimate.parameter)] = estimate_json(estimate);
-  const ShearLaw& law = calibration.fitted.shear_law;
-  for (const Parameter parameter :
-       {Parameter::youngs_modulus, Parameter::thickness, Parameter::poisson_ratio,
-        Parameter::radius, Parameter::friction_coefficient, Parameter::shear_strength})
-    if (!calibration.estimate(parameter) &&
-        (parameter != Parameter::friction_coefficient || law.has_friction_coefficient()) &&
-        (parameter != Parameter::shear_strength || law.has_shear_strength()))
-      fixed[name_of(parameter)] = found.values[index_of(parameter)];
+  for (const Parameter parameter : known_parameters(calibration))
+    fixed[name_of(parameter)] = found.values[index_of(parameter)];
 
   json residuals = json::array(), outliers = json::array();
   for (std::size_t i = 0; i < calibration.table.values.size(); ++i) {
@@ -350,7 +364,7 @@ nlohmann::json to_json(const CaseCalibration& calibration) {
       {"case", calibration.fitted.id},
       {"data", calibration.table.file},
       {"model", calibration.problem.model->card().name},
-      {"shear_law", law.name()},
+      {"shear_law", calibration.fitted.shear_law.name()},
       {"parameters", parameters},
       {"fixed", fixed},
       {"covariance", covariance_json(calibration)},
@@ -396,7 +410,7 @@ nlohmann::json page_data(const CaseCalibration& calibration, const std::string& 
   result["ellipses"] = ellipses;
   result["sentences"] = sentences(calibration);
   result["next_sentence"] = next_sentence(calibration.next);
-  result["description"] = prediction::describe(calibration.fitted);
+  result["description"] = headline(calibration);
   result["question"] = calibration.fitted.question;
   result["data_csv"] = data_text;
   return result;

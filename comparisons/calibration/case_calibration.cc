@@ -153,6 +153,7 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
   CaseCalibration result;
   result.fitted = contact_case;
   result.table = table;
+  result.fixed = request.fixed;
   CalibrationProblem& problem = result.problem;
   problem.model = request.model;
   problem.shear_law = contact_case.shear_law.kind;

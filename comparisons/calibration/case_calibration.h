@@ -21,6 +21,7 @@ struct Request {
 struct CaseCalibration {
   input::Case fitted;  ///< the case with what was found; its geometry is unchanged
   input::MeasurementTable table;
+  std::vector<std::pair<Parameter, double>> fixed;  ///< as requested
   CalibrationProblem problem;
   Calibration found;
   /// Of meshes, whose local geometry depends on the contact's size: how often fit and geometry were
@@ -62,7 +63,8 @@ struct ConfidenceEllipse {
 /// For each pair of layer parameters; empty where the covariance is not known.
 std::vector<ConfidenceEllipse> confidence_ellipses(const CaseCalibration& calibration);
 
-/// The case file with what was found in place of its values, checked by reading it again.
+/// The case file with what was found or fixed in place of its values, and all else as it was typed.
+/// Checked by reading it again.
 /// @param path  where it is to be written: names of meshes stay relative to the same folder only
 std::string fitted_case_text(const CaseCalibration& calibration, const std::filesystem::path& path);
 

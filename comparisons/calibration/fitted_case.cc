@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -11,40 +12,83 @@ namespace softfinger::calibration {
 namespace fs = std::filesystem;
 namespace {
 
-/// As people write it: six digits are more than any measurement has.
-double written(double value) { return std::stod(fmt::format("{:.6g}", value)); }
-
-void scale(toml::node* node, double factor) {
-  if (!node) return;
-  if (toml::array* list = node->as_array()) {
-    for (std::size_t i = 0; i < list->size(); ++i)
-      list->replace(list->cbegin() + std::ptrdiff_t(i),
-                    written(*(*list)[i].value<double>() * factor));
+/// Replacements in the text of a file, so that everything else, comments too, stays as typed.
+class Edits {
+ public:
+  explicit Edits(const std::string& text) : text_(text) {
+    starts_.push_back(0);
+    for (std::size_t i = 0; i < text.size(); ++i)
+      if (text[i] == '\n') starts_.push_back(i + 1);
   }
-}
 
-void scale_radii(toml::table& geometry, double factor) {
-  scale(geometry.get("relative_radii_mm"), factor);
-  for (const char* name : {"finger", "object"}) {
-    toml::table* body = geometry[name].as_table();
-    if (!body) continue;
-    scale(body->get("radii_mm"), factor);
-    if (const auto sphere = (*body)["sphere_radius_mm"].value<double>())
-      body->insert_or_assign("sphere_radius_mm", written(*sphere * factor));
+  /// As people write it: six digits are more than any measurement has.
+  void set(const toml::node& node, double value) { add(node, fmt::format("{:.6g}", value)); }
+  void set(const toml::node& node, const std::string& word) {
+    std::ostringstream quoted;
+    quoted << toml::value<std::string>(word);
+    add(node, quoted.str());
   }
+
+  std::string result() {
+    std::sort(edits_.begin(), edits_.end(),
+              [](const Edit& one, const Edit& other) { return one.from > other.from; });
+    std::string text = text_;
+    for (const Edit& edit : edits_) text.replace(edit.from, edit.to - edit.from, edit.word);
+    return text;
+  }
+
+ private:
+  struct Edit {
+    std::size_t from, to;
+    std::string word;
+  };
+
+  void add(const toml::node& node, const std::string& word) {
+    edits_.push_back({place(node.source().begin), place(node.source().end), word});
+  }
+
+  /// The parser counts columns in characters, from 1.
+  std::size_t place(const toml::source_position& position) const {
+    std::size_t at = starts_[position.line - 1];
+    for (std::size_t column = 1; column < position.column && at < text_.size(); ++column) {
+      ++at;
+      while (at < text_.size() && (static_cast<unsigned char>(text_[at]) & 0xc0) == 0x80) ++at;
+    }
+    return at;
+  }
+
+  const std::string& text_;
+  std::vector<std::size_t> starts_;  ///< of the lines
+  std::vector<Edit> edits_;
+};
+
+void scale_radii(Edits& edits, const toml::table& geometry, double factor) {
+  const auto scale = [&](const toml::node* node) {
+    if (!node) return;
+    if (const toml::array* list = node->as_array())
+      for (const toml::node& entry : *list) edits.set(entry, *entry.value<double>() * factor);
+    else
+      edits.set(*node, *node->value<double>() * factor);
+  };
+  scale(geometry.get("relative_radii_mm"));
+  for (const char* name : {"finger", "object"})
+    if (const toml::table* body = geometry[name].as_table()) {
+      scale(body->get("radii_mm"));
+      scale(body->get("sphere_radius_mm"));
+    }
 }
 
 /// Files are looked up beside the case: from another folder they need their whole path.
-void make_absolute(toml::table& geometry, const input::Case& contact_case) {
+void make_absolute(Edits& edits, const toml::table& geometry, const input::Case& contact_case) {
   const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
   if (!pair) return;
   const auto set = [&](const char* name, const input::CaseBody& body) {
     const auto* mesh = std::get_if<input::MeshBody>(&body);
-    toml::table* table = geometry[name].as_table();
+    const toml::table* table = geometry[name].as_table();
     if (!mesh || !table) return;
-    table->insert_or_assign("mesh", fs::absolute(mesh->path).lexically_normal().string());
-    if (toml::table* core = (*table)["core"].as_table(); core && !mesh->core.empty())
-      core->insert_or_assign("mesh", fs::absolute(mesh->core).lexically_normal().string());
+    edits.set(*table->get("mesh"), fs::absolute(mesh->path).lexically_normal().string());
+    if (const toml::table* core = (*table)["core"].as_table(); core && !mesh->core.empty())
+      edits.set(*core->get("mesh"), fs::absolute(mesh->core).lexically_normal().string());
   };
   set("finger", pair->finger);
   set("object", pair->object);
@@ -59,46 +103,56 @@ std::string interval_text(const ParameterEstimate& estimate) {
                      estimate.is_determined() ? "" : ", not determined");
 }
 
+void write(Edits& edits, Parameter parameter, double value, const toml::table& layer,
+           const toml::table& contact) {
+  switch (parameter) {
+    case Parameter::youngs_modulus:
+      return edits.set(*layer.get("youngs_modulus_kPa"), value * 1e-3);
+    case Parameter::thickness:
+      return edits.set(*layer.get("thickness_mm"), value * 1e3);
+    case Parameter::poisson_ratio:
+      return edits.set(*layer.get("poisson_ratio"), value);
+    case Parameter::friction_coefficient:
+      return edits.set(*contact.get("friction_coefficient"), value);
+    case Parameter::shear_strength:
+      return edits.set(*contact.get("shear_strength_kPa"), value * 1e-3);
+    default:
+      return;
+  }
+}
+
 }  // namespace
 
 std::string fitted_case_text(const CaseCalibration& calibration, const fs::path& path) {
   const input::Case& fitted = calibration.fitted;
-  const ParameterValues& values = calibration.found.values;
-  toml::table root = input::parse_toml(fitted.text, fitted.file.string());
-  toml::table& geometry = *root["geometry"].as_table();
-  const auto of = [&](Parameter parameter) { return values[index_of(parameter)]; };
-  const auto set = [&](const char* table, const char* key, double value) {
-    root[table].as_table()->insert_or_assign(key, written(value));
-  };
+  const toml::table root = input::parse_toml(fitted.text, fitted.file.string());
+  const toml::table& geometry = *root["geometry"].as_table();
+  const toml::table& contact = *root["contact"].as_table();
   // [[layer]] with a single entry is one layer, too.
-  const char* const layer = fitted.layer_on_object ? "object_layer" : "layer";
-  toml::table* target = root[layer].as_table();
-  if (!target) target = root[layer].as_array()->get(0)->as_table();
-  target->insert_or_assign("thickness_mm", written(of(Parameter::thickness) * 1e3));
-  target->insert_or_assign("youngs_modulus_kPa", written(of(Parameter::youngs_modulus) * 1e-3));
-  target->insert_or_assign("poisson_ratio", written(of(Parameter::poisson_ratio)));
-  if (fitted.shear_law.has_friction_coefficient())
-    set("contact", "friction_coefficient", of(Parameter::friction_coefficient));
-  if (fitted.shear_law.has_shear_strength())
-    set("contact", "shear_strength_kPa", of(Parameter::shear_strength) * 1e-3);
+  const auto named = root[fitted.layer_on_object ? "object_layer" : "layer"];
+  const toml::table& layer =
+      named.is_table() ? *named.as_table() : *named.as_array()->get(0)->as_table();
+  Edits edits(fitted.text);
+  for (const ParameterEstimate& estimate : calibration.found.parameters)
+    write(edits, estimate.parameter, estimate.value, layer, contact);
+  for (const auto& [parameter, value] : calibration.fixed)
+    write(edits, parameter, value, layer, contact);
   const RelativeRadii& radii = calibration.problem.measurements.contacts[0].radii;
-  const double factor =
-      of(Parameter::radius) / (std::sqrt(radii.major_m) * std::sqrt(radii.minor_m));
-  if (std::abs(factor - 1) > 1e-9) scale_radii(geometry, factor);
+  const double factor = calibration.found.values[index_of(Parameter::radius)] /
+                        (std::sqrt(radii.major_m) * std::sqrt(radii.minor_m));
+  if (std::abs(factor - 1) > 1e-9) scale_radii(edits, geometry, factor);
   if (fs::absolute(path).lexically_normal().parent_path() !=
       fs::absolute(fitted.file).lexically_normal().parent_path())
-    make_absolute(geometry, fitted);
+    make_absolute(edits, geometry, fitted);
   const std::string suffix = "_fitted";
   if (fitted.id.size() + suffix.size() <= input::kLongestName)
-    root.insert_or_assign("id", fitted.id + suffix);
+    edits.set(*root.get("id"), fitted.id + suffix);
 
   std::string text = fmt::format("# Fitted by softfinger calibrate with {}:\n",
                                  calibration.problem.model->card().name);
   for (const ParameterEstimate& estimate : calibration.found.parameters)
     text += interval_text(estimate);
-  std::ostringstream written_table;
-  written_table << root;
-  text += written_table.str() + "\n";
+  text += edits.result();
   input::parse_case(text, path);
   return text;
 }

@@ -83,14 +83,17 @@ MaskedContact parse_mask(const std::string& bytes, double metres_per_pixel, bool
                      fmt::format("pixels {} than half; {}", is_dark ? "darker" : "lighter", other));
   const double count = double(contact.pixels);
   const double mean_x = sum_x / count, mean_y = sum_y / count;
-  // Each pixel is a square, not a point.
-  const double xx = sum_xx / count - mean_x * mean_x + 1. / 12;
-  const double yy = sum_yy / count - mean_y * mean_y + 1. / 12;
+  const double xx = sum_xx / count - mean_x * mean_x;
+  const double yy = sum_yy / count - mean_y * mean_y;
   const double xy = sum_xy / count - mean_x * mean_y;
   const double half = std::hypot(0.5 * (xx - yy), xy);
   const double unit = metres_per_pixel;
-  contact.a_m = 2 * unit * std::sqrt(0.5 * (xx + yy) + half);
-  contact.b_m = 2 * unit * std::sqrt(std::max(0.5 * (xx + yy) - half, 1. / 12));
+  // A single pixel is a square, not a point.
+  const auto semi_axis_m = [&](double moment) {
+    return 2 * unit * std::sqrt(std::max(moment, 1. / 12));
+  };
+  contact.a_m = semi_axis_m(0.5 * (xx + yy) + half);
+  contact.b_m = semi_axis_m(0.5 * (xx + yy) - half);
   contact.axis_rad = 0.5 * std::atan2(2 * xy, xx - yy);
   contact.centre_m = {unit * (mean_x + middle_x), unit * (middle_y - mean_y)};
   contact.area_m2 = unit * unit * count;

@@ -36,8 +36,8 @@
       x: {type: "log", domain: shown, label: "load, N →", ticks: ticksOf(shown, width / 55), tickFormat: labelOf},
       y: {type: "log", domain: range, label: `↑ ${quantity.label}, ${quantity.unit}`, ticks: ticksOf(range, 7), tickFormat: labelOf, clamp: true},
       marks: [
-        Plot.areaY(band, {x: "load", y1: "low", y2: "high", fill: quantity.colour, fillOpacity: 0.22, clip: true}),
-        Plot.line(curve, {x: "load", y: "value", stroke: quantity.colour, strokeWidth: 2}),
+        Plot.areaY(band, {x: "load", y1: "low", y2: "high", fill: quantity.colour, fillOpacity: 0.35, clip: true}),
+        Plot.line(curve, {x: "load", y: "value", stroke: quantity.colour, strokeWidth: 1.25}),
         Plot.link(used.filter((p) => p.low > 0), {x1: "x", x2: "x", y1: "low", y2: "high", stroke: "var(--ink)", strokeOpacity: 0.6, clip: true}),
         Plot.dot(used, {x: "x", y: "y", r: 3.5, fill: "var(--ink)"}),
         Plot.dot(left, {x: "x", y: "y", r: 5, symbol: "times", stroke: "var(--bad)", strokeWidth: 2}),
@@ -54,7 +54,7 @@
     if (!points.length) return null;
     // Outliers far away would flatten all others: they stand at the edge.
     const used = points.filter((p) => !p.outlier);
-    const reach = Math.max(3, 1.15 * (d3.max(used, (p) => Math.abs(p.y)) ?? 0), Math.min(8, 1.1 * d3.max(points, (p) => Math.abs(p.y))));
+    const reach = Math.max(3, 1.15 * (d3.max(used, (p) => Math.abs(p.y)) ?? 0), Math.min(5, 1.1 * d3.max(points, (p) => Math.abs(p.y))));
     const domain = d3.extent(points, (p) => p.x);
     const shown = domain[0] < domain[1] ? widened(domain, 1.1) : widened(domain, 1.5);
     const inside = (p) => ({...p, y: Math.max(-reach, Math.min(reach, p.y))});

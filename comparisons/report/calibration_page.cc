@@ -119,7 +119,8 @@ Html parameter_section(const Json& calibration) {
                              "<th scope=\"col\" class=\"words\"></th>",
                          rows) +
          "<p class=\"facts\">Outside its interval a parameter makes even the best fit of the "
-         "others so much worse that chance explains it in 5 % of all cases (profile likelihood), "
+         "others so much worse that chance explains it in 5\u00a0% of all cases (profile "
+         "likelihood), "
          "if the model is right. Determined: the interval spans less than a factor of two.</p>\n" +
          sentence_list(child(calibration, "sentences"));
 }
@@ -152,15 +153,18 @@ Html pictures_section(const Json& calibration) {
   Html out =
       "<h2 id=\"fit\">Data and fit</h2>\n<p class=\"facts\">Dots are measured, with bars of two "
       "standard deviations; crosses are outliers, left out of the fit. The line is the fit, the "
-      "band holds the model’s true line with 95 % at each load; single measurements scatter in "
+      "band holds the model’s true line with 95\u00a0% at each load; single measurements scatter "
+      "in "
       "addition.</p>\n<noscript><p class=\"facts\">The pictures need JavaScript; the numbers "
       "are below.</p></noscript>\n<div class=\"charts\">" +
       figures + "</div>\n";
   out +=
       "<h2 id=\"residuals\">Residuals</h2>\n<div class=\"charts single\"><figure "
       "data-chart=\"residuals\"><figcaption>(measured − fit) / standard deviation. Of a right "
-      "model and right errors 95 % lie between the dashed lines, in no order; a bow says that the "
-      "model is wrong.</figcaption><div class=\"plot\"></div></figure></div>\n";
+      "model and right errors 95\u00a0% lie between the dashed lines, in no order; a bow says that "
+      "the "
+      "model is wrong. Crosses are outliers, at the edge where they lie beyond "
+      "it.</figcaption><div class=\"plot\"></div></figure></div>\n";
   return out;
 }
 
@@ -178,7 +182,7 @@ Html confidence_section(const Json& calibration) {
     if (!x || !y) continue;
     figures += html(
         "<figure data-chart=\"confidence\" data-ellipse=\"{}\"><figcaption><b>{} and {}</b>. The "
-        "ellipse holds both together with 95 % by their covariance; the dashed box is the two "
+        "ellipse holds both together with 95\u00a0% by their covariance; the dashed box is the two "
         "intervals, which follow the fit farther than a covariance can.</figcaption><div "
         "class=\"plot\"></div></figure>\n",
         i, x->words, y->words);

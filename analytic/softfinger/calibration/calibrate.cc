@@ -89,6 +89,7 @@ class Calibrator {
       result = summary();
       find_intervals(result);
       if (best_.sum_of_squares > 0.999 * sum) break;
+      restore_errors();
       settle_scatter();
     }
     return result;
@@ -264,6 +265,12 @@ class Calibrator {
     }
   }
 
+  /// Own errors as they were given: whether they explain a better fit is to be asked anew.
+  void restore_errors() {
+    for (Weight& weight : weights_) weight.std /= error_factor_;
+    error_factor_ = 1;
+  }
+
   Calibration summary() {
     const auto& values = problem_.measurements.values;
     Calibration result;
@@ -279,7 +286,8 @@ class Calibrator {
         freedom_ = result.freedom = freedom;
       }
     }
-    for (Weight& weight : weights_) weight.std *= result.error_factor;
+    error_factor_ = result.error_factor;
+    for (Weight& weight : weights_) weight.std *= error_factor_;
     best_.sum_of_squares = squares_.sum_of_squares(best_.values);
     result.weights = weights_;
     result.values = best_.values;
@@ -406,7 +414,7 @@ class Calibrator {
   Fit best_;
   std::vector<ParameterValues> optima_;  ///< where the searches from all starting points ended
   std::array<double, kMeasuredQuantities> scatter_{};
-  double freedom_ = kInfinity;
+  double freedom_ = kInfinity, error_factor_ = 1;
 };
 
 }  // namespace
