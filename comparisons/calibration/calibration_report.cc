@@ -175,6 +175,21 @@ std::string geometry_sentence(const CaseCalibration& calibration) {
                                         "nothing");
 }
 
+/// Where the limit of LeastSquares takes part in the numbers.
+std::string compression_sentence(const CaseCalibration& calibration) {
+  const CalibrationProblem& problem = calibration.problem;
+  if (!contains(problem.free, Parameter::thickness)) return {};
+  const double compression =
+      std::exp(PredictedMeasurements{*problem.model, problem.measurements, problem.shear_law}
+                   .log_compression(calibration.found.values, nullptr));
+  if (!(compression > 0.8 * kMostCompression)) return {};
+  return fmt::format(
+      "At {:g} N this layer is pressed together by {:.0f} %. The models are not trusted beyond "
+      "{:.0f} "
+      "%, and thinner layers were ruled out for that reason alone.",
+      calibration.table.loads_N.back(), 100 * compression, 100 * kMostCompression);
+}
+
 std::string growth_sentence(const GrowthExponent& growth) {
   if (!growth.is_known) return {};
   return fmt::format("The contact's width grows as P^({:.3f} ± {:.3f}).", growth.value, growth.std);
@@ -299,6 +314,7 @@ std::vector<std::string> sentences(const CaseCalibration& calibration) {
   for (const std::size_t outlier : calibration.found.outliers)
     result.push_back(outlier_sentence(calibration, outlier));
   result.push_back(geometry_sentence(calibration));
+  result.push_back(compression_sentence(calibration));
   result.push_back(growth_sentence(calibration.growth));
   result.erase(std::remove(result.begin(), result.end(), std::string()), result.end());
   return result;

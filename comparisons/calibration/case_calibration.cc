@@ -222,8 +222,9 @@ std::vector<FittedCurve> fitted_curves(const CaseCalibration& calibration) {
                                                                            &all_slopes);
   // What the data know, also where they do not tell some combination of the parameters at all.
   const PredictedMeasurements measured{*problem.model, problem.measurements, problem.shear_law};
-  const Eigen::MatrixXd jacobian =
-      LeastSquares(measured, calibration.found.weights, false).jacobian(values, problem.free);
+  const Eigen::MatrixXd jacobian = LeastSquares(measured, calibration.found.weights,
+                                                contains(problem.free, Parameter::thickness))
+                                       .jacobian(values, problem.free);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> known(jacobian.transpose() * jacobian);
   const double t = statistics::student_quantile(0.05, calibration.found.freedom);
   std::vector<FittedCurve> curves;

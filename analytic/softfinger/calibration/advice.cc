@@ -187,13 +187,15 @@ void sort_by_aic(std::vector<Comparison>& comparisons) {
       [](const Comparison& one, const Comparison& other) { return one.aic < other.aic; });
 }
 
-/// J^T J of the measurements that count, in the coordinates of the parameters.
+/// J^T J of the measurements that count and of the limit of compression, as the fit has it, in the
+/// coordinates of the parameters.
 Eigen::MatrixXd information(const CalibrationProblem& problem, const Calibration& calibration) {
   const PredictedMeasurements predicted{*problem.model, problem.measurements, problem.shear_law};
   std::vector<Weight> weights = calibration.weights;
   for (const std::size_t outlier : calibration.outliers) weights[outlier].counts = false;
   const Eigen::MatrixXd slopes =
-      LeastSquares(predicted, weights, false).jacobian(calibration.values, problem.free);
+      LeastSquares(predicted, weights, contains(problem.free, Parameter::thickness))
+          .jacobian(calibration.values, problem.free);
   return slopes.transpose() * slopes;
 }
 
