@@ -105,33 +105,43 @@ bool has_scatter(const Calibration& found) {
   return *std::max_element(found.scatter.begin(), found.scatter.end()) > 0;
 }
 
+std::string scatter_sentence(const Calibration& found) {
+  if (!has_scatter(found)) return {};
+  std::vector<std::string> scatters;
+  double least = INFINITY, largest = 0;
+  for (std::size_t i = 0; i < kMeasuredQuantities; ++i) {
+    if (found.scatter[i] == 0) continue;
+    scatters.push_back(words(MeasuredQuantity(i)) + " by " + percent(found.scatter[i]));
+    least = std::min(least, found.scatter[i]);
+    largest = std::max(largest, found.scatter[i]);
+  }
+  return "Values without an error of their own scatter about the fit, " +
+         (largest == least ? "by " + percent(least) : text::joined(scatters)) +
+         "; this was taken as their standard deviation.";
+}
+
+bool has_own_errors(const CaseCalibration& calibration) {
+  return std::any_of(calibration.table.values.begin(), calibration.table.values.end(),
+                     [](const Measurement& value) { return value.std > 0; });
+}
+
 std::string goodness_sentence(const CaseCalibration& calibration) {
   const Calibration& found = calibration.found;
-  if (has_scatter(found)) {
-    std::vector<std::string> scatters;
-    double least = INFINITY, largest = 0;
-    for (std::size_t i = 0; i < kMeasuredQuantities; ++i) {
-      if (found.scatter[i] == 0) continue;
-      scatters.push_back(words(MeasuredQuantity(i)) + " by " + percent(found.scatter[i]));
-      least = std::min(least, found.scatter[i]);
-      largest = std::max(largest, found.scatter[i]);
-    }
-    return "Values without an error of their own scatter about the fit, " +
-           (largest == least ? "by " + percent(least) : text::joined(scatters)) +
-           "; this was taken as their standard deviation.";
-  }
-  const int freedom = int(counted(calibration)) - int(calibration.problem.free.size());
+  std::string scatter = scatter_sentence(found);
+  if (!has_own_errors(calibration)) return scatter;
+  if (!scatter.empty()) scatter = " " + scatter;
   if (found.error_factor > 1)
     return fmt::format(
-        "The stated errors are too small for this fit, by a factor of {:.3g}: they were multiplied "
-        "by it. Chance makes fits this bad with a probability of {:.2g}; see whether another model "
-        "fits better.",
-        found.error_factor, found.goodness);
+               "The stated errors are too small for this fit, by a factor of {:.3g}: they were "
+               "multiplied by it. Chance makes fits this bad with a probability of {:.2g}; see "
+               "whether another model fits better.",
+               found.error_factor, found.goodness) +
+           scatter;
   return fmt::format(
-      "The fit agrees with the stated errors: chi squared {:.3g} for {} degrees of freedom, a "
-      "worse "
-      "one has a probability of {:.0f} %.",
-      found.sum_of_squares, freedom, 100 * found.goodness);
+             "The fit agrees with the stated errors: chance makes worse ones with a probability of "
+             "{:.0f} %.",
+             100 * found.goodness) +
+         scatter;
 }
 
 std::string outlier_sentence(const CaseCalibration& calibration, std::size_t value) {
@@ -145,14 +155,19 @@ std::string outlier_sentence(const CaseCalibration& calibration, std::size_t val
       std::abs(calibration.found.deviation[value]));
 }
 
+/// Whether a standard deviation says anything: of nu half its range does not.
+bool is_informative(Parameter parameter, double std, double value) {
+  return range_of(parameter).logarithmic ? std < 2 * value : std < 0.25;
+}
+
 std::string next_sentence(const NextMeasurement& next) {
   if (!next.exists)
     return "No single further measurement would help much; repeat those that are there.";
   const bool relative = range_of(next.parameter).logarithmic;
   const auto error = [&](double std) {
-    return !std::isfinite(std) || (relative && std > 10) ? std::string("not known at all")
-           : relative                                    ? percent(std)
-                                                         : fmt::format("{:.2g}", std);
+    return !is_informative(next.parameter, std, 1) ? std::string("not known at all")
+           : relative                              ? percent(std)
+                                                   : fmt::format("{:.2g}", std);
   };
   const std::string what = next.is_thickness
                                ? std::string("the thickness itself, with a caliper")
@@ -272,21 +287,28 @@ std::string headline(const CaseCalibration& calibration) {
                      outliers == 0 ? "" : fmt::format("; {} of them left out", outliers));
 }
 
+/// "304 to 321 kPa", "above 1.3 mm", "any".
+std::string interval_text(const ParameterEstimate& estimate) {
+  if (estimate.is_low_open && estimate.is_high_open) return "any";
+  const Unit unit = unit_of(estimate.parameter);
+  const auto number = [&](double value) { return fmt::format("{:.4g}", value * unit.per_SI); };
+  const std::string end = *unit.name ? std::string(" ") + unit.name : "";
+  if (estimate.is_high_open) return "above " + number(estimate.low) + end;
+  if (estimate.is_low_open) return "below " + number(estimate.high) + end;
+  return number(estimate.low) + " to " + number(estimate.high) + end;
+}
+
 std::string parameter_table(const CaseCalibration& calibration) {
   std::string out = fmt::format("  {:<22}{:>16}{:>14}   {}\n", "", "value", "std", "95 % interval");
   for (const ParameterEstimate& estimate : calibration.found.parameters) {
-    const Unit unit = unit_of(estimate.parameter);
-    const auto number = [&](double value) { return fmt::format("{:.4g}", value * unit.per_SI); };
-    const std::string space = *unit.name ? " " : "";
+    const Parameter parameter = estimate.parameter;
     out +=
-        fmt::format("  {:<22}{:>16}{:>14}   {}{} to {}{}{}{}{}\n",
-                    range_of(estimate.parameter).name, number(estimate.value) + space + unit.name,
-                    std::isfinite(estimate.std) && estimate.std < 10 * estimate.value
-                        ? fmt::format("{:.2g}", estimate.std * unit.per_SI)
+        fmt::format("  {:<22}{:>16}{:>14}   {}{}\n", range_of(parameter).name,
+                    in_words(parameter, estimate.value),
+                    is_informative(parameter, estimate.std, estimate.value)
+                        ? fmt::format("{:.2g}", estimate.std * unit_of(parameter).per_SI)
                         : "not known",
-                    estimate.is_low_open ? "(" : "", number(estimate.low), number(estimate.high),
-                    estimate.is_high_open ? "..." : "", space, unit.name,
-                    estimate.is_determined() ? "" : "   not determined");
+                    interval_text(estimate), estimate.is_determined() ? "" : "   not determined");
   }
   for (const Parameter parameter : known_parameters(calibration))
     out += fmt::format("  {:<22}{:>16}{:>14}   taken as known\n", range_of(parameter).name,
@@ -392,7 +414,7 @@ nlohmann::json to_json(const CaseCalibration& calibration) {
       {"residuals", residuals},
       {"goodness",
        {{"sentence", goodness_sentence(calibration)},
-        {"probability", has_scatter(found) ? json() : json(found.goodness)},
+        {"probability", has_own_errors(calibration) ? json(found.goodness) : json()},
         {"error_factor", found.error_factor},
         {"sum_of_squares", found.sum_of_squares},
         {"degrees_of_freedom", int(counted(calibration)) - int(calibration.problem.free.size())},

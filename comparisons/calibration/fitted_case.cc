@@ -94,7 +94,7 @@ void make_absolute(Edits& edits, const toml::table& geometry, const input::Case&
   set("object", pair->object);
 }
 
-std::string interval_text(const ParameterEstimate& estimate) {
+std::string header_line(const ParameterEstimate& estimate) {
   const ParameterRange& range = range_of(estimate.parameter);
   const double factor = range.unit == "m" ? 1e3 : range.unit == "Pa" ? 1e-3 : 1;
   const char* const unit = range.unit == "m" ? " mm" : range.unit == "Pa" ? " kPa" : "";
@@ -151,7 +151,7 @@ std::string fitted_case_text(const CaseCalibration& calibration, const fs::path&
   std::string text = fmt::format("# Fitted by softfinger calibrate with {}:\n",
                                  calibration.problem.model->card().name);
   for (const ParameterEstimate& estimate : calibration.found.parameters)
-    text += interval_text(estimate);
+    text += header_line(estimate);
   text += edits.result();
   input::parse_case(text, path);
   return text;

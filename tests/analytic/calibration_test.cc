@@ -137,7 +137,9 @@ CalibrationProblem measured(const ElasticLayer& layer, double largest_N,
                                                                        nullptr);
   for (std::size_t i = 0; i < problem.measurements.values.size(); ++i) {
     Measurement& value = problem.measurements.values[i];
-    value.value = std::exp(log_values[Eigen::Index(i)]) * (1 + (i % 2 ? -1 : 1) * relative_std);
+    const bool is_less = (value.contact + std::size_t(value.quantity)) % 2 == 1;
+    value.value =
+        std::exp(log_values[Eigen::Index(i)]) * (1 + (is_less ? -relative_std : relative_std));
     value.std = relative_std * value.value;
   }
   return problem;
@@ -240,6 +242,35 @@ TEST(CalibrationAdvice, NamesWhatContradictsEveryModel) {
   for (Measurement& value : problem.measurements.values) value.std = 0;
   const std::string without = contradiction(problem, calibrate(problem));
   EXPECT_EQ(without.find("no model explains the data to better than "), 0u) << without;
+}
+
+TEST(CalibrationAdvice, LooksAtTheErrorsThatSomeValuesHave) {
+  CalibrationProblem problem =
+      measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::a, MeasuredQuantity::indentation}, 0.01,
+               {Parameter::youngs_modulus, Parameter::thickness});
+  for (Measurement& value : problem.measurements.values)
+    if (value.quantity == MeasuredQuantity::indentation) value.std = 0;
+  const Calibration good = calibrate(problem);
+  EXPECT_EQ(contradiction(problem, good), "");
+  EXPECT_EQ(good.error_factor, 1);
+  EXPECT_NEAR(good.scatter[std::size_t(MeasuredQuantity::indentation)], 0.01, 0.004);
+  // Widths that are stated a hundred times more exactly than they are.
+  for (Measurement& value : problem.measurements.values) value.std *= 0.01;
+  const Calibration bad = calibrate(problem);
+  EXPECT_NEAR(std::log(bad.error_factor), std::log(100.), std::log(2.));
+  const std::string reason = contradiction(problem, bad);
+  EXPECT_EQ(reason.find("no model explains the data within their errors: a at "), 0u) << reason;
+  EXPECT_EQ(reason.find("indentation"), std::string::npos) << reason;
+}
+
+TEST(Calibration, DoesNotCallDeterminedWhatEndsWhereTheSearchDid) {
+  ParameterEstimate estimate{Parameter::thickness, 1, 0.1, 0.9, 1, false, true};
+  EXPECT_FALSE(estimate.is_determined());
+  estimate.is_high_open = false;
+  EXPECT_TRUE(estimate.is_determined());
+  const ParameterEstimate poisson_ratio{
+      Parameter::poisson_ratio, 0.5, 1e-3, 0.49, 0.5, false, true};
+  EXPECT_TRUE(poisson_ratio.is_determined()) << "its range ends there by itself";
 }
 
 TEST(CalibrationAdvice, FindsNoContradictionWhereAnotherModelHolds) {

@@ -475,9 +475,12 @@ double largest_scatter(const Calibration& calibration) {
   return *std::max_element(calibration.scatter.begin(), calibration.scatter.end());
 }
 
+bool explains_own_errors(const Calibration& calibration) {
+  return calibration.goodness >= kLeastGoodness;
+}
+
 bool explains(const Calibration& calibration) {
-  const double scatter = largest_scatter(calibration);
-  return scatter == 0 ? calibration.goodness >= kLeastGoodness : scatter <= kMostScatter;
+  return explains_own_errors(calibration) && largest_scatter(calibration) <= kMostScatter;
 }
 
 }  // namespace
@@ -492,22 +495,23 @@ std::string contradiction(const CalibrationProblem& problem, const Calibration& 
     other.start = calibration.values;
     if (!other.free.empty() && explains(calibrate(other))) return {};
   }
-  const double scatter = largest_scatter(calibration);
-  const bool has_own_errors = scatter == 0;
+  const bool contradicts_errors = !explains_own_errors(calibration);
   std::vector<std::pair<double, std::size_t>> worst;
   for (std::size_t i = 0; i < calibration.deviation.size(); ++i) {
+    const bool has_own_error = problem.measurements.values[i].std > 0;
+    if (contradicts_errors && !has_own_error) continue;
     const double sigmas =
-        has_own_errors
+        has_own_error
             ? calibration.deviation[i] * calibration.error_factor
             : (problem.measurements.values[i].value / calibration.predicted[i] - 1) / kSupposedStd;
     worst.push_back({-std::abs(sigmas), i});
   }
   std::sort(worst.begin(), worst.end());
   std::string result =
-      has_own_errors
+      contradicts_errors
           ? "no model explains the data within their errors"
           : text("no model explains the data to better than %.0f %% (sigma below: 10 %%)",
-                 100 * scatter);
+                 100 * largest_scatter(calibration));
   for (std::size_t i = 0; i < std::min<std::size_t>(3, worst.size()); ++i) {
     const Measurement& measurement = problem.measurements.values[worst[i].second];
     result +=

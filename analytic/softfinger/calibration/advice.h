@@ -63,10 +63,10 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
                                      const Calibration& calibration);
 
 /// Measurements that no model explains: for each, its place and by how many standard deviations it
-/// is off from the calibration's, in one line; empty when a model explains them. It does not with
-/// own errors and a goodness below one in a million, or, without, with a scatter of more than 30 %;
-/// the standard deviations are then those of 10 %. Cost where the calibration's own model does not:
-/// a calibration with each other one.
+/// is off from the calibration's, in one line; empty when a model explains them. It does not
+/// where own errors leave a goodness below one in a million, or values without any scatter by more
+/// than 30 %; the standard deviations of these are taken as 10 %. Cost where the calibration's own
+/// model does not: a calibration with each other one.
 std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration);
 
 }  // namespace softfinger

@@ -265,9 +265,14 @@ class Calibrator {
     }
   }
 
+  void multiply_errors(double factor) {
+    for (std::size_t i = 0; i < weights_.size(); ++i)
+      if (has_own_error(i)) weights_[i].std *= factor;
+  }
+
   /// Own errors as they were given: whether they explain a better fit is to be asked anew.
   void restore_errors() {
-    for (Weight& weight : weights_) weight.std /= error_factor_;
+    multiply_errors(1 / error_factor_);
     error_factor_ = 1;
   }
 
@@ -276,18 +281,29 @@ class Calibrator {
     Calibration result;
     result.freedom = freedom_;
     result.scatter = scatter_;
-    const double freedom = double(counted()) - double(problem_.free.size());
-    if (freedom_ == kInfinity && freedom > 0) {
-      result.goodness = statistics::chi_squared_exceeds(best_.sum_of_squares, int(freedom));
+    const bool has_scatter = freedom_ != kInfinity;
+    double own_sum = 0, own_count = 0;
+    const Eigen::VectorXd before = squares_.residuals(best_.values);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!weights_[i].counts || !has_own_error(i)) continue;
+      own_sum += before[Eigen::Index(i)] * before[Eigen::Index(i)];
+      ++own_count;
+    }
+    // Each measurement carries its part of the parameters.
+    const double freedom = own_count * (1 - double(problem_.free.size()) /
+                                                double(std::max<std::size_t>(1, counted())));
+    const int whole = int(freedom + 0.5);
+    if (whole > 0) {
+      result.goodness = statistics::chi_squared_exceeds(own_sum, whole);
       // The particle physicists' factor: errors that do not explain the fit are enlarged until they
       // do.
       if (result.goodness < 0.01) {
-        result.error_factor = std::sqrt(best_.sum_of_squares / freedom);
-        freedom_ = result.freedom = freedom;
+        result.error_factor = std::sqrt(own_sum / freedom);
+        if (!has_scatter) freedom_ = result.freedom = freedom;
       }
     }
     error_factor_ = result.error_factor;
-    for (Weight& weight : weights_) weight.std *= error_factor_;
+    multiply_errors(error_factor_);
     best_.sum_of_squares = squares_.sum_of_squares(best_.values);
     result.weights = weights_;
     result.values = best_.values;
@@ -397,6 +413,9 @@ class Calibrator {
       };
       estimate.low = reach(best_.values, -1, &estimate.is_low_open);
       estimate.high = reach(best_.values, 1, &estimate.is_high_open);
+      // Not above it by a rounding, at a border of the search.
+      estimate.low = std::min(estimate.low, estimate.value);
+      estimate.high = std::max(estimate.high, estimate.value);
       for (const ParameterValues& rival : rivals) {
         if (rival[index_of(parameter)] < estimate.low)
           estimate.low = reach(rival, -1, &estimate.is_low_open);
