@@ -128,6 +128,11 @@ double largest_move(const Calibration& before, const Calibration& now) {
   return largest;
 }
 
+bool is_in_range(Parameter parameter, double at) {
+  return at >= coordinate(parameter, range_of(parameter).lowest) &&
+         at <= coordinate(parameter, range_of(parameter).highest);
+}
+
 ContactProblem contact_at(const CaseCalibration& calibration,
                           const prediction::GeometryResolver& resolver, double load_N) {
   ContactProblem problem = contact_problem(calibration.fitted, resolver.resolve(load_N), load_N);
@@ -275,17 +280,16 @@ std::vector<ConfidenceEllipse> confidence_ellipses(const CaseCalibration& calibr
       const Eigen::LLT<Eigen::Matrix2d> root(pair);
       if (root.info() != Eigen::Success) continue;
       ConfidenceEllipse ellipse{free[i], free[k], {}};
-      constexpr int kPoints = 120;
+      constexpr int kPoints = 360;
       for (int n = 0; n <= kPoints; ++n) {
         const double angle = 2 * kPi * n / kPoints;
         Eigen::Vector2d from_centre =
             root.matrixL() * Eigen::Vector2d(std::cos(angle), std::sin(angle));
         from_centre *= std::sqrt(level);
-        const auto at = [&](Parameter parameter, double move) {
-          return value_at(parameter,
-                          coordinate(parameter, found.values[index_of(parameter)]) + move);
-        };
-        ellipse.points.push_back({at(free[i], from_centre[0]), at(free[k], from_centre[1])});
+        const double x = coordinate(free[i], found.values[index_of(free[i])]) + from_centre[0];
+        const double y = coordinate(free[k], found.values[index_of(free[k])]) + from_centre[1];
+        if (is_in_range(free[i], x) && is_in_range(free[k], y))
+          ellipse.points.push_back({value_at(free[i], x), value_at(free[k], y)});
       }
       ellipses.push_back(std::move(ellipse));
     }

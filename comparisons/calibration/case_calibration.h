@@ -55,7 +55,8 @@ struct FittedCurve {
 std::vector<FittedCurve> fitted_curves(const CaseCalibration& calibration);
 
 /// Where two parameters lie together with a probability of 95 %, by their covariance: points around
-/// an ellipse in their coordinates (the logarithm of all but nu), as values.
+/// an ellipse in their coordinates (the logarithm of all but nu), as values. What lies beyond a
+/// parameter's range is cut off.
 struct ConfidenceEllipse {
   Parameter x, y;
   std::vector<std::pair<double, double>> points;

@@ -6,6 +6,7 @@
 
 #include "comparisons/calibration/case_calibration.h"
 #include "comparisons/input/toml_reader.h"
+#include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::calibration {
@@ -78,17 +79,25 @@ void scale_radii(Edits& edits, const toml::table& geometry, double factor) {
     }
 }
 
-/// Files are looked up beside the case: from another folder they need their whole path.
-void make_absolute(Edits& edits, const toml::table& geometry, const input::Case& contact_case) {
+/// Files are looked up beside the case: from another folder they need their whole path, except for
+/// built-in ones.
+void make_absolute(Edits& edits, const toml::table& geometry, const input::Case& contact_case,
+                   const fs::path& folder) {
   const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
   if (!pair) return;
+  const auto set_path = [&](const toml::node& node, const fs::path& file) {
+    std::error_code error;
+    const auto typed = node.value<std::string>();
+    if (!fs::equivalent(system::find_mesh_file(*typed, folder), file, error))
+      edits.set(node, fs::absolute(file).lexically_normal().string());
+  };
   const auto set = [&](const char* name, const input::CaseBody& body) {
     const auto* mesh = std::get_if<input::MeshBody>(&body);
     const toml::table* table = geometry[name].as_table();
     if (!mesh || !table) return;
-    edits.set(*table->get("mesh"), fs::absolute(mesh->path).lexically_normal().string());
+    set_path(*table->get("mesh"), mesh->path);
     if (const toml::table* core = (*table)["core"].as_table(); core && !mesh->core.empty())
-      edits.set(*core->get("mesh"), fs::absolute(mesh->core).lexically_normal().string());
+      set_path(*core->get("mesh"), mesh->core);
   };
   set("finger", pair->finger);
   set("object", pair->object);
@@ -143,7 +152,7 @@ std::string fitted_case_text(const CaseCalibration& calibration, const fs::path&
   if (std::abs(factor - 1) > 1e-9) scale_radii(edits, geometry, factor);
   if (fs::absolute(path).lexically_normal().parent_path() !=
       fs::absolute(fitted.file).lexically_normal().parent_path())
-    make_absolute(edits, geometry, fitted);
+    make_absolute(edits, geometry, fitted, path.parent_path());
   const std::string suffix = "_fitted";
   if (fitted.id.size() + suffix.size() <= input::kLongestName)
     edits.set(*root.get("id"), fitted.id + suffix);

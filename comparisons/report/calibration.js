@@ -99,7 +99,7 @@
       x: across, y: up,
       marks: [
         Plot.rect(box, {x1: "x1", x2: "x2", y1: "y1", y2: "y2", stroke: "var(--muted)", strokeDasharray: "4 3", fill: "none"}),
-        Plot.line(points, {x: (p) => p[0], y: (p) => p[1], stroke: "var(--model-1)", strokeWidth: 2, fill: "var(--model-1)", fillOpacity: 0.12}),
+        Plot.line(points, {x: (p) => p[0], y: (p) => p[1], curve: "linear-closed", stroke: "var(--model-1)", strokeWidth: 2, fill: "var(--model-1)", fillOpacity: 0.12}),
         Plot.dot(best, {x: "x", y: "y", r: 4.5, fill: "var(--ink)"}),
         tip(best),
       ],
