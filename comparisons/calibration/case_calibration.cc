@@ -155,6 +155,9 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
                      fmt::format("{} layers", contact_case.sublayers.size()),
                      "one homogeneous layer for calibrate: measurements of the whole finger do not "
                      "tell its parts");
+  if (contact_case.object_layer.thickness_m > 0)
+    throw InputError(contact_case.file.string(), "[object_layer]", "",
+                     "one compliant body for calibrate: the models have no derivatives for two");
   CaseCalibration result;
   result.fitted = contact_case;
   result.table = table;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "softfinger/calibration/advice.h"
@@ -271,6 +272,30 @@ TEST(Calibration, DoesNotCallDeterminedWhatEndsWhereTheSearchDid) {
   const ParameterEstimate poisson_ratio{
       Parameter::poisson_ratio, 0.5, 1e-3, 0.49, 0.5, false, true};
   EXPECT_TRUE(poisson_ratio.is_determined()) << "its range ends there by itself";
+}
+
+TEST(Calibration, LeavesOutNoQuantityBecauseTheShearLawIsWrong) {
+  // Few values of friction among many others: a wrong law's misfit is not theirs.
+  CalibrationProblem problem = friction_under(ShearLaw::Kind::coulomb);
+  auto& values = problem.measurements.values;
+  values.erase(std::remove_if(values.begin(), values.end(),
+                              [](const Measurement& value) {
+                                return value.quantity == MeasuredQuantity::tangential_force ||
+                                       (value.quantity == MeasuredQuantity::max_torque &&
+                                        value.contact % 3 != 0);
+                              }),
+               values.end());
+  const std::vector<Measurement> once = values;
+  for (const Measurement& value : once)
+    if (value.quantity == MeasuredQuantity::a) values.push_back(value);
+  problem.shear_law = ShearLaw::Kind::shear_strength;
+  problem.free = {Parameter::youngs_modulus, Parameter::thickness, Parameter::shear_strength};
+  const Calibration found = calibrate(problem);
+  std::size_t torques_left_out = 0;
+  for (const std::size_t outlier : found.outliers)
+    torques_left_out += values[outlier].quantity == MeasuredQuantity::max_torque;
+  EXPECT_LE(torques_left_out, 1u) << "of three";
+  EXPECT_EQ(compare_shear_laws(problem, found).front().shear_law, ShearLaw::Kind::coulomb);
 }
 
 TEST(CalibrationAdvice, FindsNoContradictionWhereAnotherModelHolds) {

@@ -239,6 +239,11 @@ TEST_F(CalibrateProgram, RefusesInOneLine) {
   folder.write("nofriction.csv", "load_N,a_mm\n1,2\n2,2.5\n3,2.9\n4,3.1\n");
   expect_refusal({"calibrate", "nofriction.csv", "case.toml", "--fit", "friction_coefficient"},
                  {"tangential_force among the measurements"});
+  folder.write("two.toml", file_text(folder.path() / "case.toml") +
+                               "[object_layer]\nthickness_mm = 1\nyoungs_modulus_kPa = 100\n"
+                               "poisson_ratio = 0.4\n");
+  expect_refusal({"calibrate", "data.csv", "two.toml"}, {"[object_layer]", "one compliant body"});
+  expect_refusal({"calibrate", "data.csv", "skin_over_pulp"}, {"one homogeneous layer"});
   folder.write("zero.csv", "load_N,a_mm,a_mm_std\n1,2,0\n");
   expect_refusal({"calibrate", "zero.csv", "case.toml"}, {"zero.csv:2", "a_mm_std"});
 }

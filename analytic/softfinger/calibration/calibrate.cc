@@ -167,6 +167,22 @@ class Calibrator {
     return fit;
   }
 
+  /// The points in this order without those that would leave a quantity less than the greater part
+  /// of its own: where most are far off, the model of that quantity is wrong, not they.
+  std::vector<std::size_t> without_majorities(const std::vector<std::size_t>& order) const {
+    const auto& values = problem_.measurements.values;
+    std::array<std::size_t, kMeasuredQuantities> all{}, taken{};
+    for (const Measurement& value : values) ++all[std::size_t(value.quantity)];
+    std::vector<std::size_t> result;
+    for (const std::size_t i : order) {
+      const std::size_t quantity = std::size_t(values[i].quantity);
+      if (2 * (taken[quantity] + 1) >= all[quantity]) continue;
+      ++taken[quantity];
+      result.push_back(i);
+    }
+    return result;
+  }
+
   /// Candidates are the points farthest from the robust fit, at most a fifth of all. From the most
   /// downwards: a number of candidates are outliers when the least of them is one before the fit to
   /// the points that remain (Rosner's many-outlier procedure, backwards, so that none hides
@@ -182,8 +198,9 @@ class Calibrator {
     std::sort(order.begin(), order.end(), [&](std::size_t one, std::size_t other) {
       return std::abs(residuals[Eigen::Index(one)]) > std::abs(residuals[Eigen::Index(other)]);
     });
+    order = without_majorities(order);
     const std::vector<Weight> plain = weights_;
-    for (std::size_t number = most; number > 0; --number) {
+    for (std::size_t number = std::min(most, order.size()); number > 0; --number) {
       weights_ = plain;
       for (std::size_t i = 0; i < number; ++i) weights_[order[i]].counts = false;
       const Fit fit = squares_.solve(robust.values, problem_.free);
