@@ -65,6 +65,8 @@ int run(int argc, char** argv) {
   commands::add_select(app, action, command_line);
   commands::add_extremes(app, action, command_line);
   commands::add_experiments(app, action, command_line);
+  commands::add_calibrate(app, action, command_line);
+  commands::add_area(app, action);
   commands::add_export(app, action);
   commands::add_list(app, action);
   commands::add_explain(app, action);

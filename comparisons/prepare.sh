@@ -3,7 +3,7 @@
 # SOFTFINGER_INSTALL=0 turns installing off: what is missing is then named, and the script stops.
 
 softfinger_packages() { # analytic|fem, run|test
-  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev
+  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev libpng-dev
   command -v npm >/dev/null || echo npm
   if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libnanoflann-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then

@@ -25,6 +25,8 @@ void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
 void add_lcp(CLI::App& app, Action& action);
 void add_sweep(CLI::App& app, Action& action, const std::string& command_line);
+void add_calibrate(CLI::App& app, Action& action, const std::string& command_line);
+void add_area(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action, const std::string& command_line);
 
 /// --fem-time-s and --fem-memory-MB, of each finite-element problem.

@@ -17,6 +17,7 @@ extern const Script charts_js;  ///< for every page with charts, before its own 
 extern const Script report_js;
 extern const Script select_js;
 extern const Script extremes_js;
+extern const Script calibration_js;
 extern const Script sweep_js;
 extern const Script d3_js;
 extern const Script plot_js;

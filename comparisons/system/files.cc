@@ -75,6 +75,22 @@ std::string description_of_this_process() {
   return fmt::format("process {} on {}: {}", getpid(), host, command);
 }
 
+/// @param name  of what is read, for messages
+std::string read_to_end(int file, const std::string& name, std::size_t most_bytes) {
+  std::string content;
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t count = read(file, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse(name, "cannot be read", errno);
+    if (count == 0) return content;
+    if (static_cast<std::size_t>(count) > most_bytes - content.size())
+      throw InputError(name, "size of the file", "",
+                       "at most " + std::to_string(most_bytes >> 20) + " MiB");
+    content.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
 }  // namespace
 
 std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
@@ -86,26 +102,18 @@ std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
     close(file);
     throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
   }
-  std::string content;
-  char buffer[1 << 16];
-  for (;;) {
-    const ssize_t count = read(file, buffer, sizeof buffer);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      const int error = errno;
-      close(file);
-      refuse(path.string(), "cannot be read", error);
-    }
-    if (count == 0) break;
-    if (static_cast<std::size_t>(count) > most_bytes - content.size()) {
-      close(file);
-      throw InputError(path.string(), "size of the file", "",
-                       "at most " + std::to_string(most_bytes >> 20) + " MiB");
-    }
-    content.append(buffer, static_cast<std::size_t>(count));
+  try {
+    std::string content = read_to_end(file, path.string(), most_bytes);
+    close(file);
+    return content;
+  } catch (...) {
+    close(file);
+    throw;
   }
-  close(file);
-  return content;
+}
+
+std::string read_standard_input(std::size_t most_bytes) {
+  return read_to_end(STDIN_FILENO, "standard input", most_bytes);
 }
 
 void write_file_atomically(const fs::path& path, const std::string& content) {

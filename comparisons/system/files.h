@@ -16,6 +16,9 @@ namespace softfinger::system {
 std::string read_text_file(const std::filesystem::path& path,
                            std::size_t most_bytes = std::string::npos);
 
+/// The same of standard input.
+std::string read_standard_input(std::size_t most_bytes);
+
 /// Writes under a temporary name in the same folder, syncs, closes and renames. A reader sees
 /// either the old content or the new one, even after a power cut.
 /// @throws InputError naming the file and the system's reason; the temporary file is removed.

@@ -84,6 +84,15 @@ fs::path find_experiment_file(const std::string& typed) {
   return find_builtin(typed, "experiments", "data set");
 }
 
+fs::path find_measurement_file(const std::string& typed) {
+  std::error_code error;
+  if (fs::exists(typed, error)) return typed;
+  const fs::path builtin = share_folder() / "measurements" / typed;
+  return fs::is_regular_file(builtin, error) && typed.find('/') == std::string::npos
+             ? builtin
+             : fs::path(typed);
+}
+
 fs::path find_mesh_file(const std::string& typed, const fs::path& folder) {
   std::error_code error;
   const fs::path path = folder.empty() ? fs::path(typed) : folder / typed;

@@ -43,6 +43,10 @@ std::filesystem::path find_sweep_file(const std::string& typed);
 std::vector<std::filesystem::path> builtin_experiment_files();
 std::filesystem::path find_experiment_file(const std::string& typed);
 
+/// A file of measurements as typed on the command line, a table or a picture: a path, or the name
+/// of a built-in file with its suffix.
+std::filesystem::path find_measurement_file(const std::string& typed);
+
 /// The path of a mesh file: relative to `folder` (empty: the working directory) if it exists there,
 /// else a built-in mesh of that name.
 std::filesystem::path find_mesh_file(const std::string& typed, const std::filesystem::path& folder);

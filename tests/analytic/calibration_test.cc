@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "softfinger/calibration/advice.h"
@@ -111,6 +112,212 @@ TEST(Calibration, RefusesFewerMeasurementsThanItNeeds) {
   test::SyntheticCalibration synthetic = test::random_calibration(1);
   synthetic.problem.measurements.values.resize(synthetic.problem.free.size());
   EXPECT_THROW(calibrate(synthetic.problem), InputError);
+}
+
+/// What this layer shows under eight loads up to the largest, each value off by its standard
+/// deviation to alternating sides.
+CalibrationProblem measured(const ElasticLayer& layer, double largest_N,
+                            const std::vector<MeasuredQuantity>& quantities, double relative_std,
+                            const std::vector<Parameter>& free) {
+  CalibrationProblem problem;
+  problem.model = find_pressure_model("fingertip_layer");
+  problem.free = free;
+  problem.start = {
+      layer.youngs_modulus_Pa, layer.thickness_m, layer.poisson_ratio, 0.02, 0.8, 2e4, 1e-3, 0.3};
+  ContactProblem contact;
+  contact.radii = {0.02, 0.02, 0};
+  contact.layer = layer;
+  for (int i = 0; i < 8; ++i) {
+    contact.load = {largest_N * std::pow(2., i - 7), 0.8};
+    problem.measurements.contacts.push_back(contact);
+    for (const MeasuredQuantity quantity : quantities)
+      problem.measurements.values.push_back({quantity, std::size_t(i), 1, 0});
+  }
+  Eigen::VectorXd log_values;
+  PredictedMeasurements{*problem.model, problem.measurements}.evaluate(problem.start, log_values,
+                                                                       nullptr);
+  for (std::size_t i = 0; i < problem.measurements.values.size(); ++i) {
+    Measurement& value = problem.measurements.values[i];
+    const bool is_less = (value.contact + std::size_t(value.quantity)) % 2 == 1;
+    value.value =
+        std::exp(log_values[Eigen::Index(i)]) * (1 + (is_less ? -relative_std : relative_std));
+    value.std = relative_std * value.value;
+  }
+  return problem;
+}
+
+bool says(const std::vector<std::string>& sentences, const std::string& part) {
+  for (const std::string& sentence : sentences)
+    if (sentence.find(part) != std::string::npos) return true;
+  return false;
+}
+
+std::string all_of(const std::vector<std::string>& sentences) {
+  std::string text;
+  for (const std::string& sentence : sentences) text += sentence + "\n";
+  return text;
+}
+
+TEST(CalibrationAdvice, SaysThatAThickLayerShowsNoCore) {
+  // 50 mm of rubber under contacts of half a millimetre.
+  const CalibrationProblem problem = measured({0.05, 3e5, 0.48}, 0.01, {MeasuredQuantity::a}, 0.01,
+                                              {Parameter::youngs_modulus, Parameter::thickness});
+  const Calibration found = calibrate(problem);
+  EXPECT_TRUE(found.parameters[1].is_high_open);
+  EXPECT_LT(found.parameters[1].low, 0.05);
+  const GrowthExponent growth = growth_exponent(problem, found);
+  EXPECT_NEAR(growth.value, 1. / 3, 3 * growth.std);
+  const std::vector<std::string> sentences = cannot_tell(problem, found);
+  EXPECT_TRUE(says(sentences, "any value of the thickness above")) << all_of(sentences);
+  EXPECT_TRUE(says(sentences, "like that of a body without a core (1/3)")) << all_of(sentences);
+  EXPECT_FALSE(says(sentences, "E ")) << "E is determined";
+}
+
+TEST(CalibrationAdvice, SaysThatAThinIncompressibleLayerShowsOnlyTheStiffnessOfBoth) {
+  // Of contacts ten to twenty times as wide as the layer is thick, and their widths alone.
+  const CalibrationProblem problem =
+      measured({0.1e-3, 3e5, 0.499}, 10, {MeasuredQuantity::a}, 0.03,
+               {Parameter::youngs_modulus, Parameter::thickness, Parameter::poisson_ratio});
+  const Calibration found = calibrate(problem);
+  const GrowthExponent growth = growth_exponent(problem, found);
+  EXPECT_LT(growth.value, 0.2);
+  const std::vector<std::string> sentences = cannot_tell(problem, found);
+  ASSERT_FALSE(found.parameters[1].is_determined());
+  EXPECT_TRUE(says(sentences, "like that of a thin incompressible layer (1/6)"))
+      << all_of(sentences);
+  // P ~ E a^6/h^3: only E/h³ shows.
+  EXPECT_TRUE(says(sentences, "E and h are seen only together, as E h^-")) << all_of(sentences);
+}
+
+TEST(CalibrationAdvice, SaysNothingWhereEverythingIsKnown) {
+  const CalibrationProblem problem =
+      measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::a, MeasuredQuantity::indentation}, 0.01,
+               {Parameter::youngs_modulus, Parameter::thickness});
+  const Calibration found = calibrate(problem);
+  EXPECT_TRUE(cannot_tell(problem, found).empty());
+  EXPECT_EQ(contradiction(problem, found), "");
+}
+
+TEST(CalibrationAdvice, ProposesAMeasurementThatHelpsAsMuchAsItSays) {
+  CalibrationProblem problem = measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::area}, 0.03,
+                                        {Parameter::youngs_modulus, Parameter::poisson_ratio});
+  const Calibration before = calibrate(problem);
+  const NextMeasurement next = next_measurement(problem, before);
+  ASSERT_TRUE(next.exists);
+  EXPECT_EQ(next.parameter, Parameter::poisson_ratio) << "known worst";
+  ASSERT_FALSE(next.is_thickness) << "which is known";
+  const auto std_of = [&](const Calibration& found) {
+    for (const ParameterEstimate& estimate : found.parameters)
+      if (estimate.parameter == next.parameter) return estimate.std;  // of nu, absolute
+    return std::nan("");
+  };
+  // Both are the covariance's.
+  EXPECT_NEAR(std_of(before), next.std_now, 1e-6 * next.std_now);
+  ContactProblem contact = problem.measurements.contacts.back();
+  contact.load.normal_force_N = next.load_N;
+  problem.measurements.contacts.push_back(contact);
+  problem.measurements.values.push_back(
+      {next.quantity, problem.measurements.contacts.size() - 1, 1, 0});
+  Eigen::VectorXd log_values;
+  PredictedMeasurements{*problem.model, problem.measurements}.evaluate(before.values, log_values,
+                                                                       nullptr);
+  Measurement& added = problem.measurements.values.back();
+  added.value = std::exp(log_values[log_values.size() - 1]);
+  added.std = next.relative_std * added.value;
+  // The new value is just what was expected: the fit stays, and the covariance is as foretold.
+  EXPECT_NEAR(std_of(calibrate(problem)), next.std_then, 0.02 * next.std_then);
+  EXPECT_LT(next.std_then, 0.9 * next.std_now);
+}
+
+TEST(CalibrationAdvice, NamesWhatContradictsEveryModel) {
+  CalibrationProblem problem = measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::a}, 0.01,
+                                        {Parameter::youngs_modulus, Parameter::thickness});
+  // A contact that shrinks as it is pressed.
+  for (std::size_t i = 0; i < 8; ++i) {
+    problem.measurements.values[i].value = 4e-3 * std::pow(0.8, double(i));
+    problem.measurements.values[i].std = 0.01 * problem.measurements.values[i].value;
+  }
+  const std::string reason = contradiction(problem, calibrate(problem));
+  EXPECT_EQ(reason.find("no model explains the data within their errors: a at "), 0u) << reason;
+  EXPECT_NE(reason.find("sigma"), std::string::npos) << reason;
+  for (Measurement& value : problem.measurements.values) value.std = 0;
+  const std::string without = contradiction(problem, calibrate(problem));
+  EXPECT_EQ(without.find("no model explains the data to better than "), 0u) << without;
+}
+
+TEST(CalibrationAdvice, LooksAtTheErrorsThatSomeValuesHave) {
+  CalibrationProblem problem =
+      measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::a, MeasuredQuantity::indentation}, 0.01,
+               {Parameter::youngs_modulus, Parameter::thickness});
+  for (Measurement& value : problem.measurements.values)
+    if (value.quantity == MeasuredQuantity::indentation) value.std = 0;
+  const Calibration good = calibrate(problem);
+  EXPECT_EQ(contradiction(problem, good), "");
+  EXPECT_EQ(good.error_factor, 1);
+  EXPECT_NEAR(good.scatter[std::size_t(MeasuredQuantity::indentation)], 0.01, 0.004);
+  // Widths that are stated a hundred times more exactly than they are.
+  for (Measurement& value : problem.measurements.values) value.std *= 0.01;
+  const Calibration bad = calibrate(problem);
+  EXPECT_NEAR(std::log(bad.error_factor), std::log(100.), std::log(2.));
+  const std::string reason = contradiction(problem, bad);
+  EXPECT_EQ(reason.find("no model explains the data within their errors: a at "), 0u) << reason;
+  EXPECT_EQ(reason.find("indentation"), std::string::npos) << reason;
+}
+
+TEST(Calibration, DoesNotCallDeterminedWhatEndsWhereTheSearchDid) {
+  ParameterEstimate estimate{Parameter::thickness, 1, 0.1, 0.9, 1, false, true};
+  EXPECT_FALSE(estimate.is_determined());
+  estimate.is_high_open = false;
+  EXPECT_TRUE(estimate.is_determined());
+  const ParameterEstimate poisson_ratio{
+      Parameter::poisson_ratio, 0.5, 1e-3, 0.49, 0.5, false, true};
+  EXPECT_TRUE(poisson_ratio.is_determined()) << "its range ends there by itself";
+}
+
+TEST(Calibration, LeavesOutNoQuantityBecauseTheShearLawIsWrong) {
+  // Few values of friction among many others: a wrong law's misfit is not theirs.
+  CalibrationProblem problem = friction_under(ShearLaw::Kind::coulomb);
+  auto& values = problem.measurements.values;
+  values.erase(std::remove_if(values.begin(), values.end(),
+                              [](const Measurement& value) {
+                                return value.quantity == MeasuredQuantity::tangential_force ||
+                                       (value.quantity == MeasuredQuantity::max_torque &&
+                                        value.contact % 3 != 0);
+                              }),
+               values.end());
+  const std::vector<Measurement> once = values;
+  for (const Measurement& value : once)
+    if (value.quantity == MeasuredQuantity::a) values.push_back(value);
+  problem.shear_law = ShearLaw::Kind::shear_strength;
+  problem.free = {Parameter::youngs_modulus, Parameter::thickness, Parameter::shear_strength};
+  const Calibration found = calibrate(problem);
+  std::size_t torques_left_out = 0;
+  for (const std::size_t outlier : found.outliers)
+    torques_left_out += values[outlier].quantity == MeasuredQuantity::max_torque;
+  EXPECT_LE(torques_left_out, 1u) << "of three";
+  EXPECT_EQ(compare_shear_laws(problem, found).front().shear_law, ShearLaw::Kind::coulomb);
+}
+
+TEST(CalibrationAdvice, FindsNoContradictionWhereAnotherModelHolds) {
+  CalibrationProblem problem =
+      measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::a, MeasuredQuantity::indentation}, 0.002,
+               {Parameter::youngs_modulus});
+  EXPECT_EQ(contradiction(problem, calibrate(problem)), "");
+  problem.model = find_pressure_model("hertz");
+  const Calibration by_hertz = calibrate(problem);
+  EXPECT_LT(by_hertz.goodness, 1e-6);
+  EXPECT_EQ(contradiction(problem, by_hertz), "") << "fingertip_layer made the data";
+}
+
+TEST(Calibration, KeepsTheRatioOfRadiiFittedToRegionsOfAMesh) {
+  CalibrationProblem problem =
+      measured({3e-3, 3e5, 0.48}, 10, {MeasuredQuantity::a}, 0.01, {Parameter::youngs_modulus});
+  problem.measurements.contacts[3].radii = {0.03, 0.02, 0};
+  const PredictedMeasurements predicted{*problem.model, problem.measurements};
+  EXPECT_EQ(predicted.problem(3, problem.start).radii.major_m, 0.03) << "as they are";
+  problem.start[index_of(Parameter::radius)] *= 2;
+  EXPECT_DOUBLE_EQ(predicted.problem(3, problem.start).radii.major_m, 0.06);
+  EXPECT_DOUBLE_EQ(predicted.problem(0, problem.start).radii.major_m, 0.04);
 }
 
 }  // namespace

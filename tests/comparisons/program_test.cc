@@ -1009,7 +1009,8 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
   for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
-                                    "experiments", "export", "list", "explain", "lcp"}) {
+                                    "experiments", "calibrate", "area", "export", "list", "explain",
+                                    "lcp"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -8,7 +8,7 @@
 #   input <- meshes <- fem
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes,
-#   experiments
+#   experiments, calibration
 #   all of these <- report <- suite, sweep <- commands, distributed
 # The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
@@ -61,7 +61,7 @@ macro(room name)
 endmacro()
 room(text)
 room(system)
-room(input "^toml[+][+]/" "^meshes/io/")
+room(input "^toml[+][+]/" "^png[.]h$" "^meshes/io/")
 room(prediction "^meshes/")
 room(reference)
 room(simulation "^fcl/" "^meshes/")
@@ -69,6 +69,7 @@ room(judgement)
 room(exporting)
 room(extremes)
 room(experiments)
+room(calibration "^toml[+][+]/")
 room(report)
 room(suite)
 room(sweep "^toml[+][+]/")

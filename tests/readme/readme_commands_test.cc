@@ -66,9 +66,11 @@ TEST(Readme, CommandsRun) {
     EXPECT_EQ(result.status, 0) << line << "\n" << result.err;
     run.insert(words[0]);
   }
-  for (const char* command : {"predict", "fit", "compare", "fem", "select", "export"})
+  for (const char* command :
+       {"predict", "fit", "compare", "fem", "select", "export", "calibrate", "area"})
     EXPECT_TRUE(run.count(command)) << command;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "my_choice" / "select.html"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "fit.html"));
 }
 
 }  // namespace

@@ -203,7 +203,32 @@ async function read(page) {
     }
   }
 
+  // Measured values, the fit's line and the residuals (the page of a calibration).
+  function lookAtFit() {
+    for (const figure of figures("fit")) {
+      const x = axisOf(figure, "x", {log: true}), y = axisOf(figure, "y", {log: true});
+      const quantity = report.quantities.find((q) => q.name === figure.dataset.quantity);
+      for (const point of quantity.points.filter((p) => !p.outlier))
+        seenThere(`${quantity.name} at ${point.load} N`, centres(marks(figure, "dot", "circle")), [x.place(point.load), y.place(point.measured)]);
+      const line = pointsOf(marks(figure, "line", "path")[0] ?? figure.querySelector('g[aria-label="line"] path'));
+      for (const i of [0, -1])
+        seenThere(`the fit of ${quantity.name}`, [line.at(i)], [x.place(quantity.curve.at(i).load), y.place(quantity.curve.at(i).value)]);
+    }
+    for (const figure of figures("residuals")) {
+      const x = axisOf(figure, "x", {log: true}), y = axisOf(figure, "y");
+      for (const quantity of report.quantities)
+        for (const point of quantity.points.filter((p) => !p.outlier))
+          seenThere(`residual of ${quantity.name} at ${point.load} N`, centres(marks(figure, "dot", "circle")), [x.place(point.load), y.place(point.sigma)]);
+    }
+    for (const figure of figures("confidence")) {
+      const {x: across, y: up} = report.ellipses[Number(figure.dataset.ellipse)];
+      const x = axisOf(figure, "x", {log: across.logarithmic}), y = axisOf(figure, "y", {log: up.logarithmic});
+      seenThere("the best values", centres(marks(figure, "dot", "circle")), [x.place(across.value), y.place(up.value)]);
+    }
+  }
+
   checks.lookAtLabels("opening");
+  lookAtFit();
   lookAtSpeed();
   lookAtCost();
   lookAtMap();

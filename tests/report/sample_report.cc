@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/calibration/calibration_report.h"
 #include "softfinger/input/constants.h"
 
 namespace softfinger::tests {
@@ -494,6 +495,22 @@ Json sample_survey() {
           {"models", {model("hertz", false), model("wobbly", true)}},
           {"provenance",
            {{"version", "0.1.0"}, {"date", "2026-01-31"}, {"command", "softfinger extremes"}}}};
+}
+
+Json sample_calibration() {
+  const input::MeasurementTable table =
+      input::read_measurements(SOFTFINGER_MEASUREMENTS "/inked_fingertip.csv");
+  const input::Case contact = input::parse_case(
+      "id = \"silicone_fingertip\"\n[geometry]\nrelative_radii_mm = [20.0, 12.0]\n[layer]\n"
+      "thickness_mm = 2.0\nyoungs_modulus_kPa = 500.0\npoisson_ratio = 0.49\n[contact]\n"
+      "load_N = 1.0\nfriction_coefficient = 0.8\n",
+      "silicone_fingertip.toml");
+  calibration::Request request;
+  request.model = find_pressure_model("fingertip_layer");
+  Json data =
+      calibration::page_data(calibration::calibrate_case(contact, table, request), "load_N,a_mm\n");
+  data["provenance"] = {{"version", "0.1.0"}, {"command", "softfinger calibrate"}};
+  return data;
 }
 
 }  // namespace softfinger::tests

@@ -19,4 +19,7 @@ nlohmann::json sample_selection();
 /// not.
 nlohmann::json sample_survey();
 
+/// What `softfinger calibrate` says of the built-in measurements of a silicone fingertip.
+nlohmann::json sample_calibration();
+
 }  // namespace softfinger::tests

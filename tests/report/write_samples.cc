@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "comparisons/report/calibration_page.h"
 #include "comparisons/report/extremes_page.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/report_page.h"
@@ -43,11 +44,13 @@ int main(int argc, char** argv) try {
   }
   const std::string folder = argv[1];
   using namespace softfinger::report;
-  for (const auto& [name, page] : {std::pair{"sample", render_report(sample_report())},
-                                   std::pair{"large", render_report(large_report(20))},
-                                   std::pair{"selection", render_selection(sample_selection())},
-                                   std::pair{"extremes", render_extremes(sample_survey())},
-                                   std::pair{"injected", injected_page()}})
+  for (const auto& [name, page] :
+       {std::pair{"sample", render_report(sample_report())},
+        std::pair{"large", render_report(large_report(20))},
+        std::pair{"selection", render_selection(sample_selection())},
+        std::pair{"extremes", render_extremes(sample_survey())},
+        std::pair{"calibration", render_calibration(sample_calibration())},
+        std::pair{"injected", injected_page()}})
     write_framed(folder, name, page, "report_reader.js");
   return 0;
 } catch (const std::exception& error) {

@@ -63,9 +63,10 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
                                      const Calibration& calibration);
 
 /// Measurements that no model explains: for each, its place and by how many standard deviations it
-/// is off, in one line; empty when there is nothing to complain of. With own errors: a goodness
-/// below one in a million. Without: a scatter of more than 30 %, before 10 % as the standard
-/// deviation.
+/// is off from the calibration's, in one line; empty when a model explains them. It does not
+/// where own errors leave a goodness below one in a million, or values without any scatter by more
+/// than 30 %; the standard deviations of these are taken as 10 %. Cost where the calibration's own
+/// model does not: a calibration with each other one.
 std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration);
 
 }  // namespace softfinger

@@ -89,6 +89,7 @@ class Calibrator {
       result = summary();
       find_intervals(result);
       if (best_.sum_of_squares > 0.999 * sum) break;
+      restore_errors();
       settle_scatter();
     }
     return result;
@@ -166,6 +167,22 @@ class Calibrator {
     return fit;
   }
 
+  /// The points in this order without those that would leave a quantity less than the greater part
+  /// of its own: where most are far off, the model of that quantity is wrong, not they.
+  std::vector<std::size_t> without_majorities(const std::vector<std::size_t>& order) const {
+    const auto& values = problem_.measurements.values;
+    std::array<std::size_t, kMeasuredQuantities> all{}, taken{};
+    for (const Measurement& value : values) ++all[std::size_t(value.quantity)];
+    std::vector<std::size_t> result;
+    for (const std::size_t i : order) {
+      const std::size_t quantity = std::size_t(values[i].quantity);
+      if (2 * (taken[quantity] + 1) >= all[quantity]) continue;
+      ++taken[quantity];
+      result.push_back(i);
+    }
+    return result;
+  }
+
   /// Candidates are the points farthest from the robust fit, at most a fifth of all. From the most
   /// downwards: a number of candidates are outliers when the least of them is one before the fit to
   /// the points that remain (Rosner's many-outlier procedure, backwards, so that none hides
@@ -181,8 +198,9 @@ class Calibrator {
     std::sort(order.begin(), order.end(), [&](std::size_t one, std::size_t other) {
       return std::abs(residuals[Eigen::Index(one)]) > std::abs(residuals[Eigen::Index(other)]);
     });
+    order = without_majorities(order);
     const std::vector<Weight> plain = weights_;
-    for (std::size_t number = most; number > 0; --number) {
+    for (std::size_t number = std::min(most, order.size()); number > 0; --number) {
       weights_ = plain;
       for (std::size_t i = 0; i < number; ++i) weights_[order[i]].counts = false;
       const Fit fit = squares_.solve(robust.values, problem_.free);
@@ -264,22 +282,45 @@ class Calibrator {
     }
   }
 
+  void multiply_errors(double factor) {
+    for (std::size_t i = 0; i < weights_.size(); ++i)
+      if (has_own_error(i)) weights_[i].std *= factor;
+  }
+
+  /// Own errors as they were given: whether they explain a better fit is to be asked anew.
+  void restore_errors() {
+    multiply_errors(1 / error_factor_);
+    error_factor_ = 1;
+  }
+
   Calibration summary() {
     const auto& values = problem_.measurements.values;
     Calibration result;
     result.freedom = freedom_;
     result.scatter = scatter_;
-    const double freedom = double(counted()) - double(problem_.free.size());
-    if (freedom_ == kInfinity && freedom > 0) {
-      result.goodness = statistics::chi_squared_exceeds(best_.sum_of_squares, int(freedom));
+    const bool has_scatter = freedom_ != kInfinity;
+    double own_sum = 0, own_count = 0;
+    const Eigen::VectorXd before = squares_.residuals(best_.values);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!weights_[i].counts || !has_own_error(i)) continue;
+      own_sum += before[Eigen::Index(i)] * before[Eigen::Index(i)];
+      ++own_count;
+    }
+    // Each measurement carries its part of the parameters.
+    const double freedom = own_count * (1 - double(problem_.free.size()) /
+                                                double(std::max<std::size_t>(1, counted())));
+    const int whole = int(freedom + 0.5);
+    if (whole > 0) {
+      result.goodness = statistics::chi_squared_exceeds(own_sum, whole);
       // The particle physicists' factor: errors that do not explain the fit are enlarged until they
       // do.
       if (result.goodness < 0.01) {
-        result.error_factor = std::sqrt(best_.sum_of_squares / freedom);
-        freedom_ = result.freedom = freedom;
+        result.error_factor = std::sqrt(own_sum / freedom);
+        if (!has_scatter) freedom_ = result.freedom = freedom;
       }
     }
-    for (Weight& weight : weights_) weight.std *= result.error_factor;
+    error_factor_ = result.error_factor;
+    multiply_errors(error_factor_);
     best_.sum_of_squares = squares_.sum_of_squares(best_.values);
     result.weights = weights_;
     result.values = best_.values;
@@ -389,6 +430,9 @@ class Calibrator {
       };
       estimate.low = reach(best_.values, -1, &estimate.is_low_open);
       estimate.high = reach(best_.values, 1, &estimate.is_high_open);
+      // Not above it by a rounding, at a border of the search.
+      estimate.low = std::min(estimate.low, estimate.value);
+      estimate.high = std::max(estimate.high, estimate.value);
       for (const ParameterValues& rival : rivals) {
         if (rival[index_of(parameter)] < estimate.low)
           estimate.low = reach(rival, -1, &estimate.is_low_open);
@@ -406,7 +450,7 @@ class Calibrator {
   Fit best_;
   std::vector<ParameterValues> optima_;  ///< where the searches from all starting points ended
   std::array<double, kMeasuredQuantities> scatter_{};
-  double freedom_ = kInfinity;
+  double freedom_ = kInfinity, error_factor_ = 1;
 };
 
 }  // namespace

@@ -30,8 +30,11 @@ struct ParameterEstimate {
   /// The interval ends at the border of what was searched (kParameterRanges).
   bool is_low_open = false, is_high_open = false;
 
-  /// The interval spans less than a factor of two.
-  bool is_determined() const { return high <= 2 * low; }
+  /// The interval spans less than a factor of two, and ends for a better reason than that the
+  /// search did. Of nu the border is nature's.
+  bool is_determined() const {
+    return high <= 2 * low && !(range_of(parameter).logarithmic && (is_low_open || is_high_open));
+  }
 };
 
 struct Calibration {
@@ -49,8 +52,8 @@ struct Calibration {
   /// Standard deviation of the measurements without an error of their own, relative; by quantity
   /// where their scatters differ more than by chance. Zero: there are none.
   std::array<double, kMeasuredQuantities> scatter{};
-  /// Of the measurements' own errors: probability that chance alone makes a fit as bad as this. 1
-  /// without any.
+  /// Of the measurements with errors of their own: probability that chance alone makes a fit as bad
+  /// as this. 1 without any.
   double goodness = 1;
   /// By which own errors were multiplied, because they are too small for the fit (goodness below
   /// 1 %); else 1.

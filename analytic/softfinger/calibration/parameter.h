@@ -10,10 +10,10 @@ namespace softfinger {
 
 /// What a calibration can find out of measurements.
 enum class Parameter {
-  youngs_modulus,        ///< E in Pa
-  thickness,             ///< h in m
-  poisson_ratio,         ///< nu
-  radius,                ///< R = sqrt(R'R'') in m; all radii of the contact change with it
+  youngs_modulus,  ///< E in Pa
+  thickness,       ///< h in m
+  poisson_ratio,   ///< nu
+  radius,  ///< R = sqrt(R'R'') of the first contact in m; the radii of all change in proportion
   friction_coefficient,  ///< mu
   shear_strength,        ///< tau_0 in Pa
   radius_coefficient,    ///< c of a = c P^gamma, in m for P in N; of the model power_law

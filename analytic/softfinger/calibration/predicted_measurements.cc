@@ -194,8 +194,11 @@ ContactProblem PredictedMeasurements::problem(std::size_t contact,
   problem.layer = {value(Parameter::thickness), value(Parameter::youngs_modulus),
                    value(Parameter::poisson_ratio)};
   problem.load.friction_coefficient = value(Parameter::friction_coefficient);
-  const double scale = value(Parameter::radius) /
-                       (std::sqrt(problem.radii.major_m) * std::sqrt(problem.radii.minor_m));
+  // By as much as the first contact's, so that radii fitted to different regions of a mesh keep
+  // their ratio.
+  const RelativeRadii& first = measurements.contacts[0].radii;
+  const double scale =
+      value(Parameter::radius) / (std::sqrt(first.major_m) * std::sqrt(first.minor_m));
   // One rounding away from 1 is no change: results are those of the contact as it is.
   if (std::abs(scale - 1) > 1e-15) {
     problem.radii.major_m *= scale;

@@ -1,0 +1,224 @@
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "comparisons/calibration/calibration_report.h"
+#include "comparisons/commands/commands.h"
+#include "comparisons/report/calibration_page.h"
+#include "comparisons/system/clock.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+struct CalibrateOptions {
+  std::string data, case_file, fit, model = "fingertip_layer", output, page, command_line;
+  std::vector<std::string> fixed;
+  bool json = false;
+};
+
+/// What `--fit` may look for. A power law has parameters of its own.
+constexpr std::array<Parameter, 6> kFitted{
+    Parameter::youngs_modulus,       Parameter::thickness,
+    Parameter::poisson_ratio,        Parameter::radius,
+    Parameter::friction_coefficient, Parameter::shear_strength};
+
+std::vector<std::string> split(const std::string& typed) {
+  std::vector<std::string> parts;
+  for (std::size_t start = 0; start <= typed.size();) {
+    const std::size_t end = std::min(typed.find(',', start), typed.size());
+    parts.push_back(typed.substr(start, end - start));
+    start = end + 1;
+  }
+  return parts;
+}
+
+std::vector<Parameter> fitted(const std::string& typed) {
+  std::vector<Parameter> result;
+  if (typed.empty()) return result;
+  for (const std::string& name : split(typed)) {
+    std::vector<std::string> names;
+    const Parameter* found = nullptr;
+    for (const Parameter& parameter : kFitted) {
+      names.emplace_back(range_of(parameter).name);
+      if (names.back() == name) found = &parameter;
+    }
+    if (!found)
+      throw InputError("command line",
+                       "--fit: unknown parameter \"" + text::shortened(name) +
+                           "\", did you mean \"" + text::nearest_name(name, names) + "\"?",
+                       "", text::joined(names));
+    if (contains(result, *found))
+      throw InputError("command line", "--fit", name, "each parameter once");
+    result.push_back(*found);
+  }
+  return result;
+}
+
+/// A key of `--fix`: the parameter's name, with a unit where it has one.
+struct FixKey {
+  std::string name;
+  Parameter parameter;
+  double si_per_unit;
+};
+std::vector<FixKey> fix_keys() {
+  std::vector<FixKey> keys;
+  for (const Parameter parameter : kFitted) {
+    const std::string name(range_of(parameter).name);
+    const std::string_view unit = range_of(parameter).unit;
+    if (unit == "m") {
+      keys.push_back({name + "_mm", parameter, 1e-3});
+      keys.push_back({name + "_m", parameter, 1});
+    } else if (unit == "Pa") {
+      keys.push_back({name + "_kPa", parameter, 1e3});
+      keys.push_back({name + "_Pa", parameter, 1});
+    } else {
+      keys.push_back({name, parameter, 1});
+    }
+  }
+  return keys;
+}
+
+std::pair<Parameter, double> fixed_value(const std::string& typed) {
+  const std::size_t equals = typed.find('=');
+  if (equals == std::string::npos)
+    throw InputError("command line", "--fix", "\"" + text::shortened(typed) + "\"",
+                     "key=value, as poisson_ratio=0.49 or thickness_mm=3");
+  const std::string key = typed.substr(0, equals), value_text = typed.substr(equals + 1);
+  std::vector<std::string> names, with_unit;
+  for (const FixKey& known : fix_keys()) {
+    names.push_back(known.name);
+    if (known.name.rfind(key + "_", 0) == 0 && range_of(known.parameter).name == key)
+      with_unit.push_back(known.name);
+    if (known.name != key) continue;
+    char* end = nullptr;
+    const double value = std::strtod(value_text.c_str(), &end) * known.si_per_unit;
+    const ParameterRange& range = range_of(known.parameter);
+    if (end == value_text.c_str() || *end != '\0' ||
+        !(value >= range.lowest && value <= range.highest))
+      throw InputError("command line", "--fix " + key, "\"" + text::shortened(value_text) + "\"",
+                       internal::number_text(range.lowest / known.si_per_unit, 3) + " to " +
+                           internal::number_text(range.highest / known.si_per_unit, 3));
+    return {known.parameter, value};
+  }
+  if (!with_unit.empty())
+    throw InputError("command line", "--fix " + key, value_text,
+                     "a key with its unit, " + text::joined(with_unit, " or "));
+  throw InputError("command line",
+                   "--fix: unknown key \"" + text::shortened(key) + "\", did you mean \"" +
+                       text::nearest_name(key, names) + "\"?",
+                   "", text::joined(names));
+}
+
+const PressureModel* chosen_model(const std::string& name) {
+  std::vector<std::string> names;
+  // Those with derivatives.
+  for (const char* known : {"fingertip_layer", "bonded_layer", "winkler", "hertz"})
+    if (find_pressure_model(known)) names.emplace_back(known);
+  for (const std::string& known : names)
+    if (known == name) return find_pressure_model(name);
+  throw InputError("command line", "--model", "\"" + text::shortened(name) + "\"",
+                   text::joined(names));
+}
+
+int run_calibrate(const CalibrateOptions& options) {
+  calibration::Request request;
+  request.model = chosen_model(options.model);
+  request.fit = fitted(options.fit);
+  for (const std::string& typed : options.fixed) {
+    request.fixed.push_back(fixed_value(typed));
+    for (std::size_t i = 0; i + 1 < request.fixed.size(); ++i)
+      if (request.fixed[i].first == request.fixed.back().first)
+        throw InputError("command line", "--fix", typed, "each parameter once");
+  }
+  // Read as text once: standard input cannot be read again, and the page shows it.
+  const bool from_standard_input = options.data == "-";
+  const std::filesystem::path path =
+      from_standard_input ? "standard input" : system::find_measurement_file(options.data);
+  const std::string data_text = from_standard_input
+                                    ? system::read_standard_input(input::kLargestMeasurementFile)
+                                    : system::read_text_file(path, input::kLargestMeasurementFile);
+  const input::MeasurementTable table = input::parse_measurements(data_text, path.string());
+  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
+  const calibration::CaseCalibration result =
+      calibration::calibrate_case(contact_case, table, request);
+  for (const std::string& line : result.remarks) remark(line);
+
+  std::vector<std::pair<std::filesystem::path, std::string>> files;
+  if (!options.output.empty())
+    files.push_back({options.output, calibration::fitted_case_text(result, options.output)});
+  if (!options.page.empty()) {
+    nlohmann::json data = calibration::page_data(result, data_text);
+    data["provenance"] = {{"version", system::program_version()},
+                          {"date", system::utc_now()},
+                          {"command", options.command_line}};
+    files.push_back({options.page, report::render_calibration(data)});
+  }
+  system::write_files_together(files);
+  if (!options.output.empty()) remark("the fitted case is " + options.output);
+  if (!options.page.empty()) remark("the page is " + options.page);
+  if (options.json)
+    system::write_to_stdout(
+        calibration::to_json(result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+        "\n");
+  else
+    system::write_text_to_stdout(calibration::describe(result));
+  return 0;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Action& action, const std::string& command_line) {
+  auto options = std::make_shared<CalibrateOptions>();
+  options->command_line = command_line;
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Modulus, thickness and friction of a fingertip from measured contacts, with intervals");
+  command
+      ->add_option("DATA", options->data,
+                   "measurements (CSV), the name of a built-in file, or - for standard input")
+      ->required();
+  command
+      ->add_option("CASE", options->case_file,
+                   "case file (TOML) with the geometry and starting values, or the name of a "
+                   "built-in case")
+      ->required();
+  command->add_option("--fix", options->fixed,
+                      "key=value in place of the case's own, not fitted: poisson_ratio=0.49, "
+                      "thickness_mm=3, youngs_modulus_kPa, radius_mm, friction_coefficient, "
+                      "shear_strength_kPa; may be repeated");
+  command->add_option("--fit", options->fit,
+                      "what to find, separated by commas: youngs_modulus, thickness, "
+                      "poisson_ratio, radius, friction_coefficient, shear_strength; default: the "
+                      "first two, and where friction was measured those of the case's shear law");
+  command->add_option("--model", options->model,
+                      "fingertip_layer (default), bonded_layer, winkler or hertz");
+  command->add_option("--output", options->output,
+                      "file (TOML) for the case with what was found, for the other commands");
+  command->add_option("--page", options->page,
+                      "file (HTML) with data, fit, residuals, confidence and comparison of models");
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "DATA begins with a line of column names: load_N, and any of a_mm or a_m, b_mm or b_m\n"
+      "(semi-axes), area_mm2 or area_m2, indentation_mm or indentation_m (approach of the "
+      "bodies),\n"
+      "max_torque_mNm or max_torque_Nm (about the normal, at slip), tangential_force_N (at slip).\n"
+      "Each may have its standard deviation in a column of the same name with _std. Cells may be\n"
+      "empty. Values without an error get one from their scatter about the fit. Lines that begin\n"
+      "with # are skipped. At most 1000 rows and 1 MiB.\n"
+      "An interval holds the truth in 95 % of all cases, if the model is right. A parameter is\n"
+      "determined where its interval spans less than a factor of two. Areas come from ink prints\n"
+      "by `softfinger area`.\n"
+      "Samples:\n"
+      "  softfinger calibrate inked_fingertip.csv silicone_pad_2mm\n"
+      "  softfinger calibrate inked_fingertip.csv silicone_pad_2mm --output fitted.toml --page "
+      "fit.html\n"
+      "  softfinger calibrate inked_fingertip.csv silicone_pad_2mm --fix thickness_mm=2 --fit "
+      "youngs_modulus,poisson_ratio,friction_coefficient --json");
+  command->callback([options, &action] { action = [options] { return run_calibrate(*options); }; });
+}
+
+}  // namespace softfinger::commands

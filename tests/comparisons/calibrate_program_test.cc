@@ -1,0 +1,311 @@
+// `softfinger calibrate` and `softfinger area` as their users see them.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "png_of.h"
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class CalibrateProgram : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {}, -1, ""};
+
+  ProgramRun run(const std::vector<std::string>& arguments) {
+    return run_softfinger(start, arguments);
+  }
+  json result_of(std::vector<std::string> arguments) {
+    arguments.push_back("--json");
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.status == 0 ? json::parse(result.out) : json();
+  }
+  void expect_refusal(const std::vector<std::string>& arguments,
+                      const std::vector<std::string>& parts) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << result.out << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+    for (const std::string& part : parts)
+      EXPECT_NE(result.err.find(part), std::string::npos) << result.err << "\nhas no " << part;
+  }
+
+  /// A case of this truth, and a file of what `predict` says of it with an error of 1 %, to
+  /// alternating sides.
+  /// @param factor  of one value, which makes it an outlier
+  void write_truth(const std::string& geometry, double factor = 1, bool with_errors = false) {
+    folder.write("truth.toml", "id = \"truth\"\n[geometry]\n" + geometry +
+                                   "\n[layer]\nthickness_mm = 2.5\nyoungs_modulus_kPa = 400\n"
+                                   "poisson_ratio = 0.47\n[contact]\nload_N = [0.2, 0.4, 0.8, 1.5, "
+                                   "3, 6, 10]\nfriction_coefficient = 0.7\n");
+    // What the owner of the finger believes at first.
+    folder.write("case.toml", "id = \"mine\"\n# of the drawing\n[geometry]\n" + geometry +
+                                  "\n[layer]\nthickness_mm = 5.0\nyoungs_modulus_kPa = 100\n"
+                                  "poisson_ratio = 0.47\n[contact]\nload_N = 2.0\n"
+                                  "friction_coefficient = 0.3\n");
+    const json truth =
+        result_of({"predict", "truth.toml", "--model", "fingertip_layer"})["results"];
+    std::string text = "load_N,a_mm,b_mm,indentation_mm,max_torque_mNm";
+    text += with_errors ? ",a_mm_std\n" : "\n";
+    int i = 0;
+    for (const json& answer : truth) {
+      const auto noisy = [&](const char* key) {
+        return 1e3 * answer[key].get<double>() * (i++ % 2 == 0 ? 1.01 : 0.99);
+      };
+      const double a_mm = noisy("a_m") * (answer["load_N"] == 3 ? factor : 1);
+      text += fmt::format("{},{:.6g},{:.6g},{:.6g},{:.6g}", answer["load_N"].get<double>(), a_mm,
+                          noisy("b_m"), noisy("indentation_m"), noisy("max_torque_Nm"));
+      text += with_errors ? fmt::format(",{:.3g}\n", 0.01 * a_mm) : "\n";
+      ++i;  // four in a row: each quantity is to be off to both sides
+    }
+    folder.write("data.csv", text);
+  }
+};
+
+const char* const kRadii =
+    "finger = { radii_mm = [12.0, 9.0] }\nobject = { radii_mm = [inf, inf] }";
+
+TEST_F(CalibrateProgram, FindsWhatPredictionsWereMadeWith) {
+  write_truth(kRadii);
+  const json found = result_of({"calibrate", "data.csv", "case.toml"});
+  for (const char* key : {"case", "data", "model", "shear_law", "parameters", "fixed", "covariance",
+                          "cannot_tell", "next_measurement", "models", "shear_laws", "outliers",
+                          "residuals", "goodness", "growth_exponent"})
+    EXPECT_TRUE(found.contains(key)) << key;
+  const json& parameters = found["parameters"];
+  ASSERT_EQ(parameters.size(), 3u) << parameters;
+  const std::vector<std::pair<const char*, double>> truth = {
+      {"youngs_modulus", 400e3}, {"thickness", 2.5e-3}, {"friction_coefficient", 0.7}};
+  for (const auto& [name, value] : truth) {
+    const json& estimate = parameters[name];
+    EXPECT_TRUE(estimate["determined"].get<bool>()) << name;
+    EXPECT_LE(estimate["interval95"][0].get<double>(), value) << name;
+    EXPECT_GE(estimate["interval95"][1].get<double>(), value) << name;
+    // The errors are 1 % and alternate: 28 of them leave a per cent or two of the parameters.
+    EXPECT_NEAR(estimate["value"].get<double>() / value, 1, 0.04) << name;
+    EXPECT_GT(estimate["std"].get<double>(), 0) << name;
+    // A covariance is a square of standard deviations, in SI.
+    EXPECT_NEAR(
+        std::sqrt(found["covariance"][name][name].get<double>()) / estimate["std"].get<double>(), 1,
+        1e-9);
+  }
+  EXPECT_EQ(found["fixed"]["poisson_ratio"], 0.47);
+  EXPECT_EQ(found["cannot_tell"], json::array());
+  EXPECT_EQ(found["outliers"], json::array());
+  EXPECT_EQ(found["residuals"].size(), 28u);
+  EXPECT_EQ(found["models"][0]["model"], "fingertip_layer");
+  for (const json& model : found["models"]) {
+    EXPECT_TRUE(model["aic"].is_number());
+    EXPECT_TRUE(model.contains("held_out_error"));
+  }
+  EXPECT_EQ(found["shear_laws"][0]["shear_law"], "coulomb");
+  // Measured values are off by 1 % to both sides, and the scatter says so.
+  EXPECT_NEAR(found["goodness"]["scatter"]["a"].get<double>(), 0.01, 0.003);
+}
+
+TEST_F(CalibrateProgram, FindsThemOnAMeshWhoseRadiiDependOnTheContact) {
+  if (!fs::exists(fs::path(SOFTFINGER_SHARE) / "meshes" / "shadow_like_pad.stl"))
+    GTEST_SKIP() << "the built-in meshes need gmsh";
+  write_truth(
+      "finger = { mesh = \"shadow_like_pad.stl\", unit = \"mm\", point_mm = [0, -7, 0], normal = "
+      "[0, -1, 0] }\nobject = { radii_mm = [inf, inf] }");
+  const json found =
+      result_of({"calibrate", "data.csv", "case.toml", "--output", "elsewhere.toml"});
+  EXPECT_GT(found["geometry_rounds"].get<int>(), 1);
+  EXPECT_TRUE(found["geometry_settled"].get<bool>());
+  EXPECT_NEAR(found["parameters"]["youngs_modulus"]["value"].get<double>() / 400e3, 1, 0.06);
+  EXPECT_NEAR(found["parameters"]["thickness"]["value"].get<double>() / 2.5e-3, 1, 0.06);
+  const ProgramRun text = run({"calibrate", "data.csv", "case.toml"});
+  EXPECT_NE(text.out.find("fit and geometry were repeated"), std::string::npos) << text.out;
+  EXPECT_EQ(run({"predict", "elsewhere.toml"}).status, 0);
+}
+
+TEST_F(CalibrateProgram, NamesAnOutlierWithItsLine) {
+  write_truth(kRadii, 1.6);
+  const json found = result_of({"calibrate", "data.csv", "case.toml"});
+  ASSERT_EQ(found["outliers"].size(), 1u) << found["outliers"];
+  EXPECT_EQ(found["outliers"][0]["quantity"], "a");
+  EXPECT_EQ(found["outliers"][0]["load_N"], 3.0);
+  EXPECT_EQ(found["outliers"][0]["line"], 6);
+  EXPECT_NEAR(found["parameters"]["youngs_modulus"]["value"].get<double>() / 400e3, 1, 0.04);
+  const ProgramRun text = run({"calibrate", "data.csv", "case.toml"});
+  EXPECT_NE(text.out.find("Left out as an outlier: a at 3 N (line 6)"), std::string::npos)
+      << text.out;
+}
+
+TEST_F(CalibrateProgram, WritesACaseForTheOtherCommands) {
+  write_truth(kRadii);
+  fs::create_directory(folder.path() / "sub");
+  const json found =
+      result_of({"calibrate", "data.csv", "case.toml", "--output", "sub/fitted.toml"});
+  const json predicted = result_of({"predict", "sub/fitted.toml", "--model", "fingertip_layer"});
+  EXPECT_EQ(predicted["case"], "mine_fitted");
+  // Six digits are written.
+  EXPECT_NEAR(predicted["layer"]["youngs_modulus_Pa"].get<double>() /
+                  found["parameters"]["youngs_modulus"]["value"].get<double>(),
+              1, 1e-5);
+  EXPECT_NEAR(predicted["layer"]["thickness_m"].get<double>() /
+                  found["parameters"]["thickness"]["value"].get<double>(),
+              1, 1e-5);
+  EXPECT_NEAR(predicted["friction_coefficient"].get<double>() /
+                  found["parameters"]["friction_coefficient"]["value"].get<double>(),
+              1, 1e-5);
+  EXPECT_EQ(predicted["layer"]["poisson_ratio"], 0.47);
+  const std::string text = file_text(folder.path() / "sub" / "fitted.toml");
+  EXPECT_EQ(text.rfind("# Fitted by softfinger calibrate", 0), 0u) << text;
+  EXPECT_EQ(run({"calibrate", "data.csv", "case.toml", "--output", "missing/fitted.toml"}).status,
+            2);
+}
+
+TEST_F(CalibrateProgram, FindsTheRadiusAndScalesTheBodiesWithIt) {
+  write_truth(kRadii);
+  std::string text = file_text(folder.path() / "case.toml");
+  text.replace(text.find("[12.0, 9.0]"), 11, "[18.0, 13.5]");  // 1.5 times too large
+  folder.write("case.toml", text);
+  const json found = result_of({"calibrate", "data.csv", "case.toml", "--fit",
+                                "youngs_modulus,radius", "--fix", "thickness_mm=2.5", "--fix",
+                                "friction_coefficient=0.7", "--output", "fitted.toml"});
+  // The relative radii of a finger on a plane are its own.
+  EXPECT_NEAR(found["parameters"]["radius"]["value"].get<double>() / std::sqrt(12e-3 * 9e-3), 1,
+              0.03);
+  EXPECT_EQ(found["fixed"]["thickness"], 2.5e-3);
+  const json predicted = result_of({"predict", "fitted.toml", "--model", "fingertip_layer"});
+  const json& radii = predicted["geometry"][0]["radii_m"];
+  EXPECT_NEAR(radii[0].get<double>() / radii[1].get<double>(), 12. / 9, 1e-5);
+  EXPECT_NEAR(std::sqrt(radii[0].get<double>() * radii[1].get<double>()) /
+                  found["parameters"]["radius"]["value"].get<double>(),
+              1, 1e-5);
+}
+
+TEST_F(CalibrateProgram, ReadsStandardInputAndAcceptsErrors) {
+  write_truth(kRadii, 1, true);
+  const json found = result_of({"calibrate", "data.csv", "case.toml"});
+  EXPECT_TRUE(found["residuals"][0]["std_given"].get<bool>());
+  EXPECT_FALSE(found["residuals"][1]["std_given"].get<bool>());
+  const std::string command = std::string(SOFTFINGER_PROGRAM) + " calibrate - " +
+                              (folder.path() / "case.toml").string() + " --json < " +
+                              (folder.path() / "data.csv").string() + " > " +
+                              (folder.path() / "piped.json").string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  json piped = json::parse(file_text(folder.path() / "piped.json"));
+  EXPECT_EQ(piped["data"], "standard input");
+  EXPECT_EQ(piped["parameters"], found["parameters"]);
+}
+
+TEST_F(CalibrateProgram, WritesAPageThatNeedsNoNetwork) {
+  write_truth(kRadii, 1.6);
+  ASSERT_EQ(run({"calibrate", "data.csv", "case.toml", "--page", "fit.html"}).status, 0);
+  const std::string page = file_text(folder.path() / "fit.html");
+  for (const char* part : {"What the data cannot tell", "Residuals", "Models on the same data",
+                           "left out", "data-chart=\"confidence\"", "data-quantity=\"max_torque\""})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  for (const char* part : {"src=", "<link", "@import"})
+    EXPECT_EQ(page.substr(0, page.find("<script type=\"application/json\"")).find(part),
+              std::string::npos)
+        << part;
+}
+
+TEST_F(CalibrateProgram, RefusesInOneLine) {
+  write_truth(kRadii);
+  const auto calibrate = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"calibrate", "data.csv", "case.toml"});
+    return more;
+  };
+  expect_refusal({"calibrate", "missing.csv", "case.toml"}, {"missing.csv"});
+  expect_refusal({"calibrate", "data.csv", "missing.toml"}, {"missing.toml"});
+  expect_refusal(calibrate({"--fit", "thicknes"}), {"\"thickness\""});
+  expect_refusal(calibrate({"--fit", "thickness,thickness"}), {"each parameter once"});
+  expect_refusal(calibrate({"--fit", "shear_strength"}), {"shear law", "coulomb"});
+  expect_refusal(calibrate({"--fix", "thickness=3"}), {"unit", "thickness_mm or thickness_m"});
+  expect_refusal(calibrate({"--fix", "thickness_mm=0"}), {"0.01 to 1e+03"});
+  expect_refusal(calibrate({"--fix", "poisson_ratio=0.6"}), {"0 to 0.5"});
+  expect_refusal(calibrate({"--fix", "poisson_ratio=nan"}), {"0 to 0.5"});
+  expect_refusal(calibrate({"--fix", "poisson_ratio"}), {"key=value"});
+  expect_refusal(calibrate({"--fix", "colour=3"}), {"unknown key"});
+  expect_refusal(calibrate({"--fix", "thickness_mm=2", "--fit", "thickness"}), {"either"});
+  expect_refusal(calibrate({"--model", "layer_fft"}), {"fingertip_layer"});
+  folder.write("few.csv", "load_N,a_mm\n1,2\n2,2.5\n");
+  expect_refusal({"calibrate", "few.csv", "case.toml"},
+                 {"few.csv", "= 2", "more than the 2 parameters", "--fit"});
+  folder.write("nofriction.csv", "load_N,a_mm\n1,2\n2,2.5\n3,2.9\n4,3.1\n");
+  expect_refusal({"calibrate", "nofriction.csv", "case.toml", "--fit", "friction_coefficient"},
+                 {"tangential_force among the measurements"});
+  folder.write("two.toml", file_text(folder.path() / "case.toml") +
+                               "[object_layer]\nthickness_mm = 1\nyoungs_modulus_kPa = 100\n"
+                               "poisson_ratio = 0.4\n");
+  expect_refusal({"calibrate", "data.csv", "two.toml"}, {"[object_layer]", "one compliant body"});
+  expect_refusal({"calibrate", "data.csv", "skin_over_pulp"}, {"one homogeneous layer"});
+  folder.write("zero.csv", "load_N,a_mm,a_mm_std\n1,2,0\n");
+  expect_refusal({"calibrate", "zero.csv", "case.toml"}, {"zero.csv:2", "a_mm_std"});
+}
+
+TEST_F(CalibrateProgram, RefusesDataThatContradictEveryModelAndSaysWhere) {
+  write_truth(kRadii);
+  std::string text = "load_N,a_mm,a_mm_std\n";
+  for (int i = 0; i < 8; ++i)  // it shrinks as it is pressed
+    text += fmt::format("{},{:.4g},0.02\n", 1 << i, 4 * std::pow(0.8, i));
+  folder.write("shrinking.csv", text);
+  expect_refusal(
+      {"calibrate", "shrinking.csv", "case.toml"},
+      {"shrinking.csv", "no model explains the data within their errors", "a at", "sigma"});
+}
+
+TEST_F(CalibrateProgram, MeasuresPicturesForItself) {
+  // Contacts as predicted, drawn at 0.02 mm per pixel.
+  write_truth("relative_radii_mm = [12.0, 9.0]");
+  const json truth = result_of({"predict", "truth.toml", "--model", "fingertip_layer"})["results"];
+  std::vector<std::string> area = {"area"};
+  std::string loads;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    constexpr unsigned kSide = 600;
+    std::vector<png_byte> grey(kSide * kSide, 255);
+    for (unsigned row = 0; row < kSide; ++row)
+      for (unsigned column = 0; column < kSide; ++column) {
+        const double x = 0.02e-3 * (column + 0.5 - kSide / 2.), y = 0.02e-3 * (row + 0.5 - 305.);
+        if (std::hypot(x / truth[i]["a_m"].get<double>(), y / truth[i]["b_m"].get<double>()) < 1)
+          grey[row * kSide + column] = 40;
+      }
+    area.push_back("print" + std::to_string(i) + ".png");
+    folder.write(area.back(), png_of(grey, kSide, kSide));
+    loads += (i == 0 ? "" : ",") + fmt::format("{}", truth[i]["load_N"].get<double>());
+  }
+  for (const char* word : {"--mm-per-pixel", "0.02", "--dark", "--load"}) area.push_back(word);
+  area.push_back(loads);
+  for (const bool ellipse : {false, true}) {
+    if (ellipse) area.push_back("--ellipse");
+    const ProgramRun rows = run(area);
+    ASSERT_EQ(rows.status, 0) << rows.err;
+    folder.write("ink.csv", rows.out);
+    const json found = result_of({"calibrate", "ink.csv", "case.toml"});
+    for (const auto& [name, value] :
+         {std::pair{"youngs_modulus", 400e3}, std::pair{"thickness", 2.5e-3}}) {
+      const json& interval = found["parameters"][name]["interval95"];
+      EXPECT_LE(interval[0].get<double>(), value) << name;
+      EXPECT_GE(interval[1].get<double>(), value) << name;
+    }
+  }
+  area.pop_back();
+  area.push_back("--json");
+  const json measured = json::parse(run(area).out)["results"];
+  ASSERT_EQ(measured.size(), truth.size());
+  EXPECT_NEAR(measured[3]["area_m2"].get<double>(), truth[3]["area_projected_m2"].get<double>(),
+              measured[3]["area_std_m2"].get<double>());
+  expect_refusal({"area", "print0.png", "--mm-per-pixel", "0.02"}, {"edge", "--dark"});
+  expect_refusal({"area", "print0.png", "--mm-per-pixel", "0"}, {"--mm-per-pixel"});
+  expect_refusal({"area", "print0.png", "--mm-per-pixel", "0.02", "--dark", "--load", "1,2"},
+                 {"one for each of the 1 pictures"});
+  expect_refusal({"area", "print0.png", "--mm-per-pixel", "0.02", "--dark", "--load", "-1"},
+                 {"--load"});
+  expect_refusal({"area", "data.csv", "--mm-per-pixel", "0.02"}, {"data.csv", "PNG"});
+}
+
+}  // namespace softfinger::tests
