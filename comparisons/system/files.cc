@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "comparisons/system/terminal.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
@@ -77,6 +78,31 @@ std::string description_of_this_process() {
 
 }  // namespace
 
+namespace {
+
+/// Reads to the end. @param name  for messages
+std::string read_all(int file, const std::string& name, std::size_t most_bytes) {
+  std::string content;
+  char buffer[1 << 16];
+  for (;;) {
+    const ssize_t count = read(file, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse(name, "cannot be read", errno);
+    if (count == 0) return content;
+    if (static_cast<std::size_t>(count) > most_bytes - content.size())
+      throw InputError(name, "size of the file", "",
+                       "at most " + std::to_string(most_bytes >> 20) + " MiB");
+    content.append(buffer, static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+const std::string& read_standard_input(std::size_t most_bytes) {
+  static const std::string content = read_all(STDIN_FILENO, "standard input", most_bytes);
+  return content;
+}
+
 std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
   // O_NONBLOCK, because opening a pipe waits for a writer. A device may have no end: it is refused.
   const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -86,26 +112,14 @@ std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
     close(file);
     throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
   }
-  std::string content;
-  char buffer[1 << 16];
-  for (;;) {
-    const ssize_t count = read(file, buffer, sizeof buffer);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      const int error = errno;
-      close(file);
-      refuse(path.string(), "cannot be read", error);
-    }
-    if (count == 0) break;
-    if (static_cast<std::size_t>(count) > most_bytes - content.size()) {
-      close(file);
-      throw InputError(path.string(), "size of the file", "",
-                       "at most " + std::to_string(most_bytes >> 20) + " MiB");
-    }
-    content.append(buffer, static_cast<std::size_t>(count));
+  try {
+    std::string content = read_all(file, path.string(), most_bytes);
+    close(file);
+    return content;
+  } catch (...) {
+    close(file);
+    throw;
   }
-  close(file);
-  return content;
 }
 
 void write_file_atomically(const fs::path& path, const std::string& content) {
@@ -188,6 +202,9 @@ void write_to_stdout(const std::string& text) {
   if (error) refuse("standard output", "cannot be written", error);
 }
 
-void write_text_to_stdout(const std::string& text) { write_to_stdout(visible_text(text)); }
+void write_text_to_stdout(const std::string& text) {
+  const std::string visible = visible_text(text);
+  write_to_stdout(has_colour(STDOUT_FILENO) ? with_colours(visible) : visible);
+}
 
 }  // namespace softfinger::system
