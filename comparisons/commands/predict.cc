@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/assessment.h"
@@ -21,7 +22,8 @@ namespace softfinger::commands {
 namespace {
 
 struct PredictOptions {
-  std::string case_file, models = "all", torque_rule = "exact", gap = "quadric";
+  CaseInput typed_case;
+  std::string models = "all", torque_rule = "exact", gap = "quadric";
   double tolerance = 0.1;
   int limit_surface = 0;
   bool json = false;
@@ -69,7 +71,7 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
 int run_predict(const PredictOptions& options) {
   refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const auto models = chosen_models(options);
-  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
+  const input::Case contact_case = read_case(options.typed_case);
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
@@ -160,9 +162,7 @@ void add_predict(CLI::App& app, Action& action) {
   auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
-  command
-      ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
-      ->required();
+  add_case(*command, options->typed_case);
   command->add_option("--model", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "comparisons/system/files.h"
 
@@ -79,15 +81,45 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
   return run_fem(options.program, batches, options.parallel, callbacks);
 }
 
-FemJobProgress::FemJobProgress(system::Progress& progress, std::size_t all, std::size_t pending)
-    : progress_(progress), all_(all), pending_(pending) {}
+double expected_s(const FemProblem& problem) {
+  // Measured on the built-in cases: a long contact needs more elements, finite strain a nonlinear
+  // problem in steps, and a body without the symmetry of the contact has four times the unknowns.
+  const double length = std::max(1., problem.radii.major_m / problem.radii.minor_m);
+  double time_s = 1.2 * std::pow(length, 0.7);
+  if (problem.finite_strain) time_s *= 3;
+  if (problem.sublayers.size() > 1) time_s *= 8;
+  if (problem.bodies) {
+    const auto is_scan = [](const PlacedBody& placed) {
+      return std::holds_alternative<PlacedMesh>(placed.body);
+    };
+    const PlacedBody &pad = problem.bodies->pad, &object = problem.bodies->object;
+    if (is_scan(pad) || is_scan(object))
+      time_s *= 10 / std::pow(length, 0.35);
+    else if (pad.turn_rad != 0 || object.turn_rad != 0)
+      time_s *= 25;
+  }
+  constexpr int kUsualLevel = 2;
+  return time_s * std::pow(5., problem.level - kUsualLevel);
+}
+
+FemJobProgress::FemJobProgress(system::Progress& progress, std::size_t all,
+                               const std::vector<const FemJob*>& pending, int parallel)
+    : progress_(progress),
+      all_(all),
+      pending_(pending.size()),
+      left_(pending.size(),
+            std::accumulate(
+                pending.begin(), pending.end(), 0.,
+                [](double sum, const FemJob* job) { return sum + expected_s(job->problem); }),
+            parallel) {}
+
+double FemJobProgress::elapsed_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
 
 std::string FemJobProgress::remaining() const {
   if (finished_ == 0 || finished_ == pending_) return "";
-  const double elapsed_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  return fmt::format("; about {:.0f} s left", elapsed_s / static_cast<double>(finished_) *
-                                                  static_cast<double>(pending_ - finished_));
+  return fmt::format("; about {:.0f} s left", left_.left_s(elapsed_s()));
 }
 
 void FemJobProgress::line(const FemJob& job, const std::string& text) {
@@ -95,10 +127,17 @@ void FemJobProgress::line(const FemJob& job, const std::string& text) {
                              remaining()));
 }
 
-void FemJobProgress::finished(const FemJob& job, const std::string& outcome) {
+void FemJobProgress::finished(const FemJob& job, const std::string& outcome,
+                              std::optional<double> took_s) {
   ++finished_;
+  left_.finished(expected_s(job.problem), took_s, elapsed_s());
   progress_.say(fmt::format("[{}/{}] {}: {}{}", all_ - pending_ + finished_, all_, job.title,
                             outcome, remaining()));
+}
+
+std::optional<double> wall_s(const FemAnswer& answer) {
+  if (!answer.result || !std::isfinite(answer.result->wall_s)) return std::nullopt;
+  return answer.result->wall_s;
 }
 
 std::string describe(const FemAnswer& answer) {

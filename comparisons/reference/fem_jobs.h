@@ -3,12 +3,14 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/reference/finished_results.h"
 #include "comparisons/system/progress.h"
+#include "comparisons/system/remaining_time.h"
 
 /// Many finite-element problems whose results are kept in files, so that the same command continues
 /// after an interruption. Used by `compare`, `atlas` and `sweep`.
@@ -43,6 +45,10 @@ std::vector<const FemJob*> pending_fem_jobs(
     const std::vector<FemJob>& jobs, const FemJobOptions& options, system::Progress& progress,
     const std::function<void(const FemJob&, ReferenceResult result)>& on_reused);
 
+/// Roughly how long the finite elements take on one core of a usual machine, from the kind of the
+/// problem: right within a factor of two or so. Only for telling how much time is left.
+double expected_s(const FemProblem& problem);
+
 /// Solves one job after the other or side by side and keeps each result as it comes.
 /// @param on_line      what a process says about its progress
 /// @param on_finished  after each job; its result is in its file by then
@@ -55,20 +61,29 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
 /// Says how far a set of jobs is: "[3/12] title: 1.2 s; about 40 s left".
 class FemJobProgress {
  public:
-  /// @param all  jobs, of which `pending` are to be run
-  FemJobProgress(system::Progress& progress, std::size_t all, std::size_t pending);
+  /// @param all       number of jobs, of which `pending` are to be run
+  /// @param parallel  how many run side by side
+  FemJobProgress(system::Progress& progress, std::size_t all,
+                 const std::vector<const FemJob*>& pending, int parallel);
 
   void line(const FemJob& job, const std::string& text);
   /// @param outcome  how accurate the result is, or why there is none
-  void finished(const FemJob& job, const std::string& outcome);
+  /// @param took_s   how long it took; none: not known
+  void finished(const FemJob& job, const std::string& outcome,
+                std::optional<double> took_s = std::nullopt);
 
  private:
   std::string remaining() const;
+  double elapsed_s() const;
 
   system::Progress& progress_;
   std::size_t all_, pending_, finished_ = 0;
+  system::RemainingTime left_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// How long the finite elements took, if they say it.
+std::optional<double> wall_s(const FemAnswer& answer);
 
 /// "1234 unknowns, a ±0.1 %, torque ±0.2 %, 1.2 s", or "FEM failed: ...".
 std::string describe(const FemAnswer& answer);

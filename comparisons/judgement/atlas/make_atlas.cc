@@ -418,13 +418,13 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
   system::Progress progress;
   const auto pending =
       reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
-  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, jobs.size(), pending, options.jobs);
   AtlasOutcome outcome;
   outcome.signal = reference::run_fem_jobs(
       pending, settings,
       [&](const reference::FemJob& job, const std::string& line) { shown.line(job, line); },
       [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
-        shown.finished(job, describe(answer));
+        shown.finished(job, describe(answer), wall_s(answer));
       });
   outcome.atlas = collect_atlas(runs, jobs, settings, options.command,
                                 options.without_failed && outcome.signal == 0);

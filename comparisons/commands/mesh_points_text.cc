@@ -1,0 +1,67 @@
+#include "comparisons/commands/mesh_points_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "comparisons/prediction/mesh_points.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+
+Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
+                             const std::string& allowed) {
+  Eigen::Vector3d vector;
+  const char* next = text.c_str();
+  for (int i = 0; i < 3; ++i) {
+    char* end = nullptr;
+    vector[i] = std::strtod(next, &end);
+    const char expected = i < 2 ? ',' : '\0';
+    if (end == next || *end != expected || !std::isfinite(vector[i]))
+      throw InputError("command line", flag, "\"" + text + "\"", allowed);
+    next = end + 1;
+  }
+  return vector;
+}
+
+std::string toml_text(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20 || code == 0x7f) {
+      quoted += fmt::format("\\u{:04x}", code);
+      continue;
+    }
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string geometry_line(const std::string& mesh, const std::string& unit,
+                          const report::MeshPoint& point) {
+  // 0.1 µm and 1e-5 rad; a zero without a minus sign.
+  const auto rounded = [](double value, double step) {
+    return std::round(value / step) * step + 0.0;
+  };
+  const auto list = [&](const Eigen::Vector3d& v, double step) {
+    return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", rounded(v.x(), step), rounded(v.y(), step),
+                       rounded(v.z(), step));
+  };
+  return fmt::format("finger = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
+                     toml_text(mesh), unit, list(1e3 * point.point_m, 1e-4),
+                     list(point.normal, 1e-5));
+}
+
+std::string facts_in_words(const TriangleSurface& surface) {
+  const prediction::SurfaceFacts facts = prediction::facts_of(surface);
+  const Eigen::Vector3d size_mm = 1e3 * (facts.largest_m - facts.least_m);
+  return fmt::format(
+      "{} triangles, {} vertices, {}; {:.4g} x {:.4g} x {:.4g} mm, {:.4g} mm² of surface",
+      surface.triangles.size(), surface.vertices_m.size(),
+      facts.open_edges == 0 ? "closed" : fmt::format("open at {} edges", facts.open_edges),
+      size_mm.x(), size_mm.y(), size_mm.z(), 1e6 * facts.area_m2);
+}
+
+}  // namespace softfinger::commands
