@@ -1,5 +1,6 @@
 #include "comparisons/commands/command_tree.h"
 
+#include <algorithm>
 #include <sstream>
 
 namespace softfinger::commands {
@@ -51,8 +52,10 @@ std::vector<DescribedCommand> describe_commands(const CLI::App& app) {
   return commands;
 }
 
-std::string first_line(const std::string& description) {
-  return description.substr(0, description.find('\n'));
+std::string first_sentence(const std::string& description) {
+  std::string line = description;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  return line.substr(0, line.find(". "));
 }
 
 std::string listed_kind(const DescribedOption& option) {

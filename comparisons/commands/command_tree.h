@@ -23,8 +23,8 @@ struct DescribedCommand {
 /// The program itself first, with an empty name, then its commands.
 std::vector<DescribedCommand> describe_commands(const CLI::App& app);
 
-/// The first sentence or line of a description.
-std::string first_line(const std::string& description);
+/// The first sentence of a description, on one line.
+std::string first_sentence(const std::string& description);
 
 /// The list that `softfinger list` has of a value's names, "cases" for CASE, or empty.
 std::string listed_kind(const DescribedOption& option);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/nearest_name.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
@@ -104,7 +106,7 @@ std::string quoted(const std::string& text) {
 /// A description within a specification of zsh's _arguments.
 std::string zsh_text(const std::string& text) {
   std::string result;
-  for (const char c : first_line(text)) {
+  for (const char c : first_sentence(text)) {
     if (c == '[' || c == ']' || c == ':' || c == '\\') result += '\\';
     result += c;
   }
@@ -183,13 +185,13 @@ std::string fish_script(const std::vector<DescribedCommand>& commands) {
                                  : " -n " + quoted("__fish_seen_subcommand_from " + command.name);
     if (!command.name.empty())
       text += fmt::format("complete -c softfinger -f -n __fish_use_subcommand -a {} -d {}\n",
-                          command.name, quoted(first_line(command.description)));
+                          command.name, quoted(first_sentence(command.description)));
     for (const DescribedOption& option : options_of(commands, command)) {
       text += "complete -c softfinger" + when;
       for (const std::string& name : option.names)
         text += name[1] == '-' ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (!option.value.empty()) text += " -r" + fish_values(option, names);
-      text += " -d " + quoted(first_line(option.description)) + "\n";
+      text += " -d " + quoted(first_sentence(option.description)) + "\n";
     }
     for (const DescribedOption& positional : command.positionals)
       if (const std::string values = fish_values(positional, names); !values.empty())
@@ -202,7 +204,7 @@ std::string fish_script(const std::vector<DescribedCommand>& commands) {
 
 void add_completion(CLI::App& app, Action& action) {
   struct Options {
-    std::string shell;
+    std::string shell, output;
     bool json = false;
   };
   auto options = std::make_shared<Options>();
@@ -211,6 +213,10 @@ void add_completion(CLI::App& app, Action& action) {
   command->add_option("SHELL", options->shell, "bash, zsh or fish")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  CLI::Option* output =
+      command->add_option("--output", options->output,
+                          "file to write, its folder created when missing; default: "
+                          "standard output");
   command->add_flag("--json", options->json, "the script in one JSON object on standard output");
   command->footer(
       "Installed where the shells look for it. From a build, for this session:\n"
@@ -218,12 +224,22 @@ void add_completion(CLI::App& app, Action& action) {
       "Samples:\n"
       "  softfinger completion bash\n"
       "  softfinger completion fish");
-  command->callback([options, &app, &action] {
-    action = [options, &app] {
+  command->callback([options, output, &app, &action] {
+    const bool write = output->count() > 0;
+    action = [options, write, &app] {
       const auto commands = describe_commands(app);
       const std::string script = options->shell == "bash"  ? bash_script(commands)
                                  : options->shell == "zsh" ? zsh_script(commands)
                                                            : fish_script(commands);
+      if (write) {
+        const std::filesystem::path file = options->output;
+        if (!file.has_filename())
+          throw InputError("command line", "--output", "\"" + options->output + "\"",
+                           "the name of a file");
+        if (file.has_parent_path()) system::make_writable_folder(file.parent_path());
+        system::write_file_atomically(file, script);
+        if (!options->json) return 0;
+      }
       system::write_to_stdout(
           options->json
               ? nlohmann::json({{"shell", options->shell}, {"script", script}}).dump(2) + "\n"

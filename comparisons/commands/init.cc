@@ -11,6 +11,7 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InitOptions {
-  std::string file = "my_finger.toml", mesh, along = "-y", unit = "mm";
+  std::string file = "my_finger.toml", mesh, along = "-y", near, unit = "mm";
   bool along_given = false, unit_given = false, force = false, json = false;
 };
 
@@ -32,6 +33,10 @@ std::string id_of(const fs::path& file) {
   return id.substr(0, 64);
 }
 
+constexpr const char* kPlane =
+    "object = { radii_mm = [inf, inf] }       # a plane; or { sphere_radius_mm = 10 }, { mesh = "
+    "\"object.stl\", along = \"+z\" }\n";
+
 std::string geometry_text(const InitOptions& options) {
   if (options.mesh.empty())
     return "# Exactly one of three forms. Radii in mm: inf is flat, negative hollow.\n"
@@ -41,14 +46,20 @@ std::string geometry_text(const InitOptions& options) {
            "# relative_radii_mm = [20.0, 5.0]        # of the gap, in place of the two bodies\n"
            "# finger = { mesh = \"tip.stl\", unit = \"mm\", along = \"-y\" }   # softfinger mesh "
            "tip.stl\n";
+  if (!options.near.empty()) {
+    const std::string path =
+        system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
+    const auto surface = meshes::read_surface(path, options.unit == "m" ? 1 : 1e-3).surface;
+    return geometry_line(options.mesh, options.unit,
+                         point_near(surface, options.near, options.unit, path)) +
+           "\n" + kPlane;
+  }
   return fmt::format(
       "# along: the point that lies farthest there. Any other: point_mm = [x, y, z], normal = [x, "
       "y, z];\n"
       "# softfinger mesh FILE --page page.html shows the finger, where a click gives these lines.\n"
-      "finger = {{ mesh = {}, unit = \"{}\", along = \"{}\" }}\n"
-      "object = {{ radii_mm = [inf, inf] }}       # a plane; or {{ sphere_radius_mm = 10 }}, "
-      "{{ mesh = \"object.stl\", along = \"+z\" }}\n",
-      toml_text(options.mesh), options.unit, options.along);
+      "finger = {{ mesh = {}, unit = \"{}\", along = \"{}\" }}\n{}",
+      toml_text(options.mesh), options.unit, options.along, kPlane);
 }
 
 std::string case_text(const InitOptions& options) {
@@ -80,8 +91,8 @@ std::string case_text(const InitOptions& options) {
 int run_init(const InitOptions& options) {
   if (options.file.empty())
     throw InputError("command line", "FILE", "\"\"", "the name of a file, or \"-\"");
-  if (options.mesh.empty() && (options.along_given || options.unit_given))
-    throw InputError("command line", "--along, --unit", "", "with --mesh");
+  if (options.mesh.empty() && (options.along_given || options.unit_given || !options.near.empty()))
+    throw InputError("command line", "--along, --near, --unit", "", "with --mesh");
   if (!input::axis_direction(options.along))
     throw InputError("command line", "--along", "\"" + options.along + "\"",
                      "+x, -x, +y, -y, +z or -z");
@@ -122,9 +133,15 @@ void add_init(CLI::App& app, Action& action) {
   command->add_option("--mesh", options->mesh,
                       "the finger as an STL or OBJ file, named as seen from FILE's folder, or a "
                       "built-in mesh; default: a finger by its radii");
-  const CLI::Option* along = command->add_option(
+  CLI::Option* along = command->add_option(
       "--along", options->along,
       "direction in which the finger is touched: +x, -x, +y, -y (default), +z or -z");
+  command
+      ->add_option(
+          "--near", options->near,
+          "X,Y,Z: instead touched at the surface's point nearest to this one, in the mesh's "
+          "unit")
+      ->excludes(along);
   const CLI::Option* unit =
       command->add_option("--unit", options->unit, "of the mesh: \"mm\" (default) or \"m\"")
           ->check(CLI::IsMember({"mm", "m"}));

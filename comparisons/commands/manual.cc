@@ -84,7 +84,7 @@ std::string man_page(const std::vector<DescribedCommand>& commands,
       ".TH {} 1 \"\" \"softfinger {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}"
       ".SH DESCRIPTION\n{}\n",
       troff(page_name(command)), system::program_version(), troff(page_name(command)),
-      troff(first_line(command.description)), synopsis(command), troff(command.description));
+      troff(first_sentence(command.description)), synopsis(command), troff(command.description));
   if (command.name.empty()) {
     text += ".SH COMMANDS\n";
     for (const DescribedCommand& one : commands)

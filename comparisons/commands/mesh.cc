@@ -14,8 +14,6 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "meshes/io/read_surface.h"
-#include "softfinger/geometry/surface_region.h"
-#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -81,58 +79,29 @@ ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
                            1e3 * width, read.unit, 1e3 * kNarrowestFinger_m, 1e3 * kWidestFinger_m);
   const double width_units = width / metres_per_unit;
   struct Unit {
-    const char* name;
+    const char *name, *remedy;
     double metres;
   };
-  for (const Unit& other :
-       {Unit{"mm", 1e-3}, {"m", 1.}, {"cm", 1e-2}, {"inches", 25.4e-3}, {"tenths of a mm", 1e-4}})
-    if (other.name != read.unit && is_finger(width_units * other.metres)) {
-      const bool is_known = other.name == std::string("mm") || other.name == std::string("m");
-      read.doubt += fmt::format(
-          "; in {} it would be {:.3g} mm: {}", other.name, 1e3 * width_units * other.metres,
-          is_known ? fmt::format("--unit {}?", other.name)
-                   : fmt::format("scale it by {:g} to mm?", 1e3 * other.metres));
-      return read;
-    }
+  bool is_known = false;
+  for (const Unit& other : {Unit{"mm", "--unit mm", 1e-3},
+                            {"m", "--unit m", 1.},
+                            {"cm", "scale it by 10 to mm", 1e-2},
+                            {"inches", "scale it by 25.4 to mm", 25.4e-3}}) {
+    if (other.name == read.unit || !is_finger(width_units * other.metres)) continue;
+    read.doubt += fmt::format("; in {} it would be {:.3g} mm: {}?", other.name,
+                              1e3 * width_units * other.metres, other.remedy);
+    is_known = true;
+  }
+  if (is_known) return read;
   read.doubt += "; is it the whole of a finger, and in that unit?";
   return read;
-}
-
-report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
-                                 const Vector3d& point_m, const Vector3d* normal) {
-  report::MeshPoint point;
-  point.name = name;
-  point.point_m = point_m;
-  try {
-    const internal::SurfaceNeighbourhood there(surface, point_m, normal);
-    point.normal = normal ? *normal : there.region(there.radius_with_facets(1)).mean_normal;
-    const QuadricFit fit = prediction::fit_around(surface, point_m, normal);
-    point.fit = fit;
-    point.normal = fit.normal;
-    if (fit.surface_kind == SurfaceKind::sharp_edge)
-      point.doubt = fmt::format("a sharp edge of {:.3g}° lies in the region",
-                                fit.sharpest_kink_rad * 180 / kPi);
-  } catch (const InputError& error) {
-    point.doubt = std::string("no quadric: ") + error.what();
-  } catch (const ConvergenceError& error) {
-    point.doubt = std::string("no quadric: ") + error.what();
-  }
-  return point;
 }
 
 std::vector<report::MeshPoint> points_of(const MeshOptions& options, const ReadMesh& read,
                                          const std::string& path) {
   const TriangleSurface& surface = read.file.surface;
   std::vector<report::MeshPoint> points;
-  if (!options.near.empty()) {
-    const Vector3d near =
-        (read.unit == "m" ? 1 : 1e-3) *
-        parse_vector("--near", options.near, "X,Y,Z: three finite numbers in the mesh's unit");
-    prediction::require_point_on_surface(surface, near, path, "--near");
-    const internal::SurfaceNeighbourhood neighbourhood(surface, near, nullptr);
-    points.push_back(
-        describe_point(surface, "nearest to " + options.near, neighbourhood.centre_m(), nullptr));
-  }
+  if (!options.near.empty()) points.push_back(point_near(surface, options.near, read.unit, path));
   for (const std::string axis : {"-y", "+y", "-x", "+x", "-z", "+z"}) {
     const Vector3d direction = *input::axis_direction(axis);
     if (options.along.empty() ? !options.near.empty()

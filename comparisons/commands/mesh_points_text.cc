@@ -5,7 +5,10 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
+#include "softfinger/geometry/surface_region.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -37,6 +40,38 @@ std::string toml_text(const std::string& text) {
     quoted += c;
   }
   return quoted + "\"";
+}
+
+report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
+                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal) {
+  report::MeshPoint point;
+  point.name = name;
+  point.point_m = point_m;
+  try {
+    const internal::SurfaceNeighbourhood there(surface, point_m, normal);
+    point.normal = normal ? *normal : there.region(there.radius_with_facets(1)).mean_normal;
+    const QuadricFit fit = prediction::fit_around(surface, point_m, normal);
+    point.fit = fit;
+    point.normal = fit.normal;
+    if (fit.surface_kind == SurfaceKind::sharp_edge)
+      point.doubt = fmt::format("a sharp edge of {:.3g}° lies in the region",
+                                fit.sharpest_kink_rad * 180 / kPi);
+  } catch (const InputError& error) {
+    point.doubt = std::string("no quadric: ") + error.what();
+  } catch (const ConvergenceError& error) {
+    point.doubt = std::string("no quadric: ") + error.what();
+  }
+  return point;
+}
+
+report::MeshPoint point_near(const TriangleSurface& surface, const std::string& near,
+                             const std::string& unit, const std::string& path) {
+  const Eigen::Vector3d point_m =
+      (unit == "m" ? 1 : 1e-3) *
+      parse_vector("--near", near, "X,Y,Z: three finite numbers in the mesh's unit");
+  prediction::require_point_on_surface(surface, point_m, path, "--near");
+  const internal::SurfaceNeighbourhood neighbourhood(surface, point_m, nullptr);
+  return describe_point(surface, "nearest to " + near, neighbourhood.centre_m(), nullptr);
 }
 
 std::string geometry_line(const std::string& mesh, const std::string& unit,

@@ -16,6 +16,18 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
 /// A text as a value of TOML, in quotes.
 std::string toml_text(const std::string& text);
 
+/// A point with the quadric around it, and with the normal of that. Where none can be fitted, the
+/// normal is the given one, or the facet's, and `doubt` says why.
+/// @param normal  outward, roughly; null: that of the surface
+report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
+                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal);
+
+/// The surface's point nearest to --near X,Y,Z, in the mesh's unit, "mm" or "m".
+/// @param path  of the mesh, for messages
+/// @throws InputError for a point that is not near the surface
+report::MeshPoint point_near(const TriangleSurface& surface, const std::string& near,
+                             const std::string& unit, const std::string& path);
+
 /// The line of [geometry]: "finger = { mesh = .., point_mm = .., normal = .. }".
 std::string geometry_line(const std::string& mesh, const std::string& unit,
                           const report::MeshPoint& point);
