@@ -971,8 +971,9 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
-  for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
-                                    "export", "list", "explain", "lcp"}) {
+  for (const std::string command :
+       {"", "predict", "fit", "fem", "compare", "select", "extremes", "export", "list", "explain",
+        "lcp", "mesh", "init", "doctor", "completion", "manual"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;
