@@ -35,7 +35,8 @@ int run(int argc, char** argv) {
   CLI::App app("Soft-finger contact: analytic models, verified by finite elements.", "softfinger");
   app.set_version_flag("-V,--version", "softfinger " + system::program_version());
   bool quiet = false;
-  app.add_flag("-q,--quiet", quiet, "errors alone on standard error, no remarks and no progress");
+  app.add_flag("-q,--quiet", quiet,
+               "errors alone on standard error, no remarks and no progress; also after a command");
   app.require_subcommand(1);
   app.fallthrough();  // of each command, too
   app.footer(

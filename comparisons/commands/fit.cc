@@ -12,7 +12,6 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
-#include "meshes/io/read_surface.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -70,7 +69,7 @@ int run_fit(const FitOptions& options) {
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
-  const auto file = meshes::read_surface(path.string(), metres_per_unit);
+  const auto file = read_typed_surface(path.string(), metres_per_unit);
   for (const std::string& note :
        {prediction::tolerated(file), prediction::unit_doubt(file, metres_per_unit)})
     if (!note.empty()) remark(path.string() + ": " + note);
@@ -139,7 +138,9 @@ void add_fit(CLI::App& app, Action& action, const std::string& command_line) {
   CLI::App* command = app.add_subcommand(
       "fit",
       "Local quadric of an STL or OBJ surface: A, B, C, principal radii, directions, residual");
-  command->add_option("MESH", options->mesh, "STL or OBJ file, or the name of a built-in mesh")
+  command
+      ->add_option("MESH", options->mesh,
+                   "STL or OBJ file, the name of a built-in mesh, or \"-\" for standard input")
       ->required();
   command
       ->add_option("--point", options->point,

@@ -13,7 +13,6 @@
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
-#include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -53,13 +52,13 @@ ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
   read.guessed = typed_unit.empty();
   double metres_per_unit = read.unit == "m" ? 1 : 1e-3;
   try {
-    read.file = meshes::read_surface(path, metres_per_unit);
+    read.file = read_typed_surface(path, metres_per_unit);
   } catch (const InputError&) {
     // Read in mm, a finger in metres is some ten micrometres wide, which may be refused.
     if (!read.guessed) throw;
     meshes::SurfaceFile in_metres;
     try {
-      in_metres = meshes::read_surface(path, 1);
+      in_metres = read_typed_surface(path, 1);
     } catch (const InputError&) {
     }
     if (in_metres.surface.triangles.empty()) throw;
@@ -69,7 +68,7 @@ ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
   }
   double width = width_m(read.file.surface);
   if (read.guessed && read.unit == "mm" && is_finger(1e3 * width)) {
-    read.file = meshes::read_surface(path, 1);
+    read.file = read_typed_surface(path, 1);
     read.unit = "m";
     metres_per_unit = 1;
     width *= 1e3;
@@ -227,7 +226,9 @@ void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
       "mesh",
       "An STL or OBJ surface at a glance: size, unit, closed or not, points to press on, lines for "
       "a case");
-  command->add_option("MESH", options->file, "STL or OBJ file, or the name of a built-in mesh")
+  command
+      ->add_option("MESH", options->file,
+                   "STL or OBJ file, the name of a built-in mesh, or \"-\" for standard input")
       ->required();
   CLI::Option* along = command->add_option(
       "--along", options->along,

@@ -7,6 +7,7 @@
 
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
+#include "comparisons/system/files.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -26,6 +27,12 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
     next = end + 1;
   }
   return vector;
+}
+
+meshes::SurfaceFile read_typed_surface(const std::string& path, double metres_per_unit) {
+  if (path != "-") return meshes::read_surface(path, metres_per_unit);
+  return meshes::parse_surface(system::read_standard_input(meshes::kLargestSurface_bytes),
+                               "standard input", metres_per_unit);
 }
 
 std::string toml_text(const std::string& text) {
@@ -85,8 +92,8 @@ std::string geometry_line(const std::string& mesh, const std::string& unit,
                        rounded(v.z(), step));
   };
   return fmt::format("finger = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
-                     toml_text(mesh), unit, list(1e3 * point.point_m, 1e-4),
-                     list(point.normal, 1e-5));
+                     toml_text(mesh == "-" ? "FILE.stl" : mesh), unit,
+                     list(1e3 * point.point_m, 1e-4), list(point.normal, 1e-5));
 }
 
 std::string facts_in_words(const TriangleSurface& surface) {

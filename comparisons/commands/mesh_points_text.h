@@ -4,6 +4,7 @@
 #include <string>
 
 #include "comparisons/report/mesh_page.h"
+#include "meshes/io/read_surface.h"
 
 /// What the commands `mesh` and `fit` share: vectors from the command line, points of a surface and
 /// the lines of a case for them.
@@ -12,6 +13,10 @@ namespace softfinger::commands {
 /// "X,Y,Z". @throws InputError(flag)
 Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
                              const std::string& allowed);
+
+/// The surface in a file, "-": from standard input.
+/// @throws InputError as meshes::read_surface
+meshes::SurfaceFile read_typed_surface(const std::string& path, double metres_per_unit);
 
 /// A text as a value of TOML, in quotes.
 std::string toml_text(const std::string& text);
@@ -28,7 +33,8 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
 report::MeshPoint point_near(const TriangleSurface& surface, const std::string& near,
                              const std::string& unit, const std::string& path);
 
-/// The line of [geometry]: "finger = { mesh = .., point_mm = .., normal = .. }".
+/// The line of [geometry]: "finger = { mesh = .., point_mm = .., normal = .. }". The mesh of
+/// standard input is called FILE.stl: a case needs a file.
 std::string geometry_line(const std::string& mesh, const std::string& unit,
                           const report::MeshPoint& point);
 

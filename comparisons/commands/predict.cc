@@ -210,6 +210,9 @@ void add_predict(CLI::App& app, Action& action) {
       "A case has at most 1000 loads, 100 sublayers, 1000 measured radii and 16 MiB.\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"
+      "  softfinger predict --radii-mm 20,12 --thickness-mm 2 --youngs-modulus-kPa 300 "
+      "--poisson-ratio 0.49 --load 2\n"
+      "  softfinger predict seed_thumb --set layer.thickness_mm=2 --quiet\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
       "  softfinger predict pad_on_plane --gap sampled");

@@ -151,6 +151,17 @@ TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {
   EXPECT_NE(file_text(folder.path() / "fit.html").find("fitted at 0,-7,0"), std::string::npos);
 }
 
+TEST_F(MeshCommand, ReadsStandardInput) {
+  const json read = answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"][0];
+  start.input = (folder.path() / "tip.stl").string();
+  const json piped = answer_of({"mesh", "-", "--along", "-y", "--json"})["points"][0];
+  EXPECT_EQ(read["radii_m"], piped["radii_m"]);
+  EXPECT_NE(piped["toml"].get<std::string>().find("\"FILE.stl\""), std::string::npos);
+  EXPECT_EQ(run({"fit", "-", "--point", "0,-7,0", "--radius-mm", "3"}).status, 0);
+  start.input = "";
+  expect_refusal({"mesh", "-"}, "standard input");
+}
+
 TEST_F(MeshCommand, RefusesInOneLine) {
   expect_refusal({"mesh", "tip.stl", "--along", "up"}, "+x, -x");
   expect_refusal({"mesh", "tip.stl", "--near", "1,2"}, "--near");

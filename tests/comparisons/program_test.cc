@@ -599,6 +599,9 @@ TEST_F(Program, SolvesARecordedContactProblem) {
   EXPECT_NEAR(solved["r4"][0].get<double>(), 0.01, 1e-14);
   EXPECT_NEAR(solved["r4"][1].get<double>(), -0.002, 1e-14);
   EXPECT_NEAR(solved["v4"][0].get<double>(), 0, 1e-14);
+  start.input = file.string();
+  const json piped = json::parse(run({"lcp", "-", "--json"}).out)["results"][0];
+  EXPECT_EQ(piped["r4"], solved["r4"]);
 }
 
 TEST_F(Program, RefusesDamagedContactProblems) {
