@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,22 +69,26 @@ class FemJobProgress {
 
   void line(const FemJob& job, const std::string& text);
   /// @param outcome  how accurate the result is, or why there is none
-  /// @param took_s   how long it took; none: not known
-  void finished(const FemJob& job, const std::string& outcome,
-                std::optional<double> took_s = std::nullopt);
+  void finished(const FemJob& job, const std::string& outcome);
 
  private:
   std::string remaining() const;
   double elapsed_s() const;
+  std::optional<double> took_s(const FemJob& job, double now_s);
 
   system::Progress& progress_;
   std::size_t all_, pending_, finished_ = 0;
   system::RemainingTime left_;
+  /// Jobs that share a process run one after the other.
+  struct Batch {
+    std::size_t left = 0;
+    double began_s = 0;  ///< its present job
+  };
+  std::map<const FemJob*, std::size_t> batch_of_;
+  std::vector<Batch> batches_;
+  std::size_t begun_;  ///< the first so many batches have begun
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-/// How long the finite elements took, if they say it.
-std::optional<double> wall_s(const FemAnswer& answer);
 
 /// "1234 unknowns, a ±0.1 %, torque ±0.2 %, 1.2 s", or "FEM failed: ...".
 std::string describe(const FemAnswer& answer);

@@ -126,7 +126,7 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
         ++done;
         run_of(job).reference = answer.result;
         run_of(job).failure = answer.failure;
-        shown.finished(job, describe(answer), wall_s(answer));
+        shown.finished(job, describe(answer));
       });
   if (signal != 0)
     progress.say(

@@ -424,7 +424,7 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
       pending, settings,
       [&](const reference::FemJob& job, const std::string& line) { shown.line(job, line); },
       [&](const reference::FemJob& job, const reference::FemAnswer& answer) {
-        shown.finished(job, describe(answer), wall_s(answer));
+        shown.finished(job, describe(answer));
       });
   outcome.atlas = collect_atlas(runs, jobs, settings, options.command,
                                 options.without_failed && outcome.signal == 0);
