@@ -165,9 +165,10 @@ std::string zsh_script(const std::vector<DescribedCommand>& commands) {
          "_softfinger \"$@\"\n";
 }
 
+/// With -f no files beside the words.
 std::string fish_values(const DescribedOption& option, const std::string& commands) {
-  if (!option.choices.empty()) return " -a " + quoted(text::joined(option.choices, " "));
-  if (option.names.empty() && option.value == "COMMAND") return " -a " + quoted(commands);
+  if (!option.choices.empty()) return " -f -a " + quoted(text::joined(option.choices, " "));
+  if (option.names.empty() && option.value == "COMMAND") return " -f -a " + quoted(commands);
   const std::string kind = listed_kind(option);
   return kind.empty() ? "" : " -a " + quoted("(__softfinger_names " + kind + ")");
 }
