@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -9,11 +8,12 @@
 #include <vector>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/typed_words.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
-#include "comparisons/text/nearest_name.h"
+#include "comparisons/system/progress.h"
+#include "comparisons/system/terminal.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/input/visible_text.h"
 
 namespace {
 
@@ -24,40 +24,33 @@ int fail(const std::string& message, ExitStatus status) {
   return status;
 }
 
-/// A vector that starts with a minus sign looks like a flag: "--normal -.5,0,1" becomes
-/// "--normal=-.5,0,1".
-std::vector<std::string> join_vectors(int argc, char** argv) {
-  std::vector<std::string> arguments(argv + 1, argv + argc);
-  for (std::size_t i = 0; i + 1 < arguments.size(); ++i)
-    if ((arguments[i] == "--point" || arguments[i] == "--normal") &&
-        arguments[i + 1].find(',') != std::string::npos) {
-      arguments[i] += "=" + arguments[i + 1];
-      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    }
-  return arguments;
-}
-
 /// Reads the command line and runs the command.
 int run(int argc, char** argv) {
   using namespace softfinger;
-  std::vector<std::string> arguments = join_vectors(argc, argv);
+  const std::vector<std::string> arguments =
+      commands::join_vectors(std::vector<std::string>(argv + 1, argv + argc));
   std::string command_line = "softfinger";
   for (const auto& argument : arguments) command_line += " " + argument;
 
   CLI::App app("Soft-finger contact: analytic models, verified by finite elements.", "softfinger");
-  app.set_version_flag("--version", "softfinger " + system::program_version());
+  app.set_version_flag("-V,--version", "softfinger " + system::program_version());
+  bool quiet = false;
+  app.add_flag("-q,--quiet", quiet,
+               "errors alone on standard error, no remarks and no progress; also after a command");
   app.require_subcommand(1);
+  app.fallthrough();  // of each command, too
   app.footer(
       "Exit status: 0 done, 1 a comparison fell short, 2 bad input, 3 the numerics did not "
       "converge.\n"
       "Results go to standard output, messages and progress to standard error.\n"
+      "Colours on terminals only; NO_COLOR in the environment turns them off, CLICOLOR_FORCE on.\n"
       "Samples:\n"
       "  softfinger list cases\n"
       "  softfinger predict seed_thumb\n"
       "  softfinger predict --help");
   commands::Action action;
   commands::add_predict(app, action);
-  commands::add_fit(app, action);
+  commands::add_fit(app, action, command_line);
   commands::add_fem(app, action);
   commands::add_compare(app, action, command_line);
   commands::add_sweep(app, action, command_line);
@@ -72,17 +65,13 @@ int run(int argc, char** argv) {
   commands::add_explain(app, action);
   commands::add_lcp(app, action);
   commands::add_simulate(app, action, command_line);
+  commands::add_mesh(app, action, command_line);
+  commands::add_init(app, action);
+  commands::add_doctor(app, action);
+  commands::add_completion(app, action);
+  commands::add_manual(app, action);
   try {
-    // The parser's own message would only be that a subcommand is missing.
-    if (!arguments.empty() && arguments[0].rfind('-', 0) != 0) {
-      std::vector<std::string> known;
-      for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
-        known.push_back(command->get_name());
-      if (std::find(known.begin(), known.end(), arguments[0]) == known.end())
-        return fail("unknown command \"" + arguments[0] + "\", did you mean \"" +
-                        text::nearest_name(arguments[0], known) + "\"? (see softfinger --help)",
-                    kBadInput);
-    }
+    commands::refuse_unknown_words(app, arguments);
     // The parser expects the arguments in reverse order.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::Success& request) {
@@ -93,6 +82,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return fail(std::string(error.what()) + " (see softfinger --help)", kBadInput);
   }
+  system::set_quiet(quiet);
   return action();
 }
 
@@ -126,7 +116,11 @@ void softfinger::commands::remark(const std::string& line) {
   std::string text = "softfinger: " + line;
   for (char& letter : text)
     if (letter == '\n' || letter == '\r') letter = ' ';
-  std::fputs((visible_text(text) + "\n").c_str(), stderr);
+  system::Progress stream;
+  if (line.rfind("error: ", 0) == 0)
+    stream.fail(text);
+  else
+    stream.say(text);
 }
 
 int main(int argc, char** argv) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
@@ -11,6 +13,7 @@
 #include "comparisons/judgement/atlas/make_atlas.h"
 #include "comparisons/suite/compare.h"
 #include "comparisons/system/files.h"
+#include "comparisons/text/json_text.h"
 
 namespace softfinger::commands {
 namespace {
@@ -19,58 +22,102 @@ struct AtlasOptions {
   std::string folder = "softfinger-atlas", output, fit, test, command_line;
   int jobs = suite::default_job_count(), random = 0;
   unsigned seed = 1;
-  bool models_only = false, finite_strain = false, fingers = false, fingertips = false;
+  bool json = false, models_only = false, finite_strain = false, fingers = false,
+       fingertips = false;
   reference::FemLimits fem_limits;
 };
 
 /// Tests the bounds on runs that the atlas does not contain: how many errors lie inside, and how
-/// much larger than the error a bound is.
-std::string test_bounds(const judgement::AtlasFile& unseen) {
-  std::string text = fmt::format("{:<22}{:<16}{:>10}{:>12}{:>22}\n", "model", "quantity", "inside",
-                                 "of", "bound/true, median");
+/// much larger than the error a bound is. One object per model and quantity, the last for all.
+nlohmann::json test_bounds(const judgement::AtlasFile& unseen) {
+  nlohmann::json rows = nlohmann::json::array();
   std::size_t inside_all = 0, all = 0;
   std::vector<double> ratios_all;
+  const auto add = [&](const std::string& model, const char* quantity, std::size_t inside,
+                       std::vector<double>& ratios) {
+    const auto middle = ratios.begin() + long(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    rows.push_back({{"model", model},
+                    {"quantity", quantity},
+                    {"inside", double(inside) / double(ratios.size())},
+                    {"tested", ratios.size()},
+                    {"bound_over_error_median", *middle}});
+  };
   for (const auto& [model, errors] : unseen.errors)
     for (std::size_t q = 0; q < judgement::kQuantities; ++q) {
-      std::size_t inside = 0, tested = 0;
+      std::size_t inside = 0;
       std::vector<double> ratios;
       for (std::size_t r = 0; r < unseen.runs.size(); ++r) {
         const auto estimate =
             judgement::error_atlas().estimate(model, judgement::problem_of(unseen.runs[r]));
         if (!estimate.bound || !std::isfinite(errors[r][q])) continue;
         const double error = std::abs(errors[r][q]);
-        ++tested;
         inside += error <= (*estimate.bound)[q];
         ratios.push_back((*estimate.bound)[q] / error);
       }
-      if (tested == 0) continue;
-      inside_all += inside, all += tested;
+      if (ratios.empty()) continue;
+      inside_all += inside, all += ratios.size();
       ratios_all.insert(ratios_all.end(), ratios.begin(), ratios.end());
-      std::nth_element(ratios.begin(), ratios.begin() + long(ratios.size() / 2), ratios.end());
-      text += fmt::format("{:<22}{:<16}{:>9.1f} %{:>11}{:>22.2f}\n", model,
-                          judgement::kQuantityNames[q], 100. * double(inside) / double(tested),
-                          tested, ratios[ratios.size() / 2]);
+      add(model, judgement::kQuantityNames[q], inside, ratios);
     }
-  if (all == 0) return text;
-  std::nth_element(ratios_all.begin(), ratios_all.begin() + long(ratios_all.size() / 2),
-                   ratios_all.end());
-  return text + fmt::format("{:<38}{:>9.1f} %{:>11}{:>22.2f}\n", "all",
-                            100. * double(inside_all) / double(all), all,
-                            ratios_all[ratios_all.size() / 2]);
+  if (all > 0) add("all", "", inside_all, ratios_all);
+  return rows;
+}
+
+std::string bounds_table(const nlohmann::json& rows) {
+  std::string text = fmt::format("{:<22}{:<16}{:>10}{:>12}{:>22}\n", "model", "quantity", "inside",
+                                 "of", "bound/true, median");
+  for (const auto& row : rows)
+    text +=
+        fmt::format("{:<22}{:<16}{:>9.1f} %{:>11}{:>22.2f}\n", row["model"].get<std::string>(),
+                    row["quantity"].get<std::string>(), 100 * row["inside"].get<double>(),
+                    row["tested"].get<std::size_t>(), row["bound_over_error_median"].get<double>());
+  return text;
 }
 
 /// The same for the bounds against whole fingers.
-std::string test_finger_bounds(const judgement::AtlasFile& unseen) {
+nlohmann::json test_finger_bounds(const judgement::AtlasFile& unseen) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& [model, test] : judgement::test_bounds_on_fingers(unseen))
+    for (std::size_t q = 0; q < judgement::kQuantities; ++q)
+      rows.push_back({{"model", model},
+                      {"quantity", judgement::kQuantityNames[q]},
+                      {"inside", test.inside[q]},
+                      {"tested", test.runs},
+                      {"bound_over_error_median", text::finite_or_null(test.ratio[q])},
+                      {"error_median", text::finite_or_null(test.median[q])},
+                      {"error_95_percent", text::finite_or_null(test.most[q])},
+                      {"error_largest", text::finite_or_null(test.largest[q])}});
+  return rows;
+}
+
+std::string finger_bounds_table(const nlohmann::json& rows) {
   std::string text = fmt::format("{:<22}{:<16}{:>8}{:>12}{:>22}{:>13}{:>9}{:>10}\n",
                                  "model, against finger", "quantity", "inside", "of",
                                  "bound/error, median", "error median", "95 %", "largest");
-  for (const auto& [model, test] : judgement::test_bounds_on_fingers(unseen))
-    for (std::size_t q = 0; q < judgement::kQuantities; ++q)
-      text += fmt::format("{:<22}{:<16}{:>6.1f} %{:>12}{:>22.2f}{:>11.2f} %{:>7.2f} %{:>8.2f} %\n",
-                          model, judgement::kQuantityNames[q], 100 * test.inside[q], test.runs,
-                          test.ratio[q], 100 * test.median[q], 100 * test.most[q],
-                          100 * test.largest[q]);
+  const auto number = [](const nlohmann::json& value) {
+    return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  };
+  for (const auto& row : rows)
+    text += fmt::format("{:<22}{:<16}{:>6.1f} %{:>12}{:>22.2f}{:>11.2f} %{:>7.2f} %{:>8.2f} %\n",
+                        row["model"].get<std::string>(), row["quantity"].get<std::string>(),
+                        100 * number(row["inside"]), row["tested"].get<std::size_t>(),
+                        number(row["bound_over_error_median"]), 100 * number(row["error_median"]),
+                        100 * number(row["error_95_percent"]), 100 * number(row["error_largest"]));
   return text;
+}
+
+/// Bounds that were tested, or the file that was written.
+void answer(const AtlasOptions& options, const nlohmann::json& bounds, const std::string& table) {
+  if (options.json)
+    system::write_to_stdout(
+        nlohmann::json(
+            {{"output", options.output.empty() ? nlohmann::json() : nlohmann::json(options.output)},
+             {"bounds", bounds}})
+            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+        "\n");
+  else if (!table.empty())
+    system::write_text_to_stdout(table);
 }
 
 judgement::AtlasFile read_atlas_file(const std::string& name) {
@@ -86,12 +133,14 @@ int fit_fingertip(const AtlasOptions& options) {
   const judgement::FittedFingertip fitted = judgement::fit_fingertip(runs);
   system::write_file_atomically(
       options.output, judgement::fingertip_table(fitted, "softfinger atlas --fit fingers.csv"));
+  answer(options, nullptr, "");
   return 0;
 }
 
 int run_atlas(const AtlasOptions& options) {
   if (!options.test.empty()) {
-    system::write_text_to_stdout(test_finger_bounds(read_atlas_file(options.test)));
+    const nlohmann::json rows = test_finger_bounds(read_atlas_file(options.test));
+    answer(options, rows, finger_bounds_table(rows));
     return 0;
   }
   if (!options.fit.empty()) return fit_fingertip(options);
@@ -101,6 +150,7 @@ int run_atlas(const AtlasOptions& options) {
         judgement::parse_atlas(system::read_text_file(options.output), options.output);
     judgement::judge_models(atlas);
     system::write_file_atomically(options.output, to_csv(atlas));
+    answer(options, nullptr, "");
     return 0;
   }
   judgement::AtlasOptions settings;
@@ -119,9 +169,13 @@ int run_atlas(const AtlasOptions& options) {
   if (signal != 0) return 128 + signal;
   if (!atlas) return 1;
   if (!options.output.empty()) system::write_file_atomically(options.output, to_csv(*atlas));
-  if (options.random > 0)
-    system::write_text_to_stdout(settings.without_failed ? test_finger_bounds(*atlas)
-                                                         : test_bounds(*atlas));
+  if (options.random == 0) {
+    answer(options, nullptr, "");
+    return 0;
+  }
+  const nlohmann::json rows =
+      settings.without_failed ? test_finger_bounds(*atlas) : test_bounds(*atlas);
+  answer(options, rows, settings.without_failed ? finger_bounds_table(rows) : bounds_table(rows));
   return 0;
 }
 
@@ -184,6 +238,8 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
           "computes only the models' errors again, from the finite-element results in --output")
       ->needs(output)
       ->excludes(random, finite_strain);
+  command->add_flag("--json", options->json,
+                    "one JSON object on standard output: the file, or the tested bounds");
   command->footer(
       "Samples:\n"
       "  softfinger atlas --output error_atlas.csv --jobs 2\n"

@@ -13,7 +13,7 @@ namespace softfinger::commands {
 using Action = std::function<int()>;
 
 void add_predict(CLI::App& app, Action& action);
-void add_fit(CLI::App& app, Action& action);
+void add_fit(CLI::App& app, Action& action, const std::string& command_line);
 void add_fem(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action, const std::string& command_line);
 void add_atlas(CLI::App& app, Action& action, const std::string& command_line);
@@ -28,6 +28,12 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line);
 void add_calibrate(CLI::App& app, Action& action, const std::string& command_line);
 void add_area(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action, const std::string& command_line);
+void add_mesh(CLI::App& app, Action& action, const std::string& command_line);
+void add_init(CLI::App& app, Action& action);
+void add_doctor(CLI::App& app, Action& action);
+/// These two describe all commands that `app` has when they run.
+void add_completion(CLI::App& app, Action& action);
+void add_manual(CLI::App& app, Action& action);
 
 /// --fem-time-s and --fem-memory-MB, of each finite-element problem.
 void add_fem_limits(CLI::App& command, reference::FemLimits& limits);

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
@@ -10,10 +11,10 @@ namespace softfinger::commands {
 
 void add_compare(CLI::App& app, Action& action, const std::string& command_line) {
   struct Options {
-    std::vector<std::string> cases;
+    std::vector<std::string> cases, settings;
     std::string output = "softfinger-report";
     int jobs = suite::default_job_count();
-    bool full = false, quick = false;
+    bool full = false, quick = false, json = false;
     reference::Idealisations idealisations;
     reference::FemLimits fem_limits;
   };
@@ -22,7 +23,9 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       "compare", "Models against finite elements: report.html, report.json, results.csv, VTU");
   command->add_option(
       "CASES", options->cases,
-      "case files (TOML) or names of built-in cases; default: the whole built-in suite");
+      "case files (TOML), names of built-in cases, or \"-\" for standard input; default: the whole "
+      "built-in suite");
+  add_settings(*command, options->settings, "cases");
   command->add_option("--output", options->output,
                       "folder for the report, created when missing; default: ./softfinger-report");
   CLI::Option* full = command->add_flag(
@@ -45,6 +48,9 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
           "finite-element processes side by side, 1 to 64, up to 2 GB each; default: the cores, "
           "at most 8")
       ->check(CLI::Range(1, 64));
+  command->add_flag("--json", options->json,
+                    "verdicts and paths as one JSON object on standard output; all numbers are in "
+                    "report.json");
   add_fem_limits(*command, options->fem_limits);
   command->footer(
       "A case's [fem] geometry and kinematics come before all of these.\n"
@@ -65,6 +71,8 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
                          "", "");
       if (options->output.empty())
         throw InputError("command line", "--output", "\"\"", "the name of a folder");
+      compare_options.settings = settings_of(options->settings);
+      compare_options.json = options->json;
       compare_options.output = options->output;
       compare_options.full = options->full;
       compare_options.quick = options->quick;

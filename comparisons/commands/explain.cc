@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/input/material_cards.h"
@@ -10,22 +11,39 @@
 namespace softfinger::commands {
 
 void add_explain(CLI::App& app, Action& action) {
-  auto name = std::make_shared<std::string>();
+  struct Options {
+    std::string name;
+    bool json = false;
+  };
+  auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("explain", "A model's assumptions, equations, source and validity");
   command
-      ->add_option("MODEL", *name,
+      ->add_option("MODEL", options->name,
                    "name of a model, or \"all\"; see: list models; or of a hyperelastic "
                    "material: neo_hookean, mooney_rivlin, yeoh")
       ->required();
+  command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Samples:\n"
       "  softfinger explain hertz\n"
       "  softfinger explain yeoh");
-  command->callback([name, &action] {
-    action = [name] {
+  command->callback([options, &action] {
+    action = [options] {
+      const std::string& name = options->name;
+      const auto print = [&](const nlohmann::json& object) {
+        system::write_to_stdout(object.dump(2) + "\n");
+        return 0;
+      };
       for (const input::MaterialCard& card : input::material_cards())
-        if (card.name == *name) {
+        if (card.name == name) {
+          if (options->json)
+            return print({{"material", card.name},
+                          {"title", card.title},
+                          {"energy", card.energy},
+                          {"parameters", card.parameters},
+                          {"source", card.source},
+                          {"validity", card.validity}});
           system::write_text_to_stdout(fmt::format(
               "{}: {}\n\nEnergy:     {}\nParameters: {}\nSource:     {}\nValidity:   {}\n"
               "In a case:  [layer] material = \"{}\", [fem] kinematics = \"finite\"\n",
@@ -34,15 +52,24 @@ void add_explain(CLI::App& app, Action& action) {
           return 0;
         }
       std::string text;
+      nlohmann::json models = nlohmann::json::array();
       for (const PressureModel* model :
-           prediction::models_by_name(*name == "all" ? "everything" : *name)) {
+           prediction::models_by_name(name == "all" ? "everything" : name)) {
         const ModelCard& card = model->card();
+        models.push_back({{"model", card.name},
+                          {"title", card.title},
+                          {"assumptions", card.assumptions},
+                          {"equations", card.equations},
+                          {"source", card.source},
+                          {"validity", card.validity},
+                          {"cost", card.cost}});
         text += fmt::format(
             "{}{}: {}\n\nAssumptions: {}\nEquations:   {}\nSource:      {}\nValidity:    {}\nCost: "
             "       {}\n",
             text.empty() ? "" : "\n", card.name, card.title, card.assumptions, card.equations,
             card.source, card.validity, card.cost);
       }
+      if (options->json) return print({{"models", models}});
       system::write_text_to_stdout(text);
       return 0;
     };

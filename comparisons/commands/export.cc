@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
@@ -27,7 +28,8 @@ using exporting::Simulator;
 using exporting::SoftContact;
 
 struct ExportOptions {
-  std::string case_file, to, model = "bonded_layer", load, load_range, fit = "nominal";
+  CaseInput typed_case;
+  std::string to, model = "bonded_layer", load, load_range, fit = "nominal";
   double tolerance = 0.1;
   bool json = false;
 };
@@ -218,7 +220,9 @@ int run_export(const ExportOptions& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const PressureModel& model = model_by_name(options.model);
   const auto choice = load_choice(options);
-  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
+  CaseInput typed_case = options.typed_case;
+  if (typed_case.file.empty()) typed_case.load_N = options.load;
+  const input::Case contact_case = read_case(typed_case);
   const auto loads = choose_loads(contact_case.loads_N, choice);
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
@@ -248,9 +252,7 @@ void add_export(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "export",
       "What to type into a simulator, and the error of its constants over a range of loads");
-  command
-      ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
-      ->required();
+  add_case(*command, options->typed_case, true);
   command
       ->add_option("--to", options->to,
                    "mujoco, bullet, gazebo (Classic, with ODE), drake (hydroelastic) or physx")

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <optional>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/prediction/answer_text.h"
@@ -21,7 +22,8 @@ namespace softfinger::commands {
 namespace {
 
 struct FemOptions {
-  std::string case_file, output;
+  CaseInput typed_case;
+  std::string output;
   std::string compliance;
   std::vector<double> twist_axis_mm;
   double approach_mm = 0;
@@ -148,7 +150,7 @@ void check(const FemOptions& options, const Plan& plan) {
 
 Plan plan_loads(const FemOptions& options) {
   Plan plan;
-  plan.contact_case = input::read_case(system::find_case_file(options.case_file));
+  plan.contact_case = read_case(options.typed_case);
   const prediction::GeometryResolver resolver(plan.contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   plan.level = options.level > 0 ? options.level : plan.contact_case.fem_level;
@@ -233,7 +235,7 @@ SolvedLoads solve(const FemOptions& options, const Plan& plan, system::Progress&
     solved.interrupted = reference::run_fem(system::fem_program().string(), {batch}, 1, callbacks,
                                             system::OnInterrupt::finish);
   } catch (const Failed& failed) {
-    progress.say("softfinger: error: " + failed.message);
+    progress.fail("softfinger: error: " + failed.message);
     solved.failed_status = failed.exit_status;
   }
   return solved;
@@ -282,9 +284,7 @@ void add_fem(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "fem",
       "The finite-element reference with its own error estimate, per load; seconds to minutes");
-  command
-      ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
-      ->required();
+  add_case(*command, options->typed_case);
   command
       ->add_option("--level", options->level,
                    "refinement, 1 (coarse) to 3 (fine); default: the case's own, else 2")

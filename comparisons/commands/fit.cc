@@ -1,18 +1,17 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
-#include "meshes/io/read_surface.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -20,55 +19,39 @@ namespace softfinger::commands {
 namespace {
 
 struct FitOptions {
-  std::string mesh, point, normal, unit = "mm";
+  std::string mesh, point, normal, unit = "mm", page, command_line;
   double radius_mm = 0;
-  bool radius_given = false, json = false;
+  bool radius_given = false, write_page = false, json = false;
 };
-
-Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
-                             const std::string& allowed) {
-  Eigen::Vector3d vector;
-  const char* next = text.c_str();
-  for (int i = 0; i < 3; ++i) {
-    char* end = nullptr;
-    vector[i] = std::strtod(next, &end);
-    const char expected = i < 2 ? ',' : '\0';
-    if (end == next || *end != expected || !std::isfinite(vector[i]))
-      throw InputError("command line", flag, "\"" + text + "\"", allowed);
-    next = end + 1;
-  }
-  return vector;
-}
-
-/// The default radius of the region. Without a load the size of the contact is unknown. Some forty
-/// vertices determine a quadric well, and the region stays as small as the mesh allows.
-QuadricFit fit_local(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
-                     const Eigen::Vector3d* normal) {
-  constexpr std::size_t kVertices = 40;
-  constexpr int kEnough = 15;
-  std::vector<double> distances_m;
-  for (const auto& vertex : surface.vertices_m) distances_m.push_back((vertex - point_m).norm());
-  const std::size_t nth = std::min(kVertices, distances_m.size()) - 1;
-  std::nth_element(distances_m.begin(), distances_m.begin() + static_cast<std::ptrdiff_t>(nth),
-                   distances_m.end());
-  double radius_m = distances_m[nth];
-  // The count may include vertices on the other side of a thin body; then the region has to grow.
-  for (int attempt = 0;; ++attempt, radius_m *= 1.3) {
-    constexpr int kLastAttempt = 5;
-    try {
-      const QuadricFit fit = fit_quadric(surface, point_m, normal, radius_m);
-      if (fit.points >= kEnough || attempt == kLastAttempt) return fit;
-    } catch (const InputError&) {
-      if (attempt == kLastAttempt) throw;
-    }
-  }
-}
 
 std::string plus_minus(double std_m) {
   return std::isfinite(std_m) ? "± " + prediction::millimetres(std_m) : "uncertainty unknown";
 }
 
+/// The surface in 3-D with the region and the quadric of the fit.
+void write_page(const FitOptions& options, const TriangleSurface& surface,
+                const Eigen::Vector3d& point_m, const QuadricFit& fit) {
+  report::MeshPage page;
+  page.mesh = options.mesh;
+  page.mesh_toml = toml_text(options.mesh);
+  page.unit = options.unit;
+  page.facts = facts_in_words(surface) + ".";
+  report::MeshPoint point;
+  point.name = "fitted at " + options.point;
+  point.point_m = point_m;
+  point.normal = fit.normal;
+  point.fit = fit;
+  point.toml = geometry_line(options.mesh, options.unit, point);
+  page.points = {point};
+  page.version = "softfinger " + system::program_version();
+  page.command = options.command_line;
+  system::write_file_atomically(options.page, report::mesh_page(surface, page));
+  remark("the page is " + options.page);
+}
+
 int run_fit(const FitOptions& options) {
+  if (options.write_page && options.page.empty())
+    throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
   const double metres_per_unit = options.unit == "m" ? 1 : 1e-3;
   const Eigen::Vector3d point_m =
       metres_per_unit *
@@ -86,7 +69,7 @@ int run_fit(const FitOptions& options) {
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
-  const auto file = meshes::read_surface(path.string(), metres_per_unit);
+  const auto file = read_typed_surface(path.string(), metres_per_unit);
   for (const std::string& note :
        {prediction::tolerated(file), prediction::unit_doubt(file, metres_per_unit)})
     if (!note.empty()) remark(path.string() + ": " + note);
@@ -96,7 +79,7 @@ int run_fit(const FitOptions& options) {
     try {
       return options.radius_given
                  ? fit_quadric(file.surface, point_m, normal_pointer, options.radius_mm * 1e-3)
-                 : fit_local(file.surface, point_m, normal_pointer);
+                 : prediction::fit_around(file.surface, point_m, normal_pointer);
     } catch (const InputError& error) {
       // The fit does not know the file's name: it is added here.
       throw InputError(path.string(), error.field(), error.value(), error.allowed());
@@ -114,6 +97,7 @@ int run_fit(const FitOptions& options) {
         fit.sharpest_kink_rad * 180 / kPi));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
   const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
+  if (options.write_page) write_page(options, file.surface, point_m, fit);
   if (options.json) {
     nlohmann::json object = prediction::to_json(fit);
     object["mesh"] = options.mesh;
@@ -148,12 +132,15 @@ int run_fit(const FitOptions& options) {
 
 }  // namespace
 
-void add_fit(CLI::App& app, Action& action) {
+void add_fit(CLI::App& app, Action& action, const std::string& command_line) {
   auto options = std::make_shared<FitOptions>();
+  options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "fit",
       "Local quadric of an STL or OBJ surface: A, B, C, principal radii, directions, residual");
-  command->add_option("MESH", options->mesh, "STL or OBJ file, or the name of a built-in mesh")
+  command
+      ->add_option("MESH", options->mesh,
+                   "STL or OBJ file, the name of a built-in mesh, or \"-\" for standard input")
       ->required();
   command
       ->add_option("--point", options->point,
@@ -170,12 +157,16 @@ void add_fit(CLI::App& app, Action& action) {
       ->add_option("--unit", options->unit,
                    "unit of the mesh and of --point: \"mm\" (default) or \"m\"")
       ->check(CLI::IsMember({"mm", "m"}));
+  const CLI::Option* page = command->add_option(
+      "--page", options->page,
+      "HTML file to write: the surface in 3-D with the region and the quadric, as softfinger mesh");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Samples:\n"
       "  softfinger fit sphere.stl --point 0,0,20 --radius-mm 3\n"
       "  softfinger fit sphere.stl --point 0,0,20 --normal 0,0,1 --unit mm --json");
-  command->callback([options, radius, &action] {
+  command->callback([options, radius, page, &action] {
+    options->write_page = page->count() > 0;
     options->radius_given = radius->count() > 0;
     action = [options] { return run_fit(*options); };
   });

@@ -131,8 +131,10 @@ void add_lcp(CLI::App& app, Action& action) {
                          "0); exit status 3 when "
                          "a problem could not be solved within the iteration limit");
   command
-      ->add_option("FILE", options->files,
-                   "recorded problems (softlcp 1), SI units; at most 1000 contacts and 64 MiB each")
+      ->add_option(
+          "FILE", options->files,
+          "recorded problems (softlcp 1), SI units, \"-\" for standard input; at most 1000 "
+          "contacts and 64 MiB each")
       ->required();
   command->add_option("--solver", options->solver, "\"lemke\" (default)")
       ->check(CLI::IsMember({"lemke"}));

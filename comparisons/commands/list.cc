@@ -7,9 +7,11 @@
 #include "comparisons/input/case.h"
 #include "comparisons/input/scene.h"
 #include "comparisons/judgement/verdict.h"
+#include "comparisons/prediction/mesh_points.h"
 #include "comparisons/sweep/sweep_file.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "meshes/io/read_surface.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::commands {
@@ -34,6 +36,16 @@ std::vector<Entry> entries(const std::string& kind) {
   if (kind == "scenes")
     for (const auto& file : system::builtin_scene_files())
       found.push_back({file.stem().string(), input::read_scene(file).question});
+  if (kind == "meshes")
+    for (const auto& file : system::builtin_mesh_files()) {
+      const auto surface = meshes::read_surface(file.string(), 1e-3).surface;
+      const prediction::SurfaceFacts facts = prediction::facts_of(surface);
+      const Eigen::Vector3d size_mm = 1e3 * (facts.largest_m - facts.least_m);
+      found.push_back({file.stem().string(),
+                       fmt::format("{:.3g} x {:.3g} x {:.3g} mm, {} triangles, {}", size_mm.x(),
+                                   size_mm.y(), size_mm.z(), surface.triangles.size(),
+                                   facts.open_edges == 0 ? "closed" : "open")});
+    }
   if (kind == "sweeps")
     for (const auto& file : system::builtin_sweep_files())
       found.push_back(
@@ -50,14 +62,15 @@ void add_list(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("list", "Names of the built-in models, cases, scenes or sweeps");
-  command->add_option("KIND", options->kind, "models, cases, scenes or sweeps")
+      app.add_subcommand("list", "Names of the built-in models, cases, scenes, sweeps or meshes");
+  command->add_option("KIND", options->kind, "models, cases, scenes, sweeps or meshes")
       ->required()
-      ->check(CLI::IsMember({"models", "cases", "scenes", "sweeps"}));
+      ->check(CLI::IsMember({"models", "cases", "scenes", "sweeps", "meshes"}));
   command->add_flag("--json", options->json, "one JSON object on standard output");
   command->footer(
       "Samples:\n"
       "  softfinger list models\n"
+      "  softfinger list meshes\n"
       "  softfinger list cases --json");
   command->callback([options, &action] {
     action = [options] {

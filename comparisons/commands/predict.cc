@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
@@ -22,7 +23,8 @@ namespace softfinger::commands {
 namespace {
 
 struct PredictOptions {
-  std::string case_file, models = "all", torque_rule = "exact", gap = "quadric";
+  CaseInput typed_case;
+  std::string models = "all", torque_rule = "exact", gap = "quadric";
   double tolerance = 0.1;
   int limit_surface = 0;
   bool json = false;
@@ -70,7 +72,7 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
 int run_predict(const PredictOptions& options) {
   refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const auto models = chosen_models(options);
-  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
+  const input::Case contact_case = read_case(options.typed_case);
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
@@ -161,9 +163,7 @@ void add_predict(CLI::App& app, Action& action) {
   auto options = std::make_shared<PredictOptions>();
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
-  command
-      ->add_option("CASE", options->case_file, "case file (TOML), or the name of a built-in case")
-      ->required();
+  add_case(*command, options->typed_case);
   command->add_option("--model", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");
@@ -211,6 +211,9 @@ void add_predict(CLI::App& app, Action& action) {
       "A case has at most 1000 loads, 100 sublayers, 1000 measured radii and 16 MiB.\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"
+      "  softfinger predict --radii-mm 20,12 --thickness-mm 2 --youngs-modulus-kPa 300 "
+      "--poisson-ratio 0.49 --load 2\n"
+      "  softfinger predict seed_thumb --set layer.thickness_mm=2 --quiet\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
       "  softfinger predict pad_on_plane --gap sampled");

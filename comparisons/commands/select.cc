@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/judgement/selection/scene_choice.h"
@@ -21,7 +22,8 @@ namespace softfinger::commands {
 namespace {
 
 struct SelectOptions {
-  std::string file, models, quantities, output, command_line;
+  CaseInput typed_case;
+  std::string models, quantities, output, command_line;
   judgement::SelectionOptions selection;
   bool json = false, write_page = false;
 };
@@ -88,7 +90,7 @@ std::filesystem::path scene_file(const std::string& typed) {
   for (const auto& file : scenes)
     if (file.stem() == typed) return file;
   std::error_code error;
-  if (!std::filesystem::is_regular_file(typed, error)) return {};
+  if (typed != "-" && !std::filesystem::is_regular_file(typed, error)) return {};
   return input::is_scene(typed) ? std::filesystem::path(typed) : std::filesystem::path();
 }
 
@@ -105,7 +107,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
-  const input::Scene scene = input::read_scene(file);
+  const input::Scene scene = input::read_scene(file, settings_of(options.typed_case));
   for (const input::ContactRule& rule : scene.rules)
     if (rule.shear_law.kind != ShearLaw::Kind::coulomb)
       throw InputError(
@@ -133,11 +135,12 @@ int run_select(SelectOptions options) {
   refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
-  if (const auto file = scene_file(options.file); !file.empty()) return run_scene(file, options);
+  if (const auto file = scene_file(options.typed_case.file); !file.empty())
+    return run_scene(file, options);
   if (!options.models.empty()) options.selection.models = allowed_models(options.models);
   if (!options.quantities.empty())
     options.selection.quantities = judgement::quantities_by_name(options.quantities);
-  const input::Case contact_case = input::read_case(system::find_case_file(options.file));
+  const input::Case contact_case = read_case(options.typed_case);
   input::require_coulomb(contact_case, "select");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
@@ -173,10 +176,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
   CLI::App* command = app.add_subcommand(
       "select",
       "The cheapest model whose stated error meets a tolerance, or a clear \"none\", and why");
-  command
-      ->add_option("CASE", options->file,
-                   "case or scene file (TOML), or the name of a built-in case or scene")
-      ->required();
+  add_case(*command, options->typed_case);
   command
       ->add_option("--tolerance", options->selection.tolerance,
                    "largest relative error allowed, 1e-6 to 10; 0.05 is 5 %")
@@ -199,7 +199,8 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "validity: select.html, and select.json; of a scene, what each pair of bodies needs");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
-      "For a scene: which contacts can be points, ellipsoids or exact limit surfaces, and with\n"
+      "CASE may be a scene, too: which contacts can be points, ellipsoids or exact limit surfaces, "
+      "and with\n"
       "which model. It measures how much of its friction limit each contact uses, and how much\n"
       "the simpler models change the motion.\n"
       "Stated errors are bounds against the finger itself, curved and at finite strain, fitted to\n"

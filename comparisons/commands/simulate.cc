@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/report/motion_page.h"
 #include "comparisons/simulation/control.h"
@@ -16,6 +17,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
@@ -24,6 +26,7 @@ using namespace simulation;
 
 struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
+  std::vector<std::string> settings;
   int vtu_every = 0;
   bool json = false, control = false;
 };
@@ -63,14 +66,14 @@ std::string summary(const nlohmann::json& result) {
       number("wall_s"), number("steps_per_s"), number("step_ms_p50"), number("step_ms_p99"),
       number("max_residual"), result["most_contacts"].get<int>(), number("load_disagreement"),
       result["load_iterations"].get<int>(), result["quadric_fits"].get<int>());
-  text += fmt::format("\n  {:<32}{:>10}{:>14}{:>14}{:>10}  {}\n", "contacts at the end", "P (N)",
+  text += fmt::format("\n  {:<32} {:>9} {:>15} {:>15} {:>9}  {}\n", "contacts at the end", "P (N)",
                       "tangential (N)", "torque (mN·m)", "of limit", "model");
   for (const auto& contact : result["contacts"]) {
     const double normal = contact["normal_force_N"].get<double>();
     double square = -normal * normal;
     for (const auto& part : contact["force_N"]) square += part.get<double>() * part.get<double>();
     text += fmt::format(
-        "  {:<32}{:>10.4g}{:>14.4g}{:>14.4g}{:>8.1f} %  {}{}\n",
+        "  {:<32} {:>9.4g} {:>15.4g} {:>15.4g} {:>7.1f} %  {}{}\n",
         contact["bodies"][0].get<std::string>() + " / " + contact["bodies"][1].get<std::string>(),
         normal, std::sqrt(std::max(0., square)), 1e3 * contact["torque_Nm"].get<double>(),
         100 * contact["utilisation"].get<double>(), contact["model"].get<std::string>(),
@@ -97,7 +100,11 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
 }
 
 int run_simulate(const SimulateOptions& options) {
-  const input::Scene scene = input::read_scene(system::find_scene_file(options.scene_file));
+  if (options.control && options.scene_file == "-")
+    throw InputError("command line", "SCENE", "\"-\"",
+                     "a file with --control, which takes its commands from standard input");
+  const input::Scene scene =
+      input::read_scene(system::find_scene_file(options.scene_file), settings_of(options.settings));
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   std::optional<Control> control;
@@ -148,8 +155,9 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "to it is written");
   command
       ->add_option("SCENE", options->scene_file,
-                   "scene file (TOML), or the name of a built-in scene")
+                   "scene file (TOML), the name of a built-in scene, or \"-\" for standard input")
       ->required();
+  add_settings(*command, options->settings, "scene");
   command->add_option("--output", options->output,
                       "folder for motion.html, trajectory.csv, contacts.csv, trajectory.json, "
                       "simulation.json and motion.pvd with its VTU files");

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/suite/compare.h"
 #include "comparisons/sweep/run_sweep.h"
@@ -11,7 +12,9 @@ namespace softfinger::commands {
 void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
   struct Options {
     std::string file, output = "softfinger-sweep";
+    std::vector<std::string> settings;
     int jobs = suite::default_job_count();
+    bool json = false;
     reference::FemLimits fem_limits;
   };
   auto options = std::make_shared<Options>();
@@ -19,8 +22,10 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
       "sweep", "A case over many values of its numbers: one row per point and load, and a page");
   command
       ->add_option("SWEEP", options->file,
-                   "case file (TOML) with a table [sweep], or the name of a built-in sweep")
+                   "case file (TOML) with a table [sweep], the name of a built-in sweep, or \"-\" "
+                   "for standard input")
       ->required();
+  add_settings(*command, options->settings, "sweep");
   command->add_option("--output", options->output,
                       "folder for results.csv and sweep.html, created when missing; default: "
                       "./softfinger-sweep");
@@ -29,6 +34,8 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
                    "threads, and finite-element processes side by side, 1 to 64; default: the "
                    "cores, at most 8")
       ->check(CLI::Range(1, 64));
+  command->add_flag("--json", options->json,
+                    "number of rows and paths as one JSON object on standard output");
   add_fem_limits(*command, options->fem_limits);
   command->footer(
       "[sweep] names numbers of the case and their values; several keys make the product:\n"
@@ -47,10 +54,11 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
     action = [options, command_line] {
       require_single_process("softfinger-sweep SWEEP.toml --output DIR");
       const auto file = system::find_sweep_file(options->file);
-      const sweep::SweepPlan plan(sweep::read_sweep_text(file), file, options->output,
-                                  options->fem_limits);
+      const sweep::SweepPlan plan(sweep::read_sweep_text(file), input::name_of_typed(file),
+                                  options->output, options->fem_limits,
+                                  settings_of(options->settings));
       sweep::LocalWorkers workers(options->jobs);
-      return sweep::run_sweep(plan, workers, command_line);
+      return sweep::run_sweep(plan, workers, command_line, options->json);
     };
   });
 }

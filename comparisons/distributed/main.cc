@@ -27,6 +27,7 @@ using nlohmann::json;
 
 struct Options {
   std::string sweep, atlas, output, command_line;
+  std::vector<std::string> settings;
   bool finite_strain = false;
   int random = 0;
   unsigned seed = 1;
@@ -88,6 +89,8 @@ class RankWorkers : public sweep::SweepWorkers {
   RankWorkers(RankPool& pool, const std::vector<reference::FemJob>& jobs)
       : pool_(pool), jobs_(jobs) {}
 
+  int parallel() const override { return pool_.ranks(); }
+
   int run_fem(const std::vector<const reference::FemJob*>& pending, const reference::FemJobOptions&,
               const std::function<void(const reference::FemJob&, const std::string& failure,
                                        const std::string& summary)>& on_finished) override {
@@ -135,7 +138,10 @@ class RankWorkers : public sweep::SweepWorkers {
 int sweep_on_ranks(const Options& options, int rank) {
   const fs::path file = system::find_sweep_file(options.sweep);
   const std::string text = text_of_rank_0(rank == 0 ? sweep::read_sweep_text(file) : "");
-  const sweep::SweepPlan plan(text, file, options.output, options.fem_limits);
+  input::Settings settings;
+  for (const std::string& typed : options.settings) settings.push_back(input::parse_setting(typed));
+  const sweep::SweepPlan plan(text, input::name_of_typed(file), options.output, options.fem_limits,
+                              settings);
   const RankTask work = [&](long task) {
     return or_end_all([&] {
       if (plan.sweep.fem()) return do_fem_job(plan.fem.jobs[std::size_t(task)], plan.fem.settings);
@@ -175,7 +181,7 @@ int atlas_on_ranks(const Options& options, int rank) {
   system::Progress progress;
   const auto pending =
       reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
-  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, jobs.size(), pending, workers.parallel());
   workers.run_fem(pending, settings,
                   [&](const reference::FemJob& job, const std::string&,
                       const std::string& summary) { shown.finished(job, summary); });
@@ -194,7 +200,7 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
       "has\n"
       "to be one that all ranks see. The same command continues after an interruption.",
       "softfinger-sweep");
-  app.set_version_flag("--version", "softfinger-sweep " + system::program_version());
+  app.set_version_flag("-V,--version", "softfinger-sweep " + system::program_version());
   CLI::Option* sweep = app.add_option("SWEEP", options.sweep,
                                       "case file (TOML) with a table [sweep], or a built-in sweep");
   CLI::Option* atlas =
@@ -202,6 +208,13 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
                      "instead the error atlas: the CSV file to write when all runs are "
                      "there; --output keeps the runs");
   atlas->excludes(sweep);
+  app.add_option(
+         "--set", options.settings,
+         "KEY=VALUE in place of the file's value, for instance layer.thickness_mm=3; may be "
+         "repeated")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->excludes(atlas);
   app.add_option("--output", options.output, "folder for the results, created when missing")
       ->required();
   app.add_flag("--finite-strain", options.finite_strain, "the atlas at finite strain")

@@ -20,6 +20,7 @@ class RankPool {
  public:
   /// @param work  must not throw
   explicit RankPool(RankTask work);
+  int ranks() const { return static_cast<int>(others_.size()); }
   /// Ends the other ranks' `serve_tasks`.
   ~RankPool();
   RankPool(const RankPool&) = delete;

@@ -8,7 +8,6 @@
 
 #include "comparisons/input/case_table.h"
 #include "comparisons/input/toml_reader.h"
-#include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -50,14 +49,14 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
                   "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, name,
-                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "core",
-                     "shape", "taper_per_mm"});
+                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "along",
+                     "core", "shape", "taper_per_mm"});
   const int forms = static_cast<int>(table.contains("radii_mm")) +
                     static_cast<int>(table.contains("sphere_radius_mm")) +
                     static_cast<int>(table.contains("mesh"));
   if (forms != 1) reader.say(node, name + " needs exactly one of radii_mm, sphere_radius_mm, mesh");
   if (!table.contains("mesh"))
-    for (const char* key : {"unit", "point_mm", "normal", "core"})
+    for (const char* key : {"unit", "point_mm", "normal", "along", "core"})
       if (const toml::node* entry = table.get(key))
         reader.say(*entry,
                    fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
@@ -89,9 +88,22 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
   mesh.where = reader.where(file);
   if (const toml::node* unit = table.get("unit"))
     mesh.metres_per_unit = reader.choice(*unit, name + ".unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
-  const auto point = reader.numbers(reader.required(table, name, "point_mm"), name + ".point_mm", 3,
-                                    "three finite numbers in mm");
-  mesh.point_m = kMillimetre * Eigen::Vector3d(point[0], point[1], point[2]);
+  if (const toml::node* along = table.get("along")) {
+    for (const char* key : {"point_mm", "normal"})
+      if (const toml::node* entry = table.get(key))
+        reader.say(*entry,
+                   fmt::format("{0}.{1} and {0}.along say the same: one of them", name, key));
+    mesh.along = axis_direction(reader.choice(*along, name + ".along",
+                                              {"+x", "-x", "+y", "-y", "+z", "-z", "x", "y", "z"}));
+  } else if (!table.contains("point_mm")) {
+    reader.say(node, fmt::format("{} has no point_mm, and no along = \"-y\" in its place; see: "
+                                 "softfinger mesh",
+                                 name));
+  } else {
+    const auto point =
+        reader.numbers(*table.get("point_mm"), name + ".point_mm", 3, "three finite numbers in mm");
+    mesh.point_m = kMillimetre * Eigen::Vector3d(point[0], point[1], point[2]);
+  }
   if (const toml::node* entry = table.get("normal")) {
     const std::string allowed = "three finite numbers, not all 0: the direction out of the body";
     const auto normal = reader.numbers(*entry, name + ".normal", 3, allowed);
@@ -412,8 +424,17 @@ Case case_of(const toml::table& root, const std::string& text, const fs::path& f
   return result;
 }
 
-Case parse_case(const std::string& text, const fs::path& file) {
-  return case_of(parse_toml(text, file.string()), text, file);
+Case parse_case(const std::string& text, const fs::path& file, const Settings& settings) {
+  const toml::table root = parse_toml(text, file.string(), settings);
+  return case_of(root, text_of(root, text, settings), file);
+}
+
+std::optional<Eigen::Vector3d> axis_direction(const std::string& typed) {
+  const bool is_signed = typed.size() == 2 && (typed[0] == '+' || typed[0] == '-');
+  if (!is_signed && typed.size() != 1) return std::nullopt;
+  const int axis = typed.back() - 'x';
+  if (axis < 0 || axis > 2) return std::nullopt;
+  return (typed[0] == '-' ? -1. : 1.) * Eigen::Vector3d::Unit(axis);
 }
 
 void require_coulomb(const Case& contact_case, const std::string& command) {
@@ -424,8 +445,8 @@ void require_coulomb(const Case& contact_case, const std::string& command) {
         "\"coulomb\" for " + command + "; predict, fem, export and simulate take the other laws");
 }
 
-Case read_case(const fs::path& file) {
-  return parse_case(system::read_text_file(file, kLargestTomlFile), file);
+Case read_case(const fs::path& file, const Settings& settings) {
+  return parse_case(read_typed_text(file), name_of_typed(file), settings);
 }
 
 }  // namespace softfinger::input

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/input/setting.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/power_law_fit.h"
@@ -35,10 +36,12 @@ struct SphereBody {
 /// A point on a triangulated surface.
 struct MeshBody {
   std::filesystem::path path;
-  std::string where;              ///< "file:line" that names it, for messages
-  double metres_per_unit = 1e-3;  ///< of the file's coordinates
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-  std::optional<Eigen::Vector3d> normal;  ///< outward, need only be roughly right
+  std::string where;                                  ///< "file:line" that names it, for messages
+  double metres_per_unit = 1e-3;                      ///< of the file's coordinates
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< not used with `along`
+  std::optional<Eigen::Vector3d> normal;              ///< outward, need only be roughly right
+  /// In place of point and normal: the point that lies farthest in this direction, of length 1.
+  std::optional<Eigen::Vector3d> along;
   /// Of a finger: the surface of its rigid core, in the same coordinates, for finite elements on
   /// the curved finger; empty: the finger's own surface, offset by the layer's thickness.
   std::filesystem::path core;
@@ -110,11 +113,17 @@ void settle_finger_shape(Case& contact_case);
 /// Reads and checks a case file. Mesh files are looked up relative to the case's folder, then among
 /// the built-in meshes, but not opened.
 /// @throws InputError with where = "file:line" for anything that is missing, unknown, of the wrong
-/// type or out of range; the nearest known key is named for an unknown one.
-Case read_case(const std::filesystem::path& file);
+/// type or out of range; the nearest known key is named for an unknown one. For a value of
+/// `settings` `where` is what typed it.
+/// @param file  "-": standard input
+Case read_case(const std::filesystem::path& file, const Settings& settings = {});
 
 /// The same for a text that is already in memory; `file` is used in messages and to find meshes.
-Case parse_case(const std::string& text, const std::filesystem::path& file);
+Case parse_case(const std::string& text, const std::filesystem::path& file,
+                const Settings& settings = {});
+
+/// A direction by its axis: "x", "+x", "-x", ... "-z"; null for any other text.
+std::optional<Eigen::Vector3d> axis_direction(const std::string& typed);
 
 /// @throws InputError unless the case's friction is Coulomb's, for commands that compare torques
 /// whose errors are known for that one only.

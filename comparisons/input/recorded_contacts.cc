@@ -205,6 +205,8 @@ ContactLcp parse_recorded_contacts(const std::string& text, const std::filesyste
 }
 
 ContactLcp read_recorded_contacts(const std::filesystem::path& file) {
+  if (file == "-")
+    return parse_recorded_contacts(system::read_standard_input(kLargestFile), "standard input");
   return parse_recorded_contacts(system::read_text_file(file, kLargestFile), file);
 }
 

@@ -21,6 +21,7 @@
 namespace softfinger::input {
 
 /// Reads a problem. Its Delassus matrix is W = J diag(minv) J^T, from the keys `J` and `minv`.
+/// @param file  "-": standard input
 /// @throws InputError naming file, line and key
 ContactLcp read_recorded_contacts(const std::filesystem::path& file);
 

@@ -776,22 +776,21 @@ Eigen::VectorXd TimeTable::rate(double time) const {
 
 int Scene::steps() const { return int(std::lround(std::max(1., duration_s / time_step_s))); }
 
-Scene parse_scene(const std::string& text, const fs::path& file) {
+Scene parse_scene(const std::string& text, const fs::path& file, const Settings& settings) {
   Scene scene;
   scene.file = file;
-  scene.text = text;
-  const toml::table root = parse_toml(text, file.string());
+  const toml::table root = parse_toml(text, file.string(), settings);
+  scene.text = text_of(root, text, settings);
   SceneReader(root, file, scene).read();
   return scene;
 }
 
 bool is_scene(const fs::path& file) {
-  return parse_toml(system::read_text_file(file, kLargestTomlFile), file.string())
-      .contains("simulation");
+  return parse_toml(read_typed_text(file), name_of_typed(file).string()).contains("simulation");
 }
 
-Scene read_scene(const fs::path& file) {
-  return parse_scene(system::read_text_file(file, kLargestTomlFile), file);
+Scene read_scene(const fs::path& file, const Settings& settings) {
+  return parse_scene(read_typed_text(file), name_of_typed(file), settings);
 }
 
 }  // namespace softfinger::input

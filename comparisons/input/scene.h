@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "comparisons/input/friction_law.h"
+#include "comparisons/input/setting.h"
 #include "comparisons/input/shape.h"
 #include "softfinger/dynamics/multibody.h"
 #include "softfinger/dynamics/time_stepper.h"
@@ -114,10 +115,12 @@ struct Scene {
 /// among the built-in meshes.
 /// @throws InputError with where = "file:line" for anything missing, unknown, of the wrong type or
 /// out of range.
-Scene read_scene(const std::filesystem::path& file);
+/// @param file  "-": standard input
+Scene read_scene(const std::filesystem::path& file, const Settings& settings = {});
 /// Whether the file is meant to be a scene, not a case: it has a table [simulation].
 /// @throws InputError when it is no TOML
 bool is_scene(const std::filesystem::path& file);
-Scene parse_scene(const std::string& text, const std::filesystem::path& file);
+Scene parse_scene(const std::string& text, const std::filesystem::path& file,
+                  const Settings& settings = {});
 
 }  // namespace softfinger::input

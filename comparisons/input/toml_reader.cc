@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 
+#include "comparisons/input/toml_path.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -134,14 +135,29 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
   }
 }
 
+toml::table parse_toml(const std::string& text, const std::string& file, const Settings& settings) {
+  toml::table root = parse_toml(text, file);
+  for (const Setting& setting : settings) apply_setting(setting, root);
+  return root;
+}
+
+std::string text_of(const toml::table& root, const std::string& text, const Settings& settings) {
+  if (settings.empty()) return text;
+  std::ostringstream written;
+  for (const Setting& setting : settings) written << "# " << setting.where << "\n";
+  written << root << "\n";
+  return written.str();
+}
+
 std::string as_typed(const toml::node& node) {
   std::string line = typed_value(node);
   if (node.is_string()) return text::shortened(line, 200);
   std::replace(line.begin(), line.end(), '\n', ' ');
   return text::shortened(line);
 }
-std::string TomlReader::where(const toml::node& node) const {
-  return fmt::format("{}:{}", file_, node.source().begin.line);
+std::string TomlReader::where(const toml::source_region& source) const {
+  if (source.path && *source.path != file_) return *source.path;
+  return source.begin.line == 0 ? file_ : fmt::format("{}:{}", file_, source.begin.line);
 }
 
 void TomlReader::refuse(const toml::node& node, const std::string& field,
@@ -159,7 +175,7 @@ void TomlReader::check_keys(const toml::table& table, const std::string& name,
     const std::string typed(key.str());
     if (std::find(known.begin(), known.end(), typed) != known.end()) continue;
     throw InputError(
-        fmt::format("{}:{}", file_, key.source().begin.line),
+        where(key.source()),
         fmt::format("unknown key \"{}\"{}, did you mean \"{}\"?", text::shortened(typed),
                     name.empty() ? "" : " in " + name, text::nearest_name(typed, known)),
         "", text::joined(known));

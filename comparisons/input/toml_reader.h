@@ -24,6 +24,7 @@
 #include <string_view>
 #include <vector>
 
+#include "comparisons/input/setting.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
 
@@ -43,6 +44,13 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 /// deeply.
 toml::table parse_toml(const std::string& text, const std::string& file);
 
+/// The same with values replaced.
+toml::table parse_toml(const std::string& text, const std::string& file, const Settings& settings);
+
+/// The text to read the same values again: the one given, or, where values were replaced, one
+/// written from the table.
+std::string text_of(const toml::table& root, const std::string& text, const Settings& settings);
+
 /// A value as the user wrote it, on one line; of a long value only the beginning.
 std::string as_typed(const toml::node& node);
 
@@ -51,7 +59,9 @@ class TomlReader {
  public:
   explicit TomlReader(std::string file) : file_(std::move(file)) {}
 
-  std::string where(const toml::node& node) const;
+  /// "file:line", or what typed the value on the command line.
+  std::string where(const toml::node& node) const { return where(node.source()); }
+  std::string where(const toml::source_region& source) const;
   [[noreturn]] void refuse(const toml::node& node, const std::string& field,
                            const std::string& allowed) const;
   [[noreturn]] void say(const toml::node& node, const std::string& sentence) const;

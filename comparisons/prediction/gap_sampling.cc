@@ -44,7 +44,8 @@ class PlacedBody {
     where_ = mesh->where;
     surface_ = std::make_unique<meshes::PlacedSurface>(
         resolver.surface(*mesh),
-        meshes::SurfacePlacement{mesh->point_m, fit->normal, fit->x_axis, turn_rad},
+        meshes::SurfacePlacement{resolver.placed(*mesh).point_m, fit->normal, fit->x_axis,
+                                 turn_rad},
         is_finger ? meshes::PlacedSurface::Body::below : meshes::PlacedSurface::Body::above);
     const Vector3d z = up_ * fit->normal;
     const Vector3d x = (fit->x_axis - fit->x_axis.dot(z) * z).normalized();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "comparisons/prediction/mesh_points.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/geometry/surface_region.h"
@@ -130,12 +131,28 @@ const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) co
   return *surfaces_.at(surface_key(mesh));
 }
 
+input::MeshBody GeometryResolver::placed(const input::MeshBody& mesh) const {
+  input::MeshBody body = mesh;
+  if (!mesh.along) return body;
+  body.point_m = extreme_point_m(surface(mesh), *mesh.along);
+  body.normal = *mesh.along;
+  return body;
+}
+
+void GeometryResolver::add_points(LocalGeometry& geometry) const {
+  const auto& pair = std::get<input::BodyPair>(case_.geometry);
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.finger))
+    geometry.finger_point_m = placed(*mesh).point_m;
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.object))
+    geometry.object_point_m = placed(*mesh).point_m;
+}
+
 ContactBody GeometryResolver::contact_body(const input::CaseBody& body) const {
   if (const auto* quadric = std::get_if<input::QuadricBody>(&body))
     return quadric_from_radii(quadric->radius_x_m, quadric->radius_y_m);
   if (const auto* sphere = std::get_if<input::SphereBody>(&body))
     return quadric_from_radii(sphere->radius_m, sphere->radius_m);
-  const auto& mesh = std::get<input::MeshBody>(body);
+  const input::MeshBody mesh = placed(std::get<input::MeshBody>(body));
   require_point_on_surface(surface(mesh), mesh.point_m, mesh.where, "point_mm");
   return MeshContactPoint{&surface(mesh), mesh.point_m, mesh.normal};
 }
@@ -236,11 +253,13 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
   require_ellipse(result.patch->relative, case_.geometry_where);
   result.radii = result.patch->relative.radii;
   add_finger(result);
+  add_points(result);
   return result;
 }
 
 /// Where the surface is and how it lies: by a quadric, or a plane where none can be fitted.
-QuadricFit GeometryResolver::lie_of(const input::MeshBody& mesh) const {
+QuadricFit GeometryResolver::lie_of(const input::MeshBody& body) const {
+  const input::MeshBody mesh = placed(body);
   require_point_on_surface(surface(mesh), mesh.point_m, mesh.where, "point_mm");
   const Eigen::Vector3d* given = mesh.normal ? &*mesh.normal : nullptr;
   try {
@@ -288,6 +307,7 @@ LocalGeometry GeometryResolver::place(double load_N) const {
     result.patch->finger_fit = lie_of(*mesh);
   if (const auto* mesh = std::get_if<input::MeshBody>(&pair->object))
     result.patch->object_fit = lie_of(*mesh);
+  add_points(result);
   return result;
 }
 

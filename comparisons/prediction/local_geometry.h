@@ -26,6 +26,9 @@ struct LocalGeometry {
   /// flat layer.
   SurfaceCurvature finger_curvature;
   bool is_object_spherical = false;  ///< the body without the layer is an exact sphere
+  /// Where a mesh is touched, in the file's coordinates; zero for other bodies.
+  Eigen::Vector3d finger_point_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d object_point_m = Eigen::Vector3d::Zero();
   /// Why the bodies have no relative radii; `radii` are then but a guess of the contact's size.
   std::string no_ellipse;
 };
@@ -60,12 +63,16 @@ class GeometryResolver {
   /// The triangles of one of the case's mesh bodies, metres.
   const TriangleSurface& surface(const input::MeshBody& mesh) const;
 
+  /// The body with the point and the normal that its `along` stands for; as it is without one.
+  input::MeshBody placed(const input::MeshBody& mesh) const;
+
   /// Defects of the meshes that were repaired and doubts about them, one line each.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
  private:
   ContactBody contact_body(const input::CaseBody& body) const;
   void add_finger(LocalGeometry& geometry) const;
+  void add_points(LocalGeometry& geometry) const;
   QuadricFit lie_of(const input::MeshBody& mesh) const;
 
   const input::Case& case_;

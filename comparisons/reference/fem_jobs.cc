@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "comparisons/system/files.h"
 
@@ -79,15 +81,65 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
   return run_fem(options.program, batches, options.parallel, callbacks);
 }
 
-FemJobProgress::FemJobProgress(system::Progress& progress, std::size_t all, std::size_t pending)
-    : progress_(progress), all_(all), pending_(pending) {}
+double expected_s(const FemProblem& problem) {
+  // Measured on the built-in cases: a long contact needs more elements, finite strain a nonlinear
+  // problem in steps, and a body without the symmetry of the contact has four times the unknowns.
+  const double length = std::max(1., problem.radii.major_m / problem.radii.minor_m);
+  double time_s = 0.5 * std::pow(length, 0.55);
+  if (problem.finite_strain) time_s *= 3.2;
+  if (problem.sublayers.size() > 1) time_s *= 5;
+  if (problem.bodies) {
+    const auto is_scan = [](const PlacedBody& placed) {
+      return std::holds_alternative<PlacedMesh>(placed.body);
+    };
+    const PlacedBody &pad = problem.bodies->pad, &object = problem.bodies->object;
+    if (is_scan(pad) || is_scan(object))
+      time_s *= 8;
+    else if (pad.turn_rad != 0 || object.turn_rad != 0)
+      time_s *= 20;
+  }
+  constexpr int kUsualLevel = 2;
+  return time_s * std::pow(5., problem.level - kUsualLevel);
+}
+
+FemJobProgress::FemJobProgress(system::Progress& progress, std::size_t all,
+                               const std::vector<const FemJob*>& pending, int parallel)
+    : progress_(progress),
+      all_(all),
+      pending_(pending.size()),
+      left_(pending.size(),
+            std::accumulate(
+                pending.begin(), pending.end(), 0.,
+                [](double sum, const FemJob* job) { return sum + expected_s(job->problem); }),
+            parallel),
+      begun_(static_cast<std::size_t>(parallel)) {
+  for (std::size_t i = 0; i < pending.size(); ++i) {
+    if (i == 0 || pending[i]->group != pending[i - 1]->group) batches_.emplace_back();
+    ++batches_.back().left;
+    batch_of_[pending[i]] = batches_.size() - 1;
+  }
+}
+
+/// The first batches begin at once, each other one, in its turn, when one has ended. None for a job
+/// of which this is not true, in an MPI run.
+std::optional<double> FemJobProgress::took_s(const FemJob& job, double now_s) {
+  const auto found = batch_of_.find(&job);
+  if (found == batch_of_.end() || found->second >= begun_) return std::nullopt;
+  Batch& batch = batches_[found->second];
+  const double took_s = now_s - batch.began_s;
+  batch.began_s = now_s;
+  if (batch.left > 0 && --batch.left == 0 && begun_ < batches_.size())
+    batches_[begun_++].began_s = now_s;
+  return took_s;
+}
+
+double FemJobProgress::elapsed_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
 
 std::string FemJobProgress::remaining() const {
   if (finished_ == 0 || finished_ == pending_) return "";
-  const double elapsed_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  return fmt::format("; about {:.0f} s left", elapsed_s / static_cast<double>(finished_) *
-                                                  static_cast<double>(pending_ - finished_));
+  return fmt::format("; about {:.0f} s left", left_.left_s(elapsed_s()));
 }
 
 void FemJobProgress::line(const FemJob& job, const std::string& text) {
@@ -97,6 +149,8 @@ void FemJobProgress::line(const FemJob& job, const std::string& text) {
 
 void FemJobProgress::finished(const FemJob& job, const std::string& outcome) {
   ++finished_;
+  const double now_s = elapsed_s();
+  left_.finished(expected_s(job.problem), took_s(job, now_s), now_s);
   progress_.say(fmt::format("[{}/{}] {}: {}{}", all_ - pending_ + finished_, all_, job.title,
                             outcome, remaining()));
 }

@@ -61,9 +61,10 @@ json friction_json(const FrictionRequest& request) {
 }
 
 /// @param fit       of a mesh
+/// @param point_m   where a mesh is touched
 /// @param turn_rad  from the x of the relative radii's frame to the body's own
 PlacedBody placed_body(const input::CaseBody& body, const std::optional<QuadricFit>& fit,
-                       double turn_rad) {
+                       const Eigen::Vector3d& point_m, double turn_rad) {
   if (const auto* quadric = std::get_if<input::QuadricBody>(&body)) {
     input::QuadricBody turned = *quadric;
     // Quarter turns without rounding: they keep the symmetry that saves three quarters of the work.
@@ -84,16 +85,20 @@ PlacedBody placed_body(const input::CaseBody& body, const std::optional<QuadricF
     if (!(curvature > 0)) return std::nullopt;
     return 1 / curvature;
   };
-  return {PlacedMesh{std::get<input::MeshBody>(body), fit->normal, fit->x_axis, section(c, -s),
-                     section(s, c)},
+  input::MeshBody mesh = std::get<input::MeshBody>(body);
+  mesh.point_m = point_m;
+  return {PlacedMesh{std::move(mesh), fit->normal, fit->x_axis, section(c, -s), section(s, c)},
           turn_rad};
 }
 
 FemProblem::Bodies placed_bodies(const input::BodyPair& pair,
-                                 const std::optional<ContactPatch>& patch, double axis_rad) {
+                                 const prediction::LocalGeometry& geometry, double axis_rad) {
   const std::optional<QuadricFit> none;
-  return {placed_body(pair.finger, patch ? patch->finger_fit : none, -axis_rad),
-          placed_body(pair.object, patch ? patch->object_fit : none, pair.angle_rad - axis_rad)};
+  const std::optional<ContactPatch>& patch = geometry.patch;
+  return {placed_body(pair.finger, patch ? patch->finger_fit : none, geometry.finger_point_m,
+                      -axis_rad),
+          placed_body(pair.object, patch ? patch->object_fit : none, geometry.object_point_m,
+                      pair.angle_rad - axis_rad)};
 }
 
 }  // namespace
@@ -166,7 +171,7 @@ FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalG
     // A tapered finger tapers along its own x, wherever the contact's long axis lies.
     const auto* finger = std::get_if<input::QuadricBody>(&pair.finger);
     if (finger && finger->shape == input::FingerShape::tapered) problem.radii.axis_rad = 0;
-    problem.bodies = placed_bodies(pair, geometry.patch, problem.radii.axis_rad);
+    problem.bodies = placed_bodies(pair, geometry, problem.radii.axis_rad);
   }
   return problem;
 }

@@ -25,6 +25,8 @@ extern const std::string_view licences;  ///< of d3, Plot and all that is bundle
 
 extern const std::string_view motion_css;
 extern const Script motion_js;  ///< with what it imports of three.js
+extern const std::string_view mesh_css;
+extern const Script mesh_js;  ///< likewise
 extern const std::string_view three_licence;
 
 }  // namespace softfinger::report::embedded

@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "comparisons/report/surface_data.h"
 #include "comparisons/simulation/triangulate.h"
 #include "comparisons/text/base64.h"
 #include "softfinger/friction/limit_surface.h"
@@ -25,71 +26,6 @@ using simulation::Recording;
 // Together they keep the page below 3 MB: a pose takes 40 bytes in it, a contact 110, a triangle
 // 16. 300 frames are a fluent motion.
 constexpr std::size_t kFrames = 300, kPoses = 12000, kContacts = 6000, kTriangles = 32000;
-
-/// Joins the vertices within each cell of a grid, the coarsest that is needed.
-TriangleSurface coarsened(const TriangleSurface& surface, std::size_t most_triangles) {
-  if (surface.triangles.size() <= most_triangles) return surface;
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& vertex : surface.vertices_m) box.extend(vertex);
-  // Each attempt has three quarters of the cells per side, so this ends.
-  for (double cells = std::sqrt(static_cast<double>(most_triangles));; cells *= 0.75) {
-    const double cell_m = box.sizes().maxCoeff() / cells;
-    TriangleSurface coarse;
-    std::vector<int> joined, members;
-    std::map<std::array<long, 3>, int> vertex_of_cell;
-    for (const Eigen::Vector3d& vertex : surface.vertices_m) {
-      const Eigen::Vector3d place = (vertex - box.min()) / cell_m;
-      const std::array<long, 3> cell = {static_cast<long>(place.x()), static_cast<long>(place.y()),
-                                        static_cast<long>(place.z())};
-      const auto [entry, is_new] =
-          vertex_of_cell.emplace(cell, static_cast<int>(coarse.vertices_m.size()));
-      if (is_new) {
-        coarse.vertices_m.emplace_back(Eigen::Vector3d::Zero());
-        members.push_back(0);
-      }
-      joined.push_back(entry->second);
-      coarse.vertices_m[entry->second] += vertex;
-      ++members[entry->second];
-    }
-    for (std::size_t i = 0; i < members.size(); ++i) coarse.vertices_m[i] /= members[i];
-    for (const auto& [i, j, k] : surface.triangles)
-      if (joined[i] != joined[j] && joined[j] != joined[k] && joined[k] != joined[i])
-        coarse.triangles.push_back({joined[i], joined[j], joined[k]});
-    if (coarse.triangles.size() <= most_triangles) return coarse;
-  }
-}
-
-/// Vertices of their own for the two sides of a sharp edge, so that shading with vertex normals
-/// leaves edges of boxes sharp and fingertips smooth.
-TriangleSurface split_at_edges(const TriangleSurface& surface) {
-  constexpr double kSharp_rad = 0.6;
-  struct Copy {
-    Eigen::Vector3d normal;
-    int vertex;
-  };
-  std::vector<std::vector<Copy>> copies(surface.vertices_m.size());
-  TriangleSurface split;
-  for (std::array<int, 3> triangle : surface.triangles) {
-    const auto& [i, j, k] = triangle;
-    const Eigen::Vector3d normal = (surface.vertices_m[j] - surface.vertices_m[i])
-                                       .cross(surface.vertices_m[k] - surface.vertices_m[i])
-                                       .normalized();
-    for (int& vertex : triangle) {
-      std::vector<Copy>& known = copies[vertex];
-      auto copy = std::find_if(known.begin(), known.end(), [&](const Copy& candidate) {
-        return candidate.normal.dot(normal) > std::cos(kSharp_rad);
-      });
-      if (copy == known.end()) {
-        split.vertices_m.push_back(surface.vertices_m[vertex]);
-        known.push_back({normal, static_cast<int>(split.vertices_m.size()) - 1});
-        copy = known.end() - 1;
-      }
-      vertex = copy->vertex;
-    }
-    split.triangles.push_back(triangle);
-  }
-  return split;
-}
 
 void append(std::vector<float>& numbers, const Eigen::Vector3d& vector) {
   for (const double number : vector) numbers.push_back(static_cast<float>(number));
@@ -108,20 +44,6 @@ void append(std::vector<float>& numbers, const Eigen::Isometry3d& pose) {
 template <typename Number>
 std::string encoded(const std::vector<Number>& numbers) {
   return text::base64(text::bytes_of(numbers));
-}
-
-Json geometry(const TriangleSurface& surface) {
-  std::vector<float> positions;
-  std::vector<std::uint32_t> indices;
-  for (const Eigen::Vector3d& vertex : surface.vertices_m) append(positions, vertex);
-  for (const std::array<int, 3>& triangle : surface.triangles)
-    indices.insert(indices.end(), triangle.begin(), triangle.end());
-  Json out = {{"positions", encoded(positions)}};
-  if (surface.vertices_m.size() <= 0x10000)
-    out["triangles16"] = encoded(std::vector<std::uint16_t>(indices.begin(), indices.end()));
-  else
-    out["triangles32"] = encoded(indices);
-  return out;
 }
 
 /// Shares the triangles among the distinct meshes: what a small one leaves is for the larger ones.
@@ -157,7 +79,7 @@ std::pair<Json, Json> bodies_and_geometries(const Recording& recording) {
       // The shape's pose is the page's business: it keeps equal surfaces equal.
       const TriangleSurface surface =
           simulation::triangulate({shape.kind, Eigen::Isometry3d::Identity()}, width_m);
-      Json drawn = geometry(split_at_edges(coarsened(surface, most_triangles)));
+      Json drawn = surface_json(split_at_edges(coarsened(surface, most_triangles)));
       const auto [entry, is_new] = known.emplace(drawn.dump(), geometries.size());
       if (is_new) geometries.push_back(std::move(drawn));
       std::vector<float> pose;

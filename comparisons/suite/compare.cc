@@ -117,7 +117,7 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
       [&](const reference::FemJob& job, reference::ReferenceResult result) {
         run_of(job).reference = std::move(result);
       });
-  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, jobs.size(), pending, options.jobs);
   std::size_t done = jobs.size() - pending.size();
   const int signal = reference::run_fem_jobs(
       pending, settings,
@@ -158,7 +158,7 @@ std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
   std::vector<PlannedCase> cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
-    input::Case typed = input::read_case(file);
+    input::Case typed = input::read_case(file, options.settings);
     input::require_coulomb(typed, "compare");
     const prediction::GeometryResolver geometry(typed);
     cases.push_back(planned(reference::with_full_reference(typed, geometry, options.idealisations),
@@ -259,6 +259,17 @@ void write_report(const SuiteComparison& suite, const fs::path& output) {
                                 {output / "report.html", report::render_report(report)}});
 }
 
+json answer_as_json(const SuiteComparison& suite, const fs::path& output) {
+  json cases = json::array();
+  for (const judgement::CaseComparison& compared : suite.cases)
+    cases.push_back({{"id", compared.contact_case->id}, {"verdict", compared.verdict.sentence}});
+  return {{"cases", cases},
+          {"tolerance", suite.tolerance},
+          {"trusted", is_trusted_everywhere(suite)},
+          {"report", fs::absolute(output / "report.html").string()},
+          {"numbers", fs::absolute(output / "report.json").string()}};
+}
+
 std::string answer_in_words(const SuiteComparison& suite, const fs::path& output) {
   std::string answer;
   for (const judgement::CaseComparison& compared : suite.cases)
@@ -303,7 +314,12 @@ int compare(const CompareOptions& options) {
   suite.cores = default_job_count();
   suite.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   write_report(suite, options.output);
-  system::write_text_to_stdout(answer_in_words(suite, options.output));
+  if (options.json)
+    system::write_to_stdout(
+        answer_as_json(suite, options.output).dump(2, ' ', false, json::error_handler_t::replace) +
+        "\n");
+  else
+    system::write_text_to_stdout(answer_in_words(suite, options.output));
   return is_trusted_everywhere(suite) ? 0 : 1;
 }
 

@@ -11,6 +11,7 @@ namespace softfinger::suite {
 
 struct CompareOptions {
   std::vector<std::filesystem::path> case_files;
+  input::Settings settings;      ///< for each of them
   std::filesystem::path output;  ///< folder, created when missing
   /// Of the reference where a case's [fem] leaves them open.
   reference::Idealisations idealisations;
@@ -20,6 +21,7 @@ struct CompareOptions {
   int jobs = 1;  ///< FEM processes side by side
   reference::FemLimits fem_limits;  ///< of each load
   std::string command;              ///< as typed, for the report's provenance
+  bool json = false;                ///< the answer on standard output as JSON
 };
 
 /// Runs models and FEM on all loads of all cases and writes report.html, report.json

@@ -107,7 +107,7 @@ class ChunkQueue {
 /// Existing rows belong to this sweep if all of this is the same.
 json identity_of(const SweepPlan& plan, const std::string& header) {
   return {{"program", reference::program_identity("/proc/self/exe")},
-          {"sweep_toml", plan.text},
+          {"sweep_toml", plan.sweep.text()},
           {"rows", plan.sweep.rows()},
           {"columns", header}};
 }
@@ -169,7 +169,7 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"friction_coefficient", base.shear_law.friction_coefficient},
                {"all_rows", plan.sweep.rows()},
                {"failed", failed},
-               {"sweep_toml", plan.text},
+               {"sweep_toml", plan.sweep.text()},
                {"command", command},
                {"version", system::program_version()}});
   system::write_file_atomically(plan.output / "sweep.html", report::render_sweep(page));
@@ -203,7 +203,7 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
     }
   };
   append_what_is_whole();
-  reference::FemJobProgress shown(progress, fem.jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, fem.jobs.size(), pending, workers.parallel());
   const int signal = workers.run_fem(
       pending, fem.settings,
       [&](const reference::FemJob& job, const std::string& failure, const std::string& summary) {
@@ -218,11 +218,11 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
 }  // namespace
 
 SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
-                     const fs::path& output_folder, const reference::FemLimits& limits)
-    : text(sweep_text),
-      file(sweep_file),
+                     const fs::path& output_folder, const reference::FemLimits& limits,
+                     const input::Settings& settings)
+    : file(sweep_file),
       output(output_folder),
-      sweep(text, file),
+      sweep(sweep_text, file, settings),
       models(sweep_models(sweep)),
       geometry(sweep.base()) {
   if (!sweep.fem()) return;
@@ -287,7 +287,30 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
   return g_signal;
 }
 
-int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command) {
+namespace {
+
+/// Where the rows are, on standard output.
+int answer(const SweepPlan& plan, std::size_t failed, bool as_json) {
+  const std::string rows = fs::absolute(plan.output / "results.csv").string(),
+                    page = fs::absolute(plan.output / "sweep.html").string();
+  if (as_json)
+    system::write_to_stdout(json({{"sweep", plan.sweep.base().id},
+                                  {"rows", plan.sweep.rows()},
+                                  {"failed", failed},
+                                  {"results", rows},
+                                  {"page", page}})
+                                .dump(2, ' ', false, json::error_handler_t::replace) +
+                            "\n");
+  else
+    system::write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
+                                             plan.sweep.rows(), rows, page));
+  return failed > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command,
+              bool as_json) {
   const system::OutputFolder folder(plan.output);
   system::Progress progress;
   for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
@@ -304,7 +327,7 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
     if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
     progress.say(
         fmt::format("softfinger: {} is finished: reused", (plan.output / "results.csv").string()));
-    return 0;
+    return as_json ? answer(plan, 0, true) : 0;
   }
   fs::remove(plan.output / "results.csv", missing);
   system::write_file_atomically(record, identity.dump(1) + "\n");
@@ -346,11 +369,7 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
         fmt::format("softfinger: {} of {} finite-element results are missing; the same "
                     "command tries them again",
                     failed, plan.fem.jobs.size()));
-  system::write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
-                                           plan.sweep.rows(),
-                                           fs::absolute(plan.output / "results.csv").string(),
-                                           fs::absolute(plan.output / "sweep.html").string()));
-  return failed > 0 ? 1 : 0;
+  return answer(plan, failed, as_json);
 }
 
 }  // namespace softfinger::sweep

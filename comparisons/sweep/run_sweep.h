@@ -16,12 +16,12 @@ namespace softfinger::sweep {
 struct SweepPlan {
   /// @throws InputError
   SweepPlan(const std::string& text, const std::filesystem::path& file,
-            const std::filesystem::path& output, const reference::FemLimits& limits);
+            const std::filesystem::path& output, const reference::FemLimits& limits,
+            const input::Settings& settings = {});
 
   /// Makes rows; one for each thread.
   SweepRows rows() const { return SweepRows(sweep, models, geometry); }
 
-  std::string text;
   std::filesystem::path file, output;
   Sweep sweep;
   std::vector<const PressureModel*> models;
@@ -34,6 +34,9 @@ struct SweepPlan {
 class SweepWorkers {
  public:
   virtual ~SweepWorkers() = default;
+
+  /// How many jobs run side by side.
+  virtual int parallel() const = 0;
 
   /// Runs finite-element jobs and writes each result to the job's file.
   /// @param on_finished  called on the calling thread with the job, the reason of a failure (else
@@ -55,6 +58,7 @@ class SweepWorkers {
 class LocalWorkers : public SweepWorkers {
  public:
   explicit LocalWorkers(int parallel) : parallel_(parallel) {}
+  int parallel() const override { return parallel_; }
   int run_fem(const std::vector<const reference::FemJob*>& jobs,
               const reference::FemJobOptions& settings,
               const std::function<void(const reference::FemJob&, const std::string& failure,
@@ -68,8 +72,10 @@ class LocalWorkers : public SweepWorkers {
 
 /// Computes what is missing in the folder and writes results.csv, sweep.json and sweep.html there.
 /// @param command  as typed, for the page
+/// @param json     the answer on standard output as one JSON object
 /// @returns the exit status: 0, 1 when finite elements failed somewhere, 128 + signal
 /// @throws InputError
-int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command);
+int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& command,
+              bool json = false);
 
 }  // namespace softfinger::sweep

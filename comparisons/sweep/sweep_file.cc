@@ -3,52 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <set>
 
 #include "comparisons/input/case_table.h"
-#include "comparisons/system/files.h"
+#include "comparisons/input/toml_path.h"
 #include "comparisons/text/hash.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::sweep {
 namespace fs = std::filesystem;
+using input::find_entry;
+using input::place_of;
+using input::steps_of;
 namespace {
-
-/// Splits "geometry.finger.radii_mm[0]" into names of tables and indices of arrays. "radii_mm.0"
-/// means the same index.
-std::vector<std::string> steps_of(const std::string& key) {
-  std::vector<std::string> steps;
-  for (std::size_t start = 0; start < key.size();) {
-    const bool in_brackets = key[start] == '[';
-    const std::size_t end =
-        std::min(in_brackets ? key.find(']', start) : key.find_first_of(".[", start), key.size());
-    steps.push_back(key.substr(start + in_brackets, end - start - in_brackets));
-    if (steps.back().empty() || (in_brackets && end == key.size())) return {};
-    start = end + in_brackets;
-    if (start < key.size() && key[start] == '.') ++start;
-  }
-  return steps;
-}
-
-/// An index of an array; for a text that is not one, an index larger than any array.
-std::size_t place_of(const std::string& step) {
-  std::size_t place = 0;
-  const char* const last = step.data() + step.size();
-  const auto read = std::from_chars(step.data(), last, place);
-  return read.ec == std::errc() && read.ptr == last ? place
-                                                    : std::numeric_limits<std::size_t>::max();
-}
-
-toml::node* find_entry(toml::node& node, const std::string& step) {
-  if (toml::table* table = node.as_table()) return table->get(step);
-  if (toml::array* array = node.as_array()) return array->get(place_of(step));
-  return nullptr;
-}
 
 /// The number that a key names; null when there is none.
 toml::node* find_number(toml::table& root, const std::string& key) {
@@ -242,9 +212,7 @@ input::Case try_extreme_values(const toml::table& root, const std::string& text,
 
 }  // namespace
 
-std::string read_sweep_text(const fs::path& file) {
-  return system::read_text_file(file, input::kLargestTomlFile);
-}
+std::string read_sweep_text(const fs::path& file) { return input::read_typed_text(file); }
 
 /// The parsed file: the table of the case, with one number in place of each swept key's values.
 struct Sweep::File {
@@ -260,10 +228,11 @@ struct Sweep::Cases::Table {
 
 Sweep::~Sweep() = default;
 
-Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_unique<File>()) {
-  file_->text = text;
+Sweep::Sweep(const std::string& typed_text, const fs::path& path, const input::Settings& settings)
+    : file_(std::make_unique<File>()) {
   file_->path = path;
-  toml::table& root = file_->root = input::parse_toml(text, path.string());
+  toml::table& root = file_->root = input::parse_toml(typed_text, path.string(), settings);
+  const std::string& text = file_->text = input::text_of(root, typed_text, settings);
   const input::TomlReader reader(path.string());
   reader.required_table(root, "sweep");
   // Moved, because a copy would lose the line numbers.
@@ -323,6 +292,8 @@ Sweep::Sweep(const std::string& text, const fs::path& path) : file_(std::make_un
   if (rows() > most)
     throw InputError(path.string(), "[sweep]", fmt::format("{} rows", rows()), allowed);
 }
+
+const std::string& Sweep::text() const { return file_->text; }
 
 void Sweep::values_at(std::size_t point, std::vector<double>& values) const {
   values.resize(keys_.size());

@@ -25,7 +25,7 @@ namespace softfinger::sweep {
 constexpr std::size_t kMostSweepRows = 100'000'000, kMostSweepFemJobs = 100'000,
                       kMostSweptValues = 1'000'000;
 
-/// The text of a sweep file.
+/// The text of a sweep file; "-": of standard input.
 /// @throws InputError when it cannot be read or is larger than any such file
 std::string read_sweep_text(const std::filesystem::path& file);
 
@@ -41,11 +41,14 @@ class Sweep {
   /// Reads a sweep file and checks the case with its own numbers and with the first, last, smallest
   /// and largest value of each key.
   /// @throws InputError(file:line)
-  Sweep(const std::string& text, const std::filesystem::path& file);
+  Sweep(const std::string& text, const std::filesystem::path& file,
+        const input::Settings& settings = {});
   ~Sweep();
   Sweep(const Sweep&) = delete;
   Sweep& operator=(const Sweep&) = delete;
 
+  /// The file's text with the settings' values.
+  const std::string& text() const;
   const input::Case& base() const { return base_; }
   /// In the order of the file.
   const std::vector<SweptKey>& keys() const { return keys_; }

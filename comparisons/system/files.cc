@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "comparisons/system/terminal.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
@@ -75,8 +76,8 @@ std::string description_of_this_process() {
   return fmt::format("process {} on {}: {}", getpid(), host, command);
 }
 
-/// @param name  of what is read, for messages
-std::string read_to_end(int file, const std::string& name, std::size_t most_bytes) {
+/// Reads to the end. @param name  for messages
+std::string read_all(int file, const std::string& name, std::size_t most_bytes) {
   std::string content;
   char buffer[1 << 16];
   for (;;) {
@@ -93,6 +94,11 @@ std::string read_to_end(int file, const std::string& name, std::size_t most_byte
 
 }  // namespace
 
+const std::string& read_standard_input(std::size_t most_bytes) {
+  static const std::string content = read_all(STDIN_FILENO, "standard input", most_bytes);
+  return content;
+}
+
 std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
   // O_NONBLOCK, because opening a pipe waits for a writer. A device may have no end: it is refused.
   const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -103,17 +109,13 @@ std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
     throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
   }
   try {
-    std::string content = read_to_end(file, path.string(), most_bytes);
+    std::string content = read_all(file, path.string(), most_bytes);
     close(file);
     return content;
   } catch (...) {
     close(file);
     throw;
   }
-}
-
-std::string read_standard_input(std::size_t most_bytes) {
-  return read_to_end(STDIN_FILENO, "standard input", most_bytes);
 }
 
 void write_file_atomically(const fs::path& path, const std::string& content) {
@@ -196,6 +198,9 @@ void write_to_stdout(const std::string& text) {
   if (error) refuse("standard output", "cannot be written", error);
 }
 
-void write_text_to_stdout(const std::string& text) { write_to_stdout(visible_text(text)); }
+void write_text_to_stdout(const std::string& text) {
+  const std::string visible = visible_text(text);
+  write_to_stdout(has_colour(STDOUT_FILENO) ? with_colours(visible) : visible);
+}
 
 }  // namespace softfinger::system

@@ -16,8 +16,10 @@ namespace softfinger::system {
 std::string read_text_file(const std::filesystem::path& path,
                            std::size_t most_bytes = std::string::npos);
 
-/// The same of standard input.
-std::string read_standard_input(std::size_t most_bytes);
+/// All of standard input; it is read once, and a second call gives the same text.
+/// @param most_bytes  more is refused
+/// @throws InputError
+const std::string& read_standard_input(std::size_t most_bytes);
 
 /// Writes under a temporary name in the same folder, syncs, closes and renames. A reader sees
 /// either the old content or the new one, even after a power cut.
@@ -51,7 +53,7 @@ class OutputFolder {
 void write_to_stdout(const std::string& text);
 
 /// The same for text that people read. Control characters from names and paths are made visible, as
-/// they could otherwise control the terminal (visible_text).
+/// they could otherwise control the terminal (visible_text). On a terminal titles are bold.
 void write_text_to_stdout(const std::string& text);
 
 }  // namespace softfinger::system

@@ -35,18 +35,18 @@ fs::path fem_program() {
 
 namespace {
 
-std::vector<fs::path> builtin_files(const char* folder) {
+std::vector<fs::path> builtin_files(const char* folder, const char* ending = ".toml") {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(share_folder() / folder, error))
-    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+    if (entry.path().extension() == ending) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
 
 fs::path find_builtin(const std::string& typed, const char* folder, const char* kind) {
   std::error_code error;
-  if (fs::exists(typed, error)) return typed;
+  if (typed == "-" || fs::exists(typed, error)) return typed;
   // Only a bare name can mean a built-in file: a path that does not exist is a mistake to report.
   if (typed.find('/') == std::string::npos && !typed.empty()) {
     for (const std::string& name : {typed, typed + ".toml"}) {
@@ -67,6 +67,7 @@ fs::path find_builtin(const std::string& typed, const char* folder, const char* 
 }  // namespace
 
 std::vector<fs::path> builtin_case_files() { return builtin_files("cases"); }
+std::vector<fs::path> builtin_mesh_files() { return builtin_files("meshes", ".stl"); }
 std::vector<fs::path> builtin_scene_files() { return builtin_files("scenes"); }
 std::vector<fs::path> builtin_sweep_files() { return builtin_files("sweeps"); }
 std::vector<fs::path> builtin_experiment_files() { return builtin_files("experiments"); }
@@ -97,8 +98,11 @@ fs::path find_mesh_file(const std::string& typed, const fs::path& folder) {
   std::error_code error;
   const fs::path path = folder.empty() ? fs::path(typed) : folder / typed;
   if (fs::exists(path, error)) return path;
-  const fs::path builtin = share_folder() / "meshes" / typed;
-  return !typed.empty() && fs::is_regular_file(builtin, error) ? builtin : path;
+  for (const std::string& name : {typed, typed + ".stl"}) {
+    const fs::path builtin = share_folder() / "meshes" / name;
+    if (!typed.empty() && fs::is_regular_file(builtin, error)) return builtin;
+  }
+  return path;
 }
 
 }  // namespace softfinger::system

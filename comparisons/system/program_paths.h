@@ -28,7 +28,8 @@ std::filesystem::path fem_program();
 /// All built-in case files, ordered by name.
 std::vector<std::filesystem::path> builtin_case_files();
 
-/// A case file as typed on the command line: a path, or the name of a built-in case.
+/// A case file as typed on the command line: a path, the name of a built-in case, or "-", standard
+/// input.
 std::filesystem::path find_case_file(const std::string& typed);
 
 /// The same for scenes.
@@ -47,8 +48,11 @@ std::filesystem::path find_experiment_file(const std::string& typed);
 /// of a built-in file with its suffix.
 std::filesystem::path find_measurement_file(const std::string& typed);
 
+/// All built-in meshes, ordered by name.
+std::vector<std::filesystem::path> builtin_mesh_files();
+
 /// The path of a mesh file: relative to `folder` (empty: the working directory) if it exists there,
-/// else a built-in mesh of that name.
+/// else a built-in mesh of that name, with or without ".stl".
 std::filesystem::path find_mesh_file(const std::string& typed, const std::filesystem::path& folder);
 
 }  // namespace softfinger::system

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 
+#include "comparisons/system/terminal.h"
 #include "softfinger/input/visible_text.h"
 
 namespace softfinger::system {
@@ -19,12 +20,18 @@ void Progress::clear() {
 }
 
 void Progress::say(const std::string& line) {
+  if (!is_quiet()) fail(line);
+}
+
+void Progress::fail(const std::string& typed_line) {
   clear();
-  std::fputs((visible_text(line) + "\n").c_str(), stderr);
+  const std::string line = visible_text(typed_line);
+  std::fputs(((has_colour(STDERR_FILENO) ? message_with_colours(line) : line) + "\n").c_str(),
+             stderr);
 }
 
 void Progress::show(const std::string& typed_line) {
-  if (!terminal_) return;
+  if (!terminal_ || is_quiet()) return;
   const std::string line = visible_text(typed_line);
   winsize size = {};
   const std::size_t columns =

@@ -4,7 +4,8 @@
 
 namespace softfinger::system {
 
-/// Progress on standard error: one live line on a terminal, plain lines in a pipe.
+/// Progress on standard error: one live line on a terminal, plain lines in a pipe; nothing where
+/// the person asked for quiet.
 class Progress {
  public:
   Progress();
@@ -14,6 +15,8 @@ class Progress {
 
   /// A line that stays.
   void say(const std::string& line);
+  /// The same for an error, which quiet does not hide: "softfinger: error: ...".
+  void fail(const std::string& line);
   /// The present state, shown only on a terminal and cut to its width; the next line replaces it.
   void show(const std::string& line);
 

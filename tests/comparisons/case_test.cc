@@ -65,6 +65,33 @@ TEST(Case, ReadsShearLawsInSiUnits) {
                  name);
 }
 
+// Reports keep this text, so that a reader gets the same numbers from it.
+TEST(Case, KeepsATextThatGivesTheReplacedValuesAgain) {
+  input::Settings settings;
+  for (const char* setting :
+       {"layer.thickness_mm=3", "geometry.relative_radii_mm[1] = 0.1", "contact.load_N=[0.3, 4]",
+        "layer.winkler_modulus=youngs", "question=\"a \\\"b\\\" \\\\ c\""})
+    settings.push_back(input::parse_setting(setting));
+  const input::Case replaced_case = input::parse_case(kGoodCase, "example.toml", settings);
+  EXPECT_DOUBLE_EQ(replaced_case.layer.thickness_m, 3e-3);
+  EXPECT_EQ(replaced_case.question, "a \"b\" \\ c");
+  EXPECT_EQ(replaced_case.options.winkler_modulus, WinklerModulus::youngs);
+  const input::Case again = input::parse_case(replaced_case.text, "again.toml");
+  EXPECT_EQ(again.layer.thickness_m, replaced_case.layer.thickness_m);
+  EXPECT_EQ(again.loads_N, replaced_case.loads_N);
+  EXPECT_EQ(again.question, replaced_case.question);
+  EXPECT_EQ(std::get<RelativeRadii>(again.geometry).minor_m, 0.1 * 1e-3);
+  EXPECT_EQ(input::parse_case(kGoodCase, "example.toml").text, kGoodCase);
+}
+
+TEST(Case, ReadsTheDirectionOfAMesh) {
+  const auto direction = [](const char* text) { return input::axis_direction(text); };
+  EXPECT_EQ(*direction("-y"), Eigen::Vector3d(0, -1, 0));
+  EXPECT_EQ(*direction("+x"), *direction("x"));
+  for (const char* wrong : {"", "-", "+-x", "w", "-w", "-xy", "*x", "--x"})
+    EXPECT_FALSE(direction(wrong)) << wrong;
+}
+
 TEST(Case, IsReadInSiUnits) {
   const input::Case result = input::parse_case(kGoodCase, "folder/example.toml");
   EXPECT_EQ(result.id, "example");

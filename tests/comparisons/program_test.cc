@@ -599,6 +599,9 @@ TEST_F(Program, SolvesARecordedContactProblem) {
   EXPECT_NEAR(solved["r4"][0].get<double>(), 0.01, 1e-14);
   EXPECT_NEAR(solved["r4"][1].get<double>(), -0.002, 1e-14);
   EXPECT_NEAR(solved["v4"][0].get<double>(), 0, 1e-14);
+  start.input = file.string();
+  const json piped = json::parse(run({"lcp", "-", "--json"}).out)["results"][0];
+  EXPECT_EQ(piped["r4"], solved["r4"]);
 }
 
 TEST_F(Program, RefusesDamagedContactProblems) {
@@ -1010,7 +1013,7 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   folder.write("step_0002.txt", contact_problem_text());
   for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
                                     "experiments", "calibrate", "area", "export", "list", "explain",
-                                    "lcp"}) {
+                                    "lcp", "mesh", "init", "doctor", "completion", "manual"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -52,7 +52,7 @@ pid_t start_softfinger(const Start& start, const std::vector<std::string>& argum
     setenv(entry.substr(0, equals).c_str(), entry.substr(equals + 1).c_str(), 1);
   }
   const std::string target = start.output_to.empty() ? out.string() : start.output_to;
-  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  dup2(open(start.input.empty() ? "/dev/null" : start.input.c_str(), O_RDONLY), STDIN_FILENO);
   dup2(open(target.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), STDERR_FILENO);
   if (start.largest_file_bytes >= 0) {

@@ -32,6 +32,7 @@ struct Start {
   std::vector<std::string> environment;  ///< "NAME=value"
   long largest_file_bytes = -1;          ///< like a disk that is full; -1: no limit
   std::string output_to;                 ///< instead of a captured standard output
+  std::string input = "";                ///< file for standard input; empty: none
 };
 
 /// Starts the program under test; the fake finite elements are set unless the environment says

@@ -418,7 +418,7 @@ AtlasOutcome make_atlas(const std::vector<AtlasRun>& runs, const AtlasOptions& o
   system::Progress progress;
   const auto pending =
       reference::pending_fem_jobs(jobs, settings, progress, [](const auto&, const auto&) {});
-  reference::FemJobProgress shown(progress, jobs.size(), pending.size());
+  reference::FemJobProgress shown(progress, jobs.size(), pending, options.jobs);
   AtlasOutcome outcome;
   outcome.signal = reference::run_fem_jobs(
       pending, settings,

@@ -26,6 +26,10 @@ std::vector<std::string> seeds() {
       "[object_layer]\nthickness_mm = 3\nyoungs_modulus_kPa = 900\npoisson_ratio = 0.3\n"
       "[power_law]\npressure_exponent = 2.5\ndata = [[1, 2.0], [2, 2.4], [4, 2.9]]\n[contact]\n"
       "load_N = [1, 2.5, 1e1]\nfriction_coefficient = 0.8\n");
+  texts.push_back(
+      "id = \"scan\"\n[geometry]\nfinger = { mesh = \"tip.stl\", unit = \"m\", along = \"-y\" }\n"
+      "object = { sphere_radius_mm = 10 }\n[layer]\nthickness_mm = 1\nyoungs_modulus_kPa = 300\n"
+      "poisson_ratio = 0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n");
   return texts;
 }
 

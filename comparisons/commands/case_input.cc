@@ -1,0 +1,97 @@
+#include "comparisons/commands/case_input.h"
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/system/program_paths.h"
+#include "comparisons/text/nearest_name.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+
+void add_settings(CLI::App& command, std::vector<std::string>& settings, const std::string& of) {
+  command
+      .add_option("--set", settings,
+                  "KEY=VALUE in place of the " + of +
+                      "'s own value, in the units of the file, for instance "
+                      "layer.thickness_mm=3; may be repeated")
+      ->allow_extra_args(false);
+}
+
+void add_case(CLI::App& command, CaseInput& typed, bool has_load) {
+  command.add_option("CASE", typed.file,
+                     "case file (TOML), the name of a built-in case, or \"-\" for standard input; "
+                     "none: the case is made of the numbers below");
+  add_settings(command, typed.settings, "case");
+  const auto add = [&](const char* flag, std::string& value, const char* what) {
+    command.add_option(flag, value, what)->group("Numbers in place of a case, or of a case's own");
+  };
+  add("--radii-mm", typed.radii_mm, "R',R'' or R: relative radii of the gap in mm, finite and > 0");
+  add("--thickness-mm", typed.thickness_mm, "of the layer, in mm, > 0");
+  add("--youngs-modulus-kPa", typed.youngs_modulus_kPa, "of the layer, in kPa, > 0");
+  add("--poisson-ratio", typed.poisson_ratio, "of the layer, 0 to 0.5");
+  if (!has_load) add("--load", typed.load_N, "P or P1,P2,...: in N, > 0");
+  add("--friction", typed.friction,
+      "friction coefficient, > 0; without a case, default: 1, the torque is proportional to it");
+}
+
+input::Settings settings_of(const std::vector<std::string>& typed) {
+  input::Settings settings;
+  for (const std::string& setting : typed) settings.push_back(input::parse_setting(setting));
+  return settings;
+}
+
+input::Settings settings_of(const CaseInput& typed) {
+  struct Number {
+    const char *flag, *key;
+    const std::string& value;
+    bool is_list;
+  };
+  const Number numbers[] = {
+      {"--radii-mm", "geometry.relative_radii_mm", typed.radii_mm, true},
+      {"--thickness-mm", "layer.thickness_mm", typed.thickness_mm, false},
+      {"--youngs-modulus-kPa", "layer.youngs_modulus_kPa", typed.youngs_modulus_kPa, false},
+      {"--poisson-ratio", "layer.poisson_ratio", typed.poisson_ratio, false},
+      {"--load", "contact.load_N", typed.load_N, true},
+      {"--friction", "contact.friction_coefficient", typed.friction, false}};
+  input::Settings settings;
+  std::vector<std::string> missing;
+  for (const Number& number : numbers) {
+    if (number.value.empty()) {
+      if (number.key != std::string("contact.friction_coefficient")) missing.push_back(number.flag);
+      continue;
+    }
+    std::string value = number.value;
+    // One radius is that of a sphere on a plane.
+    if (number.flag == std::string("--radii-mm") && value.find(',') == std::string::npos)
+      value += "," + value;
+    if (number.is_list) value = "[" + value + "]";
+    settings.push_back(
+        {number.key, value, number.flag + (" " + text::shortened(number.value, 100))});
+  }
+  if (typed.file.empty() && !missing.empty())
+    throw InputError("command line",
+                     missing.size() == 5 ? "CASE is missing"
+                                         : "without a CASE " + text::joined(missing) + " " +
+                                               (missing.size() == 1 ? "is" : "are") + " missing",
+                     "",
+                     "a case file, the name of a built-in case (softfinger list cases), \"-\", or "
+                     "--radii-mm, --thickness-mm, --youngs-modulus-kPa, --poisson-ratio, --load");
+  for (const input::Setting& setting : settings_of(typed.settings)) settings.push_back(setting);
+  return settings;
+}
+
+input::Case read_case(const CaseInput& typed) {
+  const input::Settings settings = settings_of(typed);
+  if (!typed.file.empty()) return input::read_case(system::find_case_file(typed.file), settings);
+  std::string text = "id = \"command_line\"\n";
+  bool has_friction = !typed.friction.empty();
+  for (const input::Setting& setting : settings)
+    has_friction = has_friction || setting.key == "contact.friction_coefficient" ||
+                   setting.key == "contact.shear_law";
+  if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
+  input::Case made = input::parse_case(text, "command line", settings);
+  if (!has_friction)
+    remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");
+  return made;
+}
+
+}  // namespace softfinger::commands

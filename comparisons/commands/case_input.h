@@ -1,0 +1,37 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "comparisons/input/case.h"
+
+/// How commands take their files: a path, a built-in name or "-", with values replaced.
+namespace softfinger::commands {
+
+/// A case from a file, or from numbers on the command line, which also replace those of a file.
+struct CaseInput {
+  std::string file;  ///< as typed; empty: all by numbers
+  std::vector<std::string> settings;
+  std::string radii_mm, thickness_mm, youngs_modulus_kPa, poisson_ratio, load_N, friction;
+};
+
+/// Adds --set.
+/// @param of  what the values are of: "case", "scene"
+void add_settings(CLI::App& command, std::vector<std::string>& settings, const std::string& of);
+
+/// Adds CASE, --set and the numbers in its place.
+/// @param has_load  whether the command has a --load of its own
+void add_case(CLI::App& command, CaseInput& typed, bool has_load = false);
+
+/// @throws InputError(where "--set ...")
+input::Settings settings_of(const std::vector<std::string>& typed);
+
+/// Settings and numbers.
+/// @throws InputError when there is neither a file nor all numbers that a case needs
+input::Settings settings_of(const CaseInput& typed);
+
+/// @throws InputError
+input::Case read_case(const CaseInput& typed);
+
+}  // namespace softfinger::commands

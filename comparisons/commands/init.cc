@@ -1,0 +1,161 @@
+#include <fmt/format.h>
+
+#include <cctype>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/commands/mesh_points_text.h"
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "meshes/io/read_surface.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InitOptions {
+  std::string file = "my_finger.toml", mesh, along = "-y", near, unit = "mm";
+  bool along_given = false, unit_given = false, force = false, json = false;
+};
+
+/// An id made of the file's name.
+std::string id_of(const fs::path& file) {
+  std::string id;
+  for (const char c : file.stem().string())
+    id += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
+  if (id.empty() || file == "-") return "my_finger";
+  return id.substr(0, 64);
+}
+
+constexpr const char* kPlane =
+    "object = { radii_mm = [inf, inf] }       # a plane; or { sphere_radius_mm = 10 }, { mesh = "
+    "\"object.stl\", along = \"+z\" }\n";
+
+std::string geometry_text(const InitOptions& options) {
+  if (options.mesh.empty())
+    return "# Exactly one of three forms. Radii in mm: inf is flat, negative hollow.\n"
+           "finger = { radii_mm = [9.0, 7.0] }\n"
+           "object = { radii_mm = [inf, 15.0] }      # or { sphere_radius_mm = 10 }\n"
+           "angle_deg = 90                           # the object's x axis against the finger's\n"
+           "# relative_radii_mm = [20.0, 5.0]        # of the gap, in place of the two bodies\n"
+           "# finger = { mesh = \"tip.stl\", unit = \"mm\", along = \"-y\" }   # softfinger mesh "
+           "tip.stl\n";
+  if (!options.near.empty()) {
+    const std::string path =
+        system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
+    const auto surface = meshes::read_surface(path, options.unit == "m" ? 1 : 1e-3).surface;
+    return geometry_line(options.mesh, options.unit,
+                         point_near(surface, options.near, options.unit, path)) +
+           "\n" + kPlane;
+  }
+  return fmt::format(
+      "# along: the point that lies farthest there. Any other: point_mm = [x, y, z], normal = [x, "
+      "y, z];\n"
+      "# softfinger mesh FILE --page page.html shows the finger, where a click gives these lines.\n"
+      "finger = {{ mesh = {}, unit = \"{}\", along = \"{}\" }}\n{}",
+      toml_text(options.mesh), options.unit, options.along, kPlane);
+}
+
+std::string case_text(const InitOptions& options) {
+  return fmt::format(
+      "# A case for softfinger. What a key means and may be: softfinger predict --help, README.md\n"
+      "id = \"{}\"\n"
+      "question = \"Which model holds for my finger?\"   # optional\n"
+      "\n[geometry]\n{}"
+      "\n[layer]                                  # the rubber; [[layer]] several times: from the "
+      "surface inwards\n"
+      "thickness_mm = 2.0\n"
+      "youngs_modulus_kPa = 300.0               # silicone: 50 to 3000\n"
+      "poisson_ratio = 0.49                     # 0 to 0.5; rubber and silicone 0.48 to 0.5, foam "
+      "0 to 0.3\n"
+      "\n[contact]\n"
+      "load_N = [1.0, 2.0, 5.0]                 # one or several\n"
+      "friction_coefficient = 0.8\n"
+      "# shear_law = \"coulomb\"                  # or \"shear_strength\", \"limited\", "
+      "\"adhesive_shear\"\n"
+      "# shear_strength_kPa = 40                # for these three\n"
+      "\n# [fem]                                  # what the finite elements are to be; default: "
+      "all that matters\n"
+      "# geometry = \"curved\"                    # or \"flat\"\n"
+      "# kinematics = \"finite\"                  # or \"linear\"\n"
+      "# level = 2                              # 1 coarse to 3 fine\n",
+      id_of(options.file), geometry_text(options));
+}
+
+int run_init(const InitOptions& options) {
+  if (options.file.empty())
+    throw InputError("command line", "FILE", "\"\"", "the name of a file, or \"-\"");
+  if (options.mesh.empty() && (options.along_given || options.unit_given || !options.near.empty()))
+    throw InputError("command line", "--along, --near, --unit", "", "with --mesh");
+  if (!input::axis_direction(options.along))
+    throw InputError("command line", "--along", "\"" + options.along + "\"",
+                     "+x, -x, +y, -y, +z or -z");
+  const bool to_stdout = options.file == "-";
+  const std::string text = case_text(options);
+  const fs::path file = options.file;
+  // What is written can be read, and a mesh is there and has a surface to press on.
+  const input::Case written = input::parse_case(text, file);
+  const prediction::GeometryResolver resolver(written);
+  for (const std::string& line : resolver.remarks()) remark(line);
+  std::error_code error;
+  if (!to_stdout && !options.force && fs::exists(file, error))
+    throw InputError(file.string(), "is there already", "", "a new file, or --force");
+  if (!to_stdout) system::write_file_atomically(file, text);
+  const std::string next = fmt::format("softfinger predict {}", file.string());
+  if (options.json)
+    system::write_to_stdout(
+        nlohmann::json({{"file", to_stdout ? nlohmann::json() : nlohmann::json(file.string())},
+                        {"text", text},
+                        {"next", to_stdout ? "softfinger predict -" : next}})
+            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+        "\n");
+  else if (to_stdout)
+    system::write_to_stdout(text);
+  else
+    system::write_text_to_stdout(file.string() + ": written; next: " + next + "\n");
+  return 0;
+}
+
+}  // namespace
+
+void add_init(CLI::App& app, Action& action) {
+  auto options = std::make_shared<InitOptions>();
+  CLI::App* command =
+      app.add_subcommand("init", "Writes a commented case file to start from, for your own finger");
+  command->add_option("FILE", options->file,
+                      "the file to write, \"-\" for standard output; default: my_finger.toml");
+  command->add_option("--mesh", options->mesh,
+                      "the finger as an STL or OBJ file, named as seen from FILE's folder, or a "
+                      "built-in mesh; default: a finger by its radii");
+  CLI::Option* along = command->add_option(
+      "--along", options->along,
+      "direction in which the finger is touched: +x, -x, +y, -y (default), +z or -z");
+  command
+      ->add_option(
+          "--near", options->near,
+          "X,Y,Z: instead touched at the surface's point nearest to this one, in the mesh's "
+          "unit")
+      ->excludes(along);
+  const CLI::Option* unit =
+      command->add_option("--unit", options->unit, "of the mesh: \"mm\" (default) or \"m\"")
+          ->check(CLI::IsMember({"mm", "m"}));
+  command->add_flag("--force", options->force, "replace a file that is there");
+  command->add_flag("--json", options->json, "one JSON object on standard output: file and text");
+  command->footer(
+      "Samples:\n"
+      "  softfinger init -\n"
+      "  softfinger init pad.toml --mesh shadow_like_pad.stl --along +z --force");
+  command->callback([options, along, unit, &action] {
+    options->along_given = along->count() > 0;
+    options->unit_given = unit->count() > 0;
+    action = [options] { return run_init(*options); };
+  });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/commands/mesh_points_text.h"
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/mesh_points.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+using Eigen::Vector3d;
+
+/// How wide fingers are: the middle one of the three sizes of a fingertip's or a link's box.
+constexpr double kNarrowestFinger_m = 5e-3, kWidestFinger_m = 40e-3;
+
+struct MeshOptions {
+  std::string file, along, near, unit, page, command_line;
+  bool write_page = false, json = false;
+};
+
+struct ReadMesh {
+  meshes::SurfaceFile file;
+  std::string unit;
+  bool guessed = false;
+  std::string doubt;  ///< about the unit
+};
+
+double width_m(const TriangleSurface& surface) {
+  const prediction::SurfaceFacts facts = prediction::facts_of(surface);
+  Vector3d size = facts.largest_m - facts.least_m;
+  std::sort(size.begin(), size.end());
+  return size[1];
+}
+
+bool is_finger(double width) { return width >= kNarrowestFinger_m && width <= kWidestFinger_m; }
+
+/// The file in the given unit, or in the one in which it is as wide as a finger; in mm if it is
+/// that in neither.
+ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
+  ReadMesh read;
+  read.unit = typed_unit.empty() ? "mm" : typed_unit;
+  read.guessed = typed_unit.empty();
+  double metres_per_unit = read.unit == "m" ? 1 : 1e-3;
+  try {
+    read.file = read_typed_surface(path, metres_per_unit);
+  } catch (const InputError&) {
+    // Read in mm, a finger in metres is some ten micrometres wide, which may be refused.
+    if (!read.guessed) throw;
+    meshes::SurfaceFile in_metres;
+    try {
+      in_metres = read_typed_surface(path, 1);
+    } catch (const InputError&) {
+    }
+    if (in_metres.surface.triangles.empty()) throw;
+    read.file = std::move(in_metres);
+    read.unit = "m";
+    metres_per_unit = 1;
+  }
+  double width = width_m(read.file.surface);
+  if (read.guessed && read.unit == "mm" && is_finger(1e3 * width)) {
+    read.file = read_typed_surface(path, 1);
+    read.unit = "m";
+    metres_per_unit = 1;
+    width *= 1e3;
+  }
+  if (is_finger(width)) return read;
+  read.doubt = fmt::format("{:.3g} mm wide, read in {}: a finger is {:g} to {:g} mm wide",
+                           1e3 * width, read.unit, 1e3 * kNarrowestFinger_m, 1e3 * kWidestFinger_m);
+  const double width_units = width / metres_per_unit;
+  struct Unit {
+    const char *name, *remedy;
+    double metres;
+  };
+  bool is_known = false;
+  for (const Unit& other : {Unit{"mm", "--unit mm", 1e-3},
+                            {"m", "--unit m", 1.},
+                            {"cm", "scale it by 10 to mm", 1e-2},
+                            {"inches", "scale it by 25.4 to mm", 25.4e-3}}) {
+    if (other.name == read.unit || !is_finger(width_units * other.metres)) continue;
+    read.doubt += fmt::format("; in {} it would be {:.3g} mm: {}?", other.name,
+                              1e3 * width_units * other.metres, other.remedy);
+    is_known = true;
+  }
+  if (is_known) return read;
+  read.doubt += "; is it the whole of a finger, and in that unit?";
+  return read;
+}
+
+std::vector<report::MeshPoint> points_of(const MeshOptions& options, const ReadMesh& read,
+                                         const std::string& path) {
+  const TriangleSurface& surface = read.file.surface;
+  std::vector<report::MeshPoint> points;
+  if (!options.near.empty()) points.push_back(point_near(surface, options.near, read.unit, path));
+  for (const std::string axis : {"-y", "+y", "-x", "+x", "-z", "+z"}) {
+    const Vector3d direction = *input::axis_direction(axis);
+    if (options.along.empty() ? !options.near.empty()
+                              : *input::axis_direction(options.along) != direction)
+      continue;
+    points.push_back(
+        describe_point(surface, axis, prediction::extreme_point_m(surface, direction), &direction));
+  }
+  for (report::MeshPoint& point : points)
+    point.toml = geometry_line(options.file, read.unit, point);
+  return points;
+}
+
+nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
+                       const std::vector<report::MeshPoint>& points) {
+  const auto vector = [](const Vector3d& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
+  const TriangleSurface& surface = read.file.surface;
+  const prediction::SurfaceFacts facts = prediction::facts_of(surface);
+  nlohmann::json list = nlohmann::json::array();
+  for (const report::MeshPoint& point : points) {
+    nlohmann::json entry = point.fit ? prediction::to_json(*point.fit) : nlohmann::json::object();
+    if (!point.fit) entry["radii_m"] = nlohmann::json();
+    entry["name"] = point.name;
+    entry["point_m"] = vector(point.point_m);
+    entry["normal"] = vector(point.normal);
+    entry["doubt"] = point.doubt.empty() ? nlohmann::json() : nlohmann::json(point.doubt);
+    entry["toml"] = point.toml;
+    list.push_back(entry);
+  }
+  return {{"mesh", options.file},
+          {"unit", read.unit},
+          {"unit_guessed", read.guessed},
+          {"unit_doubt", read.doubt.empty() ? nlohmann::json() : nlohmann::json(read.doubt)},
+          {"triangles", surface.triangles.size()},
+          {"vertices", surface.vertices_m.size()},
+          {"closed", facts.open_edges == 0},
+          {"open_edges", facts.open_edges},
+          {"bounds_m", {vector(facts.least_m), vector(facts.largest_m)}},
+          {"area_m2", facts.area_m2},
+          {"degenerate_triangles", read.file.degenerate_triangles},
+          {"duplicate_triangles", read.file.duplicate_triangles},
+          {"points", list},
+          {"page", options.write_page ? nlohmann::json(options.page) : nlohmann::json()}};
+}
+
+std::string to_text(const MeshOptions& options, const ReadMesh& read,
+                    const std::vector<report::MeshPoint>& points) {
+  const prediction::SurfaceFacts facts = prediction::facts_of(read.file.surface);
+  const Vector3d least = 1e3 * facts.least_m, largest = 1e3 * facts.largest_m;
+  std::string text = fmt::format(
+      "{}: {}\n  x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} mm, read in {}{}\n\n",
+      options.file, facts_in_words(read.file.surface), least.x(), largest.x(), least.y(),
+      largest.y(), least.z(), largest.z(), read.unit,
+      read.guessed ? " (guessed; --unit says it)" : "");
+  text += fmt::format("{:<22} {:>28} {:>26} {:>19} {:>9}\n", "point", "x, y, z mm", "normal",
+                      "radii mm", "region mm");
+  for (const report::MeshPoint& point : points) {
+    const auto radius = [](double radius_m) {
+      return std::isfinite(radius_m) ? fmt::format("{:.4g}", 1e3 * radius_m) : "flat";
+    };
+    const auto list = [](const Vector3d& v, int digits) {
+      const double step = std::pow(10, -digits);
+      // A value that rounds to zero is printed without a sign.
+      const auto shown = [&](double x) { return std::abs(x) < 0.5 * step ? 0 : x; };
+      return fmt::format("{:.{}f}, {:.{}f}, {:.{}f}", shown(v.x()), digits, shown(v.y()), digits,
+                         shown(v.z()), digits);
+    };
+    text += fmt::format("  {:<20} {:>28} {:>26} {:>19} {:>9}\n", point.name,
+                        list(1e3 * point.point_m, 3), list(point.normal, 4),
+                        point.fit ? radius(point.fit->principal.radii_m[0]) + ", " +
+                                        radius(point.fit->principal.radii_m[1])
+                                  : "?",
+                        point.fit ? fmt::format("{:.3g}", 1e3 * point.fit->region_radius_m) : "?");
+    if (!point.doubt.empty()) text += "    " + point.doubt + "\n";
+  }
+  text += "\nFor [geometry] of a case:\n";
+  for (const report::MeshPoint& point : points) text += point.toml + "\n";
+  return text;
+}
+
+int run_mesh(const MeshOptions& options) {
+  if (!options.along.empty() && !input::axis_direction(options.along))
+    throw InputError("command line", "--along", "\"" + options.along + "\"",
+                     "+x, -x, +y, -y, +z or -z");
+  if (options.write_page && options.page.empty())
+    throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
+  const auto path = system::find_mesh_file(options.file, "");
+  const ReadMesh read = read_mesh(path.string(), options.unit);
+  const std::vector<report::MeshPoint> points = points_of(options, read, path.string());
+  const std::string tolerated = prediction::tolerated(read.file);
+  if (options.write_page) {
+    report::MeshPage page;
+    page.mesh = options.file;
+    page.mesh_toml = toml_text(options.file);
+    page.unit = read.unit;
+    page.facts = facts_in_words(read.file.surface) + ".";
+    for (const std::string& doubt : {read.doubt, tolerated})
+      if (!doubt.empty()) page.doubts.push_back(doubt);
+    page.points = points;
+    page.version = "softfinger " + system::program_version();
+    page.command = options.command_line;
+    system::write_file_atomically(options.page, report::mesh_page(read.file.surface, page));
+  }
+  // Last, so that a refusal stays a single line.
+  for (const std::string& doubt : {read.doubt, tolerated})
+    if (!doubt.empty()) remark(path.string() + ": " + doubt);
+  if (options.write_page) remark("the page is " + options.page);
+  if (options.json)
+    system::write_to_stdout(to_json(options, read, points)
+                                .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                            "\n");
+  else
+    system::write_text_to_stdout(to_text(options, read, points));
+  return 0;
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
+  auto options = std::make_shared<MeshOptions>();
+  options->command_line = command_line;
+  CLI::App* command = app.add_subcommand(
+      "mesh",
+      "An STL or OBJ surface at a glance: size, unit, closed or not, points to press on, lines for "
+      "a case");
+  command
+      ->add_option("MESH", options->file,
+                   "STL or OBJ file, the name of a built-in mesh, or \"-\" for standard input")
+      ->required();
+  CLI::Option* along = command->add_option(
+      "--along", options->along,
+      "only the point that lies farthest in this direction: +x, -x, +y, -y, +z or -z; default: in "
+      "all six");
+  command
+      ->add_option("--near", options->near,
+                   "X,Y,Z: only the surface's point nearest to this one, in the mesh's unit")
+      ->excludes(along);
+  command
+      ->add_option("--unit", options->unit,
+                   "of the mesh: \"mm\" or \"m\"; default: the one in which it is as wide as a "
+                   "finger, 5 to 40 mm")
+      ->check(CLI::IsMember({"mm", "m"}));
+  const CLI::Option* page = command->add_option(
+      "--page", options->page,
+      "HTML file to write: the surface in 3-D with the points, the fitted regions and quadrics; a "
+      "click on it gives the line of a case, a button a picture (PNG)");
+  command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
+  command->footer(
+      "Radii are those of a quadric fitted to about forty vertices around the point; predict fits\n"
+      "the region of each load. In a case, along = \"-y\" stands for point_mm and normal.\n"
+      "Samples:\n"
+      "  softfinger mesh shadow_like_pad.stl\n"
+      "  softfinger mesh shadow_like_pad.stl --along +z --page pad.html\n"
+      "  softfinger mesh sphere.stl --near 0,-20,1 --json");
+  command->callback([options, page, &action] {
+    options->write_page = page->count() > 0;
+    action = [options] { return run_mesh(*options); };
+  });
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "comparisons/report/mesh_page.h"
+#include "meshes/io/read_surface.h"
+
+/// What the commands `mesh` and `fit` share: vectors from the command line, points of a surface and
+/// the lines of a case for them.
+namespace softfinger::commands {
+
+/// "X,Y,Z". @throws InputError(flag)
+Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
+                             const std::string& allowed);
+
+/// The surface in a file, "-": from standard input.
+/// @throws InputError as meshes::read_surface
+meshes::SurfaceFile read_typed_surface(const std::string& path, double metres_per_unit);
+
+/// A text as a value of TOML, in quotes.
+std::string toml_text(const std::string& text);
+
+/// A point with the quadric around it, and with the normal of that. Where none can be fitted, the
+/// normal is the given one, or the facet's, and `doubt` says why.
+/// @param normal  outward, roughly; null: that of the surface
+report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
+                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal);
+
+/// The surface's point nearest to --near X,Y,Z, in the mesh's unit, "mm" or "m".
+/// @param path  of the mesh, for messages
+/// @throws InputError for a point that is not near the surface
+report::MeshPoint point_near(const TriangleSurface& surface, const std::string& near,
+                             const std::string& unit, const std::string& path);
+
+/// The line of [geometry]: "finger = { mesh = .., point_mm = .., normal = .. }". The mesh of
+/// standard input is called FILE.stl: a case needs a file.
+std::string geometry_line(const std::string& mesh, const std::string& unit,
+                          const report::MeshPoint& point);
+
+/// "5,374 triangles, closed, 16.2 x 12.1 x 28.0 mm"
+std::string facts_in_words(const TriangleSurface& surface);
+
+}  // namespace softfinger::commands

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+/// The words of a command line before CLI11 parses them.
+namespace softfinger::commands {
+
+/// "--normal -.5,0,1" becomes "--normal=-.5,0,1", and "--along -y" "--along=-y": a value that
+/// starts with a minus sign looks like a flag.
+std::vector<std::string> join_vectors(std::vector<std::string> words);
+
+/// Refuses unknown commands and options with the nearest known name. The parser would name
+/// something that is missing first, or no name at all.
+/// @throws InputError
+void refuse_unknown_words(const CLI::App& app, const std::vector<std::string>& words);
+
+}  // namespace softfinger::commands

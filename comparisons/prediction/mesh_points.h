@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "softfinger/geometry/quadric_fit.h"
+#include "softfinger/input/triangle_surface.h"
+
+/// Points of a triangulated surface that a person need not type.
+namespace softfinger::prediction {
+
+/// The point of the surface that lies farthest in a direction: where a plane that comes from there
+/// touches first. Where a whole facet or edge lies that far, within 1e-6 of the surface's size, it
+/// is the point of that part nearest to the part's centre, so that it does not depend on the order
+/// of the vertices.
+/// @param surface    with at least one triangle, m
+/// @param direction  of length 1
+Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vector3d& direction);
+
+/// The quadric around a point where no load says how large the region has to be: about forty
+/// vertices determine a quadric well, and the region stays as small as the mesh allows.
+/// @throws InputError, ConvergenceError as fit_quadric
+QuadricFit fit_around(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                      const Eigen::Vector3d* outward_normal);
+
+/// The surface's area. It is closed where each edge has two triangles that run through it in
+/// opposite directions.
+struct SurfaceFacts {
+  Eigen::Vector3d least_m, largest_m;  ///< corners of the box
+  double area_m2 = 0;
+  std::size_t open_edges = 0;  ///< edges that do not have exactly two such triangles; 0: closed
+};
+SurfaceFacts facts_of(const TriangleSurface& surface);
+
+}  // namespace softfinger::prediction

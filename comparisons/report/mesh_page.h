@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/geometry/quadric_fit.h"
+#include "softfinger/input/triangle_surface.h"
+
+namespace softfinger::report {
+
+/// A point at which the surface may be touched.
+struct MeshPoint {
+  std::string name;  ///< "-y", "nearest to 0, -7, 0"
+  Eigen::Vector3d point_m, normal;
+  std::optional<QuadricFit> fit;  ///< none where no quadric follows the surface
+  std::string doubt;              ///< why there is none, or what is doubtful about it; else empty
+  std::string toml;               ///< line of [geometry] in a case
+};
+
+struct MeshPage {
+  std::string mesh;       ///< as typed
+  std::string mesh_toml;  ///< the same as a value of TOML
+  std::string unit;       ///< "mm" or "m"
+  std::string facts;      ///< size, triangles, closed or not: a sentence or two
+  std::vector<std::string> doubts;
+  std::vector<MeshPoint> points;
+  std::string version, command;
+};
+
+/// One HTML file with the surface in 3-D, the points, and at each the region of the fit and the
+/// quadric that was fitted to it. A click on the surface gives the line of a case for that point.
+/// Needs no network; without JavaScript the points and their lines are there as a table. Surfaces
+/// of more than 60,000 triangles are drawn coarser.
+std::string mesh_page(const TriangleSurface& surface, const MeshPage& content);
+
+}  // namespace softfinger::report

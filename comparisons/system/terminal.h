@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+/// What the person at the terminal wants to see.
+namespace softfinger::system {
+
+/// Without remarks and progress on standard error: errors alone.
+void set_quiet(bool quiet);
+bool is_quiet();
+
+/// Whether a stream is shown in colours: it is a terminal that knows them, unless NO_COLOR is set
+/// (https://no-color.org) or CLICOLOR_FORCE asks for colours in a file, too.
+bool has_colour(int descriptor);
+
+/// The text of a result with its titles in bold face and with "yes" and "no" of the column "usable"
+/// in green and red.
+/// @param visible  without control characters but line breaks
+std::string with_colours(const std::string& visible);
+
+/// A line for standard error with its first words in colour: red for an error, yellow otherwise.
+/// @param line  "softfinger: error: ..." or "softfinger: ..."
+std::string message_with_colours(const std::string& line);
+
+}  // namespace softfinger::system

@@ -1,0 +1,318 @@
+// What all commands share: cases without a file, values in place of a file's, standard input, words
+// that are not known, quiet, colours, completion, manual, init, doctor.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class CommandLine : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {}, -1, "", ""};
+
+  ProgramRun run(const std::vector<std::string>& arguments) {
+    return run_softfinger(start, arguments);
+  }
+
+  json answer_of(const std::vector<std::string>& arguments) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.status == 0 ? json::parse(result.out) : json();
+  }
+
+  void expect_refusal(const std::vector<std::string>& arguments,
+                      const std::vector<std::string>& words) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << ": " << result.err;
+  }
+
+  std::vector<std::string> names_of_commands() {
+    std::vector<std::string> names;
+    const json pages = answer_of({"manual", "--json", "--output", "pages"});
+    for (const auto& entry : fs::directory_iterator(folder.path() / "pages")) {
+      const std::string stem = entry.path().stem().string();
+      if (stem != "softfinger") names.push_back(stem.substr(stem.find('-') + 1));
+    }
+    return names;
+  }
+};
+
+const std::vector<std::string> kNumbers = {
+    "--radii-mm",      "20,10", "--thickness-mm", "2", "--youngs-modulus-kPa", "300",
+    "--poisson-ratio", "0.45",  "--load",         "5", "--friction",           "0.8"};
+
+std::vector<std::string> with_numbers(std::vector<std::string> words) {
+  words.insert(words.end(), kNumbers.begin(), kNumbers.end());
+  return words;
+}
+
+TEST_F(CommandLine, PredictsFromNumbersWhatItPredictsFromAFile) {
+  const auto file = folder.write("case.toml", case_text("command_line", "[5]")).string();
+  json typed = answer_of(with_numbers({"predict", "--json"}));
+  json read = answer_of({"predict", file, "--json"});
+  for (json* object : {&typed, &read})
+    for (json& answer : (*object)["results"]) answer.erase("cost_ns");
+  EXPECT_EQ(typed, read);
+  EXPECT_EQ(answer_of(with_numbers({"select", "--tolerance", "0.1", "--json"}))["choices"].size(),
+            1u);
+  EXPECT_EQ(answer_of(with_numbers({"export", "--to", "mujoco", "--json"}))["load_N"], 5.0);
+  EXPECT_EQ(answer_of(with_numbers({"fem", "--json"}))["results"].size(), 1u);
+}
+
+TEST_F(CommandLine, TakesOneRadiusForASphereAndSaysWhichFrictionItTook) {
+  const std::vector<std::string> numbers = {
+      "predict", "--radii-mm",      "15",   "--thickness-mm", "2",   "--youngs-modulus-kPa",
+      "300",     "--poisson-ratio", "0.45", "--load",         "1,2", "--model",
+      "hertz",   "--json"};
+  const ProgramRun result = run(numbers);
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json predicted = json::parse(result.out);
+  ASSERT_EQ(predicted["results"].size(), 2u);
+  EXPECT_EQ(predicted["results"][0]["a_m"], predicted["results"][0]["b_m"]);
+  EXPECT_EQ(predicted["friction_coefficient"], 1.0);
+  EXPECT_NE(result.err.find("no --friction"), std::string::npos) << result.err;
+}
+
+TEST_F(CommandLine, RefusesNumbersByTheOptionThatTypedThem) {
+  expect_refusal({"predict"}, {"CASE is missing", "--radii-mm"});
+  expect_refusal({"predict", "--radii-mm", "20", "--load", "2"},
+                 {"--thickness-mm, --youngs-modulus-kPa, --poisson-ratio are missing"});
+  const auto refuse = [&](const std::string& flag, const std::string& value,
+                          const std::vector<std::string>& words) {
+    std::vector<std::string> arguments = with_numbers({"predict"});
+    arguments[std::size_t(std::find(arguments.begin(), arguments.end(), flag) - arguments.begin()) +
+              1] = value;
+    expect_refusal(arguments, words);
+  };
+  refuse("--radii-mm", "20,0", {"--radii-mm 20,0", "finite numbers > 0"});
+  refuse("--radii-mm", "20,10,5", {"--radii-mm 20,10,5", "two radii"});
+  refuse("--thickness-mm", "2mm", {"--thickness-mm 2mm", "\"2mm\""});
+  refuse("--youngs-modulus-kPa", "-1", {"--youngs-modulus-kPa -1", "> 0"});
+  refuse("--poisson-ratio", "0.6", {"--poisson-ratio 0.6", "0 to 0.5"});
+  refuse("--load", "nan", {"--load nan", "> 0"});
+  refuse("--friction", "[", {"--friction ["});
+}
+
+TEST_F(CommandLine, ReplacesValuesOfEveryFile) {
+  const auto file = folder.write("case.toml", case_text("example", "[1.0, 5.0]")).string();
+  const auto other = [&] {
+    std::string text = case_text("example", "[3]");
+    text.replace(text.find("thickness_mm = 2.0"), 18, "thickness_mm = 3.5");
+    text.replace(text.find("[20.0, 10.0]"), 12, "[25, 10.0]");
+    return folder.write("other.toml", text).string();
+  }();
+  const std::vector<std::string> settings = {"--set", "layer.thickness_mm=3.5",
+                                             "--set", "contact.load_N=3",
+                                             "--set", "geometry.relative_radii_mm[0] = 25"};
+  std::vector<std::string> arguments = {"predict", file, "--model", "hertz", "--json"};
+  arguments.insert(arguments.end(), settings.begin(), settings.end());
+  EXPECT_EQ(answer_of(arguments)["results"][0]["a_m"],
+            answer_of({"predict", other, "--model", "hertz", "--json"})["results"][0]["a_m"]);
+  // A table that the file does not have, and a text without quotes.
+  EXPECT_EQ(
+      run({"fem", file, "--set", "fem.kinematics=finite", "--set", "contact.load_N=1"}).status, 0);
+  EXPECT_EQ(answer_of({"simulate", "pinch", "--json", "--set", "simulation.duration_s=0.01",
+                       "--set", "body[0].mass_g=60"})["simulated_s"],
+            0.01);
+  EXPECT_EQ(answer_of({"sweep", "thickness_and_load", "--output", "out", "--json", "--set",
+                       "sweep.\"layer.thickness_mm\"=[1, 2]", "--set",
+                       "sweep.\"contact.load_N\"=[1]"})["rows"]
+                    .get<int>() %
+                2,
+            0);
+  const json compared = answer_of({"compare", file, "--output", "report", "--json", "--quick",
+                                   "--set", "contact.load_N=[2.0]"});
+  EXPECT_EQ(compared["cases"].size(), 1u);
+  const std::string report = file_text(folder.path() / "report" / "report.json");
+  // The report holds a case that gives the same numbers again.
+  EXPECT_NE(json::parse(report).dump().find("# --set contact.load_N=[2.0]"), std::string::npos);
+}
+
+TEST_F(CommandLine, RefusesSettingsByTheirOwnWords) {
+  const auto file = folder.write("case.toml", case_text()).string();
+  const auto refuse = [&](const std::string& setting, const std::vector<std::string>& words) {
+    std::vector<std::string> all = words;
+    all.push_back("--set");
+    expect_refusal({"predict", file, "--set", setting}, all);
+  };
+  refuse("layer.thickness_mm=-3", {"layer.thickness_mm=-3: thickness_mm = -3", "> 0"});
+  refuse("layer.thickness_m=3", {"did you mean \"thickness_mm\""});
+  refuse("layr.thickness_mm=3", {"did you mean \"layer\""});
+  refuse("geometry.relative_radii_mm[2]=3", {"0 to 1"});
+  refuse("contact.load_N.x=3", {"no entry"});
+  refuse("layer=3", {"a table"});
+  refuse("layer", {"KEY=VALUE"});
+  refuse("=3", {"KEY=VALUE"});
+  refuse("layer.thickness_mm=", {"KEY=VALUE"});
+  refuse("layer.thickness_mm=3\nid=\"y\"", {"on one line"});
+  refuse("layer.thickness_mm=[1", {"a number"});
+  refuse("layer..thickness_mm=1", {"names with dots"});
+  refuse("layer[=1", {"names with dots"});
+  refuse("a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q=1", {"names with dots"});
+}
+
+TEST_F(CommandLine, ReadsStandardInput) {
+  const auto file = folder.write("case.toml", case_text());
+  const json read = answer_of({"predict", file.string(), "--model", "winkler", "--json"});
+  start.input = file.string();
+  const json piped = answer_of({"predict", "-", "--model", "winkler", "--json"});
+  EXPECT_EQ(read["results"][0]["a_m"], piped["results"][0]["a_m"]);
+  EXPECT_EQ(run({"select", "-", "--tolerance", "0.1"}).status, 0);
+  EXPECT_EQ(run({"compare", "-", "--output", "report"}).status, 0);
+  start.input = (fs::path(SOFTFINGER_SHARE) / "scenes" / "pinch.toml").string();
+  EXPECT_EQ(answer_of({"simulate", "-", "--json"})["scene"], "pinch");
+  EXPECT_EQ(answer_of({"select", "-", "--tolerance", "0.1", "--json"})["scene"], "pinch");
+  expect_refusal({"simulate", "-", "--control"}, {"--control"});
+  start.input = "";
+  expect_refusal({"predict", "-"}, {"standard input", "id"});
+  start.input = folder.write("wrong.toml", case_text() + "frictoin = 1\n").string();
+  expect_refusal({"predict", "-"}, {"standard input:12", "friction_coefficient"});
+}
+
+TEST_F(CommandLine, NamesTheNearestOption) {
+  expect_refusal({"predict", "seed_thumb", "--tolerence", "0.1"},
+                 {"\"--tolerence\" of softfinger predict", "\"--tolerance\""});
+  expect_refusal({"export", "seed_thumb", "--too=mujoco"}, {"\"--too\"", "\"--to\""});
+  expect_refusal({"--quite", "predict"}, {"\"--quite\" of softfinger", "\"--quiet\""});
+  expect_refusal({"mesh", "sphere", "--alon", "-y"}, {"\"--along\""});
+  expect_refusal({"predict", "seed_thumb", "-x"}, {"\"-x\"", "-q"});
+  EXPECT_EQ(run({"-V"}).out, run({"--version"}).out);
+}
+
+TEST_F(CommandLine, SaysOnlyErrorsWhereQuietIsAskedFor) {
+  EXPECT_NE(run({"predict", "seed_thumb"}).err, "");
+  const ProgramRun quiet = run({"predict", "seed_thumb", "--quiet"});
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_NE(quiet.out, "");
+  EXPECT_EQ(run({"-q", "fem", "hertz_circle"}).err, "");
+  expect_refusal({"predict", "missing.toml", "-q"}, {"error: missing.toml"});
+  start.environment = {"FAKE_FEM_EXIT=3"};
+  EXPECT_NE(run({"-q", "fem", "hertz_circle"}).err.find("error: "), std::string::npos);
+}
+
+TEST_F(CommandLine, ColoursOnlyWhereSomebodySeesThem) {
+  const auto has_colour = [](const std::string& text) {
+    return text.find('\x1b') != std::string::npos;
+  };
+  const ProgramRun plain = run({"predict", "seed_thumb"});
+  EXPECT_FALSE(has_colour(plain.out) || has_colour(plain.err));
+  start.environment = {"CLICOLOR_FORCE=1"};
+  const ProgramRun coloured = run({"predict", "seed_thumb"});
+  EXPECT_TRUE(has_colour(coloured.out) && has_colour(coloured.err));
+  // The same words, whatever their colours.
+  const std::regex codes("\x1b\\[[0-9;]*m");
+  const auto without_times = [](const std::string& text) {
+    return std::regex_replace(text, std::regex(" +[0-9.]+(?=\n)"), "");
+  };
+  EXPECT_EQ(without_times(std::regex_replace(coloured.out, codes, "")), without_times(plain.out));
+  EXPECT_FALSE(has_colour(run({"predict", "seed_thumb", "--json"}).out));
+  EXPECT_TRUE(has_colour(run({"predict", "missing.toml"}).err));
+  start.environment = {"CLICOLOR_FORCE=1", "NO_COLOR=1"};
+  EXPECT_FALSE(has_colour(run({"predict", "seed_thumb"}).out));
+}
+
+TEST_F(CommandLine, AnswersInJsonInEveryCommand) {
+  const std::vector<std::string> commands = names_of_commands();
+  EXPECT_GE(commands.size(), 17u);
+  for (const std::string& command : commands)
+    EXPECT_NE(run({command, "--help"}).out.find("--json"), std::string::npos) << command;
+  EXPECT_EQ(answer_of({"explain", "hertz", "--json"})["models"][0]["model"], "hertz");
+  EXPECT_EQ(answer_of({"explain", "yeoh", "--json"})["material"], "yeoh");
+  EXPECT_EQ(answer_of({"completion", "bash", "--json"})["shell"], "bash");
+}
+
+TEST_F(CommandLine, CompletesInBash) {
+  const auto script = folder.path() / "made" / "softfinger.bash";
+  ASSERT_EQ(run({"completion", "bash", "--output", script.string()}).status, 0);
+  const auto completed = [&](const std::string& words) {
+    const std::string program = fs::path(SOFTFINGER_PROGRAM).parent_path().string();
+    const auto out = folder.path() / "completed";
+    const std::string command = "PATH=\"" + program + ":$PATH\" bash -c 'source \"" +
+                                script.string() + "\"; COMP_WORDS=(softfinger " + words +
+                                "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _softfinger; echo "
+                                "\"${COMPREPLY[@]}\"' > \"" +
+                                out.string() + "\"";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    return file_text(out);
+  };
+  EXPECT_EQ(completed("pred"), "predict\n");
+  EXPECT_EQ(completed("predict --tor"), "--torque-rule\n");
+  EXPECT_EQ(completed("predict seed_thumb --torque-rule \"\""), "exact paper\n");
+  EXPECT_EQ(completed("-q fem --lev"), "--level\n");
+  EXPECT_EQ(completed("list me"), "meshes\n");
+  EXPECT_EQ(completed("predict seed_thumb_"), "seed_thumb_silicone\n");
+  EXPECT_EQ(completed("explain winkl"), "winkler\n");
+  for (const std::string shell : {"zsh", "fish"}) {
+    const std::string text = run({"completion", shell}).out;
+    for (const std::string& command : names_of_commands())
+      EXPECT_NE(text.find(command), std::string::npos) << shell << ": " << command;
+    EXPECT_NE(text.find("torque-rule"), std::string::npos) << shell;
+  }
+  expect_refusal({"completion", "csh"}, {"SHELL"});
+}
+
+TEST_F(CommandLine, WritesManPagesOfWhatHelpSays) {
+  const std::string page = run({"manual", "export"}).out;
+  for (const char* part : {".TH softfinger\\-export 1", ".SH OPTIONS", "\\fB\\-\\-to\\fR",
+                           ".SH EXAMPLES", "softfinger export silicone_pad_2mm \\-\\-to mujoco"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_NE(run({"manual"}).out.find("softfinger\\-predict"), std::string::npos);
+  expect_refusal({"manual", "exprot"}, {"\"export\""});
+  if (std::system("command -v groff > /dev/null 2>&1") != 0) return;
+  // No page has a request or an escape that troff does not know.
+  names_of_commands();
+  const std::string check = "for page in \"" + (folder.path() / "pages").string() +
+                            "\"/*.1; do groff -man -Tutf8 -ww -z \"$page\" || exit 1; done 2> \"" +
+                            (folder.path() / "warnings").string() + "\"";
+  EXPECT_EQ(std::system(check.c_str()), 0);
+  EXPECT_EQ(file_text(folder.path() / "warnings"), "");
+}
+
+TEST_F(CommandLine, StartsACaseThatCanBePredicted) {
+  const ProgramRun made = run({"init"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const json predicted = answer_of({"predict", "my_finger.toml", "--json"});
+  EXPECT_EQ(predicted["case"], "my_finger");
+  EXPECT_FALSE(predicted["results"].empty());
+  expect_refusal({"init"}, {"my_finger.toml", "--force"});
+  EXPECT_EQ(run({"init", "--force"}).status, 0);
+  EXPECT_EQ(run({"init", "-"}).out, file_text(folder.path() / "my_finger.toml"));
+  EXPECT_EQ(answer_of({"init", "-", "--json"})["text"],
+            file_text(folder.path() / "my_finger.toml"));
+  expect_refusal({"init", "x.toml", "--mesh", "no.stl"}, {"no.stl"});
+  expect_refusal({"init", "x.toml", "--along", "+y"}, {"--mesh"});
+  expect_refusal({"init", "x.toml", "--mesh", "no.stl", "--along", "up"}, {"+x, -x"});
+  EXPECT_FALSE(fs::exists(folder.path() / "x.toml"));
+}
+
+TEST_F(CommandLine, DoctorSaysWhatIsThereAndWhatIsMissing) {
+  start.environment = {"SOFTFINGER_FEM_PROGRAM=/nonexistent/softfinger-fem", "PATH=/nonexistent"};
+  const json findings = answer_of({"doctor", "--json"})["findings"];
+  const auto there = [&](const std::string& name) -> bool {
+    for (const json& finding : findings)
+      if (finding["name"] == name) return finding["there"];
+    ADD_FAILURE() << name;
+    return false;
+  };
+  EXPECT_TRUE(there("cases"));
+  EXPECT_TRUE(there("error atlas"));
+  EXPECT_FALSE(there("finite elements"));
+  EXPECT_FALSE(there("mpirun"));
+  start.environment.clear();
+  const std::string text = run({"doctor"}).out;
+  EXPECT_NE(text.find("ok       finite elements"), std::string::npos) << text;
+}
+
+}  // namespace softfinger::tests

@@ -1,0 +1,196 @@
+// From a scan to a case: softfinger mesh, along in a case, init --mesh.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "meshes/io/read_surface.h"
+#include "tests/comparisons/run_program.h"
+#include "tests/meshes/triangulated_ellipsoid.h"
+
+namespace softfinger::tests {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// An ellipsoid of 24 x 14 x 28 mm.
+class MeshCommand : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {}, -1, "", ""};
+  const double a = 12e-3, b = 7e-3, c = 14e-3;
+
+  void SetUp() override { write("tip.stl", 1); }
+  /// @param scale  of the numbers in the file, which are millimetres for 1
+  void write(const std::string& name, double scale) {
+    meshes::write_stl_mm(meshes::triangulated_ellipsoid({scale * a, scale * b, scale * c},
+                                                        Eigen::Vector3d::Zero(), 32),
+                         (folder.path() / name).string());
+  }
+  ProgramRun run(const std::vector<std::string>& arguments) {
+    return run_softfinger(start, arguments);
+  }
+  json answer_of(const std::vector<std::string>& arguments) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.status == 0 ? json::parse(result.out) : json();
+  }
+  void expect_refusal(const std::vector<std::string>& arguments, const std::string& word) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(lines(result.err).size(), 1u) << result.err;
+    EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
+  }
+};
+
+TEST_F(MeshCommand, FindsThePolesOfAnEllipsoidAndTheirRadii) {
+  const json found = answer_of({"mesh", "tip.stl", "--json"});
+  EXPECT_TRUE(found["closed"].get<bool>());
+  EXPECT_EQ(found["unit"], "mm");
+  EXPECT_TRUE(found["unit_doubt"].is_null());
+  // Vertices lie on the ellipsoid; STL stores seven digits.
+  EXPECT_NEAR(found["bounds_m"][1][1].get<double>(), b, 1e-6 * b);
+  ASSERT_EQ(found["points"].size(), 6u);
+  const double axes[] = {a, b, c};
+  for (const json& point : found["points"]) {
+    const std::string name = point["name"];
+    const int axis = name[1] - 'x';
+    const double sign = name[0] == '-' ? -1 : 1;
+    EXPECT_NEAR(point["point_m"][axis].get<double>(), sign * axes[axis], 1e-6 * axes[axis]);
+    EXPECT_GT(sign * point["normal"][axis].get<double>(), 0.999) << point;
+    // R = (semi-axis across)² / (semi-axis along) at a pole; the region of forty vertices is wide.
+    double radii[] = {std::pow(axes[(axis + 1) % 3], 2) / axes[axis],
+                      std::pow(axes[(axis + 2) % 3], 2) / axes[axis]};
+    if (radii[0] < radii[1]) std::swap(radii[0], radii[1]);
+    for (int i = 0; i < 2; ++i)
+      EXPECT_NEAR(point["radii_m"][i].get<double>() / radii[i], 1, 0.15) << point;
+  }
+  EXPECT_EQ(answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"].size(), 1u);
+  const json near = answer_of({"mesh", "tip.stl", "--near", "0.3,-7.1,0.2", "--json"})["points"][0];
+  EXPECT_NEAR(near["point_m"][0].get<double>(), 0.3e-3, 0.05e-3);
+  EXPECT_LT(near["normal"][1].get<double>(), -0.99);
+}
+
+TEST_F(MeshCommand, GivesLinesThatACaseTakes) {
+  const std::string rest =
+      "object = { radii_mm = [inf, inf] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
+      "poisson_ratio = 0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n";
+  const auto answer = [&](const std::string& finger) {
+    folder.write("case.toml", "id = \"tip\"\n[geometry]\n" + finger + "\n" + rest);
+    return answer_of({"predict", "case.toml", "--model", "bonded_layer", "--json"})["results"][0];
+  };
+  const json pasted =
+      answer(answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"][0]["toml"]);
+  const json along = answer("finger = { mesh = \"tip.stl\", along = \"-y\" }");
+  // The line has four decimals of a millimetre, and the normal that the fit found.
+  for (const char* key : {"a_m", "b_m", "max_torque_Nm"})
+    EXPECT_NEAR(along[key].get<double>() / pasted[key].get<double>(), 1, 1e-3) << key;
+  const auto refuse = [&](const std::string& finger, const std::string& word) {
+    folder.write("case.toml", "id = \"tip\"\n[geometry]\n" + finger + "\n" + rest);
+    expect_refusal({"predict", "case.toml"}, word);
+  };
+  refuse("finger = { mesh = \"tip.stl\", along = \"up\" }", "case.toml:3: finger.along");
+  refuse("finger = { mesh = \"tip.stl\", along = \"-y\", point_mm = [0, -7, 0] }", "one of them");
+  refuse("finger = { mesh = \"tip.stl\" }", "along");
+  refuse("finger = { radii_mm = [9, 7], along = \"-y\" }", "belongs to a mesh");
+}
+
+TEST_F(MeshCommand, TakesTheFingerThatAlongMeansToTheFiniteElements) {
+  ASSERT_EQ(run({"init", "case.toml", "--mesh", "tip.stl", "--along", "-y"}).status, 0);
+  const json along = answer_of(
+      {"fem", "case.toml", "--json", "--set", "fem.geometry=curved", "--set", "contact.load_N=1"});
+  EXPECT_EQ(along["results"].size(), 1u);
+}
+
+TEST_F(MeshCommand, GuessesTheUnit) {
+  write("metres.stl", 1e-3);
+  const json metres = answer_of({"mesh", "metres.stl", "--json"});
+  EXPECT_EQ(metres["unit"], "m");
+  EXPECT_TRUE(metres["unit_doubt"].is_null());
+  EXPECT_NEAR(metres["bounds_m"][1][2].get<double>(), c, 1e-6 * c);
+  EXPECT_NE(metres["points"][0]["toml"].get<std::string>().find("unit = \"m\""), std::string::npos);
+  const auto doubt = [&](double scale, std::vector<std::string> more) {
+    write("other.stl", scale);
+    std::vector<std::string> arguments = {"mesh", "other.stl"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments).err;
+  };
+  EXPECT_NE(doubt(1 / 25.4, {}).find("in inches it would be 24 mm: scale it by 25.4 to mm?"),
+            std::string::npos);
+  EXPECT_NE(doubt(0.1, {}).find("in cm it would be 24 mm"), std::string::npos);
+  EXPECT_NE(doubt(1e-3, {"--unit", "mm"}).find("--unit m?"), std::string::npos);
+  EXPECT_NE(doubt(7, {}).find("whole of a finger"), std::string::npos);
+  EXPECT_EQ(doubt(1, {}), "");
+}
+
+TEST_F(MeshCommand, SaysWhereASurfaceIsOpen) {
+  folder.write("open.obj", "v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nf 1 2 3\nf 1 3 4\n");
+  const json open = answer_of({"mesh", "open.obj", "--json", "--along", "+z"});
+  EXPECT_FALSE(open["closed"].get<bool>());
+  EXPECT_EQ(open["open_edges"], 4);
+  // A facet as a whole lies farthest: its middle is meant. No quadric has four vertices.
+  EXPECT_NEAR(open["points"][0]["point_m"][0].get<double>(), 5e-3, 1e-9);
+  EXPECT_NEAR(open["points"][0]["point_m"][1].get<double>(), 5e-3, 1e-9);
+  EXPECT_TRUE(open["points"][0]["radii_m"].is_null());
+  EXPECT_FALSE(open["points"][0]["doubt"].is_null());
+}
+
+TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {
+  const json found = answer_of({"mesh", "tip.stl", "--page", "tip.html", "--json"});
+  EXPECT_EQ(found["page"], "tip.html");
+  const std::string page = file_text(folder.path() / "tip.html");
+  for (const json& point : found["points"]) {
+    std::string line = point["toml"];
+    for (std::size_t at = 0; (at = line.find('"', at)) != std::string::npos; at += 6)
+      line.replace(at, 1, "&quot;");
+    EXPECT_NE(page.find(line), std::string::npos) << line;
+  }
+  ASSERT_EQ(
+      run({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "3", "--page", "fit.html"}).status,
+      0);
+  EXPECT_NE(file_text(folder.path() / "fit.html").find("fitted at 0,-7,0"), std::string::npos);
+}
+
+TEST_F(MeshCommand, ReadsStandardInput) {
+  const json read = answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"][0];
+  start.input = (folder.path() / "tip.stl").string();
+  const json piped = answer_of({"mesh", "-", "--along", "-y", "--json"})["points"][0];
+  EXPECT_EQ(read["radii_m"], piped["radii_m"]);
+  EXPECT_NE(piped["toml"].get<std::string>().find("\"FILE.stl\""), std::string::npos);
+  EXPECT_EQ(run({"fit", "-", "--point", "0,-7,0", "--radius-mm", "3"}).status, 0);
+  start.input = "";
+  expect_refusal({"mesh", "-"}, "standard input");
+}
+
+TEST_F(MeshCommand, RefusesInOneLine) {
+  expect_refusal({"mesh", "tip.stl", "--along", "up"}, "+x, -x");
+  expect_refusal({"mesh", "tip.stl", "--near", "1,2"}, "--near");
+  expect_refusal({"mesh", "tip.stl", "--near", "0,0,0"}, "a point on the surface");
+  expect_refusal({"mesh", "tip.stl", "--near", "0,-7,0", "--along", "-y"}, "--along");
+  expect_refusal({"mesh", "tip.stl", "--page", ""}, "--page");
+  expect_refusal({"mesh", "no.stl"}, "no.stl");
+  folder.write("no.stl", "no mesh");
+  expect_refusal({"mesh", "no.stl"}, "no.stl");
+}
+
+TEST_F(MeshCommand, LeadsFromAScanToANumberForMujocoInThreeCommands) {
+  ASSERT_EQ(run({"mesh", "tip.stl", "--page", "tip.html"}).status, 0);
+  ASSERT_EQ(run({"init", "tip.toml", "--mesh", "tip.stl", "--near", "0.3,-7.1,0.2"}).status, 0);
+  const json exported = answer_of(
+      {"export", "tip.toml", "--to", "mujoco", "--set", "layer.thickness_mm=3", "--json"});
+  EXPECT_NE(exported["lines"].get<std::string>().find("condim=\"4\""), std::string::npos);
+  EXPECT_GT(exported["eccentricity_m"].get<double>(), 0);
+}
+
+TEST_F(MeshCommand, ListsTheBuiltinMeshes) {
+  if (!fs::exists(fs::path(SOFTFINGER_SHARE) / "meshes" / "sphere.stl"))
+    GTEST_SKIP() << "the built-in meshes need gmsh, which this build leaves out";
+  const json meshes = answer_of({"list", "meshes", "--json"})["meshes"];
+  EXPECT_GE(meshes.size(), 6u);
+  // The ending may be left out.
+  for (const json& mesh : meshes)
+    EXPECT_EQ(run({"mesh", mesh["name"].get<std::string>(), "--along", "+z"}).status, 0) << mesh;
+  EXPECT_EQ(run({"fit", "sphere", "--point", "0,0,20", "--radius-mm", "3"}).status, 0);
+}
+
+}  // namespace softfinger::tests
