@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "comparisons/calibration/calibration_report.h"
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/report/calibration_page.h"
 #include "comparisons/system/clock.h"
@@ -18,6 +19,7 @@ struct CalibrateOptions {
   std::string data, case_file, fit, model = "fingertip_layer", output, page, command_line;
   std::vector<std::string> fixed;
   bool json = false;
+  std::vector<std::string> settings;
 };
 
 /// What `--fit` may look for. A power law has parameters of its own.
@@ -134,6 +136,9 @@ int run_calibrate(const CalibrateOptions& options) {
       if (request.fixed[i].first == request.fixed.back().first)
         throw InputError("command line", "--fix", typed, "each parameter once");
   }
+  if (options.data == "-" && options.case_file == "-")
+    throw InputError("command line", "DATA and CASE", "\"-\" for both",
+                     "standard input for one of them");
   // Read as text once: standard input cannot be read again, and the page shows it.
   const bool from_standard_input = options.data == "-";
   const std::filesystem::path path =
@@ -142,7 +147,8 @@ int run_calibrate(const CalibrateOptions& options) {
                                     ? system::read_standard_input(input::kLargestMeasurementFile)
                                     : system::read_text_file(path, input::kLargestMeasurementFile);
   const input::MeasurementTable table = input::parse_measurements(data_text, path.string());
-  const input::Case contact_case = input::read_case(system::find_case_file(options.case_file));
+  const input::Case contact_case =
+      input::read_case(system::find_case_file(options.case_file), settings_of(options.settings));
   const calibration::CaseCalibration result =
       calibration::calibrate_case(contact_case, table, request);
   for (const std::string& line : result.remarks) remark(line);
@@ -183,9 +189,10 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
       ->required();
   command
       ->add_option("CASE", options->case_file,
-                   "case file (TOML) with the geometry and starting values, or the name of a "
-                   "built-in case")
+                   "case file (TOML) with the geometry and starting values, the name of a "
+                   "built-in case, or - for standard input")
       ->required();
+  add_settings(*command, options->settings, "case");
   command->add_option("--fix", options->fixed,
                       "key=value in place of the case's own, not fitted: poisson_ratio=0.49, "
                       "thickness_mm=3, youngs_modulus_kPa, radius_mm, friction_coefficient, "

@@ -135,7 +135,7 @@ std::map<std::string, int> counts(const Json& list) {
   return found;
 }
 
-Html lead(const Json& experiments) {
+Html verdict_counts(const Json& experiments) {
   const Json& list = child(experiments, "experiments");
   auto count = counts(list);
   Html out = html(
@@ -168,7 +168,7 @@ std::string render_experiments(const nlohmann::json& experiments) {
   Html body =
       "<header><h1>Does the theory hold for rubber?</h1>\n<p class=\"subtitle\">Closed forms and "
       "bonded layer against published measurements of soft fingertips</p>\n" +
-      lead(experiments) +
+      verdict_counts(experiments) +
       "<nav><a href=\"#overview\">Overview</a> <a href=\"#sets\">Data sets</a> <a "
       "href=\"#provenance\">Provenance</a></nav></header>\n<h2 id=\"overview\">Overview</h2>\n" +
       overview(list, true) + Html(kHowToRead) + "<h2 id=\"sets\">Data set by data set</h2>\n";
@@ -187,7 +187,7 @@ Html experiments_section(const Json& report) {
   const Json& experiments = child(report, "experiments");
   const Json& list = child(experiments, "experiments");
   if (!list.is_array() || list.empty()) return "";
-  return "<h2 id=\"experiments\">Against measurements</h2>\n" + lead(experiments) +
+  return "<h2 id=\"experiments\">Against measurements</h2>\n" + verdict_counts(experiments) +
          overview(list, false) +
          "<p>All numbers: <code>softfinger experiments --page experiments.html</code>.</p>\n";
 }

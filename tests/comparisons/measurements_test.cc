@@ -11,7 +11,7 @@ namespace softfinger::input {
 namespace {
 
 /// The line that refuses the text; empty when it is accepted.
-std::string refusal(const std::string& text) {
+std::string table_refusal(const std::string& text) {
   try {
     parse_measurements(text, "data.csv");
   } catch (const InputError& error) {
@@ -102,7 +102,7 @@ TEST(Measurements, AreRefusedInOneLineThatNamesThePlace) {
            {"load_N,a_mm\n1,2,3\n", {"data.csv:2", "number of cells = 3", "decimal comma"}},
            {"load_N,a_mm\n1\n", {"number of cells = 1"}},
        }) {
-    const std::string line = refusal(wrong.text);
+    const std::string line = table_refusal(wrong.text);
     for (const char* part : wrong.parts)
       EXPECT_TRUE(has(line, part)) << wrong.text << "\n" << line << "\nhas no " << part;
     EXPECT_FALSE(has(line, "\n")) << line;
@@ -113,10 +113,10 @@ TEST(Measurements, AreRefusedWhenThereAreTooMany) {
   std::string text = "load_N,a_mm\n";
   for (std::size_t i = 0; i < kMostMeasuredRows; ++i) text += std::to_string(i + 1) + ",2\n";
   EXPECT_EQ(parse_measurements(text, "data.csv").values.size(), kMostMeasuredRows);
-  EXPECT_TRUE(has(refusal(text + "5,2\n"), "at most 1000"));
+  EXPECT_TRUE(has(table_refusal(text + "5,2\n"), "at most 1000"));
   std::string wide = "load_N";
   for (int i = 0; i < 200; ++i) wide += ",a_mm";
-  EXPECT_TRUE(has(refusal(wide + "\n"), "number of columns"));
+  EXPECT_TRUE(has(table_refusal(wide + "\n"), "number of columns"));
 }
 
 TEST(Measurements, HaveAColumnForEveryQuantity) {
