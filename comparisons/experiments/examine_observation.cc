@@ -86,13 +86,14 @@ void examine_observation(const Observation& observed, Examined& examined) {
       break;
     }
     case Observation::Quantity::area_change_under_shear: {
-      add(examined, observed, "relative change of the area from no shear to sliding", "any model",
-          Role::theory, {0, 0, 0},
+      add(examined, observed, "relative change of the area from no shear to sliding",
+          "any closed form", Role::theory, {0, 0, 0},
           "The normal contact is computed without friction, so shear does not change it.");
       examined.sentence = fmt::format(
-          "Up to {:.0f} % of the area are lost under shear; no model of this program knows of it, "
-          "so "
-          "areas at sliding and what follows from them may be too large by that.",
+          "Up to {:.0f} % of the area are lost under shear; no closed form knows of it, so areas "
+          "at "
+          "sliding and what follows from them may be too large by that. Finite elements with "
+          "friction at finite strain do (area_ratio of softfinger fem --torsion).",
           -100 * observed.value);
       break;
     }
