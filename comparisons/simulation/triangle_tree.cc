@@ -39,11 +39,6 @@ Vector3d nearest_on(const Segment& segment, const Vector3d& point) {
   return segment.from + std::clamp(along.dot(point - segment.from) / square, 0., 1.) * along;
 }
 
-Vector3d nearest_on(const Block& block, const Vector3d& point) {
-  const Vector3d local = block.pose.inverse() * point;
-  return block.pose * Vector3d(local.cwiseMax(-block.half_size_m).cwiseMin(block.half_size_m));
-}
-
 /// By the region of the triangle's plane in which the point lies (Ericson, Real-Time Collision
 /// Detection, 2005, section 5.1.5).
 Vector3d nearest_on(const Triangle& triangle, const Vector3d& point) {
@@ -99,50 +94,84 @@ void take_crossing(const Triangle& triangle, const Segment& segment, Points& poi
   if (on_b >= 0 && on_c >= 0 && on_b + on_c <= 1) points.take(at, at);
 }
 
-void take(const Triangle& triangle, const Segment& segment, Points& points) {
-  for (const Vector3d& end : {segment.from, segment.to})
-    points.take(nearest_on(triangle, end), end);
-  if (segment.from == segment.to) return;
-  for (std::size_t k = 0; k < 3; ++k)
-    take_segments({triangle[k], triangle[(k + 1) % 3]}, segment, points);
-  take_crossing(triangle, segment, points);
-}
-
-/// Where a triangle's edge enters a block, the points are one.
-void take_entry(const Segment& edge, const Block& block, Points& points) {
-  const Vector3d from = block.pose.inverse() * edge.from;
-  const Vector3d along = block.pose.linear().transpose() * (edge.to - edge.from);
-  double enters = 0, leaves = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = block.half_size_m[axis];
-    if (along[axis] == 0) {
-      if (std::abs(from[axis]) > half) return;
-      continue;
-    }
-    const double low = (-half - from[axis]) / along[axis], high = (half - from[axis]) / along[axis];
-    enters = std::max(enters, std::min(low, high));
-    leaves = std::min(leaves, std::max(low, high));
+/// The nearest points of cores and triangles.
+class SegmentProbe {
+ public:
+  explicit SegmentProbe(const Segment& segment) : segment_(segment) {}
+  double distance_m(const Vector3d& point) const {
+    return (nearest_on(segment_, point) - point).norm();
   }
-  if (enters > leaves) return;
-  const Vector3d at = edge.from + enters * (edge.to - edge.from);
-  points.take(at, at);
-}
-
-void take(const Triangle& triangle, const Block& block, Points& points) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    points.take(triangle[k], nearest_on(block, triangle[k]));
-    take_entry({triangle[k], triangle[(k + 1) % 3]}, block, points);
+  Points nearest(const Triangle& triangle) const {
+    Points points;
+    take(triangle, segment_, points);
+    return points;
   }
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 4; ++side) {
-      Vector3d start = -block.half_size_m, end;
-      if (side & 1) start[(axis + 1) % 3] *= -1;
-      if (side & 2) start[(axis + 2) % 3] *= -1;
-      end = start;
-      end[axis] *= -1;
-      take(triangle, Segment{block.pose * start, block.pose * end}, points);
+  static void take(const Triangle& triangle, const Segment& segment, Points& points) {
+    for (const Vector3d& end : {segment.from, segment.to})
+      points.take(nearest_on(triangle, end), end);
+    if (segment.from == segment.to) return;
+    for (std::size_t k = 0; k < 3; ++k)
+      take_segments({triangle[k], triangle[(k + 1) % 3]}, segment, points);
+    take_crossing(triangle, segment, points);
+  }
+
+ private:
+  Segment segment_;
+};
+
+/// Works in the block's frame.
+class BlockProbe {
+ public:
+  explicit BlockProbe(const Block& block)
+      : pose_(block.pose), into_(block.pose.inverse()), half_(block.half_size_m) {}
+  double distance_m(const Vector3d& point) const {
+    return ((into_ * point).cwiseAbs() - half_).cwiseMax(0).norm();
+  }
+  Points nearest(const Triangle& in_mesh) const {
+    Triangle triangle;
+    for (std::size_t k = 0; k < 3; ++k) triangle[k] = into_ * in_mesh[k];
+    Points points;
+    for (std::size_t k = 0; k < 3; ++k) {
+      points.take(triangle[k], triangle[k].cwiseMax(-half_).cwiseMin(half_));
+      take_entry({triangle[k], triangle[(k + 1) % 3]}, points);
     }
-}
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side = 0; side < 4; ++side) {
+        Vector3d start = -half_;
+        if (side & 1) start[(axis + 1) % 3] *= -1;
+        if (side & 2) start[(axis + 2) % 3] *= -1;
+        Vector3d end = start;
+        end[axis] *= -1;
+        SegmentProbe::take(triangle, {start, end}, points);
+      }
+    points.first = pose_ * points.first;
+    points.second = pose_ * points.second;
+    return points;
+  }
+
+ private:
+  /// Where a triangle's edge enters the block, the points are one.
+  void take_entry(const Segment& edge, Points& points) const {
+    const Vector3d along = edge.to - edge.from;
+    double enters = 0, leaves = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (along[axis] == 0) {
+        if (std::abs(edge.from[axis]) > half_[axis]) return;
+        continue;
+      }
+      const double low = (-half_[axis] - edge.from[axis]) / along[axis];
+      const double high = (half_[axis] - edge.from[axis]) / along[axis];
+      enters = std::max(enters, std::min(low, high));
+      leaves = std::min(leaves, std::max(low, high));
+    }
+    if (enters > leaves) return;
+    const Vector3d at = edge.from + enters * along;
+    points.take(at, at);
+  }
+
+  Eigen::Isometry3d pose_, into_;
+  Vector3d half_;
+};
 
 }  // namespace
 
@@ -191,22 +220,29 @@ int TriangleTree::build(int first, int count) {
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const Core& core, double limit_m, int guess) const {
+  if (const auto* segment = std::get_if<Segment>(&core))
+    return search(SegmentProbe(*segment), limit_m, guess);
+  return search(BlockProbe(std::get<Block>(core)), limit_m, guess);
+}
+
+template <class Probe>
+TriangleTree::Nearest TriangleTree::search(const Probe& probe, double limit_m, int guess) const {
   Nearest result;
   result.distance_m = limit_m;
   const auto look_at = [&](int t) {
     const Triangle triangle = {corner(t, 0), corner(t, 1), corner(t, 2)};
-    Points points;
-    std::visit([&](const auto& shape) { take(triangle, shape, points); }, core);
+    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    double square = 0;
+    for (const Vector3d& vertex : triangle)
+      square = std::max(square, (vertex - centre).squaredNorm());
+    if (probe.distance_m(centre) - std::sqrt(square) > result.distance_m) return;
+    const Points points = probe.nearest(triangle);
     const double distance_m = std::sqrt(points.square);
     if (!(distance_m < result.distance_m)) return;
     result = {distance_m, points.first, points.second, t};
   };
   const auto least_m = [&](const Node& node) {
-    return std::visit(
-        [&](const auto& shape) {
-          return (nearest_on(shape, node.centre) - node.centre).norm() - node.radius_m;
-        },
-        core);
+    return probe.distance_m(node.centre) - node.radius_m;
   };
   if (guess >= 0 && guess < int(surface_.triangles.size())) look_at(guess);
   struct Waiting {

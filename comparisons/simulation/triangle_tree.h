@@ -59,6 +59,8 @@ class TriangleTree {
     int left = -1, right = -1;
   };
   int build(int first, int count);
+  template <class Probe>
+  Nearest search(const Probe& probe, double limit_m, int guess) const;
   Eigen::Vector3d corner(int triangle, int k) const {
     return surface_
         .vertices_m[std::size_t(surface_.triangles[std::size_t(triangle)][std::size_t(k)])];
