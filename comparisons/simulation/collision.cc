@@ -136,6 +136,21 @@ Nearest nearest_to_round(const Part& mesh, const RoundedCore& round, double reac
   return result;
 }
 
+/// A direction, or the normal of a flat face that it differs from by no more than the error of
+/// nearest points: there the face's normal is the exact one.
+Vector3d or_face_normal(const Vector3d& direction, const Part& part) {
+  // Nearest points are known to a part 1e-10 of the shift, directions across edges to its root.
+  constexpr double kSame = 1e-4;
+  const bool is_box = std::holds_alternative<input::Box>(part.kind());
+  if (!is_box && !std::holds_alternative<input::Cylinder>(part.kind())) return direction;
+  for (int axis = is_box ? 0 : 2; axis < 3; ++axis) {
+    const Vector3d face = part.pose.linear().col(axis);
+    const double side = face.dot(direction) < 0 ? -1 : 1;
+    if ((side * face - direction).norm() < kSame) return side * face;
+  }
+  return direction;
+}
+
 /// The contact as seen from the other body.
 void turn_round(TouchingPoint& point) {
   std::swap(point.a, point.b);
@@ -290,10 +305,10 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second, double
       continue;
     }
     const Vector3d across = apart.on_b - apart.on_a;
-    const Vector3d direction = across.normalized();
+    const Vector3d direction = or_face_normal(or_face_normal(across.normalized(), b), a);
     result.on_a = apart.on_a;
     result.on_b = apart.on_b - shift_m * normal;
-    result.gap_m = across.norm() - shift_m * normal.dot(direction);
+    result.gap_m = across.dot(direction) - shift_m * normal.dot(direction);
     const double turned = (direction - normal).norm();
     normal = direction;
     if (turned < 1e-7) break;

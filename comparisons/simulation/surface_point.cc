@@ -19,6 +19,11 @@ Matrix3d tangential(const Vector3d& normal) {
   return Matrix3d::Identity() - normal * normal.transpose();
 }
 
+/// An axis that a direction is not along. Round-off in a direction along an axis does not change it.
+Vector3d axis_beside(const Vector3d& direction) {
+  return std::abs(direction.x()) < 0.8 * direction.norm() ? Vector3d::UnitX() : Vector3d::UnitY();
+}
+
 /// The direction of a vector; `otherwise` for the zero vector, which has none.
 Vector3d direction_of(const Vector3d& vector, const Vector3d& otherwise) {
   const double length = vector.norm();
@@ -187,11 +192,8 @@ std::vector<Vector3d> tipping_points(const Vector3d& direction, const Support& f
   // Beside the direction, in radians: a side is flat where its vertices differ by less than this
   // part of its size.
   constexpr double kBeside = 0.01;
-  // The tangents must not turn with round-off in the direction, whatever axis it is near, and no
-  // tilt lies along an axis, where all of a straight edge would be equally far.
-  const Vector3d across =
-      std::abs(direction.x()) < 0.8 * direction.norm() ? Vector3d::UnitX() : Vector3d::UnitY();
-  const Vector3d one = direction.cross(across).normalized();
+  // No tilt lies along an axis, where all of a straight edge would be equally far.
+  const Vector3d one = direction.cross(axis_beside(direction)).normalized();
   const Vector3d other = direction.normalized().cross(one);
   std::vector<Vector3d> points;
   for (int i = 0; i < kDirections; ++i) {
@@ -274,11 +276,9 @@ Vector3d Part::local_direction(const Vector3d& direction) const {
 }
 
 Matrix3d any_axes(const Vector3d& normal) {
-  int least = 0;
-  normal.cwiseAbs().minCoeff(&least);
   Matrix3d axes;
   axes.col(2) = normal;
-  axes.col(0) = Vector3d::Unit(least).cross(normal).normalized();
+  axes.col(0) = axis_beside(normal).cross(normal).normalized();
   axes.col(1) = normal.cross(axes.col(0));
   return axes;
 }
