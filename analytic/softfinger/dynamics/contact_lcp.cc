@@ -360,10 +360,14 @@ LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& so
   friction.begin(problem);
   if (separates_without_impulses(work.system.contact_operator())) {
     work.solve_without_impulses(task, friction);
-  } else if (!continued || !work.last.can_continue(problem) ||
+    work.last.keep(problem, solution);
+    return result;
+  }
+  if (!continued || !work.last.can_continue(problem) ||
              !work.continue_last(task, friction, *continued)) {
     work.start_cold(task, friction);
   }
+  if (result.status == LcpStatus::solved) friction.take_least_impulse(task);
   work.last.keep(problem, solution);
   return result;
 }

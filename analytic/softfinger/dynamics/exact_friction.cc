@@ -1,5 +1,6 @@
 #include "softfinger/dynamics/exact_friction.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "softfinger/dynamics/contact_residual.h"
@@ -10,6 +11,8 @@ namespace {
 /// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
 /// few, because a problem that they do not solve is solved by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
+/// Impulses that have changed by no more than this part since they were least still are.
+constexpr double kUnchanged = 1e-9;
 
 // The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
@@ -29,11 +32,14 @@ constexpr Attempt kUsual = with_newton(kCareful, ExactNewton::kMostPasses);
 ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
     : system_(system),
       newton_(contact_capacity),
+      least_(contact_capacity),
       impulse_(4 * contact_capacity),
-      best_impulse_(4 * contact_capacity) {}
+      best_impulse_(4 * contact_capacity),
+      velocity_(4 * contact_capacity) {}
 
 void ExactFriction::begin(const ContactLcp& problem) {
   forget_best();
+  is_still_ = false;
   system_.set_with_own_vertices(problem, kOwnVertices);
 }
 
@@ -78,9 +84,28 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
         impulse_[4 * i + row] = last_impulse[4 * before + row] / (contacts.velocity_unit() * scale);
     }
   }
+  keep_if_better(extract(task));
+  is_still_ = best_residual_ <= kGood;
+  if (is_still_ || correct(task, continued)) return true;
   newton_passes_ = kPassesFromImpulse;
   polish(task);
   return best_residual_ <= kGood;
+}
+
+/// Tries the matrix of the last Newton's step: bodies at rest, or in steady motion, need no other.
+bool ExactFriction::correct(const Task& task, const std::vector<int>& continued) {
+  const int nc = system_.contacts(), n = 4 * nc;
+  bool is_same = true;
+  for (int i = 0; i < nc; ++i) is_same = is_same && continued[std::size_t(i)] == i;
+  if (!is_same) return false;
+  velocity_.head(n) = impulse_.head(n);
+  const bool corrected = newton_.correct(system_.contact_operator(), impulse_);
+  task.result.newton_iterations += newton_.iterations();
+  keep_if_better(extract(task));
+  change_ += (impulse_.head(n) - velocity_.head(n)).norm();
+  is_still_ =
+      corrected && best_residual_ <= kGood && change_ <= kUnchanged * impulse_.head(n).norm();
+  return corrected && best_residual_ <= kGood;
 }
 
 /// The vertex is moved along its direction onto the friction limit of this problem.
@@ -124,10 +149,13 @@ bool ExactFriction::add_violated_points() {
 void ExactFriction::polish(const Task& task) {
   newton_.solve(system_.contact_operator(), impulse_, newton_passes_);
   task.result.newton_iterations += newton_.iterations();
-  const double reached = extract(task);
-  if (!(reached < best_residual_)) return;
+  keep_if_better(extract(task));
+}
+
+void ExactFriction::keep_if_better(double residual) {
+  if (!(residual < best_residual_)) return;
   const int n = 4 * system_.contacts();
-  best_residual_ = reached;
+  best_residual_ = residual;
   best_impulse_.head(n) = impulse_.head(n);
 }
 
@@ -135,6 +163,27 @@ bool ExactFriction::restore_best(const Task& task) {
   impulse_ = best_impulse_;
   extract(task);
   return true;
+}
+
+/// Redundant contacts share their impulses. The solution is left as it is where they then would not
+/// be one to the same accuracy.
+void ExactFriction::take_least_impulse(const Task& task) {
+  if (is_still_) return;
+  change_ = 0;
+  const ContactOperator& contacts = system_.contact_operator();
+  const int n = 4 * contacts.contacts();
+  const double residual = task.result.residual;
+  impulse_ = best_impulse_;
+  contacts.find_velocity(impulse_, velocity_);
+  velocity_.head(n) += contacts.free_velocity().head(n);
+  if (!least_.find(task.problem, contacts, velocity_, impulse_)) return;
+  const double reached = extract(task);
+  if (reached <= std::max(residual, kGood)) {
+    task.result.residual = reached;
+    return;
+  }
+  impulse_ = best_impulse_;
+  task.result.residual = extract(task);
 }
 
 /// Writes `impulse_` in the problem's units; returns its residual.
