@@ -19,7 +19,6 @@ using internal::all_finite;
 using internal::ContactPair;
 using internal::FrictionStrategy;
 using internal::is_exact;
-using internal::kGood;
 using internal::kMostAttempts;
 using internal::kSolved;
 using internal::largest_basis;
@@ -207,7 +206,7 @@ bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrate
     const PathEnd end = path.follow_from(system, options, basis.data(), int(basis.size()));
     if (go_on_adding_vertices(task, friction, end, options, true) != PathEnd::solved) return false;
     task.result.residual = friction.read_path(task);
-    solved = task.result.residual <= kGood;
+    solved = FrictionStrategy::is_good(task, task.result.residual);
   }
   if (!solved) return false;
   task.result.status = LcpStatus::solved;
@@ -258,13 +257,13 @@ void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy&
 void ContactLcpSolver::Workspace::follow_paths(const Task& task, FrictionStrategy& friction) {
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     const PathEnd end = follow(task, friction, attempt);
-    if (friction.best_residual() <= kGood) return;
+    if (friction.is_best_good()) return;
     if (end == PathEnd::ray) {
       if (is_infeasible(task)) return;
       continue;
     }
     friction.read_path(task);
-    if (friction.best_residual() <= kGood) return;
+    if (friction.is_best_good()) return;
     if (attempt + 1 >= kAttemptsForGood && friction.best_residual() <= kSolved) return;
   }
 }
@@ -364,7 +363,7 @@ LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& so
     return result;
   }
   if (!continued || !work.last.can_continue(problem) ||
-             !work.continue_last(task, friction, *continued)) {
+      !work.continue_last(task, friction, *continued)) {
     work.start_cold(task, friction);
   }
   if (result.status == LcpStatus::solved) friction.take_least_impulse(task);

@@ -9,6 +9,8 @@ namespace softfinger::internal {
 constexpr double kSolved = 1e-10;
 /// From this residual on nothing better is looked for: a few thousand roundings.
 constexpr double kGood = 1e-12;
+/// The largest residual that rounding may explain.
+constexpr double kMostRounding = 1e-9;
 
 inline bool is_exact(const ContactLcp& problem) {
   return problem.friction_rule != FrictionRule::facets;

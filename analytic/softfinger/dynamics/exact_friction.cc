@@ -35,7 +35,8 @@ ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
       least_(contact_capacity),
       impulse_(4 * contact_capacity),
       best_impulse_(4 * contact_capacity),
-      velocity_(4 * contact_capacity) {}
+      velocity_(4 * contact_capacity),
+      least_impulse_(4 * contact_capacity) {}
 
 void ExactFriction::begin(const ContactLcp& problem) {
   forget_best();
@@ -84,12 +85,12 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
         impulse_[4 * i + row] = last_impulse[4 * before + row] / (contacts.velocity_unit() * scale);
     }
   }
-  keep_if_better(extract(task));
-  is_still_ = best_residual_ <= kGood;
+  keep_if_better(task, extract(task));
+  is_still_ = best_is_good_;
   if (is_still_ || correct(task, continued)) return true;
   newton_passes_ = kPassesFromImpulse;
   polish(task);
-  return best_residual_ <= kGood;
+  return best_is_good_;
 }
 
 /// Tries the matrix of the last Newton's step: bodies at rest, or in steady motion, need no other.
@@ -98,14 +99,16 @@ bool ExactFriction::correct(const Task& task, const std::vector<int>& continued)
   bool is_same = true;
   for (int i = 0; i < nc; ++i) is_same = is_same && continued[std::size_t(i)] == i;
   if (!is_same) return false;
-  velocity_.head(n) = impulse_.head(n);
   const bool corrected = newton_.correct(system_.contact_operator(), impulse_);
   task.result.newton_iterations += newton_.iterations();
-  keep_if_better(extract(task));
-  change_ += (impulse_.head(n) - velocity_.head(n)).norm();
+  keep_if_better(task, extract(task));
+  const ContactOperator& contacts = system_.contact_operator();
   is_still_ =
-      corrected && best_residual_ <= kGood && change_ <= kUnchanged * impulse_.head(n).norm();
-  return corrected && best_residual_ <= kGood;
+      corrected && best_is_good_ &&
+      (contacts.velocity_unit() * contacts.impulse_scale().head(n).cwiseProduct(impulse_.head(n)) -
+       least_impulse_.head(n))
+              .norm() <= kUnchanged * least_impulse_.head(n).norm();
+  return corrected && best_is_good_;
 }
 
 /// The vertex is moved along its direction onto the friction limit of this problem.
@@ -118,7 +121,7 @@ bool ExactFriction::add_vertices(const Task& task) {
   const int n = 4 * system_.contacts();
   impulse_.head(n) = system_.current().impulse.head(n);
   polish(task);
-  return best_residual_ > kGood && add_violated_points();
+  return !best_is_good_ && add_violated_points();
 }
 
 /// Adds vertices to each contact whose lambda = h(-u) the present vertices underestimate: the point
@@ -149,13 +152,14 @@ bool ExactFriction::add_violated_points() {
 void ExactFriction::polish(const Task& task) {
   newton_.solve(system_.contact_operator(), impulse_, newton_passes_);
   task.result.newton_iterations += newton_.iterations();
-  keep_if_better(extract(task));
+  keep_if_better(task, extract(task));
 }
 
-void ExactFriction::keep_if_better(double residual) {
+void ExactFriction::keep_if_better(const Task& task, double residual) {
   if (!(residual < best_residual_)) return;
   const int n = 4 * system_.contacts();
   best_residual_ = residual;
+  best_is_good_ = is_good(task, residual);
   best_impulse_.head(n) = impulse_.head(n);
 }
 
@@ -169,21 +173,21 @@ bool ExactFriction::restore_best(const Task& task) {
 /// be one to the same accuracy.
 void ExactFriction::take_least_impulse(const Task& task) {
   if (is_still_) return;
-  change_ = 0;
   const ContactOperator& contacts = system_.contact_operator();
   const int n = 4 * contacts.contacts();
-  const double residual = task.result.residual;
   impulse_ = best_impulse_;
   contacts.find_velocity(impulse_, velocity_);
   velocity_.head(n) += contacts.free_velocity().head(n);
-  if (!least_.find(task.problem, contacts, velocity_, impulse_)) return;
-  const double reached = extract(task);
-  if (reached <= std::max(residual, kGood)) {
-    task.result.residual = reached;
-    return;
+  if (least_.find(task.problem, contacts, velocity_, impulse_)) {
+    const double reached = extract(task);
+    if (reached <= task.result.residual || is_good(task, reached)) {
+      task.result.residual = reached;
+    } else {
+      impulse_ = best_impulse_;
+      task.result.residual = extract(task);
+    }
   }
-  impulse_ = best_impulse_;
-  task.result.residual = extract(task);
+  least_impulse_.head(n) = task.solution.impulse;
 }
 
 /// Writes `impulse_` in the problem's units; returns its residual.

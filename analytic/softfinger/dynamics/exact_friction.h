@@ -39,7 +39,7 @@ class ExactFriction final : public FrictionStrategy {
   void use_first_vertices(const ContactLcp& problem);
   bool correct(const Task& task, const std::vector<int>& continued);
   void polish(const Task& task);
-  void keep_if_better(double residual);
+  void keep_if_better(const Task& task, double residual);
   double extract(const Task& task);
   double complete(const Task& task);
   bool add_violated_points();
@@ -48,9 +48,9 @@ class ExactFriction final : public FrictionStrategy {
   ExactNewton newton_;
   LeastImpulse least_;
   bool is_still_ = false;  ///< the solution is that of the last problem
-  double change_ = 0;      ///< of the impulses since they were least
   int newton_passes_ = 1;
   Eigen::VectorXd impulse_, best_impulse_, velocity_;  ///< scaled
+  Eigen::VectorXd least_impulse_;  ///< the last that was looked for, in that problem's units
 };
 
 }  // namespace softfinger::internal

@@ -87,11 +87,22 @@ class FrictionStrategy {
   /// Of all impulses with the same effect takes the least ones, where the rule can tell them.
   virtual void take_least_impulse(const Task&) {}
   double best_residual() const { return best_residual_; }
+  /// Whether the solution at hand is as good as its impulses can be told: nothing better is looked
+  /// for.
+  static bool is_good(const Task& task, double residual) {
+    return residual <= kGood ||
+           (residual <= kMostRounding && residual <= rounding_of(task.problem, task.solution));
+  }
   int best_attempt() const { return best_attempt_; }
-  void forget_best() { best_residual_ = std::numeric_limits<double>::infinity(); }
+  bool is_best_good() const { return best_is_good_; }
+  void forget_best() {
+    best_residual_ = std::numeric_limits<double>::infinity();
+    best_is_good_ = false;
+  }
 
  protected:
   double best_residual_ = std::numeric_limits<double>::infinity();
+  bool best_is_good_ = false;
   int attempt_ = 0, best_attempt_ = 0;
 };
 
