@@ -11,9 +11,6 @@ namespace {
 /// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
 /// few, because a problem that they do not solve is solved by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
-/// Impulses that have changed by no more than this part since they were least still are.
-constexpr double kUnchanged = 1e-9;
-
 // The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
 constexpr Attempt with_newton(Attempt path, int passes) {
@@ -35,8 +32,7 @@ ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
       least_(contact_capacity),
       impulse_(4 * contact_capacity),
       best_impulse_(4 * contact_capacity),
-      velocity_(4 * contact_capacity),
-      least_impulse_(4 * contact_capacity) {}
+      velocity_(4 * contact_capacity) {}
 
 void ExactFriction::begin(const ContactLcp& problem) {
   forget_best();
@@ -93,21 +89,26 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   return best_is_good_;
 }
 
-/// Tries the matrix of the last Newton's step: bodies at rest, or in steady motion, need no other.
+/// Bodies at rest, or in steady motion: the last least impulse follows them, or the matrix of
+/// Newton's last step corrects it.
 bool ExactFriction::correct(const Task& task, const std::vector<int>& continued) {
-  const int nc = system_.contacts(), n = 4 * nc;
+  const ContactOperator& contacts = system_.contact_operator();
+  const int nc = contacts.contacts(), n = 4 * nc;
   bool is_same = true;
   for (int i = 0; i < nc; ++i) is_same = is_same && continued[std::size_t(i)] == i;
-  if (!is_same) return false;
-  const bool corrected = newton_.correct(system_.contact_operator(), impulse_);
+  if (!is_same) {
+    least_.forget();
+    return false;
+  }
+  ++task.result.newton_iterations;
+  if (least_.follow(contacts, impulse_)) {
+    keep_if_better(task, extract(task));
+    if (best_is_good_) return is_still_ = true;
+  }
+  impulse_.head(n) = best_impulse_.head(n);
+  const bool corrected = newton_.correct(contacts, impulse_);
   task.result.newton_iterations += newton_.iterations();
   keep_if_better(task, extract(task));
-  const ContactOperator& contacts = system_.contact_operator();
-  is_still_ =
-      corrected && best_is_good_ &&
-      (contacts.velocity_unit() * contacts.impulse_scale().head(n).cwiseProduct(impulse_.head(n)) -
-       least_impulse_.head(n))
-              .norm() <= kUnchanged * least_impulse_.head(n).norm();
   return corrected && best_is_good_;
 }
 
@@ -187,7 +188,6 @@ void ExactFriction::take_least_impulse(const Task& task) {
       task.result.residual = extract(task);
     }
   }
-  least_impulse_.head(n) = task.solution.impulse;
 }
 
 /// Writes `impulse_` in the problem's units; returns its residual.

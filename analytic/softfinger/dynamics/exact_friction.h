@@ -50,7 +50,6 @@ class ExactFriction final : public FrictionStrategy {
   bool is_still_ = false;  ///< the solution is that of the last problem
   int newton_passes_ = 1;
   Eigen::VectorXd impulse_, best_impulse_, velocity_;  ///< scaled
-  Eigen::VectorXd least_impulse_;  ///< the last that was looked for, in that problem's units
 };
 
 }  // namespace softfinger::internal

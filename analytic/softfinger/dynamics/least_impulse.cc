@@ -53,28 +53,34 @@ void add_product(const MatrixXd& left, const MatrixXd& right, int rows, int colu
   }
 }
 
-/// Cholesky's decomposition of the lower half in place, and the solution in `right`. False where
-/// the matrix is not positive definite.
-bool solve_positive(MatrixXd& matrix, int size, Eigen::VectorXd& right) {
+/// Cholesky's decomposition of the lower half in place. False where the matrix is not positive
+/// definite.
+bool decompose(MatrixXd& matrix, int size) {
   for (int p = 0; p < size; ++p) {
     if (!(matrix(p, p) > 0)) return false;
     const double root = std::sqrt(matrix(p, p));
     const int below = size - p - 1;
     matrix(p, p) = root;
-    auto column = matrix.col(p).segment(p + 1, below);
-    column /= root;
+    matrix.col(p).segment(p + 1, below) /= root;
     for (int j = p + 1; j < size; ++j)
       matrix.col(j).segment(j, size - j).noalias() -=
           matrix(j, p) * matrix.col(p).segment(j, size - j);
-    right[p] /= root;
-    right.segment(p + 1, below).noalias() -= right[p] * column;
+  }
+  return true;
+}
+
+/// The solution by that decomposition, in place.
+void substitute(const MatrixXd& matrix, int size, Eigen::VectorXd& right) {
+  for (int p = 0; p < size; ++p) {
+    right[p] /= matrix(p, p);
+    right.segment(p + 1, size - p - 1).noalias() -=
+        right[p] * matrix.col(p).segment(p + 1, size - p - 1);
   }
   for (int p = size - 1; p >= 0; --p) {
     const int below = size - p - 1;
     right[p] = (right[p] - matrix.col(p).segment(p + 1, below).dot(right.segment(p + 1, below))) /
                matrix(p, p);
   }
-  return right.head(size).allFinite();
 }
 
 }  // namespace
@@ -90,7 +96,8 @@ LeastImpulse::LeastImpulse(int contact_capacity)
       step_(4 * contact_capacity),
       target_(4 * contact_capacity),
       projected_(4 * contact_capacity),
-      right_(4 * contact_capacity) {
+      right_(4 * contact_capacity),
+      velocity_(4 * contact_capacity) {
   touching_.reserve(std::size_t(contact_capacity));
   order_.reserve(std::size_t(4 * contact_capacity));
 }
@@ -102,7 +109,7 @@ bool LeastImpulse::classify(const ContactOperator& contacts, const Eigen::Vector
   for (int i = 0; i < contacts.contacts(); ++i) {
     const double still = kStill * contacts.natural_size(i);
     if (velocity[4 * i] > still) continue;
-    Touching touching{i, Mode::normal, Vector3d::Zero(), rows_, 1, Matrix4d::Zero()};
+    Touching touching{i, Mode::normal, Vector3d::Zero(), rows_, 1, Matrix4d::Zero(), true};
     if (contacts.has_friction(i)) {
       const Vector3d slip = velocity.segment<3>(4 * i + 1);
       if (slip.lpNorm<Eigen::Infinity>() > still) {
@@ -173,15 +180,18 @@ void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& c
 void LeastImpulse::project(bool as_if_free) {
   for (Touching& touching : touching_) {
     const int row = touching.row;
+    touching.is_free = true;
     if (as_if_free) {
       touching.derivative.setIdentity();
       projected_.segment(row, touching.rows) = target_.segment(row, touching.rows);
     } else if (touching.mode == Mode::sticks) {
       const Vector4d point = target_.segment<4>(row);
       projected_.segment<4>(row) = project_onto_cone(point, touching.derivative);
+      touching.is_free = projected_.segment<4>(row) == point;
     } else {
       touching.derivative(0, 0) = target_[row] > 0 ? 1 : 0;
       projected_[row] = std::max(target_[row], 0.);
+      touching.is_free = target_[row] > 0;
     }
   }
 }
@@ -206,11 +216,67 @@ bool LeastImpulse::step() {
   const double largest = matrix_.diagonal().head(rank_).maxCoeff();
   matrix_.diagonal().head(rank_).array() += kProximal * largest;
   step_.head(rank_) = -gradient_.head(rank_);
-  return solve_positive(matrix_, rank_, step_);
+  if (!decompose(matrix_, rank_)) return false;
+  substitute(matrix_, rank_, step_);
+  return step_.head(rank_).allFinite();
+}
+
+/// The scaled velocities of the touching contacts in the directions of C: right_.
+void LeastImpulse::read_velocity(const ContactOperator& contacts, const Eigen::VectorXd& impulse) {
+  contacts.find_velocity(impulse, velocity_);
+  velocity_.head(4 * contacts.contacts()) += contacts.free_velocity().head(4 * contacts.contacts());
+  for (const Touching& touching : touching_)
+    for (int row = 0; row < touching.rows; ++row) {
+      const int at = 4 * touching.contact + row;
+      const double scale = contacts.velocity_scale()[at];
+      right_[touching.row + row] =
+          scale > 0 ? velocity_[at] * contacts.impulse_scale()[at] / scale : 0;
+    }
+}
+
+bool LeastImpulse::is_within_bounds(const ContactOperator& contacts,
+                                    const Eigen::VectorXd& impulse) const {
+  for (const Touching& touching : touching_) {
+    const auto own = impulse.segment<4>(4 * touching.contact);
+    if (!(own[0] > 0)) return false;
+    if (touching.mode == Mode::sticks && own.tail<3>().norm() >= own[0]) return false;
+  }
+  for (int i = 0, next = 0; i < contacts.contacts(); ++i) {
+    if (next < int(touching_.size()) && touching_[std::size_t(next)].contact == i)
+      ++next;
+    else if (!(velocity_[4 * i] > 0) || !impulse.segment<4>(4 * i).isZero(0))
+      return false;
+  }
+  return true;
+}
+
+/// r changes by L (L^T L)^-2 L^T (-v), the least change that makes v = L L^T r + v_free zero.
+bool LeastImpulse::follow(const ContactOperator& contacts, Eigen::VectorXd& impulse) {
+  constexpr int kMostCorrections = 3;
+  constexpr double kRoundOff = 1e-15;
+  if (followed_ != contacts.contacts()) return false;
+  read_velocity(contacts, impulse);
+  double size = right_.head(rows_).lpNorm<Eigen::Infinity>();
+  for (int correction = 0; correction < kMostCorrections && size > kRoundOff; ++correction) {
+    step_.head(rank_).noalias() =
+        factor_.topLeftCorner(rows_, rank_).transpose() * right_.head(rows_);
+    substitute(matrix_, rank_, step_);
+    substitute(matrix_, rank_, step_);
+    target_.head(rows_).noalias() = factor_.topLeftCorner(rows_, rank_) * step_.head(rank_);
+    for (const Touching& touching : touching_)
+      impulse.segment(4 * touching.contact, touching.rows) -=
+          target_.segment(touching.row, touching.rows);
+    const double last = size;
+    read_velocity(contacts, impulse);
+    size = right_.head(rows_).lpNorm<Eigen::Infinity>();
+    if (!(size < 0.5 * last)) break;
+  }
+  return is_within_bounds(contacts, impulse);
 }
 
 bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contacts,
                         const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse) {
+  followed_ = -1;
   if (!classify(contacts, velocity)) return false;
   factorise(problem, contacts);
   if (rank_ == rows_) return false;  // the impulses are unique
@@ -253,6 +319,10 @@ bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contac
     if (steps > 1 && error < 1e-11 * size && error >= 0.5 * last) break;  // round-off
   }
   if (!(error < 1e-11 * size)) return false;
+  const bool is_free = std::all_of(
+      touching_.begin(), touching_.end(),
+      [](const Touching& touching) { return touching.mode != Mode::slides && touching.is_free; });
+  if (is_free) followed_ = contacts.contacts();
   for (int i = 0; i < contacts.contacts(); ++i) impulse.segment<4>(4 * i).setZero();
   for (const Touching& touching : touching_) {
     auto own = impulse.segment<4>(4 * touching.contact);

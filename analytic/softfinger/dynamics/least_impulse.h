@@ -29,9 +29,18 @@ class LeastImpulse {
   bool find(const ContactLcp& problem, const ContactOperator& contacts,
             const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse);
 
+  /// Follows bodies at rest: for a problem that differs little from the last one of `find`, contact
+  /// by contact the same, in which nothing slides or opens and no bound is met. Changes the least
+  /// impulse so that it makes the touching contacts' velocities zero again; it stays the least one.
+  /// @param impulse  scaled; of any use only where this returns true
+  bool follow(const ContactOperator& contacts, Eigen::VectorXd& impulse);
+  void forget() { followed_ = -1; }
+
  private:
   enum class Mode { open, normal, slides, sticks };
 
+  void read_velocity(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  bool is_within_bounds(const ContactOperator& contacts, const Eigen::VectorXd& impulse) const;
   bool classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity);
   void factorise(const ContactLcp& problem, const ContactOperator& contacts);
   void project(bool as_if_free);
@@ -44,13 +53,16 @@ class LeastImpulse {
     Eigen::Vector3d friction;    ///< of one that slides, per normal impulse
     int row, rows;               ///< of factor_
     Eigen::Matrix4d derivative;  ///< of the projection
+    bool is_free = true;         ///< the projection changes nothing
   };
   std::vector<Touching> touching_;
   std::vector<int> order_;
   int rows_ = 0, rank_ = 0;
+  int followed_ = -1;       ///< contacts of the problem that `follow` knows; -1: none
   Eigen::MatrixXd factor_;  ///< L restricted to C's directions: rows_ x rank_
   Eigen::MatrixXd turned_, matrix_;
-  Eigen::VectorXd diagonal_, dual_, wanted_, gradient_, step_, target_, projected_, right_;
+  Eigen::VectorXd diagonal_, dual_, wanted_, gradient_, step_, target_, projected_, right_,
+      velocity_;
 };
 
 }  // namespace softfinger::internal
