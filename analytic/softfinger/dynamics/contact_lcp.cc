@@ -62,6 +62,11 @@ void check_values(const ContactLcp& problem) {
   }
 }
 
+bool is_solution(const Task& task) {
+  return task.result.residual <= kSolved ||
+         task.result.residual <= internal::rounding_of(task.problem, task.solution);
+}
+
 bool separates_without_impulses(const internal::ContactOperator& contacts) {
   for (int i = 0; i < contacts.contacts(); ++i)
     if (contacts.free_velocity()[4 * i] < 0) return false;
@@ -195,6 +200,7 @@ void ContactLcpSolver::Workspace::solve_without_impulses(const Task& task,
 bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrategy& friction,
                                                 const std::vector<int>& continued) {
   last.renumber(continued);
+  friction.begin_warm();
   bool solved = friction.continue_impulse(task, last.impulse(), continued);
   task.result.residual = friction.best_residual();
   if (!solved) {
@@ -206,10 +212,10 @@ bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrate
     const PathEnd end = path.follow_from(system, options, basis.data(), int(basis.size()));
     if (go_on_adding_vertices(task, friction, end, options, true) != PathEnd::solved) return false;
     task.result.residual = friction.read_path(task);
-    solved = FrictionStrategy::is_good(task, task.result.residual);
+    solved = friction.is_good(task, task.result.residual);
   }
   if (!solved) return false;
-  task.result.status = LcpStatus::solved;
+  if (is_solution(task)) task.result.status = LcpStatus::solved;
   task.result.warm = true;
   return true;
 }
@@ -236,7 +242,7 @@ bool ContactLcpSolver::Workspace::use_last_basis(const Task& task, FrictionStrat
 /// Attempts from z = 0 until one is good, and the status that follows from the best.
 void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy& friction) {
   LcpResult& result = task.result;
-  friction.forget_best();
+  friction.begin_cold();
   follow_paths(task, friction);
   result.residual = friction.best_residual();
   if (std::isfinite(result.residual) && !friction.restore_best(task) &&
@@ -244,8 +250,7 @@ void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy&
     follow(task, friction, friction.best_attempt());
     result.residual = friction.read_path(task);
   }
-  if (result.residual <= kSolved ||
-      result.residual <= internal::rounding_of(task.problem, task.solution)) {
+  if (is_solution(task)) {
     result.status = LcpStatus::solved;
     result.proof = RayProof::none;
   } else if (result.proof != RayProof::none) {

@@ -13,16 +13,24 @@ namespace {
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
 // The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
-constexpr Attempt with_newton(Attempt path, int passes) {
+constexpr Attempt with_newton(Attempt path, int passes, int patience) {
   path.newton_passes = passes;
+  path.newton_patience = patience;
   return path;
 }
+/// A pass that converges halves |F| within a few iterations. Contacts that are the same to nine
+/// digits can hold it up for hundreds.
+constexpr int kUsualPatience = 20, kLongPatience = 300;
+constexpr int kImpatientAttempts = 4, kFewContacts = 20;
 /// The first attempt is cheap: Newton's method tries its smallest proximal term only.
-constexpr Attempt kFirst = with_newton(kQuick, 2);
+constexpr Attempt kFirst = with_newton(kQuick, 2, kUsualPatience);
 /// Later attempts run all passes of Newton's method. A larger tolerance of the ratio test
 /// alternates with the usual one.
-constexpr Attempt kTolerant = with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses);
-constexpr Attempt kUsual = with_newton(kCareful, ExactNewton::kMostPasses);
+constexpr Attempt kTolerant =
+    with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses, kUsualPatience);
+constexpr Attempt kUsual = with_newton(kCareful, ExactNewton::kMostPasses, kUsualPatience);
+/// Every other one after the first few.
+constexpr Attempt kPatient = with_newton(kCareful, ExactNewton::kMostPasses, kLongPatience);
 
 }  // namespace
 
@@ -42,16 +50,22 @@ void ExactFriction::begin(const ContactLcp& problem) {
 
 const Attempt& ExactFriction::attempt(int number) const {
   if (number == 0) return kFirst;
+  if (number >= kImpatientAttempts && number % 2 == 0) return kPatient;
   return number % 2 == 1 ? kTolerant : kUsual;
 }
 
 void ExactFriction::start(const ContactLcp& problem, int number) {
   newton_passes_ = attempt(number).newton_passes;
+  // An iteration costs the cube of the contacts: many of them cannot wait as long.
+  const int many = std::max(kFewContacts, system_.contacts());
+  newton_patience_ = std::max(kUsualPatience, attempt(number).newton_patience * kFewContacts *
+                                                  kFewContacts / (many * many));
   use_first_vertices(problem);
 }
 
 void ExactFriction::start_warm(const ContactLcp& problem) {
   newton_passes_ = kPassesFromBasis;
+  newton_patience_ = kUsualPatience;
   use_first_vertices(problem);
 }
 
@@ -85,6 +99,7 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   is_still_ = best_is_good_;
   if (is_still_ || correct(task, continued)) return true;
   newton_passes_ = kPassesFromImpulse;
+  newton_patience_ = kUsualPatience;
   polish(task);
   return best_is_good_;
 }
@@ -151,7 +166,7 @@ bool ExactFriction::add_violated_points() {
 
 /// From `impulse_` by Newton's method; keeps the best point so far.
 void ExactFriction::polish(const Task& task) {
-  newton_.solve(system_.contact_operator(), impulse_, newton_passes_);
+  newton_.solve(system_.contact_operator(), impulse_, newton_passes_, newton_patience_);
   task.result.newton_iterations += newton_.iterations();
   keep_if_better(task, extract(task));
 }

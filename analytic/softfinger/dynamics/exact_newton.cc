@@ -222,13 +222,22 @@ bool ExactNewton::correct(const ContactOperator& contacts, Eigen::VectorXd& impu
 /// `full_steps` it is always taken in full. Keeps the best point in `impulse`; returns its |F|.
 double ExactNewton::descend(const ContactOperator& contacts, const Pass& pass, double best,
                             Eigen::VectorXd& impulse) {
-  constexpr int kMostIterations = 20;   // a pass that converges, quadratically, takes fewer
+  // A pass that converges, quadratically, takes fewer iterations. That between contacts which are
+  // nearly the same is linear: it goes on while it halves |F| within as many.
+  constexpr int kMostIterations = 400;
   constexpr int kMostHalvings = 6;      // to 1/64 of a step
   constexpr double kConverged = 1e-15;  // a few roundings
   const int n = 4 * contacts.contacts();
   point_.head(n) = start_.head(n);
   double residual = evaluate(contacts, point_);
+  double halved = residual;
+  int last_halved = 0;
   for (int iteration = 0; iteration < kMostIterations && residual > kConverged; ++iteration) {
+    if (residual < halved / 2) {
+      halved = residual;
+      last_halved = iteration;
+    }
+    if (iteration >= last_halved + patience_) break;
     if (!find_step(contacts, point_, pass.proximal)) break;
     ++iterations_;
     right_.head(n) = point_.head(n);
@@ -247,7 +256,9 @@ double ExactNewton::descend(const ContactOperator& contacts, const Pass& pass, d
   return best;
 }
 
-double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes) {
+double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes,
+                          int patience) {
+  patience_ = patience;
   // Each proximal term is tried twice, with halved steps and with full ones, because a descent of
   // |F| can stop at a kink of F that full steps jump over. Larger proximal terms bound the impulses
   // of nearly redundant contacts, which otherwise grow without limit.

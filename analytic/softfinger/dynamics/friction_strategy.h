@@ -23,6 +23,7 @@ struct Attempt {
   bool has_all_vertices = false;  ///< with facets: use all vertices from the start
   double proximal = 0;            ///< with facets: see ContactOperator::set
   int newton_passes = 0;          ///< with exact friction: see ExactNewton::solve
+  int newton_patience = 0;
 };
 /// Cheap: values are only advanced from pivot to pivot and computed again after every eighth.
 constexpr Attempt kQuick{1e-12, 1e-9, 8};
@@ -89,9 +90,10 @@ class FrictionStrategy {
   double best_residual() const { return best_residual_; }
   /// Whether the solution at hand is as good as its impulses can be told: nothing better is looked
   /// for.
-  static bool is_good(const Task& task, double residual) {
+  bool is_good(const Task& task, double residual) const {
     return residual <= kGood ||
-           (residual <= kMostRounding && residual <= rounding_of(task.problem, task.solution));
+           (residual <= most_rounding_ &&
+            residual <= rounding_of(task.problem, task.solution, most_rounding_));
   }
   int best_attempt() const { return best_attempt_; }
   bool is_best_good() const { return best_is_good_; }
@@ -99,10 +101,21 @@ class FrictionStrategy {
     best_residual_ = std::numeric_limits<double>::infinity();
     best_is_good_ = false;
   }
+  /// A warm start is content with any rounding: the last solution had it, too. A cold one finds
+  /// better points than the rounding of one of them tells.
+  void begin_warm() {
+    forget_best();
+    most_rounding_ = kMostRoundingKept;
+  }
+  void begin_cold() {
+    forget_best();
+    most_rounding_ = kSolved;
+  }
 
  protected:
   double best_residual_ = std::numeric_limits<double>::infinity();
   bool best_is_good_ = false;
+  double most_rounding_ = kSolved;
   int attempt_ = 0, best_attempt_ = 0;
 };
 
