@@ -305,16 +305,20 @@ bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contac
     if (!step()) return false;
     right_.head(rank_) = dual_.head(rank_);
     const double slope = gradient_.head(rank_).dot(step_.head(rank_));
-    double fraction = 1, next = value;
+    double fraction = 1, next = value, reached = error;
     for (int halving = 0;; ++halving, fraction *= 0.5) {
       dual_.head(rank_) = right_.head(rank_) + fraction * step_.head(rank_);
       apply();
       project(false);
       next = gradient();
-      if (steps == 0 || next <= value + 1e-4 * fraction * slope || halving == kMostHalvings) break;
+      reached = gradient_.head(rank_).lpNorm<Eigen::Infinity>();
+      // Close to the answer the function's decrease is below its rounding, the gradient's is not.
+      if (steps == 0 || next <= value + 1e-4 * fraction * slope || reached < 0.5 * error ||
+          halving == kMostHalvings)
+        break;
     }
     const double last = error;
-    error = gradient_.head(rank_).lpNorm<Eigen::Infinity>();
+    error = reached;
     value = next;
     if (steps > 1 && error < 1e-11 * size && error >= 0.5 * last) break;  // round-off
   }
