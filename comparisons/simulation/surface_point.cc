@@ -19,7 +19,8 @@ Matrix3d tangential(const Vector3d& normal) {
   return Matrix3d::Identity() - normal * normal.transpose();
 }
 
-/// An axis that a direction is not along. Round-off in a direction along an axis does not change it.
+/// An axis that a direction is not along. Round-off in a direction along an axis does not change
+/// it.
 Vector3d axis_beside(const Vector3d& direction) {
   return std::abs(direction.x()) < 0.8 * direction.norm() ? Vector3d::UnitX() : Vector3d::UnitY();
 }
