@@ -27,7 +27,7 @@ using namespace simulation;
 struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
   std::vector<std::string> settings;
-  int vtu_every = 0;
+  int vtu_every = -1;  ///< -1: about 150 in all; 0: none
   bool json = false, control = false;
 };
 
@@ -86,9 +86,9 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
                    const Simulation& run) {
   const std::filesystem::path folder = options.output;
   write_trajectory(run.recording, folder);
-  const int every = options.vtu_every > 0 ? options.vtu_every
-                                          : std::max(1, int(run.recording.frames.size() / 150));
-  write_vtu(run.recording, folder, every);
+  const int every = options.vtu_every >= 0 ? options.vtu_every
+                                           : std::max(1, int(run.recording.frames.size() / 150));
+  if (every > 0) write_vtu(run.recording, folder, every);
   report::MotionPageOptions page;
   page.scene_text = scene.text;
   page.version = system::program_version();
@@ -96,7 +96,8 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
   system::write_file_atomically(folder / "motion.html", report::motion_page(run.recording, page));
   system::write_file_atomically(folder / "simulation.json", to_json(run, scene).dump(2) + "\n");
   remark("results in " + options.output +
-         ": motion.html, trajectory.csv, contacts.csv, trajectory.json, motion.pvd");
+         ": motion.html, trajectory.csv, contacts.csv, trajectory.json" +
+         (every > 0 ? ", motion.pvd" : ""));
 }
 
 int run_simulate(const SimulateOptions& options) {
@@ -163,8 +164,8 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
                       "simulation.json and motion.pvd with its VTU files");
   command
       ->add_option("--vtu-every", options->vtu_every,
-                   "VTU files of each N-th step, 1 to 1000000; default: about 150 in all")
-      ->check(CLI::Range(1, 1000000));
+                   "VTU files of each N-th step, 1 to 1000000; 0: none; default: about 150 in all")
+      ->check(CLI::Range(0, 1000000));
   command->add_option("--record-lcp", options->record_lcp,
                       "folder for the contact problem of each step, for softfinger lcp");
   command->add_flag(

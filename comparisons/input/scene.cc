@@ -26,6 +26,8 @@ constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, 
                       kMostMotors = 1000, kMostForces = 1000, kMostContactRules = 1000,
                       kMostTimes = 10000, kMostEccentricities = 1000;
 constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
+/// Beyond these a step only rounds: larger loads than any machine's, half a turn per step.
+constexpr double kMostLoad = 1e12, kMostTurnPerStep = kPi;
 constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
 
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
@@ -156,6 +158,9 @@ void SceneReader::read_simulation() {
                                         "time_step_ms", 1e-3);
   scene_.duration_s =
       reader_.positive(reader_.required(table, "[simulation]", "duration_s"), "duration_s", 1);
+  if (scene_.time_step_s > scene_.duration_s)
+    reader_.refuse(*table.get("time_step_ms"), "time_step_ms",
+                   fmt::format("at most the duration, {:g}", 1e3 * scene_.duration_s));
   if (scene_.duration_s / scene_.time_step_s > kMostSteps)
     reader_.refuse(*table.get("duration_s"), "duration_s",
                    fmt::format("at most {:.0f} steps of time_step_ms", kMostSteps));
@@ -407,6 +412,10 @@ void SceneReader::read_bodies() {
     description.velocity_m_per_s = vector_or_zero(*table, "velocity_mm_per_s", kMillimetre);
     description.angular_velocity_rad_per_s =
         vector_or_zero(*table, "angular_velocity_deg_per_s", kDegree);
+    if (!(description.angular_velocity_rad_per_s.norm() * scene_.time_step_s <= kMostTurnPerStep))
+      reader_.refuse(*table->get("angular_velocity_deg_per_s"), "angular_velocity_deg_per_s",
+                     fmt::format("at most half a turn per time step, {:g} together",
+                                 kMostTurnPerStep / kDegree / scene_.time_step_s));
     if (const toml::node* shapes = table->get("shapes"))
       for (const toml::node& shape :
            reader_.list(*shapes, "shapes", kMostShapes, "a list of shapes"))
@@ -591,9 +600,12 @@ void SceneReader::read_forces() {
       const toml::array* rows = node->as_array();
       if (!rows || rows->size() != count)
         reader_.refuse(*node, key, "a list of as many [x, y, z] as time_s has");
-      for (std::size_t i = 0; i < count; ++i)
-        force.table.values.block<1, 3>(Eigen::Index(i), column) =
-            vector((*rows)[i], key, 1).transpose();
+      for (std::size_t i = 0; i < count; ++i) {
+        const Eigen::Vector3d load = vector((*rows)[i], key, 1);
+        if (!(load.lpNorm<Eigen::Infinity>() <= kMostLoad))
+          reader_.refuse((*rows)[i], key, fmt::format("[x, y, z], each at most {:g}", kMostLoad));
+        force.table.values.block<1, 3>(Eigen::Index(i), column) = load.transpose();
+      }
     }
     scene_.forces.push_back(force);
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/elliptic_contact.h"
@@ -25,6 +26,10 @@ using Eigen::Vector3d;
 struct PairMemory {
   Vector3d normal_in_a = Vector3d::Zero();  ///< zero: not yet known
   Fits fits;
+  int triangle = -1;               ///< of a mesh, the last nearest one
+  bool was_outside = false;        ///< the last time, the other shape lay outside the mesh
+  std::optional<Vector3d> lowest;  ///< of a mesh over a half-space, the last lowest vertex
+  bool known() const { return normal_in_a.squaredNorm() > 0; }
 };
 
 /// All parts of the scene's bodies, half-spaces among them.
@@ -32,7 +37,7 @@ std::vector<Part> parts_of(const input::Scene& scene) {
   std::vector<Part> parts;
   for (int b = 0; b < int(scene.bodies.size()); ++b)
     for (const input::Shape& shape : scene.bodies[std::size_t(b)].shapes)
-      parts.push_back({b, &shape, bounding_radius_m(shape.kind), Isometry3d::Identity()});
+      parts.push_back({b, &shape, bounding_radius_m(shape.kind), nullptr, Isometry3d::Identity()});
   return parts;
 }
 
@@ -42,20 +47,119 @@ std::vector<const input::ShapeKind*> kinds_of(const std::vector<Part>& parts) {
   return kinds;
 }
 
-/// A half-space's nearest point lies below the other shape's lowest one.
-Nearest nearest_to_half_space(const Part& part, const Part& half_space) {
+/// A half-space's nearest point lies below the other shape's lowest one. Of a mesh that stands on a
+/// flat side many vertices are lowest but for round-off: the last one is kept among these.
+Nearest nearest_to_half_space(const Part& part, const Part& half_space, PairMemory& memory) {
+  constexpr double kSameHeight = 1e-7;  // of the size: a few roundings of the files' seven digits
   Nearest result;
   const Vector3d up = half_space.pose.linear().col(2);
   result.normal = -up;
-  result.on_a = part.pose * support_point(part.kind(), part.local_direction(-up));
+  const Vector3d down = part.local_direction(-up);
+  Vector3d lowest = support_point(part, down);
+  if (memory.lowest && down.dot(lowest - *memory.lowest) < kSameHeight * part.radius_m)
+    lowest = *memory.lowest;
+  if (part.is_mesh()) memory.lowest = lowest;
+  result.on_a = part.pose * lowest;
   result.gap_m = up.dot(result.on_a - half_space.pose.translation());
   result.on_b = result.on_a - result.gap_m * up;
   return result;
 }
 
+/// A shape as a point, a segment or a block with a layer of constant thickness around it.
+struct RoundedCore {
+  TriangleTree::Core core;
+  double radius_m = 0;
+  bool is_exact = true;  ///< else the shape lies within it
+};
+
+std::optional<RoundedCore> core_of(const Part& part) {
+  using Segment = TriangleTree::Segment;
+  const auto along = [&](const Vector3d& half) {
+    return Segment{part.pose * Vector3d(-half), part.pose * half};
+  };
+  if (const auto* sphere = std::get_if<input::Sphere>(&part.kind()))
+    return RoundedCore{along(Vector3d::Zero()), sphere->radius_m};
+  if (const auto* capsule = std::get_if<input::Capsule>(&part.kind()))
+    return RoundedCore{along(capsule->length_m / 2 * Vector3d::UnitZ()), capsule->radius_m};
+  if (const auto* cylinder = std::get_if<input::Cylinder>(&part.kind()))
+    return RoundedCore{along(cylinder->length_m / 2 * Vector3d::UnitZ()), cylinder->radius_m,
+                       false};
+  if (const auto* ellipsoid = std::get_if<input::Ellipsoid>(&part.kind())) {
+    int longest = 0;
+    Vector3d axes = ellipsoid->semi_axes_m;
+    const double length_m = axes.maxCoeff(&longest);
+    axes[longest] = 0;
+    return RoundedCore{along(length_m * Vector3d::Unit(longest)), axes.maxCoeff(), false};
+  }
+  if (const auto* box = std::get_if<input::Box>(&part.kind()))
+    return RoundedCore{TriangleTree::Block{part.pose, box->size_m / 2}};
+  return std::nullopt;
+}
+
+/// A core of the world in a mesh's frame.
+TriangleTree::Core in_frame(const Part& mesh, TriangleTree::Core core) {
+  const Isometry3d into = mesh.pose.inverse();
+  if (auto* segment = std::get_if<TriangleTree::Segment>(&core))
+    return TriangleTree::Segment{into * segment->from, into * segment->to};
+  auto& block = std::get<TriangleTree::Block>(core);
+  block.pose = into * block.pose;
+  return block;
+}
+
+/// Of a mesh (a) and a ball or a capsule (b): from its core's nearest point follows the shape's
+/// own, also where the two overlap. Where the core lies within the mesh, the shortest way out
+/// counts.
+Nearest nearest_to_round(const Part& mesh, const RoundedCore& round, double reach_m,
+                         PairMemory& memory) {
+  Nearest result;
+  // The first time, the whole mesh is searched: the core can lie deep within.
+  const double limit_m =
+      memory.known() || memory.was_outside ? 2 * (round.radius_m + reach_m) : kInfinity;
+  const TriangleTree::Nearest at =
+      mesh.tree->nearest(in_frame(mesh, round.core), limit_m, memory.triangle);
+  memory.triangle = at.triangle;
+  if (at.triangle < 0) {
+    memory.normal_in_a.setZero();
+    return result;
+  }
+  Vector3d outward = at.distance_m > 0 ? Vector3d((at.on_core - at.on_surface) / at.distance_m)
+                                       : mesh.tree->normal(at.triangle);
+  const bool inside = memory.known() ? outward.dot(memory.normal_in_a) < 0
+                                     : !memory.was_outside && mesh.tree->contains(at.on_core);
+  memory.was_outside = !inside;
+  if (inside) outward *= -1;
+  memory.normal_in_a = outward;
+  result.normal = mesh.pose.linear() * outward;
+  result.on_a = mesh.pose * at.on_surface;
+  result.on_b = mesh.pose * at.on_core - round.radius_m * result.normal;
+  result.gap_m = (inside ? -at.distance_m : at.distance_m) - round.radius_m;
+  return result;
+}
+
+/// A direction, or the normal of a flat face that it differs from by no more than the error of
+/// nearest points: there the face's normal is the exact one.
+Vector3d or_face_normal(const Vector3d& direction, const Part& part) {
+  // Nearest points are known to a part 1e-10 of the shift, directions across edges to its root.
+  constexpr double kSame = 1e-4;
+  const bool is_box = std::holds_alternative<input::Box>(part.kind());
+  if (!is_box && !std::holds_alternative<input::Cylinder>(part.kind())) return direction;
+  for (int axis = is_box ? 0 : 2; axis < 3; ++axis) {
+    const Vector3d face = part.pose.linear().col(axis);
+    const double side = face.dot(direction) < 0 ? -1 : 1;
+    if ((side * face - direction).norm() < kSame) return side * face;
+  }
+  return direction;
+}
+
 /// The contact as seen from the other body.
 void turn_round(TouchingPoint& point) {
   std::swap(point.a, point.b);
+  if (point.elliptic) {
+    SurfaceCurvature& curvature = point.curvature_of_a;
+    curvature.xx_per_m = 1 / point.radii.major_m - curvature.xx_per_m;
+    curvature.yy_per_m = 1 / point.radii.minor_m - curvature.yy_per_m;
+    // That of the other one is -xy, and the second axis turns round.
+  }
   point.axes.col(2) *= -1;
   point.axes.col(1) *= -1;
 }
@@ -70,10 +174,13 @@ struct CollisionDetector::Implementation {
   void find_between(int first, int second, std::vector<TouchingPoint>& points);
   bool may_touch(int part, int other) const;
   double reach_m(const Part& a, const Part& b) const;
-  Nearest nearest(int a, int b, PairMemory& memory) const;
+  Nearest nearest(int a, int b, double reach_m, PairMemory& memory) const;
+  ShapeDistances::Nearest distance(int a, int b, const Isometry3d& pose_of_b, double tolerance_m,
+                                   PairMemory& memory) const;
   void fit_meshes(const Part& a, const Part& b, const Nearest& nearest, Fits& fits);
 
   const input::Scene& scene;
+  std::map<const TriangleSurface*, TriangleTree> trees;  ///< bodies may share a mesh
   std::vector<Part> parts;
   ShapeDistances distances;
   std::map<std::pair<int, int>, PairMemory> memories;
@@ -86,6 +193,9 @@ struct CollisionDetector::Implementation {
 CollisionDetector::Implementation::Implementation(const input::Scene& of_scene)
     : scene(of_scene), parts(parts_of(of_scene)), distances(kinds_of(parts)) {
   speed_m_per_s.assign(scene.bodies.size(), 0);
+  for (Part& part : parts)
+    if (const auto* mesh = std::get_if<input::Mesh>(&part.kind()))
+      part.tree = &trees.try_emplace(mesh->surface.get(), *mesh->surface).first->second;
 }
 
 void CollisionDetector::Implementation::update(const Multibody& bodies) {
@@ -138,15 +248,41 @@ void CollisionDetector::Implementation::find(const Multibody& bodies, double ste
     if (may_touch(first, second)) find_between(first, second, points);
 }
 
-/// Bodies that touch have a distance of zero, and FCL then knows no direction between them. So `b`
-/// is moved away along the last normal by a little before FCL is asked; the common normal stays the
-/// same by that. The normal that is found replaces the last one until both agree.
-Nearest CollisionDetector::Implementation::nearest(int first, int second,
+ShapeDistances::Nearest CollisionDetector::Implementation::distance(int first, int second,
+                                                                    const Isometry3d& pose_of_b,
+                                                                    double tolerance_m,
+                                                                    PairMemory& memory) const {
+  const Part& a = parts[std::size_t(first)];
+  Part b = parts[std::size_t(second)];
+  if (!a.is_mesh() || !std::holds_alternative<input::Box>(b.kind()))
+    return distances.nearest(first, a.pose, second, pose_of_b, tolerance_m);
+  b.pose = pose_of_b;
+  const TriangleTree::Nearest at =
+      a.tree->nearest(in_frame(a, core_of(b)->core), kInfinity, memory.triangle);
+  memory.triangle = at.triangle;
+  return {at.distance_m, a.pose * at.on_surface, a.pose * at.on_core};
+}
+
+/// Bodies that touch have a distance of zero, and no direction between them is known then. So `b`
+/// is moved away along the last normal by a little before the distance is asked for; the common
+/// normal stays the same by that. The normal that is found replaces the last one until both agree.
+Nearest CollisionDetector::Implementation::nearest(int first, int second, double reach_m,
                                                    PairMemory& memory) const {
   const Part &a = parts[std::size_t(first)], &b = parts[std::size_t(second)];
-  if (b.is_half_space()) return nearest_to_half_space(a, b);
+  if (b.is_half_space()) return nearest_to_half_space(a, b, memory);
+  if (a.is_mesh() && !b.is_mesh()) {
+    const RoundedCore round = *core_of(b);
+    const bool is_block = std::holds_alternative<TriangleTree::Block>(round.core);
+    if (round.is_exact && !is_block) return nearest_to_round(a, round, reach_m, memory);
+    const bool near =
+        a.tree->nearest(in_frame(a, round.core), round.radius_m + reach_m, memory.triangle)
+            .triangle >= 0;
+    if (!near && !memory.known() && !memory.was_outside)
+      memory.was_outside = !a.tree->contains(a.local_point(b.pose.translation()));
+    if (!near && (memory.known() || memory.was_outside)) return {};
+  }
   Vector3d normal = a.pose.linear() * memory.normal_in_a;
-  const bool known = memory.normal_in_a.squaredNorm() > 0;
+  const bool known = memory.known();
   if (!known) {
     normal = b.pose.translation() - a.pose.translation();
     normal = normal.norm() > 0 ? Vector3d(normal.normalized()) : Vector3d(Vector3d::UnitZ());
@@ -161,8 +297,7 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second,
   for (int round = 0; round < most_rounds; ++round) {
     Isometry3d moved = b.pose;
     moved.translation() += shift_m * normal;
-    const ShapeDistances::Nearest apart =
-        distances.nearest(first, a.pose, second, moved, tolerance_m);
+    const ShapeDistances::Nearest apart = distance(first, second, moved, tolerance_m, memory);
     if (!(apart.distance_m > 1e-3 * shift_m)) {  // the bodies overlap by more than the shift
       if (++doublings > kMostDoublings) break;
       shift_m *= 2;
@@ -170,10 +305,10 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second,
       continue;
     }
     const Vector3d across = apart.on_b - apart.on_a;
-    const Vector3d direction = across.normalized();
+    const Vector3d direction = or_face_normal(or_face_normal(across.normalized(), b), a);
     result.on_a = apart.on_a;
     result.on_b = apart.on_b - shift_m * normal;
-    result.gap_m = across.norm() - shift_m * normal.dot(direction);
+    result.gap_m = across.dot(direction) - shift_m * normal.dot(direction);
     const double turned = (direction - normal).norm();
     normal = direction;
     if (turned < 1e-7) break;
@@ -200,13 +335,14 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
   if (fresh) return;
   double radius_m = 0.2 * std::min(a.radius_m, b.radius_m);
   constexpr int kMostRounds = 8;
+  constexpr double kMargin = 1.01;  // the fit sees all triangles that reach into its region
   for (int round = 0; round < kMostRounds; ++round) {
     try {
       for (std::size_t side = 0; side < 2; ++side) {
         fits[side].reset();
-        const auto* mesh = std::get_if<input::Mesh>(&both[side]->shape->kind);
-        if (!mesh) continue;
-        fits[side] = fit_quadric(*mesh->surface, points[side], nullptr, radius_m);
+        if (!both[side]->is_mesh()) continue;
+        fits[side] = fit_quadric(both[side]->tree->within(points[side], kMargin * radius_m),
+                                 points[side], nullptr, radius_m);
         // Normal and curvature are the quadric's, but the surface goes through its nearest point.
         QuadricFit& fit = *fits[side];
         const double aside = fit.normal.dot(points[side] - surface_near(fit, points[side]).point_m);
@@ -234,9 +370,12 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
 
 void CollisionDetector::Implementation::find_between(int first, int second,
                                                      std::vector<TouchingPoint>& points) {
-  // A half-space comes second; that the contact itself has a < b is seen to at the end.
+  // A half-space comes second, and a mesh before what is none; that the contact itself has a < b is
+  // seen to at the end.
   int one = first, other = second;
-  if (parts[std::size_t(one)].is_half_space()) std::swap(one, other);
+  if (parts[std::size_t(one)].is_half_space() ||
+      (parts[std::size_t(other)].is_mesh() && !parts[std::size_t(one)].is_mesh()))
+    std::swap(one, other);
   const Part &a = parts[std::size_t(one)], &b = parts[std::size_t(other)];
   const ShapePair pair{a, b, reach_m(a, b), (long(first) * long(parts.size()) + second) * kSlots};
   // The balls around both exclude most pairs.
@@ -244,7 +383,7 @@ void CollisionDetector::Implementation::find_between(int first, int second,
       (a.pose.translation() - b.pose.translation()).norm() > a.radius_m + b.radius_m + pair.reach_m)
     return;
   PairMemory& memory = memories[{one, other}];
-  const Nearest at = nearest(one, other, memory);
+  const Nearest at = nearest(one, other, pair.reach_m, memory);
   if (at.gap_m > pair.reach_m) return;
   if (a.is_mesh() || b.is_mesh()) fit_meshes(a, b, at, memory.fits);
   const std::size_t before = points.size();

@@ -13,8 +13,10 @@ namespace softfinger::simulation {
 ///
 /// Two round surfaces touch in one point with a contact ellipse (elliptic_contact.h). Flat and line
 /// contacts get the points that hold them: corners, points of a rim, ends of a line
-/// (flat_contact.h). FCL finds the pairs of shapes and their nearest points, from which both start;
-/// quadrics stand for meshes (Ciocarlie et al. 2007, eq. 7).
+/// (flat_contact.h). FCL finds the pairs of shapes and, of shapes that are no meshes, the nearest
+/// points from which both start; those of meshes come from their own triangles (triangle_tree.h).
+/// How a mesh bends is told by a quadric (Ciocarlie et al. 2007, eq. 7) where one fits it, and how
+/// far away it is by the mesh itself.
 class CollisionDetector {
  public:
   explicit CollisionDetector(const input::Scene& scene);

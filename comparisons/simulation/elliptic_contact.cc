@@ -100,6 +100,20 @@ std::optional<Meeting> meet(const ShapePair& pair, const Fits& fits, const Neare
   return meeting;
 }
 
+/// Whether the quadrics tell how the surfaces bend: over the fitted region their relative curvature
+/// has to lower the surface by several times what the meshes differ from the quadrics. A region
+/// with a flat part, a rim or a fillet has no quadric.
+bool fits_hold(const Fits& fits, double least_curvature_per_m) {
+  constexpr double kTimes = 8;
+  for (const auto& fit : fits) {
+    if (!fit) continue;
+    const double sagitta_m = least_curvature_per_m * std::pow(fit->region_radius_m, 2) / 2;
+    const double rounding_m = 1e-6 * fit->region_radius_m;
+    if (!(sagitta_m > kTimes * (fit->residual_rms_m + rounding_m))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<TouchingPoint> find_elliptic_contact(const ShapePair& pair, const Fits& fits,
@@ -115,12 +129,15 @@ std::optional<TouchingPoint> find_elliptic_contact(const ShapePair& pair, const 
     return std::nullopt;
   Eigen::SelfAdjointEigenSolver<Matrix2d> principal;
   principal.computeDirect(meeting->curvature);
+  if (!fits_hold(fits, principal.eigenvalues()[0])) return std::nullopt;
   TouchingPoint point;
   point.a = pair.a.body;
   point.b = pair.b.body;
   point.id = pair.first_id + slot::kElliptic;
   point.point_m = (at_a.point_m + at_b.point_m) / 2;
-  point.gap_m = meeting->normal.dot(at_b.point_m - at_a.point_m);
+  // The quadric of a mesh tells how it bends, and the mesh itself how far away it is.
+  const bool has_mesh = fits[0] || fits[1];
+  point.gap_m = has_mesh ? nearest.gap_m : meeting->normal.dot(at_b.point_m - at_a.point_m);
   point.elliptic = true;
   point.radii = {1 / principal.eigenvalues()[0], 1 / principal.eigenvalues()[1], 0};
   const Matrix2d& to_axes = principal.eigenvectors();

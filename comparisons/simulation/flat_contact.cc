@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace softfinger::simulation {
 namespace {
 
 using Eigen::Vector3d;
+
+/// A point that overlaps is as far from the surface as it is deep.
+constexpr double kBeyondReach = 2;
 
 /// The points of one pair, each place once.
 class Places {
@@ -49,21 +53,34 @@ bool is_round_all_over(const Part& part) {
          std::holds_alternative<input::Ellipsoid>(part.kind());
 }
 
+/// The surface nearest to a point; of a mesh none where that is out of reach.
+std::optional<SurfacePoint> surface_below(const Part& part, const Vector3d& point, double reach_m) {
+  if (!part.tree) return surface(part, std::nullopt, point);
+  const Vector3d local = part.local_point(point);
+  const TriangleTree::Nearest at =
+      part.tree->nearest(TriangleTree::Segment{local, local}, kBeyondReach * reach_m);
+  if (at.triangle < 0) return std::nullopt;
+  SurfacePoint result;
+  result.point_m = part.pose * at.on_surface;
+  result.normal = part.pose.linear() * part.tree->normal(at.triangle);
+  return result;
+}
+
 /// Adds the bearing points of one of the two shapes that lie over the other one's face.
 void add_bearing_points(const ShapePair& pair, bool from_a, const Vector3d& pair_normal,
                         Places& places) {
   const Part& from = from_a ? pair.a : pair.b;
   const Part& to = from_a ? pair.b : pair.a;
-  if (to.is_mesh()) return;  // its surface below a point is not known
   const Vector3d outward = from_a ? pair_normal : Vector3d(-pair_normal);
   // The cosine of the largest angle between two normals of one contact: 2.6 degrees.
   constexpr double kFacing = 1 - 1e-3;
   long slot = slot::kBearing + (from_a ? 0 : slot::kMostBearing);
-  for (const Vector3d& local :
-       bearing_points(from.kind(), from.local_direction(outward), pair.reach_m)) {
+  for (const Vector3d& local : bearing_points(from, from.local_direction(outward))) {
     const long own_slot = slot++;
     const Vector3d bearing = from.pose * local;
-    const SurfacePoint under = surface(to, std::nullopt, bearing);
+    const std::optional<SurfacePoint> below = surface_below(to, bearing, pair.reach_m);
+    if (!below) continue;
+    const SurfacePoint& under = *below;
     Vector3d normal = outward;
     double gap_m = 0;
     if (-outward.dot(under.normal) > kFacing) {

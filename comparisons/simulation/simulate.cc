@@ -160,8 +160,7 @@ class SceneContacts final : public ContactFinder {
 /// A contact sticks when its slip is below this, in m/s: a nanometre per second, or the error of
 /// the solver's velocities, where that is larger.
 double least_slip_m_per_s(const TimeStepper& stepper, const StepResult& step) {
-  return std::max(1e-9,
-                  step.lcp.residual * stepper.problem().free_velocity.lpNorm<Eigen::Infinity>());
+  return std::max(1e-9, step.lcp.residual * stepper.free_velocity().lpNorm<Eigen::Infinity>());
 }
 
 /// See RecordedContact. @param shape  that the law built for the contact; null: the ellipsoid
@@ -378,7 +377,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
     const StepResult stepped = stepper.step(finder);
     result.step_ms.push_back(
         std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-    if (!options.record_lcp.empty() && stepper.problem().contacts() > 0)
+    if (!options.record_lcp.empty() && stepper.free_velocity().size() > 0)
       input::write_recorded_contacts(stepper.problem(), stepper.options().friction_vertices,
                                      fmt::format("{} step {}", scene.id, step + 1),
                                      options.record_lcp / fmt::format("step_{:06d}.txt", step + 1));

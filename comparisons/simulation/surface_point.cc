@@ -19,6 +19,12 @@ Matrix3d tangential(const Vector3d& normal) {
   return Matrix3d::Identity() - normal * normal.transpose();
 }
 
+/// An axis that a direction is not along. Round-off in a direction along an axis does not change
+/// it.
+Vector3d axis_beside(const Vector3d& direction) {
+  return std::abs(direction.x()) < 0.8 * direction.norm() ? Vector3d::UnitX() : Vector3d::UnitY();
+}
+
 /// The direction of a vector; `otherwise` for the zero vector, which has none.
 Vector3d direction_of(const Vector3d& vector, const Vector3d& otherwise) {
   const double length = vector.norm();
@@ -150,7 +156,7 @@ Vector3d support(const input::Mesh& mesh, const Vector3d& direction) {
 
 /// Six points of each rim: fixed to the body while it stands on its end, else counted from the
 /// lowest one, so that a rolling rim is round.
-std::vector<Vector3d> bearing(const input::Cylinder& cylinder, const Vector3d& direction, double) {
+std::vector<Vector3d> bearing(const input::Cylinder& cylinder, const Vector3d& direction) {
   std::vector<Vector3d> points;
   const Vector3d across(direction.x(), direction.y(), 0);
   const double tilt = across.norm(), along = std::abs(direction.z());
@@ -167,43 +173,44 @@ std::vector<Vector3d> bearing(const input::Cylinder& cylinder, const Vector3d& d
   }
   return points;
 }
-std::vector<Vector3d> bearing(const input::Capsule& capsule, const Vector3d& direction, double) {
+std::vector<Vector3d> bearing(const input::Capsule& capsule, const Vector3d& direction) {
   const Vector3d low = support(input::Sphere{capsule.radius_m}, direction);
   const Vector3d end(0, 0, capsule.length_m / 2);
   return {low - end, low + end};
 }
-std::vector<Vector3d> bearing(const input::Box& box, const Vector3d&, double) {
+std::vector<Vector3d> bearing(const input::Box& box, const Vector3d&) {
   std::vector<Vector3d> corners;
   for (int i = 0; i < 8; ++i)
     corners.push_back(box.size_m.cwiseProduct(
         Vector3d(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5)));
   return corners;
 }
-std::vector<Vector3d> bearing(const input::Mesh& mesh, const Vector3d& direction, double reach_m) {
-  const double farthest = support(mesh, direction).dot(direction);
-  std::vector<Vector3d> near_plane;
-  for (const Vector3d& vertex : mesh.surface->vertices_m)
-    if (vertex.dot(direction) > farthest - reach_m) near_plane.push_back(vertex);
-  // Each the farthest from those before it.
-  std::vector<Vector3d> chosen = {support(mesh, direction)};
-  while (chosen.size() < 8 && chosen.size() < near_plane.size()) {
-    const Vector3d* best = nullptr;
-    double most = 0;
-    for (const Vector3d& vertex : near_plane) {
-      double nearest = std::numeric_limits<double>::infinity();
-      for (const Vector3d& other : chosen) nearest = std::min(nearest, (vertex - other).norm());
-      if (nearest <= most) continue;
-      most = nearest;
-      best = &vertex;
-    }
-    if (!best || most < 1e-3 * reach_m) break;
-    chosen.push_back(*best);
+/// The farthest vertices in directions around a given one. A vertex is farthest in one of them
+/// while the body could tip over it.
+template <class Support>
+std::vector<Vector3d> tipping_points(const Vector3d& direction, const Support& farthest) {
+  constexpr int kDirections = 8;
+  // Beside the direction, in radians: a side is flat where its vertices differ by less than this
+  // part of its size.
+  constexpr double kBeside = 0.01;
+  // No tilt lies along an axis, where all of a straight edge would be equally far.
+  const Vector3d one = direction.cross(axis_beside(direction)).normalized();
+  const Vector3d other = direction.normalized().cross(one);
+  std::vector<Vector3d> points;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = (i + 0.37) * 2 * kPi / kDirections;
+    const Vector3d point = farthest(direction.normalized() +
+                                    kBeside * (std::cos(angle) * one + std::sin(angle) * other));
+    if (std::find(points.begin(), points.end(), point) == points.end()) points.push_back(point);
   }
-  return chosen;
+  return points;
 }
-std::vector<Vector3d> bearing(const input::HalfSpace&, const Vector3d&, double) { return {}; }
+std::vector<Vector3d> bearing(const input::Mesh& mesh, const Vector3d& direction) {
+  return tipping_points(direction, [&](const Vector3d& beside) { return support(mesh, beside); });
+}
+std::vector<Vector3d> bearing(const input::HalfSpace&, const Vector3d&) { return {}; }
 template <class Round>
-std::vector<Vector3d> bearing(const Round& round, const Vector3d& direction, double) {
+std::vector<Vector3d> bearing(const Round& round, const Vector3d& direction) {
   return {support(round, direction)};
 }
 
@@ -237,9 +244,8 @@ Vector3d support_point(const input::ShapeKind& kind, const Vector3d& direction) 
   return std::visit([&](const auto& shape) { return support(shape, direction); }, kind);
 }
 
-std::vector<Vector3d> bearing_points(const input::ShapeKind& kind, const Vector3d& direction,
-                                     double reach_m) {
-  return std::visit([&](const auto& shape) { return bearing(shape, direction, reach_m); }, kind);
+std::vector<Vector3d> bearing_points(const input::ShapeKind& kind, const Vector3d& direction) {
+  return std::visit([&](const auto& shape) { return bearing(shape, direction); }, kind);
 }
 
 double bounding_radius_m(const input::ShapeKind& kind) {
@@ -254,6 +260,16 @@ double bounding_radius_m(const input::ShapeKind& kind) {
   return std::sqrt(square);
 }
 
+Vector3d support_point(const Part& part, const Vector3d& direction) {
+  return part.tree ? part.tree->support(direction) : support_point(part.kind(), direction);
+}
+
+std::vector<Vector3d> bearing_points(const Part& part, const Vector3d& direction) {
+  if (!part.tree) return bearing_points(part.kind(), direction);
+  return tipping_points(direction,
+                        [&](const Vector3d& beside) { return part.tree->support(beside); });
+}
+
 Vector3d Part::local_point(const Vector3d& point_m) const { return pose.inverse() * point_m; }
 
 Vector3d Part::local_direction(const Vector3d& direction) const {
@@ -261,11 +277,9 @@ Vector3d Part::local_direction(const Vector3d& direction) const {
 }
 
 Matrix3d any_axes(const Vector3d& normal) {
-  int least = 0;
-  normal.cwiseAbs().minCoeff(&least);
   Matrix3d axes;
   axes.col(2) = normal;
-  axes.col(0) = Vector3d::Unit(least).cross(normal).normalized();
+  axes.col(0) = axis_beside(normal).cross(normal).normalized();
   axes.col(1) = normal.cross(axes.col(0));
   return axes;
 }

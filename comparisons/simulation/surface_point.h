@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "comparisons/input/shape.h"
+#include "comparisons/simulation/triangle_tree.h"
 #include "softfinger/geometry/quadric_fit.h"
 
 /// Shapes as surfaces: positions, normals and curvatures in closed form.
@@ -32,10 +33,11 @@ SurfacePoint surface_near(const QuadricFit& fit, const Eigen::Vector3d& point_m)
 Eigen::Vector3d support_point(const input::ShapeKind& kind, const Eigen::Vector3d& direction);
 
 /// Points that together bear a flat contact in a direction: corners, points of a rim, ends of an
-/// edge. One for a round shape. At most eight; for a mesh those of its vertices within `reach_m` of
-/// the farthest, thinned out.
+/// edge. One for a round shape. At most eight; of a mesh those vertices that are farthest in eight
+/// directions slightly beside the given one: the corners of its flat side, or what it would tip
+/// over.
 std::vector<Eigen::Vector3d> bearing_points(const input::ShapeKind& kind,
-                                            const Eigen::Vector3d& direction, double reach_m);
+                                            const Eigen::Vector3d& direction);
 
 /// Half the diagonal of the box around the shape, about its frame's origin; infinite for a
 /// half-space.
@@ -46,6 +48,7 @@ struct Part {
   int body = -1;
   const input::Shape* shape = nullptr;
   double radius_m = 0;                                     ///< of a ball around it
+  const TriangleTree* tree = nullptr;                      ///< of a mesh
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< in the world, now
 
   const input::ShapeKind& kind() const { return shape->kind; }
@@ -55,6 +58,10 @@ struct Part {
   Eigen::Vector3d local_point(const Eigen::Vector3d& point_m) const;
   Eigen::Vector3d local_direction(const Eigen::Vector3d& direction) const;
 };
+
+/// `support_point` and `bearing_points` of a part, in its frame: the same, of a mesh by its tree.
+Eigen::Vector3d support_point(const Part& part, const Eigen::Vector3d& direction);
+std::vector<Eigen::Vector3d> bearing_points(const Part& part, const Eigen::Vector3d& direction);
 
 /// Two tangents and the normal; the tangents depend on the normal alone.
 Eigen::Matrix3d any_axes(const Eigen::Vector3d& normal);

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
     write_stl_mm(fingertip_pad(pad), folder / "shadow_like_pad.stl");
     write_stl_mm(fingertip_pad(coarse), folder / "shadow_like_pad_coarse.stl");
     write_stl_mm(glass(25e-3, 35e-3, 100e-3, 2e-3), folder / "glass.stl");
+    write_stl_mm(glass(30e-3, 30e-3, 100e-3, 2e-3), folder / "tumbler.stl");
     write_stl_mm(rounded_box(30e-3, 5e-3, 0.75e-3), folder / "rounded_box.stl");
     write_stl_mm(cylinder(15e-3, 60e-3, 0.75e-3), folder / "cylinder.stl");
     write_stl_mm(sphere(20e-3, 0.75e-3), folder / "sphere.stl");

@@ -478,6 +478,19 @@ TEST(CollisionDetector, DoesNotDependOnTheOrderOfTheBodies) {
   }
 }
 
+TEST(CollisionDetector, GivesTheCurvatureOfTheBodyNamedFirst) {
+  const double radius = 0.01;
+  const std::string ball = "sphere_radius_mm = 10", plane = "half_space = true";
+  const auto ball_first = find({{ball, at(0, 0, radius)}, {plane}});
+  const auto plane_first = find({{plane}, {ball, at(0, 0, radius)}});
+  ASSERT_EQ(ball_first.size(), 1u);
+  ASSERT_EQ(plane_first.size(), 1u);
+  EXPECT_NEAR(ball_first[0].curvature_of_a.xx_per_m * radius, 1, 1e-12);
+  EXPECT_NEAR(ball_first[0].curvature_of_a.yy_per_m * radius, 1, 1e-12);
+  EXPECT_NEAR(plane_first[0].curvature_of_a.xx_per_m * radius, 0, 1e-12);
+  EXPECT_NEAR(plane_first[0].curvature_of_a.yy_per_m * radius, 0, 1e-12);
+}
+
 TEST(CollisionDetector, KeepsTheIdOfAContactThatLasts) {
   Detection detection({{"half_space = true"},
                        {"box_size_mm = [40, 30, 20]", at(0, 0, 0.01)},

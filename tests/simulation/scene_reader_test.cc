@@ -153,6 +153,18 @@ TEST_F(SceneProgram, RefusesMoreThanASceneMayHold) {
                  4, {"steps times bodies of at most 5000000"});
 }
 
+TEST_F(SceneProgram, RefusesWhatAStepCannotHold) {
+  const std::string good = kHead + kBall + kJoint;
+  expect_refusal(with(good, "duration_s = 0.05", "duration_s = 1e-6"), 3, {"at most the duration"});
+  expect_refusal(
+      with(good, "mass_g = 100\n", "mass_g = 100\nangular_velocity_deg_per_s = [0, 1e9, 0]\n"), 12,
+      {"half a turn per time step"});
+  expect_refusal(good + "[[force]]\nbody = \"ball\"\ntime_s = [0]\nforce_N = [[0, 0, 1e200]]\n", 23,
+                 {"force_N", "each at most 1e+12"});
+  expect_refusal(good + "[[force]]\nbody = \"ball\"\ntime_s = [0]\ntorque_Nm = [[0, -1e13, 0]]\n",
+                 23, {"torque_Nm", "each at most 1e+12"});
+}
+
 TEST_F(SceneProgram, RefusesNamesThatAreNoNames) {
   const std::string good = kHead + kBall + kJoint;
   const auto named = [&](const std::string& name) { return with(good, "\"ball\"", name); };

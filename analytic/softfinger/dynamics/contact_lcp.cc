@@ -19,7 +19,6 @@ using internal::all_finite;
 using internal::ContactPair;
 using internal::FrictionStrategy;
 using internal::is_exact;
-using internal::kGood;
 using internal::kMostAttempts;
 using internal::kSolved;
 using internal::largest_basis;
@@ -61,6 +60,11 @@ void check_values(const ContactLcp& problem) {
       refuse("W_nn", std::to_string(inverse_mass) + " of contact " + std::to_string(i),
              "> 0: one of the two bodies has to be movable");
   }
+}
+
+bool is_solution(const Task& task) {
+  return task.result.residual <= kSolved ||
+         task.result.residual <= internal::rounding_of(task.problem, task.solution);
 }
 
 bool separates_without_impulses(const internal::ContactOperator& contacts) {
@@ -196,6 +200,7 @@ void ContactLcpSolver::Workspace::solve_without_impulses(const Task& task,
 bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrategy& friction,
                                                 const std::vector<int>& continued) {
   last.renumber(continued);
+  friction.begin_warm();
   bool solved = friction.continue_impulse(task, last.impulse(), continued);
   task.result.residual = friction.best_residual();
   if (!solved) {
@@ -207,10 +212,10 @@ bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrate
     const PathEnd end = path.follow_from(system, options, basis.data(), int(basis.size()));
     if (go_on_adding_vertices(task, friction, end, options, true) != PathEnd::solved) return false;
     task.result.residual = friction.read_path(task);
-    solved = task.result.residual <= kGood;
+    solved = friction.is_good(task, task.result.residual);
   }
   if (!solved) return false;
-  task.result.status = LcpStatus::solved;
+  if (is_solution(task)) task.result.status = LcpStatus::solved;
   task.result.warm = true;
   return true;
 }
@@ -237,7 +242,7 @@ bool ContactLcpSolver::Workspace::use_last_basis(const Task& task, FrictionStrat
 /// Attempts from z = 0 until one is good, and the status that follows from the best.
 void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy& friction) {
   LcpResult& result = task.result;
-  friction.forget_best();
+  friction.begin_cold();
   follow_paths(task, friction);
   result.residual = friction.best_residual();
   if (std::isfinite(result.residual) && !friction.restore_best(task) &&
@@ -245,8 +250,7 @@ void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy&
     follow(task, friction, friction.best_attempt());
     result.residual = friction.read_path(task);
   }
-  if (result.residual <= kSolved ||
-      result.residual <= internal::rounding_of(task.problem, task.solution)) {
+  if (is_solution(task)) {
     result.status = LcpStatus::solved;
     result.proof = RayProof::none;
   } else if (result.proof != RayProof::none) {
@@ -258,13 +262,13 @@ void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy&
 void ContactLcpSolver::Workspace::follow_paths(const Task& task, FrictionStrategy& friction) {
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     const PathEnd end = follow(task, friction, attempt);
-    if (friction.best_residual() <= kGood) return;
+    if (friction.is_best_good()) return;
     if (end == PathEnd::ray) {
       if (is_infeasible(task)) return;
       continue;
     }
     friction.read_path(task);
-    if (friction.best_residual() <= kGood) return;
+    if (friction.is_best_good()) return;
     if (attempt + 1 >= kAttemptsForGood && friction.best_residual() <= kSolved) return;
   }
 }
@@ -360,10 +364,14 @@ LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& so
   friction.begin(problem);
   if (separates_without_impulses(work.system.contact_operator())) {
     work.solve_without_impulses(task, friction);
-  } else if (!continued || !work.last.can_continue(problem) ||
-             !work.continue_last(task, friction, *continued)) {
+    work.last.keep(problem, solution);
+    return result;
+  }
+  if (!continued || !work.last.can_continue(problem) ||
+      !work.continue_last(task, friction, *continued)) {
     work.start_cold(task, friction);
   }
+  if (result.status == LcpStatus::solved) friction.take_least_impulse(task);
   work.last.keep(problem, solution);
   return result;
 }

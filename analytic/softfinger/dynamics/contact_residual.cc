@@ -63,8 +63,8 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
   return worst;
 }
 
-double rounding_of(const ContactLcp& problem, const ContactSolution& solution) {
-  constexpr double kRoundings = 4, kMost = 1e-9;
+double rounding_of(const ContactLcp& problem, const ContactSolution& solution, double most) {
+  constexpr double kRoundings = 4;
   double largest = 0;
   for (int row = 0; row < solution.impulse.size(); ++row) {
     const double unit = row % 4 == 3 ? problem.eccentricity_m[row / 4] : 1;
@@ -73,7 +73,7 @@ double rounding_of(const ContactLcp& problem, const ContactSolution& solution) {
   }
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   if (!(velocity_unit > 0)) return 0;
-  return std::min(kMost,
+  return std::min(most,
                   kRoundings * std::numeric_limits<double>::epsilon() * largest / velocity_unit);
 }
 

@@ -9,6 +9,9 @@ namespace softfinger::internal {
 constexpr double kSolved = 1e-10;
 /// From this residual on nothing better is looked for: a few thousand roundings.
 constexpr double kGood = 1e-12;
+/// The largest residual that rounding may explain in a solution, and in a point that a warm start
+/// keeps because a cold one would find none better.
+constexpr double kMostRounding = 1e-9, kMostRoundingKept = 1e-8;
 
 inline bool is_exact(const ContactLcp& problem) {
   return problem.friction_rule != FrictionRule::facets;
@@ -35,6 +38,7 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
 
 /// How much of the residual the rounding of W r alone explains. Where bodies are wedged by impulses
 /// a million times larger than their motion needs, no other impulses would do better.
-double rounding_of(const ContactLcp& problem, const ContactSolution& solution);
+double rounding_of(const ContactLcp& problem, const ContactSolution& solution,
+                   double most = kMostRounding);
 
 }  // namespace softfinger::internal

@@ -1,5 +1,6 @@
 #include "softfinger/dynamics/exact_friction.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "softfinger/dynamics/contact_residual.h"
@@ -10,45 +11,61 @@ namespace {
 /// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
 /// few, because a problem that they do not solve is solved by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
-
 // The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
-constexpr Attempt with_newton(Attempt path, int passes) {
+constexpr Attempt with_newton(Attempt path, int passes, int patience) {
   path.newton_passes = passes;
+  path.newton_patience = patience;
   return path;
 }
+/// A pass that converges halves |F| within a few iterations. Contacts that are the same to nine
+/// digits can hold it up for hundreds.
+constexpr int kUsualPatience = 20, kLongPatience = 300;
+constexpr int kImpatientAttempts = 4, kFewContacts = 20;
 /// The first attempt is cheap: Newton's method tries its smallest proximal term only.
-constexpr Attempt kFirst = with_newton(kQuick, 2);
+constexpr Attempt kFirst = with_newton(kQuick, 2, kUsualPatience);
 /// Later attempts run all passes of Newton's method. A larger tolerance of the ratio test
 /// alternates with the usual one.
-constexpr Attempt kTolerant = with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses);
-constexpr Attempt kUsual = with_newton(kCareful, ExactNewton::kMostPasses);
+constexpr Attempt kTolerant =
+    with_newton({1e-11, 1e-9, 1}, ExactNewton::kMostPasses, kUsualPatience);
+constexpr Attempt kUsual = with_newton(kCareful, ExactNewton::kMostPasses, kUsualPatience);
+/// Every other one after the first few.
+constexpr Attempt kPatient = with_newton(kCareful, ExactNewton::kMostPasses, kLongPatience);
 
 }  // namespace
 
 ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
     : system_(system),
       newton_(contact_capacity),
+      least_(contact_capacity),
       impulse_(4 * contact_capacity),
-      best_impulse_(4 * contact_capacity) {}
+      best_impulse_(4 * contact_capacity),
+      velocity_(4 * contact_capacity) {}
 
 void ExactFriction::begin(const ContactLcp& problem) {
   forget_best();
+  is_still_ = false;
   system_.set_with_own_vertices(problem, kOwnVertices);
 }
 
 const Attempt& ExactFriction::attempt(int number) const {
   if (number == 0) return kFirst;
+  if (number >= kImpatientAttempts && number % 2 == 0) return kPatient;
   return number % 2 == 1 ? kTolerant : kUsual;
 }
 
 void ExactFriction::start(const ContactLcp& problem, int number) {
   newton_passes_ = attempt(number).newton_passes;
+  // An iteration costs the cube of the contacts: many of them cannot wait as long.
+  const int many = std::max(kFewContacts, system_.contacts());
+  newton_patience_ = std::max(kUsualPatience, attempt(number).newton_patience * kFewContacts *
+                                                  kFewContacts / (many * many));
   use_first_vertices(problem);
 }
 
 void ExactFriction::start_warm(const ContactLcp& problem) {
   newton_passes_ = kPassesFromBasis;
+  newton_patience_ = kUsualPatience;
   use_first_vertices(problem);
 }
 
@@ -78,9 +95,36 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
         impulse_[4 * i + row] = last_impulse[4 * before + row] / (contacts.velocity_unit() * scale);
     }
   }
+  keep_if_better(task, extract(task));
+  is_still_ = best_is_good_;
+  if (is_still_ || correct(task, continued)) return true;
   newton_passes_ = kPassesFromImpulse;
+  newton_patience_ = kUsualPatience;
   polish(task);
-  return best_residual_ <= kGood;
+  return best_is_good_;
+}
+
+/// Bodies at rest, or in steady motion: the last least impulse follows them, or the matrix of
+/// Newton's last step corrects it.
+bool ExactFriction::correct(const Task& task, const std::vector<int>& continued) {
+  const ContactOperator& contacts = system_.contact_operator();
+  const int nc = contacts.contacts(), n = 4 * nc;
+  bool is_same = true;
+  for (int i = 0; i < nc; ++i) is_same = is_same && continued[std::size_t(i)] == i;
+  if (!is_same) {
+    least_.forget();
+    return false;
+  }
+  ++task.result.newton_iterations;
+  if (least_.follow(contacts, impulse_)) {
+    keep_if_better(task, extract(task));
+    if (best_is_good_) return is_still_ = true;
+  }
+  impulse_.head(n) = best_impulse_.head(n);
+  const bool corrected = newton_.correct(contacts, impulse_);
+  task.result.newton_iterations += newton_.iterations();
+  keep_if_better(task, extract(task));
+  return corrected && best_is_good_;
 }
 
 /// The vertex is moved along its direction onto the friction limit of this problem.
@@ -93,7 +137,7 @@ bool ExactFriction::add_vertices(const Task& task) {
   const int n = 4 * system_.contacts();
   impulse_.head(n) = system_.current().impulse.head(n);
   polish(task);
-  return best_residual_ > kGood && add_violated_points();
+  return !best_is_good_ && add_violated_points();
 }
 
 /// Adds vertices to each contact whose lambda = h(-u) the present vertices underestimate: the point
@@ -122,12 +166,16 @@ bool ExactFriction::add_violated_points() {
 
 /// From `impulse_` by Newton's method; keeps the best point so far.
 void ExactFriction::polish(const Task& task) {
-  newton_.solve(system_.contact_operator(), impulse_, newton_passes_);
+  newton_.solve(system_.contact_operator(), impulse_, newton_passes_, newton_patience_);
   task.result.newton_iterations += newton_.iterations();
-  const double reached = extract(task);
-  if (!(reached < best_residual_)) return;
+  keep_if_better(task, extract(task));
+}
+
+void ExactFriction::keep_if_better(const Task& task, double residual) {
+  if (!(residual < best_residual_)) return;
   const int n = 4 * system_.contacts();
-  best_residual_ = reached;
+  best_residual_ = residual;
+  best_is_good_ = is_good(task, residual);
   best_impulse_.head(n) = impulse_.head(n);
 }
 
@@ -135,6 +183,26 @@ bool ExactFriction::restore_best(const Task& task) {
   impulse_ = best_impulse_;
   extract(task);
   return true;
+}
+
+/// Redundant contacts share their impulses. The solution is left as it is where they then would not
+/// be one to the same accuracy.
+void ExactFriction::take_least_impulse(const Task& task) {
+  if (is_still_) return;
+  const ContactOperator& contacts = system_.contact_operator();
+  const int n = 4 * contacts.contacts();
+  impulse_ = best_impulse_;
+  contacts.find_velocity(impulse_, velocity_);
+  velocity_.head(n) += contacts.free_velocity().head(n);
+  if (least_.find(task.problem, contacts, velocity_, impulse_)) {
+    const double reached = extract(task);
+    if (reached <= task.result.residual || is_good(task, reached)) {
+      task.result.residual = reached;
+    } else {
+      impulse_ = best_impulse_;
+      task.result.residual = extract(task);
+    }
+  }
 }
 
 /// Writes `impulse_` in the problem's units; returns its residual.

@@ -5,6 +5,7 @@
 
 #include "softfinger/dynamics/exact_newton.h"
 #include "softfinger/dynamics/friction_strategy.h"
+#include "softfinger/dynamics/least_impulse.h"
 
 /// Internal: friction without facets, FrictionRule::ellipsoid and limit_surface.
 namespace softfinger::internal {
@@ -32,18 +33,23 @@ class ExactFriction final : public FrictionStrategy {
   double read_path(const Task&) override { return best_residual_; }
   double read_zero(const Task& task) override { return complete(task); }
   bool restore_best(const Task& task) override;
+  void take_least_impulse(const Task& task) override;
 
  private:
   void use_first_vertices(const ContactLcp& problem);
+  bool correct(const Task& task, const std::vector<int>& continued);
   void polish(const Task& task);
+  void keep_if_better(const Task& task, double residual);
   double extract(const Task& task);
   double complete(const Task& task);
   bool add_violated_points();
 
   ContactSystem& system_;
   ExactNewton newton_;
-  int newton_passes_ = 1;
-  Eigen::VectorXd impulse_, best_impulse_;  ///< scaled
+  LeastImpulse least_;
+  bool is_still_ = false;  ///< the solution is that of the last problem
+  int newton_passes_ = 1, newton_patience_ = 1;
+  Eigen::VectorXd impulse_, best_impulse_, velocity_;  ///< scaled
 };
 
 }  // namespace softfinger::internal

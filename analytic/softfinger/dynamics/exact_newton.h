@@ -25,9 +25,17 @@ class ExactNewton {
 
   /// Improves `impulse`; returns the largest |F| without unit (velocities over the largest of the
   /// free ones). Up to `passes` attempts from the same point. No allocation.
-  double solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes);
+  /// @param patience  iterations within which |F| has to be halved
+  double solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes, int patience);
 
   int iterations() const { return iterations_; }  ///< of the last solve
+
+  /// Improves `impulse` by the matrix of the last step of `solve`, for a problem that differs
+  /// little from that one: contact by contact the same, of which the same ones touch. Costs the
+  /// square of the unknowns instead of their cube. True when the result is as good as that of
+  /// `solve`: to round-off, or below kGood where nothing slides, because such a problem is linear.
+  bool correct(const ContactOperator& contacts, Eigen::VectorXd& impulse);
+  void forget_matrix() { factored_ = 0; }
 
  private:
   struct Contact {
@@ -49,12 +57,16 @@ class ExactNewton {
   void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
                      double proximal, int size);
   bool eliminate(int size);
+  void substitute(int size);
 
   std::vector<Contact> contacts_;
   std::vector<int> first_;  ///< of each contact's unknowns; -1: it has none
   Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_;
   Eigen::MatrixXd matrix_;
-  int iterations_ = 0;
+  std::vector<int> pivots_;  ///< rows that were exchanged
+  int factored_ = 0;         ///< size of the decomposition in matrix_; 0: none
+  int factored_contacts_ = 0;
+  int iterations_ = 0, patience_ = 0;
 };
 
 }  // namespace softfinger::internal

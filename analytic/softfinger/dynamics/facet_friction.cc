@@ -140,6 +140,7 @@ double FacetFriction::read_path(const Task& task) {
   }
   if (best < best_residual_) {
     best_residual_ = best;
+    best_is_good_ = is_good(task, best);
     best_attempt_ = attempt_;
   }
   return best;

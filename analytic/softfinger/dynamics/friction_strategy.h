@@ -23,6 +23,7 @@ struct Attempt {
   bool has_all_vertices = false;  ///< with facets: use all vertices from the start
   double proximal = 0;            ///< with facets: see ContactOperator::set
   int newton_passes = 0;          ///< with exact friction: see ExactNewton::solve
+  int newton_patience = 0;
 };
 /// Cheap: values are only advanced from pivot to pivot and computed again after every eighth.
 constexpr Attempt kQuick{1e-12, 1e-9, 8};
@@ -84,12 +85,37 @@ class FrictionStrategy {
   /// Writes the best point so far as a solution. False where it was not kept: then its attempt has
   /// to be made once more.
   virtual bool restore_best(const Task& task) = 0;
+  /// Of all impulses with the same effect takes the least ones, where the rule can tell them.
+  virtual void take_least_impulse(const Task&) {}
   double best_residual() const { return best_residual_; }
+  /// Whether the solution at hand is as good as its impulses can be told: nothing better is looked
+  /// for.
+  bool is_good(const Task& task, double residual) const {
+    return residual <= kGood ||
+           (residual <= most_rounding_ &&
+            residual <= rounding_of(task.problem, task.solution, most_rounding_));
+  }
   int best_attempt() const { return best_attempt_; }
-  void forget_best() { best_residual_ = std::numeric_limits<double>::infinity(); }
+  bool is_best_good() const { return best_is_good_; }
+  void forget_best() {
+    best_residual_ = std::numeric_limits<double>::infinity();
+    best_is_good_ = false;
+  }
+  /// A warm start is content with any rounding: the last solution had it, too. A cold one finds
+  /// better points than the rounding of one of them tells.
+  void begin_warm() {
+    forget_best();
+    most_rounding_ = kMostRoundingKept;
+  }
+  void begin_cold() {
+    forget_best();
+    most_rounding_ = kSolved;
+  }
 
  protected:
   double best_residual_ = std::numeric_limits<double>::infinity();
+  bool best_is_good_ = false;
+  double most_rounding_ = kSolved;
   int attempt_ = 0, best_attempt_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <unordered_map>
 
 #include "softfinger/input/errors.h"
 
@@ -146,39 +147,52 @@ void TimeStepper::factorise() {
   }
 }
 
+/// The islands' problems, but for what friction is like.
 void TimeStepper::assemble() {
   const double dt = options_.time_step_s;
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
-  problem_.delassus.setZero(4 * rows, 4 * rows);
   problem_.free_velocity.setZero(4 * rows);
-  const auto approach = [&](double gap_m) {
-    return std::max(gap_m / dt, -options_.correction_m_per_s);
-  };
-  for (int i = 0; i < nc; ++i) {
-    const Contact& contact = contacts_[std::size_t(i)];
-    problem_.free_velocity[4 * i] = approach(contact.gap_m);
-  }
+  for (int i = 0; i < nc; ++i)
+    problem_.free_velocity[4 * i] = approach_m_per_s(contacts_[std::size_t(i)]);
   for (int i = nc; i < rows; ++i)
     problem_.free_velocity[4 * i] = limits_[std::size_t(i - nc)].gap / dt;
-  for (std::size_t t = 0; t < touching_.size(); ++t) {
-    const auto& list = touching_[t];
-    if (list.empty()) continue;
-    const Multibody::Tree& tree = bodies_.trees()[t];
-    const Eigen::VectorXd velocities =
-        jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
-    const Eigen::MatrixXd half = factors_[t].matrixL().solve(jacobians_[t].transpose());
-    for (std::size_t n = 0; n < list.size(); ++n) {
-      const int i = 4 * list[n].row;
-      problem_.free_velocity.segment<4>(i) += velocities.segment<4>(4 * int(n));
-      for (std::size_t k = 0; k <= n; ++k) {
-        const int j = 4 * list[k].row;
-        const Eigen::Matrix4d block =
-            half.middleCols<4>(4 * int(n)).transpose() * half.middleCols<4>(4 * int(k));
-        problem_.delassus.block<4, 4>(i, j) += block;
-        if (k != n) problem_.delassus.block<4, 4>(j, i) += block.transpose();
-      }
+  for (Island& island : islands_)
+    island.problem.delassus.setZero(4 * int(island.rows.size()), 4 * int(island.rows.size()));
+  for (std::size_t t = 0; t < touching_.size(); ++t)
+    if (!touching_[t].empty()) add_tree(t);
+}
+
+/// The part of a tree in the velocities of the rows that act on it, and in how they feel each
+/// other.
+void TimeStepper::add_tree(std::size_t t) {
+  const auto& list = touching_[t];
+  const Multibody::Tree& tree = bodies_.trees()[t];
+  const Eigen::VectorXd velocities = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
+  const Eigen::MatrixXd half = factors_[t].matrixL().solve(jacobians_[t].transpose());
+  Eigen::MatrixXd& delassus =
+      islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
+  for (std::size_t n = 0; n < list.size(); ++n) {
+    problem_.free_velocity.segment<4>(4 * list[n].row) += velocities.segment<4>(4 * int(n));
+    const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
+    for (std::size_t k = 0; k <= n; ++k) {
+      const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
+      const Eigen::Matrix4d block =
+          half.middleCols<4>(4 * int(n)).transpose().lazyProduct(half.middleCols<4>(4 * int(k)));
+      delassus.block<4, 4>(i, j) += block;
+      if (k != n) delassus.block<4, 4>(j, i) += block.transpose();
     }
   }
+}
+
+/// The part of the gap in the condition of a contact. A gap is known to the rounding of the places
+/// that it lies between. Bodies at rest touch within that, and what it is exactly would only be
+/// noise in their impulses: that much of each gap does not count.
+double TimeStepper::approach_m_per_s(const Contact& contact) const {
+  constexpr double kRoundings = 8;
+  const double rounding_m =
+      kRoundings * std::numeric_limits<double>::epsilon() * contact.point_m.lpNorm<1>();
+  const double gap_m = contact.gap_m - std::clamp(contact.gap_m, -rounding_m, rounding_m);
+  return std::max(gap_m / options_.time_step_s, -options_.correction_m_per_s);
 }
 
 /// Sets the friction of all contacts, without those e_n that depend on the load.
@@ -224,61 +238,74 @@ void TimeStepper::find_islands() {
   std::vector<Island> last;
   last.swap(islands_);
   std::vector<int> island_of_root(island_of_tree_.size(), -1);
+  place_of_row_.resize(std::size_t(rows));
   for (int row = 0; row < rows; ++row) {
     int& index = island_of_root[std::size_t(root(tree_of_row(row)))];
     if (index < 0) {
       index = int(islands_.size());
       islands_.emplace_back();
     }
-    islands_[std::size_t(index)].rows.push_back(row);
+    std::vector<int>& own = islands_[std::size_t(index)].rows;
+    place_of_row_[std::size_t(row)] = {index, int(own.size())};
+    own.push_back(row);
   }
   continue_islands(last);
 }
 
 /// Each island takes over the solver, and e_n, of a last one with which it shares a row.
 void TimeStepper::continue_islands(std::vector<Island>& last) {
+  std::unordered_map<long, Place> last_places;
+  for (std::size_t island = 0; island < last.size(); ++island)
+    for (std::size_t i = 0; i < last[island].ids.size(); ++i)
+      if (last[island].ids[i] != -1)
+        last_places.emplace(last[island].ids[i], Place{int(island), int(i)});
   for (Island& island : islands_) {
     for (const int row : island.rows) island.ids.push_back(ids_[std::size_t(row)]);
     const std::size_t count = island.rows.size();
     island.continued.assign(count, -1);
-    for (Island& before : last) {
-      if (before.capacity < int(count)) continue;
-      const auto position = [&](long id) {
-        const auto found = std::find(before.ids.begin(), before.ids.end(), id);
-        return id == -1 || found == before.ids.end() ? -1 : int(found - before.ids.begin());
-      };
-      bool shares = false;
-      for (const long id : island.ids) shares = shares || position(id) >= 0;
-      if (!shares) continue;
-      for (std::size_t i = 0; i < count; ++i) {
-        island.continued[i] = position(island.ids[i]);
-        const int row = island.rows[i];
-        if (island.continued[i] < 0 || row >= int(contacts_.size())) continue;
-        const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
-        if (!law) continue;
-        problem_.eccentricity_m[row] = before.problem.eccentricity_m[island.continued[i]];
-        if (law->friction_coefficient(1))  // of any load: whether it has one
-          problem_.friction_coefficient[row] =
-              before.problem.friction_coefficient[island.continued[i]];
-      }
-      island.solver = std::move(before.solver);
-      island.capacity = before.capacity;
-      island.solved = before.solved;
-      before.capacity = -1;  // taken
-      break;
+    const auto place_of = [&](std::size_t i) {
+      const auto found = last_places.find(island.ids[i]);
+      return found == last_places.end() ? Place{-1, -1} : found->second;
+    };
+    int from = -1;
+    for (std::size_t i = 0; i < count && from < 0; ++i) {
+      const int candidate = place_of(i).island;
+      if (candidate < 0) continue;
+      const Island& before = last[std::size_t(candidate)];
+      if (before.solver && before.capacity >= int(count)) from = candidate;
     }
-    if (island.capacity > 0) continue;
-    island.capacity = int(count) + int(count) / 2 + 1;
-    island.solver =
-        ConsistentContactSolver(island.capacity, int(options_.friction_vertices.cols()));
+    if (from < 0) {
+      island.capacity = int(count) + int(count) / 2 + 1;
+      island.solver.emplace(island.capacity, int(options_.friction_vertices.cols()));
+      continue;
+    }
+    Island& before = last[std::size_t(from)];
+    for (std::size_t i = 0; i < count; ++i) {
+      const Place place = place_of(i);
+      if (place.island == from) continue_row(island, i, before, place.position);
+    }
+    island.solver = std::move(before.solver);
+    before.solver.reset();  // taken
+    island.capacity = before.capacity;
+    island.solved = before.solved;
   }
 }
 
-/// The island's part of the problem.
-void TimeStepper::extract(Island& island) {
+void TimeStepper::continue_row(Island& island, std::size_t i, const Island& before, int position) {
+  island.continued[i] = position;
+  const int row = island.rows[i];
+  if (row >= int(contacts_.size())) return;
+  const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
+  if (!law) return;
+  problem_.eccentricity_m[row] = before.problem.eccentricity_m[position];
+  if (law->friction_coefficient(1))  // of any load: whether it has one
+    problem_.friction_coefficient[row] = before.problem.friction_coefficient[position];
+}
+
+/// What the rows of the island are like; its W is there.
+void TimeStepper::describe(Island& island) {
   const int count = int(island.rows.size());
   ContactLcp& part = island.problem;
-  part.delassus.resize(4 * count, 4 * count);
   part.free_velocity.resize(4 * count);
   part.friction_coefficient.resize(count);
   part.eccentricity_m.resize(count);
@@ -294,17 +321,26 @@ void TimeStepper::extract(Island& island) {
     part.shapes[std::size_t(i)] = problem_.shapes[std::size_t(row)];
     if (row < int(contacts_.size()))
       island.laws[std::size_t(i)] = contacts_[std::size_t(row)].eccentricity_law;
-    for (int j = 0; j < count; ++j)
-      part.delassus.block<4, 4>(4 * i, 4 * j) =
-          problem_.delassus.block<4, 4>(4 * row, 4 * island.rows[std::size_t(j)]);
   }
+}
+
+ContactLcp TimeStepper::problem() const {
+  ContactLcp whole = problem_;
+  const int rows = int(ids_.size());
+  whole.delassus.setZero(4 * rows, 4 * rows);
+  for (const Island& island : islands_)
+    for (std::size_t i = 0; i < island.rows.size(); ++i)
+      for (std::size_t j = 0; j < island.rows.size(); ++j)
+        whole.delassus.block<4, 4>(4 * island.rows[i], 4 * island.rows[j]) =
+            island.problem.delassus.block<4, 4>(4 * int(i), 4 * int(j));
+  return whole;
 }
 
 /// Solves an island, each e_n that of its own load.
 LcpResult TimeStepper::solve(Island& island, StepResult& result) {
   const ConsistentResult consistent =
-      island.solver.solve(island.problem, island.laws, options_.time_step_s, island.solution, {},
-                          island.solved ? &island.continued : nullptr);
+      island.solver->solve(island.problem, island.laws, options_.time_step_s, island.solution, {},
+                           island.solved ? &island.continued : nullptr);
   LcpResult solved = consistent.lcp;
   if (solved.status == LcpStatus::iteration_limit && solved.residual <= options_.accepted_residual)
     solved.status = LcpStatus::solved;
@@ -320,7 +356,7 @@ LcpResult TimeStepper::solve_islands(StepResult& result) {
   all.status = LcpStatus::solved;
   solution_.resize(int(ids_.size()));
   for (Island& island : islands_) {
-    extract(island);
+    describe(island);
     const LcpResult solved = solve(island, result);
     all.pivots += solved.pivots;
     all.attempts = std::max(all.attempts, solved.attempts);
@@ -450,8 +486,7 @@ ContactWrench TimeStepper::wrench(int contact) const {
 
 Eigen::Vector4d TimeStepper::contact_velocity(int contact) const {
   Eigen::Vector4d velocity = solution_.velocity.segment<4>(4 * contact);
-  velocity[0] -= std::max(contacts_[std::size_t(contact)].gap_m / options_.time_step_s,
-                          -options_.correction_m_per_s);
+  velocity[0] -= approach_m_per_s(contacts_[std::size_t(contact)]);
   return velocity;
 }
 

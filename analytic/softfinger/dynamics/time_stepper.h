@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "softfinger/dynamics/contact_lcp.h"
@@ -118,12 +119,16 @@ class TimeStepper {
   Eigen::Vector4d contact_velocity(int contact) const;
   double eccentricity_m(int contact) const { return problem_.eccentricity_m[contact]; }
   double friction_coefficient(int contact) const { return problem_.friction_coefficient[contact]; }
-  /// The last problem, as solved; rows of joint limits come behind the contacts.
-  const ContactLcp& problem() const { return problem_; }
+  /// The last problem, as solved; rows of joint limits come behind the contacts. Assembled here.
+  ContactLcp problem() const;
+  const Eigen::VectorXd& free_velocity() const { return problem_.free_velocity; }  ///< its own
   const ContactSolution& solution() const { return solution_; }
 
  private:
   struct Island;
+  struct Place {  ///< of a row: its island, and where in its list
+    int island = -1, position = -1;
+  };
   struct Touching {  ///< a row block of the problem and the columns of one tree
     int row = 0;
     int body_a = -1, body_b = -1;  ///< those of the tree, -1: the other side
@@ -136,10 +141,13 @@ class TimeStepper {
   void describe_rows();
   void factorise();
   void assemble();
+  void add_tree(std::size_t tree);
+  double approach_m_per_s(const Contact& contact) const;
   void describe_friction();
   void find_islands();
   void continue_islands(std::vector<Island>& last);
-  void extract(Island& island);
+  void continue_row(Island& island, std::size_t i, const Island& before, int position);
+  void describe(Island& island);
   LcpResult solve(Island& island, StepResult& result);
   LcpResult solve_islands(StepResult& result);
   int update_motors(bool one_only);
@@ -163,8 +171,9 @@ class TimeStepper {
   std::vector<Eigen::MatrixXd> jacobians_;
   Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
   std::vector<Eigen::MatrixXd> masses_;
-  ContactLcp problem_;
+  ContactLcp problem_;  ///< of all rows, without W: each island has its own
   ContactSolution solution_;
+  std::vector<Place> place_of_row_;
   std::vector<long> ids_;  ///< per row: contacts by their id, limits by -2 and less
   /// Rows that feel each other: a problem of its own, which remembers how it was solved.
   struct Island {
@@ -173,7 +182,7 @@ class TimeStepper {
     ContactLcp problem;
     ContactSolution solution;
     std::vector<const EccentricityLaw*> laws;
-    ConsistentContactSolver solver{0, 0};
+    std::optional<ConsistentContactSolver> solver;
     int capacity = 0;
     bool solved = false;         ///< the last problem given to `solver`
     std::vector<int> continued;  ///< see ContactLcpSolver::solve

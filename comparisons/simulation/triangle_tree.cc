@@ -1,0 +1,353 @@
+#include "comparisons/simulation/triangle_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+#include "softfinger/input/constants.h"
+
+namespace softfinger::simulation {
+namespace {
+
+using Eigen::Vector3d;
+using Segment = TriangleTree::Segment;
+using Block = TriangleTree::Block;
+using Triangle = std::array<Vector3d, 3>;
+
+constexpr int kInLeaf = 4;
+
+/// The two nearest points of a pair.
+struct Points {
+  Vector3d first = Vector3d::Zero(), second = Vector3d::Zero();
+  double square = std::numeric_limits<double>::infinity();
+
+  void take(const Vector3d& one, const Vector3d& other) {
+    const double apart = (one - other).squaredNorm();
+    if (!(apart < square)) return;
+    first = one;
+    second = other;
+    square = apart;
+  }
+};
+
+Vector3d nearest_on(const Segment& segment, const Vector3d& point) {
+  const Vector3d along = segment.to - segment.from;
+  const double square = along.squaredNorm();
+  if (!(square > 0)) return segment.from;
+  return segment.from + std::clamp(along.dot(point - segment.from) / square, 0., 1.) * along;
+}
+
+/// By the region of the triangle's plane in which the point lies (Ericson, Real-Time Collision
+/// Detection, 2005, section 5.1.5).
+Vector3d nearest_on(const Triangle& triangle, const Vector3d& point) {
+  const auto& [a, b, c] = triangle;
+  const Vector3d ab = b - a, ac = c - a, ap = point - a;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vector3d bp = point - b;
+  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double of_c = d1 * d4 - d3 * d2;
+  if (of_c <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+  const Vector3d cp = point - c;
+  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double of_b = d5 * d2 - d1 * d6;
+  if (of_b <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+  const double of_a = d3 * d6 - d5 * d4;
+  if (of_a <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+  const double whole = of_a + of_b + of_c;
+  // A triangle without area has no inside.
+  if (!(whole > 0)) return nearest_on(Segment{a, (b - a).norm() > (c - a).norm() ? b : c}, point);
+  return a + of_b / whole * ab + of_c / whole * ac;
+}
+
+/// Two segments: each one's line parameter, clamped (Ericson, section 5.1.9).
+void take_segments(const Segment& one, const Segment& other, Points& points) {
+  const Vector3d d1 = one.to - one.from, d2 = other.to - other.from, r = one.from - other.from;
+  const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r);
+  if (!(a > 0) || !(e > 0)) return;  // points are taken elsewhere
+  const double b = d1.dot(d2), c = d1.dot(r), across = a * e - b * b;
+  double s = across > 0 ? std::clamp((b * f - c * e) / across, 0., 1.) : 0;
+  double t = (b * s + f) / e;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0., 1.);
+    s = std::clamp((b * t - c) / a, 0., 1.);
+  }
+  points.take(one.from + s * d1, other.from + t * d2);
+}
+
+/// Where a segment goes through a triangle, the points are one.
+void take_crossing(const Triangle& triangle, const Segment& segment, Points& points) {
+  const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0];
+  const Vector3d normal = ab.cross(ac);
+  const double from = normal.dot(segment.from - triangle[0]);
+  const double to = normal.dot(segment.to - triangle[0]);
+  if (!(from * to < 0)) return;
+  const Vector3d at = segment.from + from / (from - to) * (segment.to - segment.from);
+  const double square = normal.squaredNorm();
+  const double on_c = ab.cross(at - triangle[0]).dot(normal) / square;
+  const double on_b = (at - triangle[0]).cross(ac).dot(normal) / square;
+  if (on_b >= 0 && on_c >= 0 && on_b + on_c <= 1) points.take(at, at);
+}
+
+/// The nearest points of cores and triangles.
+class SegmentProbe {
+ public:
+  explicit SegmentProbe(const Segment& segment) : segment_(segment) {}
+  double distance_m(const Vector3d& point) const {
+    return (nearest_on(segment_, point) - point).norm();
+  }
+  Points nearest(const Triangle& triangle) const {
+    Points points;
+    take(triangle, segment_, points);
+    return points;
+  }
+  static void take(const Triangle& triangle, const Segment& segment, Points& points) {
+    for (const Vector3d& end : {segment.from, segment.to})
+      points.take(nearest_on(triangle, end), end);
+    if (segment.from == segment.to) return;
+    for (std::size_t k = 0; k < 3; ++k)
+      take_segments({triangle[k], triangle[(k + 1) % 3]}, segment, points);
+    take_crossing(triangle, segment, points);
+  }
+
+ private:
+  Segment segment_;
+};
+
+/// Works in the block's frame.
+class BlockProbe {
+ public:
+  explicit BlockProbe(const Block& block)
+      : pose_(block.pose), into_(block.pose.inverse()), half_(block.half_size_m) {}
+  double distance_m(const Vector3d& point) const {
+    return ((into_ * point).cwiseAbs() - half_).cwiseMax(0).norm();
+  }
+  Points nearest(const Triangle& in_mesh) const {
+    Triangle triangle;
+    for (std::size_t k = 0; k < 3; ++k) triangle[k] = into_ * in_mesh[k];
+    Points points;
+    for (std::size_t k = 0; k < 3; ++k) {
+      points.take(triangle[k], triangle[k].cwiseMax(-half_).cwiseMin(half_));
+      take_entry({triangle[k], triangle[(k + 1) % 3]}, points);
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side = 0; side < 4; ++side) {
+        Vector3d start = -half_;
+        if (side & 1) start[(axis + 1) % 3] *= -1;
+        if (side & 2) start[(axis + 2) % 3] *= -1;
+        Vector3d end = start;
+        end[axis] *= -1;
+        SegmentProbe::take(triangle, {start, end}, points);
+      }
+    points.first = pose_ * points.first;
+    points.second = pose_ * points.second;
+    return points;
+  }
+
+ private:
+  /// Where a triangle's edge enters the block, the points are one.
+  void take_entry(const Segment& edge, Points& points) const {
+    const Vector3d along = edge.to - edge.from;
+    double enters = 0, leaves = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (along[axis] == 0) {
+        if (std::abs(edge.from[axis]) > half_[axis]) return;
+        continue;
+      }
+      const double low = (-half_[axis] - edge.from[axis]) / along[axis];
+      const double high = (half_[axis] - edge.from[axis]) / along[axis];
+      enters = std::max(enters, std::min(low, high));
+      leaves = std::min(leaves, std::max(low, high));
+    }
+    if (enters > leaves) return;
+    const Vector3d at = edge.from + enters * along;
+    points.take(at, at);
+  }
+
+  Eigen::Isometry3d pose_, into_;
+  Vector3d half_;
+};
+
+}  // namespace
+
+TriangleTree::TriangleTree(const TriangleSurface& surface)
+    : surface_(surface), order_(surface.triangles.size()) {
+  std::iota(order_.begin(), order_.end(), 0);
+  nodes_.reserve(surface.triangles.size());
+  build(0, int(order_.size()));
+}
+
+/// The node of a range of `order_`, halved across the longest side of the box around its triangles.
+int TriangleTree::build(int first, int count) {
+  Vector3d least = Vector3d::Constant(kInfinity), most = -least;
+  for (int i = first; i < first + count; ++i)
+    for (int k = 0; k < 3; ++k) {
+      least = least.cwiseMin(corner(order_[std::size_t(i)], k));
+      most = most.cwiseMax(corner(order_[std::size_t(i)], k));
+    }
+  const int index = int(nodes_.size());
+  Node node;
+  node.centre = (least + most) / 2;
+  double square = 0;
+  for (int i = first; i < first + count; ++i)
+    for (int k = 0; k < 3; ++k)
+      square = std::max(square, (corner(order_[std::size_t(i)], k) - node.centre).squaredNorm());
+  node.radius_m = std::sqrt(square);
+  nodes_.push_back(node);
+  if (count <= kInLeaf) {
+    nodes_.back().first = first;
+    nodes_.back().count = count;
+    return index;
+  }
+  int axis = 0;
+  (most - least).maxCoeff(&axis);
+  const auto place = [&](int t) {
+    return corner(t, 0)[axis] + corner(t, 1)[axis] + corner(t, 2)[axis];
+  };
+  const auto begin = order_.begin() + first;
+  std::nth_element(begin, begin + count / 2, begin + count,
+                   [&](int one, int other) { return place(one) < place(other); });
+  const int left = build(first, count / 2);
+  const int right = build(first + count / 2, count - count / 2);
+  nodes_[std::size_t(index)].left = left;
+  nodes_[std::size_t(index)].right = right;
+  return index;
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Core& core, double limit_m, int guess) const {
+  if (const auto* segment = std::get_if<Segment>(&core))
+    return search(SegmentProbe(*segment), limit_m, guess);
+  return search(BlockProbe(std::get<Block>(core)), limit_m, guess);
+}
+
+template <class Probe>
+TriangleTree::Nearest TriangleTree::search(const Probe& probe, double limit_m, int guess) const {
+  Nearest result;
+  result.distance_m = limit_m;
+  const auto look_at = [&](int t) {
+    const Triangle triangle = {corner(t, 0), corner(t, 1), corner(t, 2)};
+    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    double square = 0;
+    for (const Vector3d& vertex : triangle)
+      square = std::max(square, (vertex - centre).squaredNorm());
+    if (probe.distance_m(centre) - std::sqrt(square) > result.distance_m) return;
+    const Points points = probe.nearest(triangle);
+    const double distance_m = std::sqrt(points.square);
+    if (!(distance_m < result.distance_m)) return;
+    result = {distance_m, points.first, points.second, t};
+  };
+  const auto least_m = [&](const Node& node) {
+    return probe.distance_m(node.centre) - node.radius_m;
+  };
+  if (guess >= 0 && guess < int(surface_.triangles.size())) look_at(guess);
+  struct Waiting {
+    int node;
+    double least_m;
+  };
+  // Depth first: one sibling waits per level of a tree of halves.
+  std::array<Waiting, 128> waiting;
+  int count = 0;
+  waiting[std::size_t(count++)] = {0, least_m(nodes_[0])};
+  while (count > 0) {
+    const Waiting next = waiting[std::size_t(--count)];
+    if (next.least_m >= result.distance_m) continue;
+    const Node& node = nodes_[std::size_t(next.node)];
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      const int t = order_[std::size_t(i)];
+      if (t != guess) look_at(t);
+    }
+    if (node.count > 0) continue;
+    Waiting near{node.left, least_m(nodes_[std::size_t(node.left)])};
+    Waiting far{node.right, least_m(nodes_[std::size_t(node.right)])};
+    if (far.least_m < near.least_m) std::swap(near, far);
+    waiting[std::size_t(count++)] = far;
+    waiting[std::size_t(count++)] = near;
+  }
+  return result;
+}
+
+/// The solid angles of all triangles sum to 4 pi within and to 0 outside (Van Oosterom, Strackee,
+/// IEEE Trans. Biomed. Eng. 30, 1983).
+bool TriangleTree::contains(const Vector3d& point) const {
+  double sum = 0;
+  for (int t = 0; t < int(surface_.triangles.size()); ++t) {
+    const Vector3d a = corner(t, 0) - point, b = corner(t, 1) - point, c = corner(t, 2) - point;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum +=
+        std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum > kPi;  // half of the angles' sum of 2 pi, for each is half of a solid angle
+}
+
+Vector3d TriangleTree::support(const Vector3d& direction) const {
+  const double length = direction.norm();
+  double farthest = -kInfinity;
+  Vector3d result = corner(0, 0);
+  const auto most = [&](int node) {
+    return direction.dot(nodes_[std::size_t(node)].centre) +
+           length * nodes_[std::size_t(node)].radius_m;
+  };
+  std::array<int, 128> waiting;
+  int count = 0;
+  waiting[std::size_t(count++)] = 0;
+  while (count > 0) {
+    const int index = waiting[std::size_t(--count)];
+    const Node& node = nodes_[std::size_t(index)];
+    if (most(index) <= farthest) continue;
+    for (int i = node.first; i < node.first + node.count; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d vertex = corner(order_[std::size_t(i)], k);
+        if (direction.dot(vertex) <= farthest) continue;
+        farthest = direction.dot(vertex);
+        result = vertex;
+      }
+    if (node.count > 0) continue;
+    const bool left_first = direction.dot(nodes_[std::size_t(node.left)].centre) >
+                            direction.dot(nodes_[std::size_t(node.right)].centre);
+    waiting[std::size_t(count++)] = left_first ? node.right : node.left;
+    waiting[std::size_t(count++)] = left_first ? node.left : node.right;
+  }
+  return result;
+}
+
+Vector3d TriangleTree::normal(int triangle) const {
+  return (corner(triangle, 1) - corner(triangle, 0))
+      .cross(corner(triangle, 2) - corner(triangle, 0))
+      .normalized();
+}
+
+TriangleSurface TriangleTree::within(const Vector3d& centre, double radius_m) const {
+  std::vector<int> found, waiting = {0};
+  while (!waiting.empty()) {
+    const Node& node = nodes_[std::size_t(waiting.back())];
+    waiting.pop_back();
+    if ((node.centre - centre).norm() > node.radius_m + radius_m) continue;
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      const int t = order_[std::size_t(i)];
+      const Vector3d near = nearest_on({corner(t, 0), corner(t, 1), corner(t, 2)}, centre);
+      if ((near - centre).norm() <= radius_m) found.push_back(t);
+    }
+    if (node.count == 0) waiting.insert(waiting.end(), {node.right, node.left});
+  }
+  std::sort(found.begin(), found.end());  // in the surface's own order
+  TriangleSurface result;
+  std::unordered_map<int, int> number;
+  for (const int t : found) {
+    std::array<int, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int vertex = surface_.triangles[std::size_t(t)][k];
+      const auto [entry, added] = number.emplace(vertex, int(result.vertices_m.size()));
+      if (added) result.vertices_m.push_back(surface_.vertices_m[std::size_t(vertex)]);
+      corners[k] = entry->second;
+    }
+    result.triangles.push_back(corners);
+  }
+  return result;
+}
+
+}  // namespace softfinger::simulation
