@@ -5,13 +5,18 @@ import os
 import pathlib
 import pickle
 import subprocess
+import sys
 import threading
+import time
+import types
 import unittest
+import unittest.mock
 
 import numpy
 
 import softfinger
 from samples import needs_program
+from softfinger import _calibrate, _core
 
 MEASUREMENTS = pathlib.Path(os.environ["SOFTFINGER_SOURCE"], "comparisons", "measurements")
 
@@ -260,6 +265,35 @@ class Calibrate(unittest.TestCase):
             thread.join()
         for result in results:
             self.assertEqual(result, results[0])
+
+    def test_other_threads_run_meanwhile(self):
+        """With an endless switch interval only a call that lets go of the lock lets others run."""
+        state = []
+
+        def calibrate(*arguments):
+            state.append("begun")
+            found = _core.calibrate(*arguments)
+            state.append("done")
+            return found
+
+        arguments = {**inked_fingertip(), **FINGER}
+        worker = threading.Thread(target=softfinger.calibrate, kwargs=arguments)
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(1e6)
+        try:
+            with unittest.mock.patch.object(
+                _calibrate, "_core", types.SimpleNamespace(calibrate=calibrate)
+            ):
+                worker.start()
+                seen = set()
+                while worker.is_alive():
+                    seen.add(tuple(state))
+                    time.sleep(0)
+                worker.join()
+        finally:
+            sys.setswitchinterval(interval)
+        self.assertEqual(state, ["begun", "done"])
+        self.assertIn(("begun",), seen)
 
 
 if __name__ == "__main__":
