@@ -218,6 +218,9 @@ class Calibrate(unittest.TestCase):
             (dict(fit=["stiffness"]), "fit"),
             (dict(fit=["thickness", "thickness"]), "fit"),
             (dict(fit=[]), "fit"),
+            (dict(fit=3), "fit"),
+            (dict(fit=[["thickness"]]), "fit"),
+            (dict(fixed=["thickness_m"]), "fixed"),
             (dict(fit="shear_strength"), "fit"),
             (dict(fixed={"thickness_mm": 2}), "fixed"),
             (dict(fixed={"thickness_m": 2}), r"fixed\['thickness_m'\]"),
@@ -237,6 +240,12 @@ class Calibrate(unittest.TestCase):
             softfinger.calibrate(**nothing)
         with self.assertRaisesRegex(softfinger.InputError, "number of measured values"):
             softfinger.calibrate(**{**nothing, "load_N": [1.0, 2.0]}, a_m=[1e-3, numpy.nan])
+
+    def test_a_model_without_an_answer_is_refused(self):
+        widths = {k: v for k, v in inked_fingertip().items() if k in ("load_N", "b_m")}
+        # An incompressible layer has no oedometric modulus.
+        with self.assertRaisesRegex(softfinger.InputError, "^calibrate: model = 'winkler'"):
+            softfinger.calibrate(**widths, **{**FINGER, "poisson_ratio": 0.5}, model="winkler")
 
     def test_data_that_no_model_explains_are_refused_with_the_worst(self):
         wild = {**inked_fingertip(), "a_m": [1e-3, 8e-3, 1e-3, 9e-3, 1e-3, 7e-3, 1e-3, 8e-3]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections.abc
 import dataclasses
 from typing import Any, Mapping, Optional, Sequence, Union
 
@@ -222,8 +223,9 @@ def calibrate(
         Calibration
 
     Raises:
-        InputError: an argument is out of its range; there are not more values than parameters; or
-            no model explains the data: it tells which values are off, and by how much
+        InputError: an argument is out of its range; there are not more values than parameters; the
+            model has no answer; or no model explains the data: it tells which values are off, and
+            by how much
     """
     given = dict(locals())
     if model not in _MODELS:
@@ -264,6 +266,10 @@ def calibrate(
         numpy.array([start[name] for name in _RANGES]),
         curve_loads_N,
     )
+    if not numpy.isfinite(found["predicted"]).all():
+        raise InputError(
+            "calibrate", "model", model, "one with an answer for these contacts; see `checks`"
+        )
 
     def in_shape(name):
         arrays = {q: numpy.full(loads.shape, numpy.nan) for q in every if q in measured}
@@ -315,6 +321,8 @@ def _fixed_values(fixed):
     """By the parameter's name."""
     keys = {key: name for name, key in _PARAMETERS.items()}
     values = {}
+    if fixed is not None and not isinstance(fixed, collections.abc.Mapping):
+        raise InputError("calibrate", "fixed", fixed, "a dict of numbers by " + ", ".join(keys))
     for key, value in (fixed or {}).items():
         if key not in keys:
             raise InputError("calibrate", "fixed", key, ", ".join(keys))
@@ -394,10 +402,12 @@ def _parameters_to_find(fit, fixed, model, law, measured):
         names = ["youngs_modulus"] + (["thickness"] if model not in ("hertz", "winkler") else [])
         names += [name for name in frictional if has_friction and _law_has(law, name)]
         names = [name for name in names if name not in fixed]
-    else:
+    elif isinstance(fit, collections.abc.Iterable):
         names = [fit] if isinstance(fit, str) else list(fit)
+    else:
+        raise InputError(function, "fit", fit, "names out of " + ", ".join(_PARAMETERS))
     for name in names:
-        if name not in _PARAMETERS:
+        if not isinstance(name, str) or name not in _PARAMETERS:
             raise InputError(function, "fit", name, ", ".join(_PARAMETERS))
         if names.count(name) > 1:
             raise InputError(function, "fit", name, "each parameter once")
