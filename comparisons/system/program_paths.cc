@@ -27,8 +27,8 @@ fs::path fem_program() {
   if (!fs::is_regular_file(program, error) || access(program.c_str(), X_OK) != 0)
     throw InputError(
         program.string(),
-        "the finite-element program does not exist; build it with -DSOFTFINGER_BUILD_FEM=ON "
-        "or name it in SOFTFINGER_FEM_PROGRAM",
+        "the finite-element program does not exist; install the package softfinger-fem, build it "
+        "with -DSOFTFINGER_BUILD_FEM=ON or name it in SOFTFINGER_FEM_PROGRAM",
         "", "");
   return program;
 }

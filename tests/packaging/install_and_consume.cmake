@@ -21,7 +21,7 @@ run("installing" ${CMAKE_COMMAND} --install ${BUILD_DIRECTORY} --component analy
 # Nothing but headers, one library, the package files and the licence.
 file(GLOB_RECURSE installed RELATIVE ${prefix} ${prefix}/*)
 foreach(file IN LISTS installed)
-  if(NOT file MATCHES "^include/softfinger/.*[.]h$|/libsoftfinger_(analytic|dynamics)[.]a$|/cmake/softfinger/|/LICENSE$")
+  if(NOT file MATCHES "^include/softfinger/.*[.]h$|/libsoftfinger_(analytic|dynamics)[.]a$|/cmake/softfinger/|/libsoftfinger-dev/copyright$")
     message(FATAL_ERROR "unexpected file in the installation: ${file}")
   endif()
   # A package that names the build's own folders works on this machine only.

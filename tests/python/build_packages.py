@@ -1,4 +1,5 @@
-"""Builds the wheel and the Debian package as a user does, and predicts with each by itself.
+"""Builds the wheel and the Debian package as a user does, predicts with each by itself, and runs the
+notebooks with the wheel.
 
 usage: build_packages.py SOURCE FOLDER
 
@@ -62,7 +63,16 @@ def check_sample(python, folder, path):
             ), line
 
 
-def check_wheel(tree, folder):
+def check_notebooks(python, source):
+    """The notebooks run with the package that this Python finds by itself."""
+    run(
+        *(python, "-m", "unittest", "notebooks_test"),
+        cwd=source / "tests" / "python",
+        env={**os.environ, "SOFTFINGER_SOURCE": str(source), "PYTHONDONTWRITEBYTECODE": "1"},
+    )
+
+
+def check_wheel(tree, folder, source):
     pip = ("-m", "pip", "--disable-pip-version-check", "--quiet")
     offline = ("--no-index", "--no-build-isolation", "--no-deps")
     project = tree / "analytic" / "python"
@@ -81,6 +91,7 @@ def check_wheel(tree, folder):
     python = environment / "bin" / "python"
     run(python, *pip, "install", *offline, wheel)
     check_sample(python, folder, environment)
+    check_notebooks(python, source)
 
 
 def check_deb(tree, folder):
@@ -106,7 +117,7 @@ def main():
     source, folder = (pathlib.Path(argument) for argument in sys.argv[1:])
     shutil.rmtree(folder, ignore_errors=True)
     copy_of(source, folder / "tree")
-    check_wheel(folder / "tree", folder)
+    check_wheel(folder / "tree", folder, source)
     check_deb(folder / "tree", folder)
 
 

@@ -43,6 +43,29 @@ class Plot(unittest.TestCase):
             self.assertEqual(curve.get_xdata()[0], curve.get_xdata()[-1])
             self.assertAlmostEqual(numpy.max(curve.get_xdata()), surface.max_force_N, delta=1e-12)
 
+    @unittest.skipUnless(HAS_MATPLOTLIB, "no matplotlib")
+    def test_a_calibration_is_drawn_with_its_outlier(self):
+        loads_N = numpy.geomspace(0.2, 5, 8)
+        truth = softfinger.predict(**{**PAD, "normal_force_N": loads_N})
+        smeared_m = truth.a_m * numpy.where(
+            loads_N == loads_N[5], 1.5, 1 + 0.01 * (-1) ** numpy.arange(8)
+        )
+        finger = {name: value for name, value in PAD.items() if name != "normal_force_N"}
+        found = softfinger.calibrate(
+            **finger, load_N=loads_N, a_m=smeared_m, indentation_m=truth.indentation_m
+        )
+        self.assertEqual([one.index for one in found.outliers], [(5,)])
+        of_a, of_indentation = softfinger.plot.plot_calibration(found)
+        curve, points, cross = of_a.get_lines()
+        numpy.testing.assert_array_equal(curve.get_ydata(), 1e3 * found.curves["a_m"].value)
+        self.assertEqual(len(points.get_xdata()), 7)
+        self.assertEqual(cross.get_ydata(), [1e3 * smeared_m[5]])
+        self.assertEqual(len(of_indentation.get_lines()), 2)
+        with self.assertRaises(softfinger.InputError):
+            softfinger.plot.plot_calibration(found, axes=of_a)
+        with self.assertRaises(softfinger.InputError):
+            softfinger.plot.plot_calibration(truth)
+
     def test_several_contacts_are_refused(self):
         with self.assertRaises(softfinger.InputError):
             softfinger.plot.plot_contact(**{**PAD, "normal_force_N": [1, 2]})

@@ -10,10 +10,20 @@ throughout; each name ends with its unit. Arrays broadcast.
 """
 
 from ._accuracy import Choice, ErrorBound, Errors, error_bound, select
+from ._calibrate import (
+    Calibration,
+    Curve,
+    Estimate,
+    Goodness,
+    ModelFit,
+    NextMeasurement,
+    Outlier,
+    calibrate,
+)
 from ._core import __version__
 from ._errors import InputError, ProgramError
 from ._fem import FemResult, fem
-from ._friction import FrictionEllipsoid, LimitSurface
+from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 from ._geometry import Gap, QuadricFit, fit, gap_between, weld
 from ._gradient import Derivatives, PredictionWithGradient, predict_with_gradient
 from ._predict import Check, ModelCard, Prediction, checks, models, predict, pressure_Pa
@@ -35,31 +45,40 @@ from ._simulation import (
 __all__ = [
     "Body",
     "BoxOnPlane",
+    "Calibration",
     "Check",
     "Choice",
     "Contact",
     "ContactState",
+    "Curve",
     "Derivatives",
     "ErrorBound",
     "Errors",
+    "Estimate",
     "FemResult",
     "FrictionEllipsoid",
     "Gap",
+    "Goodness",
     "InputError",
     "Joint",
     "LimitSurface",
     "ModelCard",
+    "ModelFit",
     "Motor",
+    "NextMeasurement",
+    "Outlier",
     "Prediction",
     "PredictionWithGradient",
     "ProgramError",
     "QuadricFit",
     "Scene",
     "SceneContact",
+    "ShearSurface",
     "Simulation",
     "SphereOnPlane",
     "SphereOnSphere",
     "StepError",
+    "calibrate",
     "checks",
     "eccentricity_law",
     "error_bound",

@@ -1,6 +1,6 @@
 # Written by analytic/python/tools/write_stubs.py; do not edit.
 import os
-from typing import Any, Callable, Iterable, Optional, Sequence, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy
 from numpy.typing import ArrayLike
@@ -61,6 +61,49 @@ class BoxOnPlane:
         shape: Optional[tuple[float, float]] = ...,
     ) -> None: ...
     def find(self, simulation: Simulation) -> Iterable[Contact]: ...
+
+class Calibration:
+    model: str
+    shear_law: str
+    parameters: dict[str, Estimate]
+    fixed: dict[str, float]
+    covariance: Optional[numpy.ndarray]
+    cannot_tell: tuple[str, ...]
+    next_measurement: Optional[NextMeasurement]
+    models: tuple[ModelFit, ...]
+    shear_laws: tuple[ModelFit, ...]
+    outliers: tuple[Outlier, ...]
+    goodness: Goodness
+    growth_exponent: Optional[tuple[float, float]]
+    contact: dict[str, Any]
+    load_N: numpy.ndarray
+    measured: dict[str, numpy.ndarray]
+    std: dict[str, numpy.ndarray]
+    predicted: dict[str, numpy.ndarray]
+    deviation: dict[str, numpy.ndarray]
+    curves: dict[str, Curve]
+    def __init__(
+        self,
+        model: str,
+        shear_law: str,
+        parameters: dict[str, Estimate],
+        fixed: dict[str, float],
+        covariance: Optional[numpy.ndarray],
+        cannot_tell: tuple[str, ...],
+        next_measurement: Optional[NextMeasurement],
+        models: tuple[ModelFit, ...],
+        shear_laws: tuple[ModelFit, ...],
+        outliers: tuple[Outlier, ...],
+        goodness: Goodness,
+        growth_exponent: Optional[tuple[float, float]],
+        contact: dict[str, Any],
+        load_N: numpy.ndarray,
+        measured: dict[str, numpy.ndarray],
+        std: dict[str, numpy.ndarray],
+        predicted: dict[str, numpy.ndarray],
+        deviation: dict[str, numpy.ndarray],
+        curves: dict[str, Curve],
+    ) -> None: ...
 
 class Check:
     name: str
@@ -138,6 +181,15 @@ class ContactState:
         slip_m_per_s: float,
     ) -> None: ...
 
+class Curve:
+    load_N: numpy.ndarray
+    value: numpy.ndarray
+    low: numpy.ndarray
+    high: numpy.ndarray
+    def __init__(
+        self, load_N: numpy.ndarray, value: numpy.ndarray, low: numpy.ndarray, high: numpy.ndarray
+    ) -> None: ...
+
 class Derivatives:
     normal_force_N: Numbers
     youngs_modulus_Pa: Numbers
@@ -205,6 +257,25 @@ class Errors:
     ) -> None: ...
     def largest(self, quantities: Sequence[str] = ...) -> Numbers: ...
 
+class Estimate:
+    name: str
+    unit: str
+    value: float
+    std: float
+    interval95: tuple[float, float]
+    interval_open: tuple[bool, bool]
+    determined: bool
+    def __init__(
+        self,
+        name: str,
+        unit: str,
+        value: float,
+        std: float,
+        interval95: tuple[float, float],
+        interval_open: tuple[bool, bool],
+        determined: bool,
+    ) -> None: ...
+
 class FemResult:
     load_N: float
     a_m: float
@@ -232,6 +303,17 @@ class FrictionEllipsoid:
     max_force_N: Numbers
     eccentricity_m: Numbers
     def __init__(self, max_force_N: Numbers, eccentricity_m: Numbers) -> None: ...
+    @classmethod
+    def of_shear_law(
+        cls,
+        a_m: ArrayLike,
+        b_m: ArrayLike,
+        exponent: ArrayLike,
+        load_N: ArrayLike,
+        shear_law: str = ...,
+        friction_coefficient: Optional[ArrayLike] = ...,
+        shear_strength_Pa: Optional[ArrayLike] = ...,
+    ) -> FrictionEllipsoid: ...
     @property
     def max_torque_Nm(self) -> Numbers: ...
     def utilisation(self, wrench: ArrayLike) -> Numbers: ...
@@ -254,6 +336,21 @@ class Gap:
         finger_xy_per_m: Numbers,
     ) -> None: ...
     def arguments(self) -> dict[str, Numbers]: ...
+
+class Goodness:
+    probability: Optional[float]
+    error_factor: float
+    sum_of_squares: float
+    degrees_of_freedom: int
+    scatter: dict[str, float]
+    def __init__(
+        self,
+        probability: Optional[float],
+        error_factor: float,
+        sum_of_squares: float,
+        degrees_of_freedom: int,
+        scatter: dict[str, float],
+    ) -> None: ...
 
 class InputError(ValueError):
     function: str
@@ -301,13 +398,13 @@ class LimitSurface:
     def max_torque_Nm(self) -> Numbers: ...
     def ellipsoid(self) -> FrictionEllipsoid: ...
     def wrench_for_twist(self, twist: ArrayLike) -> numpy.ndarray: ...
-    def wrench_for_center_of_rotation(self, center_m: ArrayLike) -> numpy.ndarray: ...
     def support(self, twist: ArrayLike) -> Numbers: ...
     def utilisation(self, wrench: ArrayLike) -> Numbers: ...
     def contains(self, wrench: ArrayLike) -> Flags: ...
     def project(self, wrench: ArrayLike) -> numpy.ndarray: ...
     def sample(self, count: int) -> numpy.ndarray: ...
     def sample_section(self, direction_rad: float, count: int) -> numpy.ndarray: ...
+    def wrench_for_center_of_rotation(self, center_m: ArrayLike) -> numpy.ndarray: ...
 
 class ModelCard:
     name: str
@@ -332,6 +429,21 @@ class ModelCard:
         has_finite_strain: bool,
     ) -> None: ...
 
+class ModelFit:
+    name: str
+    aic: float
+    scatter: float
+    held_out_error: float
+    parameters: dict[str, float]
+    def __init__(
+        self,
+        name: str,
+        aic: float,
+        scatter: float,
+        held_out_error: float,
+        parameters: dict[str, float],
+    ) -> None: ...
+
 class Motor:
     joint: str
     stiffness: float
@@ -351,6 +463,40 @@ class Motor:
         target_velocity: float = ...,
     ) -> None: ...
 
+class NextMeasurement:
+    quantity: str
+    load_N: Optional[float]
+    relative_std: float
+    parameter: str
+    std_now: float
+    std_then: float
+    def __init__(
+        self,
+        quantity: str,
+        load_N: Optional[float],
+        relative_std: float,
+        parameter: str,
+        std_now: float,
+        std_then: float,
+    ) -> None: ...
+
+class Outlier:
+    quantity: str
+    index: tuple[int, ...]
+    load_N: float
+    measured: float
+    predicted: float
+    deviation: float
+    def __init__(
+        self,
+        quantity: str,
+        index: tuple[int, ...],
+        load_N: float,
+        measured: float,
+        predicted: float,
+        deviation: float,
+    ) -> None: ...
+
 class Prediction:
     model: str
     has_answer: Flags
@@ -363,6 +509,11 @@ class Prediction:
     torque_arm_paper_m: Numbers
     max_force_N: Numbers
     max_torque_Nm: Numbers
+    eccentricity_m: Numbers
+    normal_force_N: Numbers
+    shear_law: str
+    friction_coefficient: Numbers
+    shear_strength_Pa: Numbers
     def __init__(
         self,
         model: str,
@@ -376,9 +527,14 @@ class Prediction:
         torque_arm_paper_m: Numbers,
         max_force_N: Numbers,
         max_torque_Nm: Numbers,
+        eccentricity_m: Numbers,
+        normal_force_N: Numbers,
+        shear_law: str,
+        friction_coefficient: Numbers,
+        shear_strength_Pa: Numbers,
     ) -> None: ...
     def friction_ellipsoid(self) -> FrictionEllipsoid: ...
-    def limit_surface(self) -> LimitSurface: ...
+    def limit_surface(self) -> Union[LimitSurface, ShearSurface]: ...
 
 class PredictionWithGradient:
     prediction: Prediction
@@ -514,6 +670,39 @@ class SceneContact:
         friction_law: str,
     ) -> None: ...
 
+class ShearSurface:
+    a_m: float
+    b_m: float
+    exponent: float
+    load_N: float
+    shear_law: str
+    friction_coefficient: Optional[float]
+    shear_strength_Pa: Optional[float]
+    def __init__(
+        self,
+        a_m: float,
+        b_m: float,
+        exponent: float,
+        load_N: float,
+        shear_law: str,
+        friction_coefficient: Optional[float] = ...,
+        shear_strength_Pa: Optional[float] = ...,
+    ) -> None: ...
+    @property
+    def eccentricity_m(self) -> float: ...
+    @property
+    def max_torque_Nm(self) -> Numbers: ...
+    def ellipsoid(self) -> FrictionEllipsoid: ...
+    def wrench_for_twist(self, twist: ArrayLike) -> numpy.ndarray: ...
+    def support(self, twist: ArrayLike) -> Numbers: ...
+    def utilisation(self, wrench: ArrayLike) -> Numbers: ...
+    def contains(self, wrench: ArrayLike) -> Flags: ...
+    def project(self, wrench: ArrayLike) -> numpy.ndarray: ...
+    def sample(self, count: int) -> numpy.ndarray: ...
+    def sample_section(self, direction_rad: float, count: int) -> numpy.ndarray: ...
+    @property
+    def max_force_N(self) -> float: ...
+
 class Simulation:
     def __init__(
         self,
@@ -591,6 +780,37 @@ class SphereOnSphere:
 
 class StepError(RuntimeError): ...
 
+def calibrate(
+    *,
+    load_N: ArrayLike,
+    radius_major_m: float,
+    radius_minor_m: float,
+    youngs_modulus_Pa: float,
+    thickness_m: float,
+    poisson_ratio: float,
+    a_m: Optional[ArrayLike] = ...,
+    a_m_std: Optional[ArrayLike] = ...,
+    b_m: Optional[ArrayLike] = ...,
+    b_m_std: Optional[ArrayLike] = ...,
+    area_m2: Optional[ArrayLike] = ...,
+    area_m2_std: Optional[ArrayLike] = ...,
+    indentation_m: Optional[ArrayLike] = ...,
+    indentation_m_std: Optional[ArrayLike] = ...,
+    max_torque_Nm: Optional[ArrayLike] = ...,
+    max_torque_Nm_std: Optional[ArrayLike] = ...,
+    tangential_force_N: Optional[ArrayLike] = ...,
+    tangential_force_N_std: Optional[ArrayLike] = ...,
+    friction_coefficient: Optional[float] = ...,
+    shear_strength_Pa: Optional[float] = ...,
+    shear_law: str = ...,
+    finger_xx_per_m: float = ...,
+    finger_yy_per_m: float = ...,
+    finger_xy_per_m: float = ...,
+    winkler_modulus: str = ...,
+    fit: Union[None, str, Sequence[str]] = ...,
+    fixed: Optional[Mapping[str, float]] = ...,
+    model: str = ...,
+) -> Calibration: ...
 def checks(
     *,
     normal_force_N: ArrayLike,
@@ -683,18 +903,20 @@ def predict(
     thickness_m: ArrayLike,
     radius_major_m: ArrayLike,
     radius_minor_m: ArrayLike,
-    friction_coefficient: ArrayLike,
+    friction_coefficient: Optional[ArrayLike] = ...,
     finger_xx_per_m: ArrayLike = ...,
     finger_yy_per_m: ArrayLike = ...,
     finger_xy_per_m: ArrayLike = ...,
     object_thickness_m: ArrayLike = ...,
     object_youngs_modulus_Pa: ArrayLike = ...,
     object_poisson_ratio: ArrayLike = ...,
+    shear_strength_Pa: Optional[ArrayLike] = ...,
     is_object_spherical: bool = ...,
     winkler_modulus: str = ...,
     power_law_coefficient: float = ...,
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
+    shear_law: str = ...,
     model: str = ...,
 ) -> Prediction: ...
 def predict_with_gradient(

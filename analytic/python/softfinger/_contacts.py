@@ -73,7 +73,31 @@ SCALARS = (
     Number("power_law_exponent", EXPONENT, 1 / 3, "gamma"),
     Number("power_law_pressure_exponent", AT_LEAST_ONE, 2.0, "k of p ~ (1 - (r/a)^k)^(1/k)"),
 )
+
 NUMBERS = ARRAYS + SCALARS
+
+# What friction carries at a point, for functions that ask for the largest force and torque. A
+# coefficient is required by the laws that have one.
+SHEAR_LAWS = ("coulomb", "shear_strength", "limited", "adhesive_shear")
+FRICTION_COEFFICIENT = Number(
+    "friction_coefficient",
+    NOT_NEGATIVE,
+    None,
+    "mu; needed by all laws but 'shear_strength', refused by that",
+)
+SHEAR_STRENGTH = Number(
+    "shear_strength_Pa",
+    NOT_NEGATIVE,
+    None,
+    "tau_0, a shear stress; needed by all laws but 'coulomb', refused by that",
+)
+SHEAR_LAW = Number(
+    "shear_law",
+    None,
+    "coulomb",
+    "the shear stress at slip under a pressure p: 'coulomb' mu p, 'shear_strength' tau_0, "
+    "'limited' min(mu p, tau_0), 'adhesive_shear' tau_0 + mu p",
+)
 
 
 def model_card_names():
@@ -104,6 +128,30 @@ def check_range(function, name, values, allowed):
     if inside.all():
         return
     refuse_first(function, name, values, inside, allowed.allowed)
+
+
+def check_shear_law(function, law):
+    if law not in SHEAR_LAWS:
+        raise InputError(function, "shear_law", law, ", ".join(SHEAR_LAWS))
+    return law
+
+
+def friction_of(function, law, friction_coefficient, shear_strength_Pa):
+    """Coefficient and strength, 0 in place of what the law does not use.
+
+    As in case files, what a law needs has to be there, and what it does not use is refused.
+    """
+    check_shear_law(function, law)
+    given = {"friction_coefficient": friction_coefficient, "shear_strength_Pa": shear_strength_Pa}
+    for name, other in (
+        ("friction_coefficient", "shear_strength"),
+        ("shear_strength_Pa", "coulomb"),
+    ):
+        if given[name] is None and law != other:
+            raise InputError(function, name, None, f"a number: shear_law = {law!r} needs it")
+        if given[name] is not None and law == other:
+            raise InputError(function, name, given[name], f"nothing: shear_law = {law!r} has none")
+    return tuple(0.0 if value is None else value for value in given.values())
 
 
 def refuse_first(function, name, values, inside, allowed):
@@ -138,8 +186,20 @@ class Contacts:
 
     @classmethod
     def of(cls, function, arguments):
+        """Of the arguments by name; `shear_law` with its numbers may be among them."""
+        numbers = ARRAYS
+        if "shear_law" in arguments:
+            numbers = ARRAYS + (SHEAR_STRENGTH,)
+            friction = friction_of(
+                function,
+                arguments["shear_law"],
+                arguments["friction_coefficient"],
+                arguments["shear_strength_Pa"],
+            )
+            names = ("friction_coefficient", "shear_strength_Pa")
+            arguments = {**arguments, **dict(zip(names, friction))}
         arrays = {}
-        for number in ARRAYS:
+        for number in numbers:
             arrays[number.name] = as_numbers(function, number.name, arguments[number.name])
             check_range(function, number.name, arrays[number.name], number.range)
         major, minor = arrays["radius_major_m"], arrays["radius_minor_m"]
@@ -173,6 +233,7 @@ class Contacts:
                 check_range(function, number.name, array, number.range)
                 value = float(array)
             flat[number.name] = value
+        flat["shear_law"] = arguments.get("shear_law", "coulomb")
         if flat["winkler_modulus"] not in ("oedometric", "youngs"):
             raise InputError(
                 function, "winkler_modulus", flat["winkler_modulus"], "'oedometric' or 'youngs'"
@@ -188,31 +249,32 @@ class Contacts:
             raise InputError(function, "shape", self.shape, f"one contact: {instead}")
 
 
-_DOCUMENTED = "\n".join(
-    [
-        "",
-        "Arguments of the contact, in SI units. Each is a number or an array; arrays broadcast:",
-        "",
-    ]
-    + [
-        f"    {number.name}: {number.meaning}; {number.range.allowed}"
-        + ("" if number.default is REQUIRED else f"; default {number.default:g}")
-        for number in ARRAYS
-    ]
-    + ["", "For all contacts of the call:", ""]
-    + [
-        f"    {number.name}: {number.meaning}"
-        + (f"; {number.range.allowed}" if number.range else "")
-        + f"; default {number.default!r}"
-        for number in SCALARS
-    ]
-    + [
-        "",
-        "Raises:",
-        "    InputError: an argument is out of its range; it names argument, value and range",
-        "",
-    ]
-)
+def _documented(arrays, scalars):
+    return "\n".join(
+        [
+            "",
+            "Arguments of the contact, in SI units. Each is a number or an array; arrays broadcast:",
+            "",
+        ]
+        + [
+            f"    {number.name}: {number.meaning}; {number.range.allowed}"
+            + (f"; default {number.default:g}" if isinstance(number.default, float) else "")
+            for number in arrays
+        ]
+        + ["", "For all contacts of the call:", ""]
+        + [
+            f"    {number.name}: {number.meaning}"
+            + (f"; {number.range.allowed}" if number.range else "")
+            + f"; default {number.default!r}"
+            for number in scalars
+        ]
+        + [
+            "",
+            "Raises:",
+            "    InputError: an argument is out of its range; it names argument, value and range",
+            "",
+        ]
+    )
 
 
 def takes_contacts(function):
@@ -221,16 +283,28 @@ def takes_contacts(function):
     The first parameter of `function` receives the Contacts; its others stay as they are. The
     function of checked contacts remains within reach, as the attribute `of_contacts`.
     """
+    return _taking(function, ARRAYS, SCALARS)
+
+
+def takes_contacts_with_friction(function):
+    """The same for a function that knows other shear laws than Coulomb's."""
+    arrays = [n if n.name != "friction_coefficient" else FRICTION_COEFFICIENT for n in ARRAYS]
+    return _taking(function, [*arrays, SHEAR_STRENGTH], [*SCALARS, SHEAR_LAW])
+
+
+def _taking(function, arrays, scalars):
     own = list(inspect.signature(function).parameters.values())[1:]
     contact = [
         inspect.Parameter(
             number.name,
             inspect.Parameter.KEYWORD_ONLY,
             default=number.default,
-            annotation=kind or type(number.default).__name__,
+            annotation=annotation,
         )
-        for numbers, kind in ((ARRAYS, "ArrayLike"), (SCALARS, None))
-        for number in numbers
+        for number, annotation in [
+            *((n, "Optional[ArrayLike]" if n.default is None else "ArrayLike") for n in arrays),
+            *((n, type(n.default).__name__) for n in scalars),
+        ]
     ]
     own_by_keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
     signature = inspect.Signature(
@@ -249,6 +323,6 @@ def takes_contacts(function):
 
     of_numbers.of_contacts = function
     of_numbers.__signature__ = signature
-    of_numbers.__doc__ = inspect.cleandoc(function.__doc__) + "\n" + _DOCUMENTED
+    of_numbers.__doc__ = inspect.cleandoc(function.__doc__) + "\n" + _documented(arrays, scalars)
     del of_numbers.__wrapped__
     return of_numbers

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Union
 
 import numpy
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._contacts import check_model, takes_contacts
+from ._contacts import SHEAR_LAWS, check_model, takes_contacts, takes_contacts_with_friction
 from ._result import Flags, Numbers, Result, shaped
 from ._errors import InputError
-from ._friction import FrictionEllipsoid, LimitSurface
+from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,15 +48,21 @@ class Prediction(Result):
     peak_pressure_Pa: Numbers
     torque_arm_exact_m: Numbers  #: (int p r dA)/P, the e_n of the friction ellipsoid
     torque_arm_paper_m: Numbers  #: that of the circle of radius sqrt(ab) (Ciocarlie et al. 2007)
-    max_force_N: Numbers  #: mu P
-    max_torque_Nm: Numbers  #: mu P times the exact arm
+    max_force_N: Numbers  #: by the shear law; Coulomb's: mu P
+    max_torque_Nm: Numbers  #: by the shear law; Coulomb's: mu P times the exact arm
+    eccentricity_m: Numbers  #: largest torque over largest force
+    normal_force_N: Numbers  #: as asked
+    shear_law: str  #: as asked
+    friction_coefficient: Numbers  #: as asked; 0 where the law has none
+    shear_strength_Pa: Numbers  #: as asked; 0 where the law has none
 
     def friction_ellipsoid(self) -> FrictionEllipsoid:
         """The FrictionEllipsoid with this largest force and torque."""
-        return FrictionEllipsoid(self.max_force_N, self.torque_arm_exact_m)
+        return FrictionEllipsoid(self.max_force_N, self.eccentricity_m)
 
-    def limit_surface(self) -> LimitSurface:
-        """The exact LimitSurface of a single contact.
+    def limit_surface(self) -> Union[LimitSurface, ShearSurface]:
+        """The exact limit surface of a single contact: a LimitSurface under Coulomb's law, else a
+        ShearSurface.
 
         Its pressure is p ~ (1 - x²/a² - y²/b²)^n on this ellipse, with the n that has this torque
         arm.
@@ -67,8 +74,20 @@ class Prediction(Result):
             raise InputError("limit_surface", "shape", numpy.shape(self.a_m), "one contact")
         if not self.has_answer:
             raise InputError("limit_surface", "has_answer", False, "a contact with an answer")
-        exponent = _core.equivalent_exponent(self.a_m, self.b_m, self.torque_arm_exact_m)
-        return LimitSurface(self.a_m, self.b_m, exponent, self.max_force_N)
+        (exponent,) = _core.equivalent_exponents(
+            *(numpy.array([x]) for x in (self.a_m, self.b_m, self.torque_arm_exact_m))
+        )
+        if self.shear_law == "coulomb":
+            return LimitSurface(self.a_m, self.b_m, exponent, self.max_force_N)
+        return ShearSurface(
+            self.a_m,
+            self.b_m,
+            exponent,
+            self.normal_force_N,
+            self.shear_law,
+            None if self.shear_law == "shear_strength" else self.friction_coefficient,
+            self.shear_strength_Pa,
+        )
 
 
 def _is_normal(values):
@@ -76,7 +95,7 @@ def _is_normal(values):
     return (values >= limits.tiny) & (values <= limits.max)
 
 
-@takes_contacts
+@takes_contacts_with_friction
 def predict(contacts, model: str = "fingertip_layer") -> Prediction:
     """Contact ellipse, indentation, pressure and largest torque of elastic layers on rigid cores.
 
@@ -92,20 +111,37 @@ def predict(contacts, model: str = "fingertip_layer") -> Prediction:
     check_model("predict", model)
     numbers = _core.predict(model, contacts.numbers)
     numbers["area_m2"] = numpy.pi * numbers["a_m"] * numbers["b_m"]
-    friction = contacts.numbers["friction_coefficient"]
+    load, friction = (contacts.numbers[x] for x in ("normal_force_N", "friction_coefficient"))
+    strength = contacts.numbers.get("shear_strength_Pa", numpy.zeros_like(friction))
+    law = contacts.numbers["shear_law"]
     with numpy.errstate(over="ignore", under="ignore"):
-        numbers["max_force_N"] = friction * contacts.numbers["normal_force_N"]
-        numbers["max_torque_Nm"] = numbers["max_force_N"] * numbers["torque_arm_exact_m"]
+        force = friction * load
+        torque = force * numbers["torque_arm_exact_m"]
     # As PressureModel::predict has it, which knows the friction coefficient: what a double cannot
     # hold is no answer.
-    is_lost = (friction > 0) & ~(
-        _is_normal(numbers["max_force_N"]) & _is_normal(numbers["max_torque_Nm"])
-    )
+    is_lost = (friction > 0) & ~(_is_normal(force) & _is_normal(torque))
     if is_lost.any():
         for values in numbers.values():
             values[is_lost] = 0
-    numbers["has_answer"] = numbers["a_m"] > 0
-    return Prediction(model, **{name: shaped(x, contacts.shape) for name, x in numbers.items()})
+    has_answer = numbers["a_m"] > 0
+    if law == "coulomb":
+        arm = numbers["torque_arm_exact_m"].copy()
+    else:
+        ellipse = (numbers["a_m"], numbers["b_m"])
+        exponent = _core.equivalent_exponents(*ellipse, numbers["torque_arm_exact_m"])
+        force, arm = _core.friction_ellipsoids(
+            SHEAR_LAWS.index(law), *ellipse, exponent, load, friction, strength
+        )
+        torque = force * arm
+    numbers.update(has_answer=has_answer, max_force_N=force, max_torque_Nm=torque)
+    numbers["eccentricity_m"] = arm
+    for name in ("max_force_N", "max_torque_Nm", "eccentricity_m"):
+        numbers[name][~has_answer] = 0
+    numbers.update(normal_force_N=load, friction_coefficient=friction, shear_strength_Pa=strength)
+    shape = contacts.shape
+    return Prediction(
+        model, shear_law=law, **{name: shaped(x, shape) for name, x in numbers.items()}
+    )
 
 
 @dataclasses.dataclass(frozen=True)

@@ -13,8 +13,9 @@ from ._errors import InputError, ProgramError
 
 _HOW_TO_GET_IT = (
     "the program softfinger is not installed: this package holds the analytic models alone. "
-    "Build it on Debian 12 from the sources with `comparisons/run.sh`, then put build/release/bin "
-    "into PATH, or name the program in the environment variable SOFTFINGER_PROGRAM"
+    "On Debian 12 install the package softfinger, or build it from the sources with "
+    "`comparisons/run.sh` and put build/release/bin into PATH, or name the program in the "
+    "environment variable SOFTFINGER_PROGRAM"
 )
 
 

@@ -24,11 +24,22 @@ class Result:
         if type(self) is not type(other):
             return NotImplemented
         return all(
-            numpy.array_equal(getattr(self, field.name), getattr(other, field.name))
+            _are_equal(getattr(self, field.name), getattr(other, field.name))
             for field in dataclasses.fields(self)
         )
 
     __hash__ = None
+
+
+def _are_equal(one, other):
+    """NaN, which stands for what was not measured, equals NaN."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_are_equal(one[k], other[k]) for k in one)
+    if isinstance(one, numpy.ndarray) and one.dtype.kind == "f":
+        return numpy.array_equal(one, other, equal_nan=True)
+    if isinstance(one, float) and one != one:
+        return isinstance(other, float) and other != other
+    return numpy.array_equal(one, other)
 
 
 def shaped(values, shape):

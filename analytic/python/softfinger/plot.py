@@ -7,9 +7,10 @@ from typing import Any, Union
 
 import numpy
 
-from ._contacts import takes_contacts
+from ._calibrate import Calibration
+from ._contacts import takes_contacts_with_friction
 from ._errors import InputError
-from ._friction import FrictionEllipsoid, LimitSurface
+from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 from ._predict import predict, pressure_Pa
 
 
@@ -25,7 +26,7 @@ def _axes(axes):
     return matplotlib.pyplot.subplots()[1]
 
 
-@takes_contacts
+@takes_contacts_with_friction
 def plot_contact(contacts, model: str = "fingertip_layer", axes: Any = None) -> Any:
     """Draws contact ellipse and pressure of one contact, in mm and kPa at equal scale.
 
@@ -69,7 +70,7 @@ def plot_contact(contacts, model: str = "fingertip_layer", axes: Any = None) -> 
 
 
 def plot_limit_surface(
-    limit: Union[LimitSurface, FrictionEllipsoid],
+    limit: Union[LimitSurface, ShearSurface, FrictionEllipsoid],
     direction_rad: float = 0.0,
     axes: Any = None,
     count: int = 181,
@@ -78,7 +79,7 @@ def plot_limit_surface(
     """Draws the section of a friction limit by the plane of one direction of tangential force.
 
     Args:
-        limit: a LimitSurface or a FrictionEllipsoid
+        limit: a LimitSurface, a ShearSurface or a FrictionEllipsoid
         direction_rad: of the force, from the contact's long axis
         axes: matplotlib axes to draw into; default: a new figure
         count: of points
@@ -90,18 +91,95 @@ def plot_limit_surface(
     Raises:
         ImportError: matplotlib is not installed
     """
-    if not isinstance(limit, (LimitSurface, FrictionEllipsoid)):
+    if not isinstance(limit, (LimitSurface, ShearSurface, FrictionEllipsoid)):
         raise InputError(
-            "plot_limit_surface", "limit", limit, "a LimitSurface or a FrictionEllipsoid"
+            "plot_limit_surface",
+            "limit",
+            limit,
+            "a LimitSurface, a ShearSurface or a FrictionEllipsoid",
         )
     points = limit.sample_section(direction_rad, count)
     axes = _axes(axes)
     force = points[:, 0] * numpy.cos(direction_rad) + points[:, 1] * numpy.sin(direction_rad)
-    style.setdefault("label", "exact" if isinstance(limit, LimitSurface) else "ellipsoid")
+    style.setdefault("label", "ellipsoid" if isinstance(limit, FrictionEllipsoid) else "exact")
     axes.plot(
         numpy.append(force, force[0]), 1e3 * numpy.append(points[:, 2], points[0, 2]), **style
     )
     axes.set_xlabel("tangential force (N)")
     axes.set_ylabel("torque (mN·m)")
     axes.legend()
+    return axes
+
+
+# Names, units and how many of these are one in SI.
+_LABELS = {
+    "a_m": ("a (mm)", 1e3),
+    "b_m": ("b (mm)", 1e3),
+    "area_m2": ("area (mm²)", 1e6),
+    "indentation_m": ("indentation (mm)", 1e3),
+    "max_torque_Nm": ("largest torque (mN·m)", 1e3),
+    "tangential_force_N": ("tangential force (N)", 1),
+}
+
+
+def plot_calibration(found: Calibration, axes: Any = None) -> Any:
+    """Draws the measured values of a calibration with their standard deviations over the load, the
+    fit, where chance leaves the fit itself in 95 % of all cases, and outliers as crosses.
+
+    Args:
+        found: what `calibrate` returned
+        axes: matplotlib axes to draw into, one for each measured quantity; default: a new figure
+
+    Returns:
+        array of the axes, in the order of `found.measured`
+
+    Raises:
+        InputError: `found` is no Calibration, or there are other than its number of axes
+        ImportError: matplotlib is not installed
+    """
+    function = "plot_calibration"
+    if not isinstance(found, Calibration):
+        raise InputError(function, "found", found, "what calibrate returned")
+    count = len(found.measured)
+    if axes is None:
+        first = _axes(None)
+        figure = first.figure
+        figure.clear()
+        figure.set_size_inches(4 * count, 3.5)
+        axes = figure.subplots(1, count, squeeze=False)
+        figure.set_layout_engine("tight")
+    axes = numpy.atleast_1d(axes).reshape(-1)
+    if len(axes) != count:
+        raise InputError(function, "axes", f"{len(axes)} axes", f"{count}, one for each quantity")
+    for one, (quantity, measured) in zip(axes, found.measured.items()):
+        label, scale = _LABELS[quantity]
+        curve = found.curves[quantity]
+        is_outlier = numpy.zeros(measured.shape, bool)
+        for outlier in found.outliers:
+            if outlier.quantity == quantity:
+                is_outlier[outlier.index] = True
+        counts = ~is_outlier & ~numpy.isnan(measured)
+        one.fill_between(curve.load_N, scale * curve.low, scale * curve.high, alpha=0.25)
+        one.plot(curve.load_N, scale * curve.value, label=found.model)
+        one.errorbar(
+            found.load_N[counts],
+            scale * measured[counts],
+            scale * found.std[quantity][counts],
+            fmt="o",
+            color="black",
+            label="measured",
+        )
+        if is_outlier.any():
+            one.plot(
+                found.load_N[is_outlier],
+                scale * measured[is_outlier],
+                "x",
+                color="red",
+                label="left out",
+            )
+        one.set_xscale("log")
+        one.set_yscale("log")
+        one.set_xlabel("load (N)")
+        one.set_ylabel(label)
+        one.legend()
     return axes

@@ -1,11 +1,11 @@
 # Written by analytic/python/tools/write_stubs.py; do not edit.
 import os
-from typing import Any, Callable, Iterable, Optional, Sequence, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy
 from numpy.typing import ArrayLike
 
-from softfinger import FrictionEllipsoid, LimitSurface
+from softfinger import Calibration, FrictionEllipsoid, LimitSurface, ShearSurface
 
 def plot_contact(
     *,
@@ -15,25 +15,28 @@ def plot_contact(
     thickness_m: ArrayLike,
     radius_major_m: ArrayLike,
     radius_minor_m: ArrayLike,
-    friction_coefficient: ArrayLike,
+    friction_coefficient: Optional[ArrayLike] = ...,
     finger_xx_per_m: ArrayLike = ...,
     finger_yy_per_m: ArrayLike = ...,
     finger_xy_per_m: ArrayLike = ...,
     object_thickness_m: ArrayLike = ...,
     object_youngs_modulus_Pa: ArrayLike = ...,
     object_poisson_ratio: ArrayLike = ...,
+    shear_strength_Pa: Optional[ArrayLike] = ...,
     is_object_spherical: bool = ...,
     winkler_modulus: str = ...,
     power_law_coefficient: float = ...,
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
+    shear_law: str = ...,
     model: str = ...,
     axes: Any = ...,
 ) -> Any: ...
 def plot_limit_surface(
-    limit: Union[LimitSurface, FrictionEllipsoid],
+    limit: Union[LimitSurface, ShearSurface, FrictionEllipsoid],
     direction_rad: float = ...,
     axes: Any = ...,
     count: int = ...,
     **style: Any,
 ) -> Any: ...
+def plot_calibration(found: Calibration, axes: Any = ...) -> Any: ...

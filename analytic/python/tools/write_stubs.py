@@ -16,7 +16,7 @@ import softfinger.plot
 
 HEAD = """# Written by analytic/python/tools/write_stubs.py; do not edit.
 import os
-from typing import Any, Callable, Iterable, Optional, Sequence, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Sequence, Union
 
 import numpy
 from numpy.typing import ArrayLike
@@ -55,9 +55,12 @@ def signature_text(function):
 
 
 def members(kind):
-    """Public methods and properties of a class itself."""
-    lines = []
-    for name, member in vars(kind).items():
+    """Public methods and properties of a class itself, and of the private classes it is made of."""
+    lines, own = [], {}
+    for part in reversed(kind.__mro__):
+        if part is kind or part.__name__.startswith("_"):
+            own.update(vars(part))
+    for name, member in own.items():
         if name.startswith("_") and not (name == "__init__" and not dataclasses.is_dataclass(kind)):
             continue
         if isinstance(member, property):
@@ -101,7 +104,7 @@ def stubs():
     return {
         "__init__.pyi": HEAD + ALIASES + stub_of(softfinger.__all__, softfinger),
         "plot.pyi": HEAD
-        + "\nfrom softfinger import FrictionEllipsoid, LimitSurface\n"
+        + "\nfrom softfinger import Calibration, FrictionEllipsoid, LimitSurface, ShearSurface\n"
         + stub_of(plots, softfinger.plot),
     }
 
