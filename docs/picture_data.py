@@ -46,8 +46,8 @@ def select_page(build):
     """Of the choice: the stated error of each model."""
     answer = json.loads(run(build, "select", CASE, "--tolerance", TOLERANCE, "--json"))
     for choice in answer["choices"]:
-        for entry in choice["models"]:
-            for quantity, value in (entry["stated_error"] or {}).items():
+        for entry in choice["candidates"]:
+            for quantity, value in (entry["error_estimate"] or {}).items():
                 if value is not None:
                     yield "select_page", str(choice["load_N"]), entry["model"], f"relative_{quantity}", value
 
