@@ -114,6 +114,15 @@ TEST(Calibration, RefusesFewerMeasurementsThanItNeeds) {
   EXPECT_THROW(calibrate(synthetic.problem), InputError);
 }
 
+// A column of an incompressible layer cannot be pressed: no numbers come of it, nor any fit.
+TEST(Calibration, RefusesAModelWithoutAnAnswer) {
+  test::SyntheticCalibration synthetic = test::random_calibration(1);
+  synthetic.problem.model = find_pressure_model("winkler");
+  synthetic.problem.free = {Parameter::youngs_modulus};
+  synthetic.problem.start[index_of(Parameter::poisson_ratio)] = 0.5;
+  EXPECT_THROW(calibrate(synthetic.problem), InputError);
+}
+
 /// What this layer shows under eight loads up to the largest, each value off by its standard
 /// deviation to alternating sides.
 CalibrationProblem measured(const ElasticLayer& layer, double largest_N,

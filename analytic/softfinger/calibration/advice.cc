@@ -7,6 +7,7 @@
 
 #include "softfinger/calibration/statistics.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger {
 namespace {
@@ -483,6 +484,14 @@ bool explains(const Calibration& calibration) {
   return explains_own_errors(calibration) && largest_scatter(calibration) <= kMostScatter;
 }
 
+bool explains(const CalibrationProblem& problem) {
+  try {
+    return explains(calibrate(problem));
+  } catch (const InputError&) {
+    return false;  // it has no answer
+  }
+}
+
 }  // namespace
 
 std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration) {
@@ -493,7 +502,7 @@ std::string contradiction(const CalibrationProblem& problem, const Calibration& 
     if (!other.model || other.model == problem.model) continue;
     other.free = parameters_of(problem, name);
     other.start = calibration.values;
-    if (!other.free.empty() && explains(calibrate(other))) return {};
+    if (!other.free.empty() && explains(other)) return {};
   }
   const bool contradicts_errors = !explains_own_errors(calibration);
   std::vector<std::pair<double, std::size_t>> worst;

@@ -461,7 +461,12 @@ bool Calibration::is_outlier(std::size_t measurement) const {
 
 Calibration calibrate(const CalibrationProblem& problem) {
   check(problem);
-  return Calibrator(problem).calibrate();
+  Calibration found = Calibrator(problem).calibrate();
+  for (const double predicted : found.predicted)
+    if (!std::isfinite(predicted))
+      throw InputError(kWhere, "model", std::string(problem.model->card().name),
+                       "a model that has an answer for every contact and measured quantity");
+  return found;
 }
 
 }  // namespace softfinger

@@ -70,7 +70,7 @@ struct Calibration {
 /// points, with outliers taken out.
 ///
 /// @throws InputError when there are fewer measurements than parameters, a number is out of range,
-/// the model has no derivatives, or no model can explain the measurements at all.
+/// the model has no derivatives, or no answer for a contact or a measured quantity.
 /// Cost: below 50 ms for 20 loads and four parameters.
 Calibration calibrate(const CalibrationProblem& problem);
 
