@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -12,10 +13,20 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "meshes/io/read_surface.h"
+#include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::commands {
 namespace {
+
+/// A build without gmsh lacks the built-in meshes, and so scenes with them.
+std::string question_of_scene(const std::filesystem::path& file) {
+  try {
+    return input::read_scene(file).question;
+  } catch (const InputError& error) {
+    return std::string("not in this build: ") + error.what();
+  }
+}
 
 struct Entry {
   std::string name, title;
@@ -35,7 +46,7 @@ std::vector<Entry> entries(const std::string& kind) {
     }
   if (kind == "scenes")
     for (const auto& file : system::builtin_scene_files())
-      found.push_back({file.stem().string(), input::read_scene(file).question});
+      found.push_back({file.stem().string(), question_of_scene(file)});
   if (kind == "meshes")
     for (const auto& file : system::builtin_mesh_files()) {
       const auto surface = meshes::read_surface(file.string(), 1e-3).surface;
