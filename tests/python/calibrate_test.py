@@ -244,7 +244,7 @@ class Calibrate(unittest.TestCase):
     def test_a_model_without_an_answer_is_refused(self):
         widths = {k: v for k, v in inked_fingertip().items() if k in ("load_N", "b_m")}
         # An incompressible layer has no oedometric modulus.
-        with self.assertRaisesRegex(softfinger.InputError, "^calibrate: model = 'winkler'"):
+        with self.assertRaisesRegex(softfinger.InputError, "^calibration: model = 'winkler'"):
             softfinger.calibrate(**widths, **{**FINGER, "poisson_ratio": 0.5}, model="winkler")
 
     def test_data_that_no_model_explains_are_refused_with_the_worst(self):

@@ -266,10 +266,6 @@ def calibrate(
         numpy.array([start[name] for name in _RANGES]),
         curve_loads_N,
     )
-    if not numpy.isfinite(found["predicted"]).all():
-        raise InputError(
-            "calibrate", "model", model, "one with an answer for these contacts; see `checks`"
-        )
 
     def in_shape(name):
         arrays = {q: numpy.full(loads.shape, numpy.nan) for q in every if q in measured}
