@@ -20,6 +20,10 @@ using Eigen::Index;
 
 namespace {
 
+/// Tolerance of Newton's step, relative to the approach. What a slide misses no later one inherits:
+/// it changes their wrenches by less than 3e-4.
+constexpr double of_increments = 5e-4, of_slides = 2e-3;
+
 Eigen::Rotation2Dd rotation(const PlaneMotion& motion) {
   return Eigen::Rotation2Dd(motion.turn_rad);
 }
@@ -128,6 +132,7 @@ FrictionalPressing::~FrictionalPressing() {
 }
 
 void FrictionalPressing::restart() {
+  slide_.reset();
   layer_->restore(*pressed_state_);
   force_ = pressed_force_;
   approach_ = pressed_approach_;
@@ -192,11 +197,10 @@ Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touch
   return result;
 }
 
-bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub) {
+bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, double tolerance) {
   constexpr int most_iterations = 60, most_tangents = 6;
-  constexpr double tolerance = 5e-4;  // of the step, relative to the approach
-  constexpr double slow = 0.6;        // a tangent that shortens steps by less is renewed
-  constexpr double far = 0.25;        // h: the tangent is of no use beyond
+  constexpr double slow = 0.6;  // a tangent that shortens steps by less is renewed
+  constexpr double far = 0.25;  // h: the tangent is of no use beyond
   motion_ = motion;
   double previous = std::numeric_limits<double>::infinity(), two_before = previous;
   bool renew = tangent_ == nullptr;
@@ -377,13 +381,14 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
   // The slip law holds at an increment's end: a node that begins to slip within a longer turn would
   // be taken to stick.
   constexpr double longest_turn_rad = 0.5;
+  slide_.reset();
   const PlaneMotion start = motion_;
   const double parts =
       std::max(1.0, std::ceil(std::abs(motion.turn_rad - start.turn_rad) / longest_turn_rad));
   for (double part = 0; part < parts; ++part) {
     double length = 1;
     const double reached = advance(length, 1.0 / 8, 1, [&](double share) {
-      return try_motion(between(start, motion, (part + share) / parts), rub);
+      return try_motion(between(start, motion, (part + share) / parts), rub, of_increments);
     });
     if (reached < 1)
       throw ConvergenceError("friction at finite strain", iterations_, (part + reached) / parts,
@@ -443,13 +448,9 @@ void FrictionalPressing::extrapolate(const Mixed& earlier, double share) {
   approach_ = (1 + share) * kept_approach_ - share * earlier.approach;
 }
 
-double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
-                                 const std::function<void(double)>& on_share) {
-  restart();
-  tangent_.reset();
-  constexpr double shortest_ramp = 1.0 / 32;
-  double ramp = 0;
-  const Rub rub = [&](const Rubbed& rubbed, Eigen::VectorXd& friction) {
+FrictionalPressing::Rub FrictionalPressing::rub_of(const Slide& slide) const {
+  return [this, &slide](const Rubbed& rubbed, Eigen::VectorXd& friction) {
+    const PlaneMotion& velocity = slide.velocity;
     const std::vector<Touch> touching = touches();
     for (Index i = 0; i < rubbed.normal_force.size(); ++i) {
       const auto node = static_cast<std::size_t>(i);
@@ -461,20 +462,63 @@ double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
       const Eigen::Vector2d along = tangents.transpose() * speed;
       // Around the centre of rotation forces point in all directions. A node has their mean over
       // its surroundings.
-      friction.segment<2>(2 * i) = ramp * bound_.at(i, rubbed.normal_force[i]) /
+      friction.segment<2>(2 * i) = slide.share * bound_.at(i, rubbed.normal_force[i]) /
                                    std::hypot(along.norm(), 0.25 * velocity.turn_rad * spacing_) *
                                    along;
     }
   };
+}
+
+/// From the present slide to another one. @returns false where the way does not converge
+bool FrictionalPressing::go_on_to(const Slide& next) {
+  constexpr double shortest = 1.0 / 2;
+  const Slide from = *slide_;
+  Slide present;
+  const Rub rub = rub_of(present);
+  double length = 1;
+  const double reached = advance(length, shortest, 1, [&](double part) {
+    present = {between(from.velocity, next.velocity, part),
+               from.share + part * (next.share - from.share)};
+    return try_motion({}, rub, of_slides);
+  });
+  if (reached > 0)
+    slide_ = Slide{between(from.velocity, next.velocity, reached),
+                   from.share + reached * (next.share - from.share)};
+  return reached == 1;
+}
+
+double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
+                                 const std::function<void(double)>& on_share) {
+  if (slide_) {
+    for (double share = aim; share >= telling_share; share *= 0.75) {
+      // The nearer one first.
+      std::vector<double> shares = {share};
+      if (share < 1)
+        shares.insert(slide_->share < share ? shares.begin() : shares.end(), share / 2);
+      const bool converges = std::all_of(shares.begin(), shares.end(), [&](double part) {
+        if (!go_on_to({velocity, part})) return false;
+        on_share(part);
+        return true;
+      });
+      if (converges) return share;
+    }
+  }
+  restart();
+  tangent_.reset();
+  constexpr double shortest_ramp = 1.0 / 32;
+  Slide present{velocity, 0};
+  const Rub rub = rub_of(present);
   // Less than all is asked for where all of it was too much at once.
   ramp_ = aim < 1 ? 0.5 : std::clamp(2 * ramp_, 4 * shortest_ramp, 1.0);
-  return aim * advance(
-                   ramp_, shortest_ramp, telling_share / aim,
-                   [&](double part) {
-                     ramp = aim * part;
-                     return try_motion({}, rub);
-                   },
-                   [&](double part) { on_share(aim * part); });
+  const double reached = aim * advance(
+                                   ramp_, shortest_ramp, telling_share / aim,
+                                   [&](double part) {
+                                     present.share = aim * part;
+                                     return try_motion({}, rub, of_slides);
+                                   },
+                                   [&](double part) { on_share(aim * part); });
+  if (reached > 0) slide_ = {velocity, reached};
+  return reached;
 }
 
 FrictionWrench FrictionalPressing::wrench() const {

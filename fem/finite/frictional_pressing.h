@@ -41,8 +41,11 @@ class FrictionalPressing {
   void move_to(const PlaneMotion& motion);
 
   /// Slides from where the contact was pressed with the given velocity until every point slips. The
-  /// object stays where it is. Friction is raised from none.
-  /// @param aim       share of full friction to stop at
+  /// object stays where it is. Friction is raised from none, or turned from that of the slide
+  /// before, which leads to the same state: nothing of a slide depends on how it was begun. The
+  /// nearer their velocities are, the less it takes.
+  /// @param aim       share of full friction to stop at. Where it is not all, half of that share is
+  ///                  solved too
   /// @param on_share  called with each share that is solved, in its state
   /// @returns the share that was reached, mostly `aim`: soft layers under much friction fold before
   /// it. A share that shows how friction's effects grow is not refined further (`telling_share`).
@@ -86,9 +89,15 @@ class FrictionalPressing {
     double approach;
   };
 
+  /// Friction opposes this velocity everywhere, with a share of its bound.
+  struct Slide {
+    PlaneMotion velocity;
+    double share = 0;
+  };
+
   std::vector<Touch> touches() const;
   Eigen::VectorXd stuck_target(const std::vector<Touch>& touching, double approach) const;
-  bool try_motion(const PlaneMotion& motion, const Rub& rub);
+  bool try_motion(const PlaneMotion& motion, const Rub& rub, double tolerance);
   SurfaceStep step_of_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
                               const Rub& rub);
   SurfaceStep settle_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
@@ -98,6 +107,8 @@ class FrictionalPressing {
       double& length, double shortest, double enough, const std::function<bool(double)>& try_share,
       const std::function<void(double)>& on_share = [](double) {});
   void extrapolate(const Mixed& earlier, double share);
+  Rub rub_of(const Slide& slide) const;
+  bool go_on_to(const Slide& next);
   void keep();
   void take_back();
   bool slips(Eigen::Index node) const;
@@ -126,6 +137,7 @@ class FrictionalPressing {
   PlaneMotion kept_motion_;
 
   std::unique_ptr<Tangent> tangent_;
+  std::optional<Slide> slide_;  ///< that the present state is in
   /// Step of friction's share that the last slide ended with: the next one begins with it.
   double ramp_ = 1;
   int iterations_ = 0, factorisations_ = 0;
