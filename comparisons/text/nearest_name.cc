@@ -1,6 +1,7 @@
 #include "comparisons/text/nearest_name.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace softfinger::text {
 
@@ -26,9 +27,14 @@ int edit_distance(std::string_view one, std::string_view other) {
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongestName = 200;
   typed = typed.substr(0, kLongestName);
+  // A forgotten unit, as in "point" for "point_mm", is more likely than three wrong letters.
+  const auto distance = [&](std::string_view name) {
+    const bool is_beginning = !typed.empty() && name.substr(0, typed.size()) == typed;
+    return std::pair(!is_beginning, edit_distance(typed, name));
+  };
   return *std::min_element(candidates.begin(), candidates.end(),
                            [&](const std::string& one, const std::string& other) {
-                             return edit_distance(typed, one) < edit_distance(typed, other);
+                             return distance(one) < distance(other);
                            });
 }
 

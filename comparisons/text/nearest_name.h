@@ -11,8 +11,8 @@ namespace softfinger::text {
 /// words.
 int edit_distance(std::string_view one, std::string_view other);
 
-/// The candidate with the smallest edit distance; candidates must not be empty. Only the first 200
-/// bytes of a typed word are compared.
+/// The candidate with the smallest edit distance, one that begins with the typed word before all
+/// others; candidates must not be empty. Only the first 200 bytes of a typed word are compared.
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates);
 
 /// The text shortened for a message: at most `most_bytes`, "..." included if something was cut off.

@@ -21,6 +21,11 @@ TEST(NearestName, FindsTheKeyThatWasMeant) {
   EXPECT_EQ(text::nearest_name("poissons_ratio", known), "poisson_ratio");
 }
 
+TEST(NearestName, KnowsAKeyWithoutItsUnit) {
+  EXPECT_EQ(text::nearest_name("point", {"unit", "point_mm"}), "point_mm");
+  EXPECT_EQ(text::nearest_name("load", {"loads", "load_N"}), "loads") << "the nearer of the two";
+}
+
 TEST(NearestName, LooksAtTheBeginningOfAnEndlessWord) {
   EXPECT_EQ(text::nearest_name("thickness_" + std::string(1 << 24, 'm'),
                                {"poisson_ratio", "thickness_mm"}),
