@@ -1,0 +1,47 @@
+#include <memory>
+#include <string>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/report/explorer_page.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+int run_explore(const std::string& output, const std::string& command_line) {
+  if (output.empty())
+    throw InputError("command line", "--output", "\"\"", "the name of an HTML file");
+  if (!report::has_explorer())
+    throw InputError("command line", "explore", "",
+                     "a build with a compiler for WebAssembly, which this one lacks (Debian: clang "
+                     "lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc "
+                     "libclang-rt-14-dev-wasm32)");
+  system::write_file_atomically(
+      output, report::explorer_page("softfinger " + system::program_version(), command_line));
+  remark("the page is " + output);
+  return 0;
+}
+
+}  // namespace
+
+void add_explore(CLI::App& app, Action& action, const std::string& command_line) {
+  auto output = std::make_shared<std::string>("explore.html");
+  CLI::App* command = app.add_subcommand("explore",
+                                         "A page with sliders for a contact: ellipse, pressure, "
+                                         "limit surface, error bounds, lines for "
+                                         "simulators, at once");
+  command->add_option("--output", *output, "HTML file to write; default: explore.html");
+  command->footer(
+      "The page needs no network: the models run in the browser, compiled to WebAssembly. The\n"
+      "contact stands in the page's address, behind #, so that a link repeats it.\n"
+      "Samples:\n"
+      "  softfinger explore\n"
+      "  softfinger explore --output fingertip.html");
+  command->callback([output, command_line, &action] {
+    action = [output, command_line] { return run_explore(*output, command_line); };
+  });
+}
+
+}  // namespace softfinger::commands

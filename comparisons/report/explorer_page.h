@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace softfinger::report {
+
+/// Whether the program was built with a compiler for WebAssembly, without which there is no page.
+bool has_explorer();
+
+/// The page of `softfinger explore`: sliders for a contact, and what the models, their error
+/// bounds, the limit surface and the simulators make of it, computed in the browser by the library
+/// itself (explorer/explorer.h). It needs no network and no server.
+/// @param version  "softfinger 0.1.0"
+/// @param command  as typed
+std::string explorer_page(const std::string& version, const std::string& command);
+
+}  // namespace softfinger::report
