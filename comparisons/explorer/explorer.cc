@@ -166,8 +166,10 @@ std::string answer(const Question& question) {
       nearest = place;
   }
   int shown = question.shown;
-  if (shown < 0 || shown >= int(answers.size()) ||
-      !answers[std::size_t(shown)].prediction.has_answer)
+  if (shown == -2)
+    shown = -1;
+  else if (shown < 0 || shown >= int(answers.size()) ||
+           !answers[std::size_t(shown)].prediction.has_answer)
     shown = nearest >= 0 ? nearest : first;
   std::string profile = "null", limit = "null", simulators = "[]";
   if (shown >= 0) {

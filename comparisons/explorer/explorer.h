@@ -14,7 +14,8 @@ namespace softfinger::explorer {
 struct Question {
   ContactProblem problem;  ///< one flat layer under a rigid object, R' >= R''
   double tolerance = 0.1;  ///< of area and torque, within which an answer is usable, relative
-  int shown = -1;          ///< place in `models()` of the model that is drawn; -1: the nearest one
+  int shown = -1;          ///< place in `models()` of the model that is drawn; -1: the nearest one,
+                           ///< -2: none, only the numbers of `models` are asked for
 };
 
 /// The models that take microseconds and need no measured law, in the registry's order.
@@ -28,7 +29,7 @@ const std::vector<const PressureModel*>& models();
 ///       "usable", "objections": [ messages of the checks that fail ] } ],
 ///     "nearest": place of the model whose larger bound of area and torque is smallest; -1: no
 ///       bound is known,
-///     "shown": place of the one that the rest is about; -1: no model has an answer,
+///     "shown": place of the one that the rest is about; -1: none, the rest is null or empty,
 ///     "profile": { "position": part of the semi-axis, "long_Pa", "short_Pa" },
 ///     "limit": { "exponent", "along_long", "along_short": [ [force_N, torque_Nm], .. ],
 ///       "lowest", "highest": ellipsoid_deviation.h, "max_force_N", "max_torque_Nm" },

@@ -153,6 +153,7 @@ class Picture {
     path.attr("d", d);
     for (const [key, value] of Object.entries(attributes)) path.attr(key, value);
     this.unused.delete(name);
+    this.marks.node().append(path.node());  // in the order of drawing
   }
   points(name, list, attributes) {
     this.path(name, line((p) => this.x(p[0]), (p) => this.y(p[1]))(list), attributes);
@@ -194,14 +195,15 @@ function drawEllipse(answer) {
     return `M${x - rx},${y}a${rx},${ry} 0 1,0 ${2 * rx},0a${rx},${ry} 0 1,0 ${-2 * rx},0Z`;
   };
   picture.begin();
-  answer.models.forEach((model, i) => {
+  const order = answer.models.map((model, i) => [model, i]);
+  for (const [model, i] of [...order.filter(([, i]) => i !== answer.shown), order[answer.shown]]) {
     const isShown = i === answer.shown;
-    if (!isShown && !(model.usable && model.a_m < 1e-3 * reach && model.b_m < 1e-3 * half)) return;
+    if (!isShown && !(model.usable && model.a_m < 1e-3 * reach && model.b_m < 1e-3 * half)) continue;
     picture.path(model.name, outline(model), {
       stroke: models[i].colour, "stroke-width": isShown ? 2.5 : 1,
       fill: isShown ? models[i].colour : "none", "fill-opacity": 0.18,
     });
-  });
+  }
   picture.end();
   picture.describe(`Contact ellipse, semi-axes ${number(a)} and ${number(b)} mm`);
 }
@@ -256,9 +258,39 @@ function showTable(answer) {
       cells[key].className = !model.bound ? "" : 100 * model.bound[q] <= state.within ? "within" : "beyond";
     }
     write(cells.time, duration(times[i]));
-    const why = model.bound ? "" : sentence(model.outside);
-    write(cells.verdict, [model.usable ? "Usable." : model.bound ? "Not within the tolerance." : why, ...model.objections.map(sentence)].filter(Boolean).join(" "));
+    const [kind, words] = model.usable ? ["good", "✓ usable"] : model.bound ? ["bad", "✕ no"] : ["failed", "? not known"];
+    cells.verdict.className = `badge ${kind}`;
+    write(cells.verdict, words);
   });
+}
+
+// Why a model is not usable, or what speaks against one that is.
+function showReasons(answer) {
+  const reasons = answer.models.map((model, i) => [models[i].label, [model.bound ? "" : sentence(model.outside), ...model.objections.map(sentence)].filter(Boolean).join(" ")])
+    .filter(([, words]) => words);
+  const list = the("reasons"), wanted = JSON.stringify(reasons);
+  if (list.dataset.holds === wanted) return;
+  list.dataset.holds = wanted;
+  list.replaceChildren(...reasons.map(([label, words]) => {
+    const item = document.createElement("li"), name = document.createElement("b");
+    name.textContent = `${label}: `;
+    item.append(name, words);
+    return item;
+  }));
+}
+
+function showKeyNumbers(answer) {
+  const list = the("key_numbers"), model = answer.models[answer.shown];
+  const rows = model ? [
+    ["largest force", `${number(answer.limit.max_force_N)} N`],
+    ["largest torque", `${number(1e3 * model.max_torque_Nm)} mN·m`],
+    ["torque / μP, the length eₙ", `${number(1e3 * model.eccentricity_m)} mm`],
+    ["size s = √(ab)/h", number(Number((Math.sqrt(model.a_m * model.b_m) / (1e-3 * state.h)).toPrecision(3)))],
+    ["approach / h", percent(model.indentation_m / (1e-3 * state.h))],
+  ] : [];
+  if (list.children.length !== 2 * rows.length)
+    list.replaceChildren(...rows.flatMap(() => ["dt", "dd"].map((name) => document.createElement(name))));
+  rows.flat().forEach((words, i) => write(list.children[i], words));
 }
 
 function cheapest(answer) {
@@ -311,6 +343,8 @@ function update() {
       `which has this model’s torque; the friction ellipsoid lies up to ${percent(Math.max(0, -lowest))} outside of it and ${percent(Math.max(0, Number(highest.toFixed(6))))} inside.`);
   }
   showTable(answer);
+  showReasons(answer);
+  showKeyNumbers(answer);
   const verdict = verdictOf(answer);
   write(the("verdict"), verdict);
   write(the("command"), commandOf());

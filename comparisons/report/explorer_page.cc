@@ -52,19 +52,20 @@ Html chart(const char* name, const Html& caption) {
 
 Html model_rows() {
   Html rows =
-      "<tr><th scope=\"row\"><label><input type=\"radio\" name=\"shown\" value=\"-1\" "
-      "checked> the nearest one</label></th><td class=\"words\" colspan=\"11\"></td></tr>\n";
+      "<tr><th scope=\"row\"><label><input type=\"radio\" name=\"shown\" value=\"-1\" checked> "
+      "the nearest one</label></th><td colspan=\"11\"></td></tr>\n";
   int place = 0;
   for (const PressureModel* model : explorer::models()) {
     const std::string name(model->card().name);
     rows += html(
         "<tr data-model=\"{}\"><th scope=\"row\"><label><input type=\"radio\" name=\"shown\" "
-        "value=\"{}\"> <span class=\"swatch\" style=\"background:{}\"></span>{}</label></th>",
+        "value=\"{}\"> <span class=\"swatch\" style=\"background:{}\"></span>{}</label></th>"
+        "<td class=\"words\"><span class=\"badge\" data-key=\"verdict\"></span></td>",
         name, place, style_of_place(std::size_t(place)).colour, label(name));
-    for (const char* key : {"a", "b", "area", "indentation", "peak", "torque", "arm", "area_bound",
-                            "torque_bound", "time"})
+    for (const char* key : {"area_bound", "torque_bound", "torque", "arm", "a", "b", "area",
+                            "indentation", "peak", "time"})
       rows += html("<td data-key=\"{}\"></td>", key);
-    rows += "<td class=\"words\" data-key=\"verdict\"></td></tr>\n";
+    rows += "</tr>\n";
     ++place;
   }
   return rows;
@@ -72,13 +73,15 @@ Html model_rows() {
 
 Html model_table() {
   return scrolling_table(
-      "<th scope=\"col\">model, drawn</th>" + column_heading("a", "mm") +
-          column_heading("b", "mm") + column_heading("area", "mm²") +
-          column_heading("approach", "mm") + column_heading("peak pressure", "kPa") +
-          column_heading("largest torque", "mN·m") + column_heading("e_n", "mm") +
-          column_heading("area within") + column_heading("torque within") +
-          column_heading("time here") + "<th scope=\"col\" class=\"words\">so</th>",
-      model_rows());
+             "<th scope=\"col\">the model drawn</th><th scope=\"col\" "
+             "class=\"words\">usable</th>" +
+                 column_heading("area within", "") + column_heading("torque within", "") +
+                 column_heading("largest torque", "mN·m") + column_heading("torque / μP", "mm") +
+                 column_heading("a", "mm") + column_heading("b", "mm") +
+                 column_heading("area", "mm²") + column_heading("approach", "mm") +
+                 column_heading("peak pressure", "kPa") + column_heading("time here"),
+             model_rows()) +
+         "<ul id=\"reasons\"></ul>\n";
 }
 
 Html simulator_cards() {
@@ -123,7 +126,8 @@ Html explorer_body(const std::string& version, const std::string& command) {
              "<button type=\"button\" id=\"reset\">Start again</button></p></form>\n"
              "<div class=\"answers\">\n<p class=\"lead\" id=\"verdict\"></p>\n"
              "<p class=\"unseen\" id=\"status\" role=\"status\"></p>\n"
-             "<div class=\"charts\">\n{}{}{}</div></div></div>\n",
+             "<div class=\"charts\">\n{}{}{}<div class=\"facts\"><dl id=\"key_numbers\"></dl>"
+             "<p id=\"limit_facts\"></p></div></div></div></div>\n",
              sliders,
              chart("ellipse",
                    "<b>Contact from above</b>, mm, x along R′: the model drawn is filled, "
@@ -135,7 +139,7 @@ Html explorer_body(const std::string& version, const std::string& command) {
                    "<b>Limit surface</b>: force and torque that just slide, the force along "
                    "the long axis and, dashed, along the short one; grey: the friction "
                    "ellipsoid")) +
-         "<p class=\"facts\" id=\"limit_facts\"></p>\n<h2 id=\"models\">The models</h2>\n"
+         "<h2 id=\"models\">The models</h2>\n"
          "<p>The bounds hold 95 % of the errors against finite elements of whole fingers at finite "
          "strain; <i>usable</i> means that those of area and torque are within the tolerance. By "
          "the "
