@@ -105,7 +105,7 @@ const number = (value) => {
   if (value === null || value === undefined) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  return size >= 1e5 || size < 1e-4 ? value.toExponential(3).replace("e+", "e") : String(Number(value.toPrecision(4)));
+  return size >= 1e5 || size < 1e-4 ? String(Number(value.toPrecision(4)).toExponential()).replace("e+", "e") : String(Number(value.toPrecision(4)));
 };
 const percent = (ratio) => {
   if (ratio >= 10) return "> 1000 %";
@@ -118,7 +118,7 @@ const duration = (ns) => (ns === null || ns === undefined ? "–" : ns < 1000 ? 
 class Picture {
   constructor(name, {height, left}) {
     this.box = document.querySelector(`[data-chart="${name}"] .plot`);
-    this.margin = {left, right: 16, top: 24, bottom: 40};
+    this.margin = {left, right: 24, top: 24, bottom: 40};
     this.height = height;
     this.svg = select(this.box).append("svg").attr("role", "img").attr("height", height);
     [this.across, this.up, this.marks] = [0, 1, 2].map(() => this.svg.append("g"));
@@ -139,10 +139,12 @@ class Picture {
     this.x = scaleLinear(xDomain, [left, width - right]);
     this.y = scaleLinear(yDomain, [height - bottom, top]);
     const ticks = Math.max(2, Math.min(6, Math.floor((width - left - right) / 60)));
+    // Short words even where a number is not: "2e8" for 200,000,000.
+    const short = (scale) => (scale.domain()[1] >= 1e4 || scale.domain()[1] < 1e-2 ? (value) => number(Number(value.toPrecision(12))) : null);
     this.across.attr("transform", `translate(0,${height - bottom})`)
-      .call(axisBottom(this.x).ticks(ticks).tickSize(top + bottom - height).tickPadding(8));
+      .call(axisBottom(this.x).ticks(ticks).tickFormat(short(this.x)).tickSize(top + bottom - height).tickPadding(8));
     this.up.attr("transform", `translate(${left},0)`)
-      .call(axisLeft(this.y).ticks(5).tickSize(left + right - width).tickPadding(8));
+      .call(axisLeft(this.y).ticks(5).tickFormat(short(this.y)).tickSize(left + right - width).tickPadding(8));
     this.labels.x.text(xLabel);
     this.labels.y.text(yLabel);
   }

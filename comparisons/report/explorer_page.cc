@@ -24,9 +24,9 @@ struct Slider {
 
 constexpr double kAny = 1e12;
 constexpr std::array<Slider, 8> kSliders{{
-    {"R1", "R′", "relative radius, the larger one", "mm", 1e-3, 1, 1000, 20, true, 0, kAny},
-    {"R2", "R″", "relative radius, the smaller one", "mm", 1e-3, 1, 1000, 12, true, 0, kAny},
-    {"h", "h", "thickness of the layer", "mm", 1e-3, 0.1, 50, 2, true, 0, kAny},
+    {"R1", "R′", "larger relative radius", "mm", 1e-3, 1, 1000, 20, true, 0, kAny},
+    {"R2", "R″", "smaller relative radius", "mm", 1e-3, 1, 1000, 12, true, 0, kAny},
+    {"h", "h", "thickness", "mm", 1e-3, 0.1, 50, 2, true, 0, kAny},
     {"E", "E", "Young’s modulus", "kPa", 1e3, 1, 10000, 300, true, 0, kAny},
     {"nu", "ν", "Poisson’s ratio", "", 1, 0, 0.5, 0.49, false, 0, 0.5},
     {"P", "P", "load", "N", 1, 0.01, 1000, 2, true, 0, kAny},
@@ -141,9 +141,9 @@ Html explorer_body(const std::string& version, const std::string& command) {
                    "ellipsoid")) +
          "<h2 id=\"models\">The models</h2>\n"
          "<p>The bounds hold 95 % of the errors against finite elements of whole fingers at finite "
-         "strain; <i>usable</i> means that those of area and torque are within the tolerance. By "
-         "the "
-         "radii of the gap alone the layer is taken for flat.</p>\n" +
+         "strain; <i>usable</i> means that those of area and torque are within the tolerance. Only "
+         "the radii of the gap are known here: the layer is taken as flat, the object as round. A "
+         "case of <code>softfinger predict</code> can tell them apart.</p>\n" +
          model_table() + model_cards() +
          "<h2 id=\"simulators\">What to type into a simulator</h2>\n<p>For the model drawn, exact "
          "at "

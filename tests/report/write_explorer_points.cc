@@ -1,5 +1,5 @@
 // write_explorer_points: random contacts and what the library says of them, one JSON object a line
-// on standard output, for explorer_points.js. Every `kDetailed`-th has the limit surface and the
+// on standard output, for explorer_points.mjs. Every `kDetailed`-th has the limit surface and the
 // lines for simulators too.
 #include <cmath>
 #include <iostream>
@@ -22,8 +22,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kPoints = 10000, kDetailed = 50;
+constexpr int kPoints = 10000, kDetailed = 5;
 constexpr double kTolerance = 0.1;
+/// As many as the page draws.
+constexpr int kSectionPoints = 41, kProfilePoints = 49;
 
 json numbers_of(const PressureModel& model, const ContactProblem& problem) {
   const Prediction prediction = model.predict(problem);
@@ -45,14 +47,48 @@ json numbers_of(const PressureModel& model, const ContactProblem& problem) {
           {"failing", failing}};
 }
 
+/// Along one axis of the ellipse, from pure force to pure torque.
+json section_of(const LimitSurface& surface, const Eigen::Vector2d& axis, double eccentricity_m,
+                int points) {
+  json section = json::array();
+  for (int i = 0; i < points; ++i) {
+    const double angle_rad = kPi / 2 * i / (points - 1);
+    const bool turns_only = i + 1 == points;
+    const Eigen::Vector2d slide = (turns_only ? 0 : std::cos(angle_rad)) * axis;
+    const LimitWrench wrench =
+        surface.wrench_for_twist({slide.x(), slide.y(), std::sin(angle_rad) / eccentricity_m});
+    section.push_back(
+        {Eigen::Vector2d(wrench.force_x_N, wrench.force_y_N).dot(axis), wrench.torque_Nm});
+  }
+  return section;
+}
+
 json limit_of(const PressureModel& model, const ContactProblem& problem) {
   const Prediction prediction = model.predict(problem);
   const double max_force_N = problem.load.friction_coefficient * problem.load.normal_force_N;
+  const FrictionEllipsoid ellipsoid{max_force_N, prediction.torque_arm_exact_m};
   const double exponent = equivalent_exponent(prediction);
   const LimitSurface surface(prediction.a_m, prediction.b_m, exponent, max_force_N);
-  const EllipsoidDeviation deviation =
-      worst_ellipsoid_deviation(surface, {max_force_N, prediction.torque_arm_exact_m});
-  return {{"exponent", exponent}, {"lowest", deviation.lowest}, {"highest", deviation.highest}};
+  const EllipsoidDeviation deviation = worst_ellipsoid_deviation(surface, ellipsoid);
+  const double e_n = prediction.torque_arm_exact_m;
+  return {{"exponent", exponent},
+          {"max_force_N", max_force_N},
+          {"max_torque_Nm", ellipsoid.max_torque_Nm()},
+          {"lowest", deviation.lowest},
+          {"highest", deviation.highest},
+          {"along_long", section_of(surface, {1, 0}, e_n, kSectionPoints)},
+          {"along_short", section_of(surface, {0, 1}, e_n, kSectionPoints)}};
+}
+
+json profile_of(const PressureModel& model, const ContactProblem& problem) {
+  const Prediction prediction = model.predict(problem);
+  json along_long = json::array(), along_short = json::array();
+  for (int i = 0; i < kProfilePoints; ++i) {
+    const double part = std::sin(kPi / 2 * i / (kProfilePoints - 1));
+    along_long.push_back(model.pressure_Pa(problem, prediction, part * prediction.a_m, 0));
+    along_short.push_back(model.pressure_Pa(problem, prediction, 0, part * prediction.b_m));
+  }
+  return {{"long_Pa", along_long}, {"short_Pa", along_short}};
 }
 
 /// As `softfinger export` writes them.
@@ -106,6 +142,7 @@ int main() try {
     if (shown >= 0 && point["models"][std::size_t(shown)]["has_answer"]) {
       const PressureModel& model = *explorer::models()[std::size_t(shown)];
       point["limit"] = limit_of(model, problem);
+      point["profile"] = profile_of(model, problem);
       point["simulators"] = simulators_of(model, problem);
     }
     std::cout << point << '\n';

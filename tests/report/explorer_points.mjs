@@ -1,8 +1,7 @@
-// node explorer_points.js WASM WRITER: the page's explorer.wasm against the library, at the points of
+// node explorer_points.mjs WASM WRITER: the page's explorer.wasm against the library, at the points of
 // write_explorer_points.cc.
-"use strict";
-const {readFileSync} = require("node:fs");
-const {execFileSync} = require("node:child_process");
+import {readFileSync} from "node:fs";
+import {execFileSync} from "node:child_process";
 
 // The same sources, the same order of operations and no fused ones: what differs is the C library's log,
 // exp, pow and cbrt, by an ulp of 2e-16. The models pass it on some ten to a hundred times.
@@ -22,17 +21,24 @@ function ask(numbers) {
   return JSON.parse(new TextDecoder().decode(bytes.subarray(0, bytes.indexOf(0))));
 }
 
-let points = 0, compared = 0, texts = 0, bounds = 0, worst = 0;
-const wrong = [];
+let points = 0, compared = 0, texts = 0, bounds = 0, curves = 0;
+const wrong = [], worst = {};
 function expect(holds, what, at) {
   if (!holds) wrong.push(`${what} at ${JSON.stringify(at)}`);
 }
 // `scale`: what the value is a difference of; a bound and a deviation are differences of numbers near 1.
-function near(seen, wanted, what, at, scale = 0) {
+function near(seen, wanted, what, at, {kind = "numbers", scale = 0, tolerance = TOLERANCE} = {}) {
   ++compared;
-  const error = Math.abs(seen - wanted) / Math.max(Math.abs(wanted), scale);
-  worst = Math.max(worst, error);
-  expect(error <= TOLERANCE, `${what}: ${seen}, not ${wanted}`, at);
+  const error = seen === wanted ? 0 : Math.abs(seen - wanted) / Math.max(Math.abs(wanted), scale);
+  worst[kind] = Math.max(worst[kind] ?? 0, error);
+  expect(error <= tolerance, `${what}: ${seen}, not ${wanted}`, at);
+}
+// Curves end on an axis, where a number is what rounding leaves of zero: relative to the curve's largest one.
+function nearCurve(seen, wanted, what, at) {
+  const scale = Math.max(...wanted.map(Math.abs));
+  expect(seen.length === wanted.length && scale > 0, `${what}: ${seen.length} points, not ${wanted.length}`, at);
+  wanted.forEach((value, i) => near(seen[i], value, `${what}[${i}]`, at, {kind: "curves", scale}));
+  ++curves;
 }
 
 const lines = execFileSync(writer, {maxBuffer: 1 << 28}).toString().trimEnd().split("\n");
@@ -50,25 +56,28 @@ for (const text of lines) {
     for (const key of ["a_m", "b_m", "indentation_m", "area_m2", "peak_pressure_Pa", "max_torque_Nm", "eccentricity_m"])
       near(seen[key], model[key], `${name}.${key}`, at);
     expect((seen.bound === null) === (model.bound === null), `${name}: whether a bound is known`, at);
-    model.bound?.forEach((bound, q) => near(seen.bound[q], bound, `${name}.bound[${q}]`, at, 1));
+    model.bound?.forEach((bound, q) => near(seen.bound[q], bound, `${name}.bound[${q}]`, at, {kind: "bounds", scale: 1}));
     bounds += model.bound !== null;
     expect(seen.objections.length === model.failing, `${name}: the checks that fail`, at);
     expect(seen.usable === (model.bound !== null && Math.max(model.bound[3], model.bound[5]) <= at[7]), `${name}: usable`, at);
   });
   if (!wanted.limit) continue;
-  for (const key of ["exponent", "lowest", "highest"]) {
-    // Found by searches, which stop within 1e-13 (exponent) and 1e-8 (deviation) of the end.
-    const within = key === "exponent" ? 1e-9 : 1e-7;
-    expect(Math.abs(answer.limit[key] - wanted.limit[key]) <= within * (1 + Math.abs(wanted.limit[key])), `${key}: ${answer.limit[key]}, not ${wanted.limit[key]}`, at);
-  }
+  for (const key of ["exponent", "max_force_N", "max_torque_Nm"])
+    near(answer.limit[key], wanted.limit[key], key, at, {kind: key});
+  for (const key of ["lowest", "highest"]) near(answer.limit[key], wanted.limit[key], key, at, {kind: key, scale: 1});
+  for (const curve of ["along_long", "along_short"])
+    for (const [i, axis] of ["force", "torque"].entries())
+      nearCurve(answer.limit[curve].map((point) => point[i]), wanted.limit[curve].map((point) => point[i]), `${axis} ${curve}`, at);
+  for (const curve of ["long_Pa", "short_Pa"]) nearCurve(answer.profile[curve], wanted.profile[curve], curve, at);
   for (const {name, text: lines_} of answer.simulators) {
     ++texts;
     expect(lines_ === wanted.simulators[name], `${name}:\n${lines_}\nnot\n${wanted.simulators[name]}`, at);
   }
 }
 // A comparison of nothing would agree.
-expect(points === 10000 && texts > 500 && bounds > 10000, `only ${points} points, ${texts} texts, ${bounds} bounds`, []);
-console.log(`${points} points, ${compared} numbers, ${bounds} bounds known, ${texts} texts; worst relative difference ${worst.toExponential(2)}`);
+expect(points === 10000 && texts > 5000 && bounds > 10000 && curves > 6000, `only ${points} points, ${texts} texts, ${bounds} bounds, ${curves} curves`, []);
+console.log(`${points} points, ${compared} numbers, ${bounds} bounds known, ${curves} curves, ${texts} texts; worst relative differences:`,
+  Object.entries(worst).map(([kind, error]) => `${kind} ${error.toExponential(1)}`).join(", "));
 if (wrong.length) {
   console.error(`${wrong.length} differ:\n${wrong.slice(0, 5).join("\n")}`);
   process.exit(1);
