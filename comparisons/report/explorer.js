@@ -309,7 +309,7 @@ function verdictOf(answer) {
   const {max_torque_Nm, a_m, b_m, bound} = answer.models[answer.shown];
   const size = `a contact of ${number(2e3 * a_m)} by ${number(2e3 * b_m)} mm that carries at most ${number(1e3 * max_torque_Nm)} mN·m about the normal`;
   const parts = [`${name(answer.shown)}: ${size}${bound ? `, within ${percent(bound[TORQUE])}` : ", with an error that is not known"}.`];
-  if (answer.nearest < 0) parts.push("No error bound is known here: compare with finite elements.");
+  if (answer.nearest < 0) parts.push(`${sentence(answer.models[answer.shown].outside)} Compare with finite elements.`);
   else if (answer.nearest !== answer.shown) parts.push(`The nearest model is ${name(answer.nearest)}.`);
   else parts.push("It is the nearest model.");
   const cheap = cheapest(answer);
@@ -386,18 +386,19 @@ function listen() {
       set(slider.key, value);
       updateSoon();
     });
+    typed.addEventListener("change", update);
     typed.addEventListener("blur", updateSoon);
   }
   document.querySelector("form.sliders").addEventListener("submit", (event) => event.preventDefault());
   for (const radio of all('input[name="shown"]'))
     radio.addEventListener("change", () => {
       state.shown = Number(radio.value);
-      updateSoon();
+      update();
     });
   the("reset").addEventListener("click", () => {
     for (const slider of sliders) state[slider.key] = slider.start;
     state.shown = -1;
-    updateSoon();
+    update();
   });
   the("share").addEventListener("click", () => {
     writeAddress();
@@ -407,7 +408,7 @@ function listen() {
     button.addEventListener("click", () => copy(button, document.querySelector(`pre[data-simulator="${button.dataset.copy}"]`).textContent));
   addEventListener("hashchange", () => {
     readAddress();
-    updateSoon();
+    update();
   });
   new ResizeObserver(() => {
     const current = widths();
