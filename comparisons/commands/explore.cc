@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <memory>
 #include <string>
 
@@ -14,10 +16,11 @@ int run_explore(const std::string& output, const std::string& command_line) {
   if (output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of an HTML file");
   if (!report::has_explorer())
-    throw InputError("command line", "explore", "",
-                     "a build with a compiler for WebAssembly, which this one lacks (Debian: clang "
-                     "lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc "
-                     "libclang-rt-14-dev-wasm32)");
+    throw InputError("explore",
+                     fmt::format("this program was built without a compiler for WebAssembly, which "
+                                 "makes the page; install it and build again (Debian: {})",
+                                 report::kExplorerPackages),
+                     "", "");
   system::write_file_atomically(
       output, report::explorer_page("softfinger " + system::program_version(), command_line));
   remark("the page is " + output);

@@ -75,7 +75,7 @@ for (const text of lines) {
   }
 }
 // A comparison of nothing would agree.
-expect(points === 10000 && texts > 5000 && bounds > 10000 && curves > 6000, `only ${points} points, ${texts} texts, ${bounds} bounds, ${curves} curves`, []);
+expect(points === 10000 && texts > 2500 && bounds > 10000 && curves > 3000, `only ${points} points, ${texts} texts, ${bounds} bounds, ${curves} curves`, []);
 console.log(`${points} points, ${compared} numbers, ${bounds} bounds known, ${curves} curves, ${texts} texts; worst relative differences:`,
   Object.entries(worst).map(([kind, error]) => `${kind} ${error.toExponential(1)}`).join(", "));
 if (wrong.length) {

@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kPoints = 10000, kDetailed = 5;
+constexpr int kPoints = 10000, kDetailed = 10;
 constexpr double kTolerance = 0.1;
 /// As many as the page draws.
 constexpr int kSectionPoints = 41, kProfilePoints = 49;
