@@ -12,7 +12,7 @@ namespace softfinger::commands {
 /// What the typed command does; returns the exit status.
 using Action = std::function<int()>;
 
-void add_predict(CLI::App& app, Action& action);
+void add_predict(CLI::App& app, Action& action, const std::string& command_line);
 void add_fit(CLI::App& app, Action& action, const std::string& command_line);
 void add_fem(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action, const std::string& command_line);

@@ -295,6 +295,11 @@ function showKeyNumbers(answer) {
   rows.flat().forEach((words, i) => write(list.children[i], words));
 }
 
+function showSimulators(answer) {
+  for (const pre of all("pre[data-simulator]"))
+    write(pre, answer.simulators.find(({name}) => name === pre.dataset.simulator)?.text ?? "");
+}
+
 function cheapest(answer) {
   let found = -1;
   answer.models.forEach((model, i) => {
@@ -328,7 +333,22 @@ let library = null, settled = 0, frame = 0;
 const widths = () => Object.values(pictures).map((picture) => picture.box.clientWidth);
 const numbers = () => [...sliders.map(({key, si_per_unit}) => state[key] * si_per_unit), state.shown];
 
-function update() {
+// While a slider moves, parts out of sight wait until they are seen, or until it rests.
+const parts = new Map([
+  [document.querySelector(".scroll"), showTable],
+  [the("reasons"), showReasons],
+  [document.querySelector(".simulators"), showSimulators],
+]);
+const inSight = new Set();
+function watchParts() {
+  const observer = new IntersectionObserver((changes) => {
+    for (const {target, isIntersecting} of changes) inSight[isIntersecting ? "add" : "delete"](target);
+    if (changes.some(({isIntersecting}) => isIntersecting)) updateSoon();
+  }, {rootMargin: "100px"});
+  for (const part of parts.keys()) observer.observe(part);
+}
+
+function update({onlyInSight = false} = {}) {
   cancelAnimationFrame(frame);
   frame = 0;
   showContact();
@@ -344,22 +364,20 @@ function update() {
     write(the("limit_facts"), `Exact limit surface of a pressure p ~ (1 − x²/a² − y²/b²)ⁿ with n = ${number(Number(exponent.toPrecision(3)))}, ` +
       `which has this model’s torque; the friction ellipsoid lies up to ${percent(Math.max(0, -lowest))} outside of it and ${percent(Math.max(0, Number(highest.toFixed(6))))} inside.`);
   }
-  showTable(answer);
-  showReasons(answer);
+  for (const [part, show] of parts) if (!onlyInSight || inSight.has(part)) show(answer);
   showKeyNumbers(answer);
   const verdict = verdictOf(answer);
   write(the("verdict"), verdict);
   write(the("command"), commandOf());
-  for (const pre of all("pre[data-simulator]"))
-    write(pre, answer.simulators.find(({name}) => name === pre.dataset.simulator)?.text ?? "");
   clearTimeout(settled);
-  // Once the slider rests: the address, and the words for those who listen.
+  // Once the slider rests: also the address, and the words for those who listen.
   settled = setTimeout(() => {
+    for (const show of parts.values()) show(answer);
     writeAddress();
     write(the("status"), verdict);
   }, 400);
 }
-const updateSoon = () => { frame ||= requestAnimationFrame(update); };
+const updateSoon = () => { frame ||= requestAnimationFrame(() => update({onlyInSight: true})); };
 
 function copy(button, text) {
   const label = button.dataset.label ??= button.textContent;
@@ -378,7 +396,7 @@ function listen() {
       set(slider.key, ofSlider(slider, Number(range.value)));
       updateSoon();
     });
-    range.addEventListener("change", update);
+    range.addEventListener("change", () => update());
     typed.addEventListener("input", () => {
       const value = typed.value === "" ? NaN : Number(typed.value), fits = allowed(slider, value);
       typed.setAttribute("aria-invalid", String(!fits));
@@ -386,7 +404,7 @@ function listen() {
       set(slider.key, value);
       updateSoon();
     });
-    typed.addEventListener("change", update);
+    typed.addEventListener("change", () => update());
     typed.addEventListener("blur", updateSoon);
   }
   document.querySelector("form.sliders").addEventListener("submit", (event) => event.preventDefault());
@@ -427,6 +445,7 @@ async function start() {
   const current = widths();
   Object.values(pictures).forEach((picture, i) => picture.fit(current[i]));
   listen();
+  watchParts();
   update();
   page.dataset.chartsDrawn = String(all(".plot svg").filter((svg) => svg.querySelector("path[data-path]")).length);
   page.dataset.overflow = String(page.scrollWidth > page.clientWidth);

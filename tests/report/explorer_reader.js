@@ -87,8 +87,6 @@ async function read(page) {
   for (let i = 0; i < 1e6 && page.dataset.chartsDrawn !== "3"; ++i) await message();
   port1.close();
   for (let i = 0; i < 20 && !page.dataset.timed; ++i) await rest(50);
-  // What is out of sight has no places until it is seen.
-  for (const part of all(".scroll, .simulators, #reasons")) part.style.contentVisibility = "visible";
   look("opening");
   for (const key of ["R1", "R2", "h", "E", "nu", "P", "mu", "within"])
     for (const position of [0, 370, 1000, 640]) slide(key, position);
