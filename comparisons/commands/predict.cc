@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -79,6 +80,14 @@ const input::MeshBody* shown_mesh(const input::Case& contact_case) {
   return finger ? finger : std::get_if<input::MeshBody>(&bodies->object);
 }
 
+/// As one types it: a built-in mesh by its name.
+std::string typed_name(const std::filesystem::path& mesh) {
+  for (const std::filesystem::path& file : system::builtin_mesh_files())
+    if (std::error_code error; std::filesystem::equivalent(file, mesh, error))
+      return mesh.filename().string();
+  return mesh.string();
+}
+
 /// The mesh with the region that was fitted for each load.
 void write_page(const PredictOptions& options, const input::Case& contact_case,
                 const prediction::GeometryResolver& resolver, const input::MeshBody& mesh) {
@@ -95,7 +104,7 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
     point.doubt = geometry.patch->remark;
     points.push_back(point);
   }
-  write_fits_page(options.page, mesh.path.string(), mesh.metres_per_unit == 1 ? "m" : "mm",
+  write_fits_page(options.page, typed_name(mesh.path), mesh.metres_per_unit == 1 ? "m" : "mm",
                   resolver.surface(mesh), points, options.command_line);
 }
 

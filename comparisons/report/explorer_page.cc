@@ -142,8 +142,9 @@ Html explorer_body(const std::string& version, const std::string& command) {
          "<h2 id=\"models\">The models</h2>\n"
          "<p>The bounds hold 95 % of the errors against finite elements of whole fingers at finite "
          "strain; <i>usable</i> means that those of area and torque are within the tolerance. Only "
-         "the radii of the gap are known here: the layer is taken as flat, the object as round. A "
-         "case of <code>softfinger predict</code> can tell them apart.</p>\n" +
+         "the radii of the gap are known here: the layer counts as flat, all curvature as the "
+         "object's. In a case of <code>softfinger predict</code> finger and object each have "
+         "their own.</p>\n" +
          model_table() + model_cards() +
          "<h2 id=\"simulators\">What to type into a simulator</h2>\n<p>For the model drawn, exact "
          "at "
