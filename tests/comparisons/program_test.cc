@@ -1027,8 +1027,11 @@ TEST_F(Program, ExploreWritesOnePageOrSaysWhatTheBuildLacks) {
     EXPECT_FALSE(fs::exists(folder.path() / "page.html"));
     return;
   }
-  const ProgramRun result = run({"explore", "--output", "page.html"});
-  EXPECT_EQ(result.status, 0) << result.err;
+  const ProgramRun result = run({"explore", "--output", "page.html", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json told_models = json::parse(result.out)["models"];
+  EXPECT_NE(std::find(told_models.begin(), told_models.end(), "fingertip_layer"),
+            told_models.end());
   const std::string page = file_text(folder.path() / "page.html");
   EXPECT_LT(page.size(), 3'000'000u);
   EXPECT_EQ(page.find("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'"),
