@@ -49,7 +49,7 @@ int run(int argc, char** argv) {
       "  softfinger predict seed_thumb\n"
       "  softfinger predict --help");
   commands::Action action;
-  commands::add_predict(app, action);
+  commands::add_predict(app, action, command_line);
   commands::add_fit(app, action, command_line);
   commands::add_fem(app, action);
   commands::add_compare(app, action, command_line);
@@ -61,6 +61,7 @@ int run(int argc, char** argv) {
   commands::add_calibrate(app, action, command_line);
   commands::add_area(app, action);
   commands::add_export(app, action);
+  commands::add_explore(app, action, command_line);
   commands::add_list(app, action);
   commands::add_explain(app, action);
   commands::add_lcp(app, action);

@@ -5,6 +5,8 @@
 softfinger_packages() { # analytic|fem, run|test
   echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev libpng-dev
   command -v npm >/dev/null || echo npm
+  # C++ to WebAssembly, for the page of `softfinger explore`.
+  echo clang lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc libclang-rt-14-dev-wasm32
   if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libnanoflann-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then
     echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev

@@ -12,7 +12,7 @@ namespace softfinger::commands {
 /// What the typed command does; returns the exit status.
 using Action = std::function<int()>;
 
-void add_predict(CLI::App& app, Action& action);
+void add_predict(CLI::App& app, Action& action, const std::string& command_line);
 void add_fit(CLI::App& app, Action& action, const std::string& command_line);
 void add_fem(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action, const std::string& command_line);
@@ -21,6 +21,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line);
 void add_extremes(CLI::App& app, Action& action, const std::string& command_line);
 void add_experiments(CLI::App& app, Action& action, const std::string& command_line);
 void add_export(CLI::App& app, Action& action);
+void add_explore(CLI::App& app, Action& action, const std::string& command_line);
 void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
 void add_lcp(CLI::App& app, Action& action);

@@ -8,6 +8,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
 #include "comparisons/reference/finished_results.h"
+#include "comparisons/report/explorer_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
@@ -88,6 +89,12 @@ std::vector<Finding> find_all() {
                     "they need gmsh when softfinger is built (Debian: libgmsh-dev)"),
       atlas_finding(),
       fem_finding(),
+      {"page of explore", report::has_explorer(), false,
+       report::has_explorer()
+           ? "built in"
+           : fmt::format("softfinger explore: needs a compiler for WebAssembly when softfinger is "
+                         "built (Debian: {})",
+                         report::kExplorerPackages)},
       file_finding("sweeps on many machines", system::program_folder() / "softfinger-sweep",
                    "softfinger-sweep: needs MPI when softfinger is built (Debian: "
                    "libopenmpi-dev)"),

@@ -10,7 +10,6 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
-#include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -26,27 +25,6 @@ struct FitOptions {
 
 std::string plus_minus(double std_m) {
   return std::isfinite(std_m) ? "± " + prediction::millimetres(std_m) : "uncertainty unknown";
-}
-
-/// The surface in 3-D with the region and the quadric of the fit.
-void write_page(const FitOptions& options, const TriangleSurface& surface,
-                const Eigen::Vector3d& point_m, const QuadricFit& fit) {
-  report::MeshPage page;
-  page.mesh = options.mesh;
-  page.mesh_toml = toml_text(options.mesh);
-  page.unit = options.unit;
-  page.facts = facts_in_words(surface) + ".";
-  report::MeshPoint point;
-  point.name = "fitted at " + options.point;
-  point.point_m = point_m;
-  point.normal = fit.normal;
-  point.fit = fit;
-  point.toml = geometry_line(options.mesh, options.unit, point);
-  page.points = {point};
-  page.version = "softfinger " + system::program_version();
-  page.command = options.command_line;
-  system::write_file_atomically(options.page, report::mesh_page(surface, page));
-  remark("the page is " + options.page);
 }
 
 int run_fit(const FitOptions& options) {
@@ -97,7 +75,15 @@ int run_fit(const FitOptions& options) {
         fit.sharpest_kink_rad * 180 / kPi));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
   const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
-  if (options.write_page) write_page(options, file.surface, point_m, fit);
+  if (options.write_page) {
+    report::MeshPoint point;
+    point.name = "fitted at " + options.point;
+    point.point_m = point_m;
+    point.normal = fit.normal;
+    point.fit = fit;
+    write_fits_page(options.page, options.mesh, options.unit, file.surface, {point},
+                    options.command_line);
+  }
   if (options.json) {
     nlohmann::json object = prediction::to_json(fit);
     object["mesh"] = options.mesh;

@@ -4,10 +4,13 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
+#include "comparisons/commands/commands.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -94,6 +97,22 @@ std::string geometry_line(const std::string& mesh, const std::string& unit,
   return fmt::format("finger = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
                      toml_text(mesh == "-" ? "FILE.stl" : mesh), unit,
                      list(1e3 * point.point_m, 1e-4), list(point.normal, 1e-5));
+}
+
+void write_fits_page(const std::string& file, const std::string& mesh, const std::string& unit,
+                     const TriangleSurface& surface, std::vector<report::MeshPoint> points,
+                     const std::string& command_line) {
+  report::MeshPage page;
+  page.mesh = mesh;
+  page.mesh_toml = toml_text(mesh);
+  page.unit = unit;
+  page.facts = facts_in_words(surface) + ".";
+  for (report::MeshPoint& point : points) point.toml = geometry_line(mesh, unit, point);
+  page.points = std::move(points);
+  page.version = "softfinger " + system::program_version();
+  page.command = command_line;
+  system::write_file_atomically(file, report::mesh_page(surface, page));
+  remark("the page is " + file);
 }
 
 std::string facts_in_words(const TriangleSurface& surface) {

@@ -6,8 +6,8 @@
 #include "comparisons/report/mesh_page.h"
 #include "meshes/io/read_surface.h"
 
-/// What the commands `mesh` and `fit` share: vectors from the command line, points of a surface and
-/// the lines of a case for them.
+/// What the commands `mesh`, `fit` and `predict` share: vectors from the command line, points of a
+/// surface and the lines of a case for them.
 namespace softfinger::commands {
 
 /// "X,Y,Z". @throws InputError(flag)
@@ -37,6 +37,13 @@ report::MeshPoint point_near(const TriangleSurface& surface, const std::string& 
 /// standard input is called FILE.stl: a case needs a file.
 std::string geometry_line(const std::string& mesh, const std::string& unit,
                           const report::MeshPoint& point);
+
+/// Writes the page of fits to one surface: the region and the quadric of each point.
+/// @param mesh  its file, as typed
+/// @param points  without their lines for cases, which are added
+void write_fits_page(const std::string& file, const std::string& mesh, const std::string& unit,
+                     const TriangleSurface& surface, std::vector<report::MeshPoint> points,
+                     const std::string& command_line);
 
 /// "5,374 triangles, closed, 16.2 x 12.1 x 28.0 mm"
 std::string facts_in_words(const TriangleSurface& surface);

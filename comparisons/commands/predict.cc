@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <variant>
 #include <vector>
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/assessment.h"
@@ -24,10 +27,10 @@ namespace {
 
 struct PredictOptions {
   CaseInput typed_case;
-  std::string models = "all", torque_rule = "exact", gap = "quadric";
+  std::string models = "all", torque_rule = "exact", gap = "quadric", page, command_line;
   double tolerance = 0.1;
   int limit_surface = 0;
-  bool json = false;
+  bool json = false, write_page = false;
 };
 
 // Short, so that measuring the cost of a call does not slow the program down noticeably.
@@ -69,11 +72,53 @@ void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
     answer.no_bound = found.outside;
 }
 
+/// The mesh of a case whose region is shown: the finger's, else the object's; null: neither is one.
+const input::MeshBody* shown_mesh(const input::Case& contact_case) {
+  const auto* bodies = std::get_if<input::BodyPair>(&contact_case.geometry);
+  if (!bodies) return nullptr;
+  const auto* finger = std::get_if<input::MeshBody>(&bodies->finger);
+  return finger ? finger : std::get_if<input::MeshBody>(&bodies->object);
+}
+
+/// As one types it: a built-in mesh by its name.
+std::string typed_name(const std::filesystem::path& mesh) {
+  for (const std::filesystem::path& file : system::builtin_mesh_files())
+    if (std::error_code error; std::filesystem::equivalent(file, mesh, error))
+      return mesh.filename().string();
+  return mesh.string();
+}
+
+/// The mesh with the region that was fitted for each load.
+void write_page(const PredictOptions& options, const input::Case& contact_case,
+                const prediction::GeometryResolver& resolver, const input::MeshBody& mesh) {
+  std::vector<report::MeshPoint> points;
+  for (const double load_N : contact_case.loads_N) {
+    const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+    const auto& bodies = std::get<input::BodyPair>(contact_case.geometry);
+    const bool is_finger = &mesh == std::get_if<input::MeshBody>(&bodies.finger);
+    report::MeshPoint point;
+    point.name = fmt::format("{:g} N", load_N);
+    point.point_m = is_finger ? geometry.finger_point_m : geometry.object_point_m;
+    point.fit = is_finger ? geometry.patch->finger_fit : geometry.patch->object_fit;
+    point.normal = point.fit->normal;
+    point.doubt = geometry.patch->remark;
+    points.push_back(point);
+  }
+  write_fits_page(options.page, typed_name(mesh.path), mesh.metres_per_unit == 1 ? "m" : "mm",
+                  resolver.surface(mesh), points, options.command_line);
+}
+
 int run_predict(const PredictOptions& options) {
   refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const auto models = chosen_models(options);
   const input::Case contact_case = read_case(options.typed_case);
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
+  const input::MeshBody* const mesh = shown_mesh(contact_case);
+  if (options.write_page && options.page.empty())
+    throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
+  if (options.write_page && !mesh)
+    throw InputError("command line", "--page", options.page,
+                     "for a case whose finger or object is a mesh");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   const prediction::TorqueRule rule = options.torque_rule == "paper"
@@ -107,6 +152,7 @@ int run_predict(const PredictOptions& options) {
     text += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
             table(answers, rule);
   }
+  if (options.write_page) write_page(options, contact_case, resolver, *mesh);
   // Last, so that a refusal stays a single line.
   for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
   if (options.models == "all" && options.gap == "quadric" && !prediction::slow_models().empty())
@@ -159,8 +205,9 @@ int run_predict(const PredictOptions& options) {
 
 }  // namespace
 
-void add_predict(CLI::App& app, Action& action) {
+void add_predict(CLI::App& app, Action& action, const std::string& command_line) {
   auto options = std::make_shared<PredictOptions>();
+  options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
   add_case(*command, options->typed_case);
@@ -192,6 +239,10 @@ void add_predict(CLI::App& app, Action& action) {
                    "\"sampled\": the model layer_fft gets the gap between the meshes themselves, "
                    "sampled along the contact's normal (0.3 s per load), all others the quadric")
       ->check(CLI::IsMember({"quadric", "sampled"}));
+  const CLI::Option* page = command->add_option(
+      "--page", options->page,
+      "HTML file to write, for a case with a mesh: the surface in 3-D with the region and the "
+      "quadric of each load, as softfinger mesh");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Case files may also contain, besides geometry, layer, contact and fem:\n"
@@ -216,8 +267,12 @@ void add_predict(CLI::App& app, Action& action) {
       "  softfinger predict seed_thumb --set layer.thickness_mm=2 --quiet\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
-      "  softfinger predict pad_on_plane --gap sampled");
-  command->callback([options, &action] { action = [options] { return run_predict(*options); }; });
+      "  softfinger predict pad_on_plane --gap sampled\n"
+      "  softfinger predict pad_on_plane --page regions.html");
+  command->callback([options, page, &action] {
+    options->write_page = page->count() > 0;
+    action = [options] { return run_predict(*options); };
+  });
 }
 
 }  // namespace softfinger::commands

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/exporting/contact_curve.h"
+
 namespace softfinger::exporting {
 
 const Simulator* find_simulator(std::string_view name) {

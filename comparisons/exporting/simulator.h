@@ -5,9 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "comparisons/exporting/contact_curve.h"
+#include "softfinger/input/contact_problem.h"
 
 namespace softfinger::exporting {
+
+struct ContactCurve;
 
 /// The contact that is exported: one constant e_n, and one constant mu, chosen for the nominal
 /// load.

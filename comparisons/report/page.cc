@@ -54,6 +54,7 @@ std::string render_page(const Page& page) {
   for (const embedded::Script& script : page.scripts) scripts += element(script);
   // Charts set styles on their elements.
   const std::string policy = "default-src 'none'; script-src" + hashes +
+                             (page.runs_wasm ? " 'wasm-unsafe-eval'" : "") +
                              "; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
   const std::string data = script_json(page.data);
   return filled(embedded::page_html, {{"title", page.title.markup()},

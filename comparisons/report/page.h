@@ -18,6 +18,7 @@ struct Page {
   Html body;
   Json data;  ///< for the scripts: document.getElementById("data")
   std::vector<embedded::Script> scripts;
+  bool runs_wasm = false;  ///< one of the scripts contains WebAssembly, and may compile it
 };
 /// The text of the page's file.
 std::string render_page(const Page& page);

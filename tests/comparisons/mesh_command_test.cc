@@ -149,6 +149,26 @@ TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {
       run({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "3", "--page", "fit.html"}).status,
       0);
   EXPECT_NE(file_text(folder.path() / "fit.html").find("fitted at 0,-7,0"), std::string::npos);
+  // The region of each load.
+  folder.write("tip.toml", R"(
+id = "tip"
+[geometry]
+finger = { mesh = "tip.stl", along = "-y" }
+object = { sphere_radius_mm = 20 }
+[layer]
+thickness_mm = 2
+youngs_modulus_kPa = 300
+poisson_ratio = 0.45
+[contact]
+load_N = [1, 5]
+friction_coefficient = 1
+)");
+  ASSERT_EQ(run({"predict", "tip.toml", "--page", "loads.html"}).status, 0);
+  const std::string loads = file_text(folder.path() / "loads.html");
+  for (const char* load : {"1 N", "5 N"})
+    EXPECT_NE(loads.find(std::string("<th scope=\"row\">") + load), std::string::npos) << load;
+  folder.write("radii.toml", case_text());
+  expect_refusal({"predict", "radii.toml", "--page", "loads.html"}, "is a mesh");
 }
 
 TEST_F(MeshCommand, ReadsStandardInput) {

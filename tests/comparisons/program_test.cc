@@ -55,6 +55,13 @@ std::string read_file(const fs::path& path) {
 
 }  // namespace
 
+/// Whether the build makes the page of `explore`.
+#ifdef SOFTFINGER_EXPLORER
+constexpr bool kHasExplorer = true;
+#else
+constexpr bool kHasExplorer = false;
+#endif
+
 class Program : public testing::Test {
  protected:
   TemporaryFolder folder;
@@ -1007,13 +1014,44 @@ TEST_F(Program, HoldsTheTheoryAgainstMeasurements) {
       std::string::npos);
 }
 
+TEST_F(Program, ExploreWritesOnePageOrSaysWhatTheBuildLacks) {
+  const json findings = json::parse(run({"doctor", "--json"}).out)["findings"];
+  const auto told = std::find_if(findings.begin(), findings.end(), [](const json& finding) {
+    return finding["name"] == "page of explore";
+  });
+  ASSERT_NE(told, findings.end());
+  EXPECT_EQ((*told)["there"], kHasExplorer);
+  if (!kHasExplorer) {
+    expect_refusal({"explore", "--output", "page.html"}, "libc++-14-dev-wasm32");
+    EXPECT_NE((*told)["detail"].get<std::string>().find("libc++-14-dev-wasm32"), std::string::npos);
+    EXPECT_FALSE(fs::exists(folder.path() / "page.html"));
+    return;
+  }
+  const ProgramRun result = run({"explore", "--output", "page.html", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json told_models = json::parse(result.out)["models"];
+  EXPECT_NE(std::find(told_models.begin(), told_models.end(), "fingertip_layer"),
+            told_models.end());
+  const std::string page = file_text(folder.path() / "page.html");
+  EXPECT_LT(page.size(), 3'000'000u);
+  EXPECT_EQ(page.find("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'"),
+            page.find("http-equiv"))
+      << "the page may load something";
+  for (const char* key : {"R1", "R2", "h", "E", "nu", "P", "mu"})
+    EXPECT_NE(page.find(std::string("type=\"range\" id=\"") + key + "\""), std::string::npos)
+        << key;
+  expect_refusal({"explore", "--output", ""}, "--output");
+  expect_refusal({"explore", "--output", "no/such/folder/page.html"}, "no/such/folder");
+}
+
 TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
-  for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
-                                    "experiments", "calibrate", "area", "export", "list", "explain",
-                                    "lcp", "mesh", "init", "doctor", "completion", "manual"}) {
+  for (const std::string command : {"",       "predict",  "fit",         "fem",       "compare",
+                                    "select", "extremes", "experiments", "calibrate", "area",
+                                    "export", "list",     "explain",     "lcp",       "mesh",
+                                    "init",   "doctor",   "completion",  "manual",    "explore"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;
@@ -1026,6 +1064,7 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
       const bool needs_mesh =
           line.find(".stl") != std::string::npos || line.find(" pad_on_") != std::string::npos;
       if (!has_builtin_meshes() && needs_mesh) continue;
+      if (!kHasExplorer && command == "explore") continue;
       const ProgramRun result = run(arguments);
       EXPECT_EQ(result.status, 0) << line << "\n" << result.err;
     }

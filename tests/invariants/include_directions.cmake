@@ -7,8 +7,8 @@
 #   all of these <- dynamics
 #   input <- meshes <- fem
 #   everything <- comparisons, and in it:
-#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting, extremes,
-#   experiments, calibration
+#   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting <- explorer;
+#   judgement <- extremes, experiments, calibration
 #   all of these <- report <- suite, sweep <- commands, distributed
 # The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
@@ -67,6 +67,7 @@ room(reference)
 room(simulation "^fcl/" "^meshes/")
 room(judgement)
 room(exporting)
+room(explorer)
 room(extremes)
 room(experiments)
 room(calibration "^toml[+][+]/")

@@ -18,6 +18,7 @@ import time
 
 PACKAGES = ("softfinger", "softfinger-fem", "libsoftfinger-dev", "python3-softfinger")
 LARGEST_PYTHON_PACKAGE_BYTES = 3_000_000
+LARGEST_PAGE_BYTES = 3_000_000
 # What finite elements need, and numbers for many processes.
 HEAVY = re.compile(r"deal\.?ii|gmsh|cholmod|blas|lapack|mpi|trilinos|petsc|vtk", re.IGNORECASE)
 
@@ -147,6 +148,14 @@ def check_program(root):
         "share/softfinger/meshes/shadow_like_pad.stl",
     ):
         assert (root.folder / "usr" / file).is_file(), file
+    # The page of `explore`, as far as the build has it, is in the program.
+    there = {f["name"]: f["there"] for f in json.loads(root.run(program, "doctor", "--json").stdout)["findings"]}
+    explored = root.run(program, "explore", "--output", "explore.html", check=False)
+    assert explored.returncode == (0 if there["page of explore"] else 2), explored.stderr
+    if there["page of explore"]:
+        size = (root.folder / "explore.html").stat().st_size
+        print(f"softfinger explore: {size} bytes")
+        assert 500_000 < size < LARGEST_PAGE_BYTES, size
     # Not this machine's own finite elements either.
     refused = root.run(program, "fem", "hertz_circle", "--level", "1", check=False)
     assert refused.returncode == 2 and "package softfinger-fem" in refused.stderr, refused.stderr

@@ -2,8 +2,11 @@
 #   WRITER SAMPLE DEVICE FOLDER   the page: WRITER leaves SAMPLE_DEVICE.html in FOLDER
 #   FLAGS                         more of Chromium's, separated by commas
 #   EXPECTED                      what the page must state, as attribute=value,...
+#   CHECK                         optional: a command, its words separated by commas, that gets the page as it
+#                                 was left as one more word, and fails where it is wrong
 string(REPLACE "," ";" FLAGS "${FLAGS}")
 string(REPLACE "," ";" EXPECTED "${EXPECTED}")
+string(REPLACE "," ";" CHECK "${CHECK}")
 find_program(CHROMIUM NAMES chromium chromium-browser google-chrome)
 if(NOT CHROMIUM)
   message(FATAL_ERROR "chromium is missing: the report's charts are tested in it. "
@@ -66,3 +69,10 @@ if(DEVICE STREQUAL "phone")
   endif()
 endif()
 message(STATUS "${drawn} of ${expected} charts drawn, no script errors, no overflow")
+if(CHECK)
+  file(WRITE "${FOLDER}/left.html" "${page}")
+  execute_process(COMMAND ${CHECK} "${FOLDER}/left.html" RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${CHECK}: ${status}")
+  endif()
+endif()

@@ -13,6 +13,7 @@ constexpr double kHalfPi = 1.57079632679489661923;
 /// The point of the surface for a slip of direction `heading` and share `turning` of rotation, both
 /// angles from 0 to pi/2, and the ellipsoid's deviation there.
 struct Slip {
+  double heading = 0, turning = 0;
   Twist twist;
   LimitWrench wrench;
   double deviation = 0;
@@ -23,6 +24,8 @@ Slip slip_at(const Surface& surface, const FrictionEllipsoid& ellipsoid, double 
              double turning) noexcept {
   const double sliding = std::cos(turning);
   Slip slip;
+  slip.heading = heading;
+  slip.turning = turning;
   slip.twist = {sliding * std::cos(heading), sliding * std::sin(heading),
                 std::sin(turning) / surface.eccentricity_m()};
   slip.wrench = surface.wrench_for_twist(slip.twist);
@@ -32,30 +35,39 @@ Slip slip_at(const Surface& surface, const FrictionEllipsoid& ellipsoid, double 
   return slip;
 }
 
-/// Largest sign * deviation: a grid, then a pattern search from its best point.
+constexpr int kHeadings = 12, kTurnings = 48;
+
+/// Of a grid of slips, those of the lowest and the highest deviation.
 template <class Surface>
-Slip extreme(const Surface& surface, const FrictionEllipsoid& ellipsoid, double sign) noexcept {
-  constexpr int kHeadings = 12, kTurnings = 48;
-  constexpr double kSmallestStep = 1e-7;  // of an angle: its square is far below the stated 1e-8
-  double heading = 0, turning = 0;
-  Slip best = slip_at(surface, ellipsoid, 0, 0);
-  const auto improve = [&](double h, double t) {
-    h = std::clamp(h, 0.0, kHalfPi);
-    t = std::clamp(t, 0.0, kHalfPi);
-    const Slip slip = slip_at(surface, ellipsoid, h, t);
-    if (!(sign * slip.deviation > sign * best.deviation)) return false;
-    best = slip;
-    heading = h;
-    turning = t;
-    return true;
-  };
+std::pair<Slip, Slip> extremes_of_grid(const Surface& surface,
+                                       const FrictionEllipsoid& ellipsoid) noexcept {
+  Slip lowest = slip_at(surface, ellipsoid, 0, 0), highest = lowest;
   for (int i = 0; i <= kHeadings; ++i)
-    for (int j = 0; j <= kTurnings; ++j) improve(kHalfPi * i / kHeadings, kHalfPi * j / kTurnings);
+    for (int j = 0; j <= kTurnings; ++j) {
+      const Slip slip =
+          slip_at(surface, ellipsoid, kHalfPi * i / kHeadings, kHalfPi * j / kTurnings);
+      if (slip.deviation < lowest.deviation) lowest = slip;
+      if (slip.deviation > highest.deviation) highest = slip;
+    }
+  return {lowest, highest};
+}
+
+/// The largest sign * deviation near `best`, by a pattern search.
+template <class Surface>
+Slip refined(const Surface& surface, const FrictionEllipsoid& ellipsoid, double sign,
+             Slip best) noexcept {
+  constexpr double kSmallestStep = 1e-7;  // of an angle: its square is far below the stated 1e-8
   double step = kHalfPi / kTurnings;
   for (int i = 0; i < 400 && step > kSmallestStep; ++i) {
     bool improved = false;
-    for (const auto& [h, t] : {std::pair<int, int>{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
-      improved = improve(heading + h * step, turning + t * step) || improved;
+    for (const auto& [h, t] : {std::pair<int, int>{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      const Slip slip =
+          slip_at(surface, ellipsoid, std::clamp(best.heading + h * step, 0.0, kHalfPi),
+                  std::clamp(best.turning + t * step, 0.0, kHalfPi));
+      if (!(sign * slip.deviation > sign * best.deviation)) continue;
+      best = slip;
+      improved = true;
+    }
     if (!improved) step /= 2;
   }
   return best;
@@ -76,7 +88,9 @@ EllipsoidDeviation worst_deviation(const Surface& surface,
                                    const FrictionEllipsoid& ellipsoid) noexcept {
   EllipsoidDeviation worst;
   if (!(surface.max_torque_Nm() > 0)) return worst;
-  const Slip low = extreme(surface, ellipsoid, -1), high = extreme(surface, ellipsoid, 1);
+  const auto [lowest, highest] = extremes_of_grid(surface, ellipsoid);
+  const Slip low = refined(surface, ellipsoid, -1, lowest);
+  const Slip high = refined(surface, ellipsoid, 1, highest);
   worst.lowest = std::min(low.deviation, 0.0);
   worst.lowest_twist = low.twist;
   worst.lowest_wrench = low.wrench;

@@ -30,7 +30,7 @@ struct EllipsoidDeviation {
 /// circle, -9.17 and 0 % at a/b = 2, -10.85 and 3.2 % at 5, -11.19 and 4.7 % at 10. The lowest is
 /// for a force along the short axis; long ellipses carry *more* than the ellipsoid says when the
 /// force is along the long axis. At pure torque the e_n of Ciocarlie et al. (2007) is too small:
-/// exact over theirs, less 1, is 9 % at a/b = 2 and 105 % at 10. Cost: 1,300 wrenches, some
+/// exact over theirs, less 1, is 9 % at a/b = 2 and 105 % at 10. Cost: 700 wrenches, one or two
 /// milliseconds; under the law `limited` 0.1 s.
 EllipsoidDeviation worst_ellipsoid_deviation(const LimitSurface& surface,
                                              const FrictionEllipsoid& ellipsoid) noexcept;

@@ -1,0 +1,187 @@
+#include "comparisons/explorer/explorer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+
+#include "comparisons/exporting/simulator.h"
+#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/friction/ellipsoid_deviation.h"
+#include "softfinger/friction/limit_surface.h"
+#include "softfinger/pressure/equivalent_exponent.h"
+
+namespace softfinger::explorer {
+namespace {
+
+/// Places in BoundedErrors.
+constexpr std::size_t kArea = 3, kTorque = 5;
+
+std::string json_number(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : "null";
+}
+
+std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  for (const char letter : text) {
+    if (letter == '\n') {
+      out += "\\n";
+      continue;
+    }
+    if (letter == '"' || letter == '\\') out += '\\';
+    out += letter;
+  }
+  return out + "\"";
+}
+
+/// The parts with commas between them, in brackets.
+class List {
+ public:
+  void add(const std::string& part) { text_ += (text_.empty() ? "" : ",") + part; }
+  std::string text() const { return "[" + text_ + "]"; }
+
+ private:
+  std::string text_;
+};
+
+struct Answer {
+  Prediction prediction;
+  ErrorBound bound;
+
+  double worst() const { return std::max(bound.bound[kArea], bound.bound[kTorque]); }
+};
+
+std::string model_json(const PressureModel& model, const Answer& answer, const Question& question) {
+  const Prediction& prediction = answer.prediction;
+  const ContactLoad& load = question.problem.load;
+  const double torque_Nm =
+      load.friction_coefficient * load.normal_force_N * prediction.torque_arm_exact_m;
+  const auto told = [&](double value) { return json_number(prediction.has_answer ? value : kNaN); };
+  List bounds, objections;
+  for (const double bound : answer.bound.bound) bounds.add(json_number(bound));
+  for (const ValidityCheck& check : prediction.validity)
+    if (!check.holds()) objections.add(json_string(check.message));
+  const bool usable = answer.bound.known && answer.worst() <= question.tolerance;
+  return fmt::format(
+      "{{\"name\":{},\"has_answer\":{},\"a_m\":{},\"b_m\":{},\"indentation_m\":{},\"area_m2\":{},"
+      "\"peak_pressure_Pa\":{},\"max_torque_Nm\":{},\"eccentricity_m\":{},\"bound\":{},"
+      "\"outside\":{},\"usable\":{},\"objections\":{}}}",
+      json_string(model.card().name), prediction.has_answer, told(prediction.a_m),
+      told(prediction.b_m), told(prediction.indentation_m), told(prediction.area_m2()),
+      told(prediction.peak_pressure_Pa), told(torque_Nm), told(prediction.torque_arm_exact_m),
+      answer.bound.known ? bounds.text() : "null", json_string(answer.bound.outside), usable,
+      objections.text());
+}
+
+std::string profile_json(const PressureModel& model, const ContactProblem& problem,
+                         const Prediction& prediction) {
+  // Steps that are shorter towards the edge, where the pressure of most models falls steeply.
+  constexpr int kSteps = 48;
+  List position, along_long, along_short;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double part = std::sin(kPi / 2 * i / kSteps);
+    position.add(json_number(part));
+    along_long.add(json_number(model.pressure_Pa(problem, prediction, part * prediction.a_m, 0)));
+    along_short.add(json_number(model.pressure_Pa(problem, prediction, 0, part * prediction.b_m)));
+  }
+  return fmt::format("{{\"position\":{},\"long_Pa\":{},\"short_Pa\":{}}}", position.text(),
+                     along_long.text(), along_short.text());
+}
+
+/// Forces along one axis of the ellipse from pure force to pure torque. By the symmetry of the
+/// ellipse, a twist that slides along the axis and turns needs no force across it.
+std::string section_json(const LimitSurface& surface, bool along_long, double eccentricity_m) {
+  constexpr int kSteps = 40;
+  List points;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle_rad = kPi / 2 * i / kSteps;
+    const double slide = i == kSteps ? 0 : std::cos(angle_rad);
+    const LimitWrench wrench = surface.wrench_for_twist(
+        {along_long ? slide : 0, along_long ? 0 : slide, std::sin(angle_rad) / eccentricity_m});
+    points.add(fmt::format("[{},{}]", json_number(along_long ? wrench.force_x_N : wrench.force_y_N),
+                           json_number(wrench.torque_Nm)));
+  }
+  return points.text();
+}
+
+std::string limit_json(const ContactProblem& problem, const Prediction& prediction) {
+  const double max_force_N = problem.load.friction_coefficient * problem.load.normal_force_N;
+  const FrictionEllipsoid ellipsoid{max_force_N, prediction.torque_arm_exact_m};
+  const double exponent = equivalent_exponent(prediction);
+  const LimitSurface surface(prediction.a_m, prediction.b_m, exponent, max_force_N);
+  const EllipsoidDeviation deviation = worst_ellipsoid_deviation(surface, ellipsoid);
+  return fmt::format(
+      "{{\"exponent\":{},\"along_long\":{},\"along_short\":{},\"lowest\":{},\"highest\":{},"
+      "\"max_force_N\":{},\"max_torque_Nm\":{}}}",
+      json_number(exponent), section_json(surface, true, ellipsoid.eccentricity_m),
+      section_json(surface, false, ellipsoid.eccentricity_m), json_number(deviation.lowest),
+      json_number(deviation.highest), json_number(ellipsoid.max_force_N),
+      json_number(ellipsoid.max_torque_Nm()));
+}
+
+std::string simulators_json(const PressureModel& model, const ContactProblem& problem,
+                            const Prediction& prediction) {
+  exporting::SoftContact contact;
+  contact.friction_coefficient = problem.load.friction_coefficient;
+  contact.load_N = problem.load.normal_force_N;
+  contact.eccentricity_m = prediction.torque_arm_exact_m;
+  contact.indentation_m = prediction.indentation_m;
+  contact.radii = problem.radii;
+  contact.origin = fmt::format("explorer, {}, {:.4g} N", model.card().name, contact.load_N);
+  List list;
+  for (const exporting::Simulator& simulator : exporting::all_simulators())
+    list.add(fmt::format("{{\"name\":{},\"text\":{}}}", json_string(simulator.name),
+                         json_string(simulator.lines(contact).text)));
+  return list.text();
+}
+
+}  // namespace
+
+const std::vector<const PressureModel*>& models() {
+  static const std::vector<const PressureModel*> fast = [] {
+    std::vector<const PressureModel*> found;
+    for (const PressureModel* model : all_pressure_models())
+      if (model->card().hot_path && model->card().name != "power_law") found.push_back(model);
+    return found;
+  }();
+  return fast;
+}
+
+std::string answer(const Question& question) {
+  const ContactProblem& problem = question.problem;
+  std::vector<Answer> answers;
+  List list;
+  int nearest = -1, first = -1;
+  for (const PressureModel* model : models()) {
+    const int place = int(answers.size());
+    Answer told;
+    told.prediction = model->predict(problem);
+    told.bound = error_bound(problem, told.prediction);
+    answers.push_back(told);
+    list.add(model_json(*model, told, question));
+    if (first < 0 && told.prediction.has_answer) first = place;
+    if (told.bound.known && (nearest < 0 || told.worst() < answers[std::size_t(nearest)].worst()))
+      nearest = place;
+  }
+  int shown = question.shown;
+  if (shown == -2)
+    shown = -1;
+  else if (shown < 0 || shown >= int(answers.size()) ||
+           !answers[std::size_t(shown)].prediction.has_answer)
+    shown = nearest >= 0 ? nearest : first;
+  std::string profile = "null", limit = "null", simulators = "[]";
+  if (shown >= 0) {
+    const PressureModel& model = *models()[std::size_t(shown)];
+    const Prediction& prediction = answers[std::size_t(shown)].prediction;
+    profile = profile_json(model, problem, prediction);
+    limit = limit_json(problem, prediction);
+    simulators = simulators_json(model, problem, prediction);
+  }
+  return fmt::format(
+      "{{\"models\":{},\"nearest\":{},\"shown\":{},\"profile\":{},\"limit\":{},\"simulators\":{}}}",
+      list.text(), nearest, shown, profile, limit, simulators);
+}
+
+}  // namespace softfinger::explorer

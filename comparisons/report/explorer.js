@@ -1,0 +1,463 @@
+// The page of `softfinger explore`: reads the sliders, asks the library (explorer.wasm), shows the answer.
+// The contact stands in the address behind #, so that a link repeats it.
+import {axisBottom, axisLeft} from "d3-axis";
+import {scaleLinear} from "d3-scale";
+import {select} from "d3-selection";
+import {line} from "d3-shape";
+import wasm from "softfinger-explorer";
+
+const page = document.documentElement;
+const {sliders, models} = JSON.parse(document.getElementById("data").textContent);
+const the = (id) => document.getElementById(id);
+const all = (selector) => [...document.querySelectorAll(selector)];
+
+// The library ----------------------------------------------------------------------------------------
+
+// It has no files, no environment and nothing to print: what its C library asks of a system is refused.
+async function load() {
+  const refused = new Proxy({}, {get: (_, name) => () => { throw new Error(`the library called ${String(name)}`); }});
+  const module = await WebAssembly.compile(wasm);
+  const imports = {};
+  for (const {module: from, name} of WebAssembly.Module.imports(module)) (imports[from] ??= {})[name] = refused[name];
+  const {exports} = await WebAssembly.instantiate(module, imports);
+  exports._initialize();
+  const pose = (numbers) => new Float64Array(exports.memory.buffer, exports.question(), numbers.length).set(numbers);
+  const words = new TextDecoder();
+  return {
+    ask(numbers) {
+      pose(numbers);
+      const start = exports.answer();
+      const bytes = new Uint8Array(exports.memory.buffer, start);
+      return JSON.parse(words.decode(bytes.subarray(0, bytes.indexOf(0))));
+    },
+    // Nanoseconds of one prediction; null where the clock is too coarse to tell.
+    time(numbers, model) {
+      pose(numbers);
+      const calls = 20000;
+      const times = [0, 1, 2].map(() => {
+        const start = performance.now();
+        exports.repeat(model, calls);
+        return performance.now() - start;
+      });
+      const least = Math.min(...times);
+      return least > 0 ? 1e6 * least / calls : null;
+    },
+  };
+}
+
+// The contact ----------------------------------------------------------------------------------------
+
+const state = {shown: -1};
+for (const slider of sliders) state[slider.key] = slider.start;
+const three = (value) => Number(value.toPrecision(3));
+const ofSlider = ({low, high, logarithmic}, position) =>
+  three(logarithmic ? low * (high / low) ** (position / 1000) : low + (high - low) * position / 1000);
+const toSlider = ({low, high, logarithmic}, value) => Math.round(1000 *
+  Math.min(1, Math.max(0, logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low))));
+const allowed = ({least, largest, logarithmic}, value) =>
+  Number.isFinite(value) && value <= largest && (logarithmic ? value > least : value >= least);
+
+function set(key, value) {
+  state[key] = value;
+  // R' is the larger one: each takes the other along.
+  if (key === "R1" && state.R2 > value) state.R2 = value;
+  if (key === "R2" && state.R1 < value) state.R1 = value;
+}
+// A number that is being typed is left alone.
+function showContact() {
+  for (const slider of sliders) {
+    const value = state[slider.key], typed = the(`${slider.key}_typed`), range = the(slider.key);
+    if (document.activeElement !== typed) {
+      typed.value = String(value);
+      typed.removeAttribute("aria-invalid");
+    }
+    if (document.activeElement !== range || ofSlider(slider, Number(range.value)) !== value) range.value = String(toSlider(slider, value));
+    range.setAttribute("aria-valuetext", `${value} ${slider.unit}`.trim());
+  }
+  for (const radio of all('input[name="shown"]')) radio.checked = Number(radio.value) === state.shown;
+}
+const addressOf = () => {
+  const parts = sliders.map(({key}) => `${key}=${state[key]}`);
+  if (state.shown >= 0) parts.push(`model=${models[state.shown].name}`);
+  return parts.join("&");
+};
+function readAddress() {
+  const given = new URLSearchParams(location.hash.slice(1));
+  for (const slider of sliders) {
+    const value = given.has(slider.key) && given.get(slider.key) !== "" ? Number(given.get(slider.key)) : NaN;
+    if (allowed(slider, value)) set(slider.key, value);
+  }
+  state.shown = models.findIndex(({name}) => name === given.get("model"));
+}
+function writeAddress() {
+  const address = new URL(location.href);
+  address.hash = addressOf();
+  try {
+    history.replaceState(null, "", address.href);
+  } catch {
+    // A page inside another one may have no address of its own.
+  }
+}
+
+// Numbers as people read them --------------------------------------------------------------------------
+
+const number = (value) => {
+  if (value === null || value === undefined) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  return size >= 1e5 || size < 1e-4 ? String(Number(value.toPrecision(4)).toExponential()).replace("e+", "e") : String(Number(value.toPrecision(4)));
+};
+const percent = (ratio) => {
+  if (ratio >= 10) return "> 1000 %";
+  return `${Number((100 * ratio).toPrecision(ratio < 0.1 ? 2 : 3))} %`;
+};
+const duration = (ns) => (ns === null || ns === undefined ? "–" : ns < 1000 ? `${Number(ns.toPrecision(2))} ns` : `${Number((ns / 1000).toPrecision(2))} µs`);
+
+// Pictures -------------------------------------------------------------------------------------------
+
+class Picture {
+  constructor(name, {height, left}) {
+    this.box = document.querySelector(`[data-chart="${name}"] .plot`);
+    this.margin = {left, right: 24, top: 24, bottom: 40};
+    this.height = height;
+    this.svg = select(this.box).append("svg").attr("role", "img").attr("height", height);
+    [this.across, this.up, this.marks] = [0, 1, 2].map(() => this.svg.append("g"));
+    this.labels = {
+      x: this.svg.append("text").attr("text-anchor", "end").attr("y", height - 4),
+      y: this.svg.append("text").attr("x", 0).attr("y", 12),
+    };
+    this.paths = new Map();
+  }
+  fit(width) {
+    this.width = width;
+    this.svg.attr("width", width);
+    this.labels.x.attr("x", width - 2);
+  }
+  describe(words) { this.svg.attr("aria-label", words); }
+  axes(xDomain, yDomain, xLabel, yLabel) {
+    const {left, right, top, bottom} = this.margin, [width, height] = [this.width, this.height];
+    this.x = scaleLinear(xDomain, [left, width - right]);
+    this.y = scaleLinear(yDomain, [height - bottom, top]);
+    const ticks = Math.max(2, Math.min(6, Math.floor((width - left - right) / 60)));
+    // Short words even where a number is not: "2e8" for 200,000,000.
+    const short = (scale) => (scale.domain()[1] >= 1e4 || scale.domain()[1] < 1e-2 ? (value) => number(Number(value.toPrecision(12))) : null);
+    this.across.attr("transform", `translate(0,${height - bottom})`)
+      .call(axisBottom(this.x).ticks(ticks).tickFormat(short(this.x)).tickSize(top + bottom - height).tickPadding(8));
+    this.up.attr("transform", `translate(${left},0)`)
+      .call(axisLeft(this.y).ticks(5).tickFormat(short(this.y)).tickSize(left + right - width).tickPadding(8));
+    this.labels.x.text(xLabel);
+    this.labels.y.text(yLabel);
+  }
+  begin() { this.unused = new Set(this.paths.keys()); }
+  path(name, d, attributes) {
+    if (!this.paths.has(name)) this.paths.set(name, this.marks.append("path").attr("fill", "none").attr("data-path", name));
+    const path = this.paths.get(name);
+    path.attr("d", d);
+    for (const [key, value] of Object.entries(attributes)) path.attr(key, value);
+    this.unused.delete(name);
+    this.marks.node().append(path.node());  // in the order of drawing
+  }
+  points(name, list, attributes) {
+    this.path(name, line((p) => this.x(p[0]), (p) => this.y(p[1]))(list), attributes);
+  }
+  end() {
+    for (const name of this.unused) {
+      this.paths.get(name).remove();
+      this.paths.delete(name);
+    }
+  }
+  clear() {
+    this.begin();
+    this.end();
+  }
+}
+// The smallest of 1, 2, 5, 10 .. that is not below: a picture that grows while a slider moves keeps its scale for a while.
+const roundUp = (value) => {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return [1, 1.5, 2, 3, 5, 7, 10].map((m) => m * decade).find((top) => top >= value * (1 - 1e-12)) ?? value;
+};
+const pictures = {
+  ellipse: new Picture("ellipse", {height: 270, left: 46}),
+  pressure: new Picture("pressure", {height: 270, left: 58}),
+  limit: new Picture("limit", {height: 270, left: 58}),
+};
+
+function drawEllipse(answer) {
+  const picture = pictures.ellipse, shown = answer.models[answer.shown];
+  const {left, right, top, bottom} = picture.margin;
+  const [across, up] = [picture.width - left - right, picture.height - top - bottom];
+  // One scale for both directions: half the picture's width shows `reach`, or half its height does.
+  const [a, b] = [1e3 * shown.a_m, 1e3 * shown.b_m];
+  const half = roundUp(Math.max(1.15 * b, 1.15 * a * up / across));
+  const reach = half * across / up;
+  picture.axes([-reach, reach], [-half, half], "x, mm →", "↑ y, mm");
+  const outline = ({a_m, b_m}) => {
+    const [rx, ry] = [picture.x(1e3 * a_m) - picture.x(0), picture.y(0) - picture.y(1e3 * b_m)];
+    const [x, y] = [picture.x(0), picture.y(0)];
+    return `M${x - rx},${y}a${rx},${ry} 0 1,0 ${2 * rx},0a${rx},${ry} 0 1,0 ${-2 * rx},0Z`;
+  };
+  picture.begin();
+  const order = answer.models.map((model, i) => [model, i]);
+  for (const [model, i] of [...order.filter(([, i]) => i !== answer.shown), order[answer.shown]]) {
+    const isShown = i === answer.shown;
+    if (!isShown && !(model.usable && model.a_m < 1e-3 * reach && model.b_m < 1e-3 * half)) continue;
+    picture.path(model.name, outline(model), {
+      stroke: models[i].colour, "stroke-width": isShown ? 2.5 : 1,
+      fill: isShown ? models[i].colour : "none", "fill-opacity": 0.18,
+    });
+  }
+  picture.end();
+  picture.describe(`Contact ellipse, semi-axes ${number(a)} and ${number(b)} mm`);
+}
+
+function drawPressure(answer) {
+  const picture = pictures.pressure, shown = answer.models[answer.shown], {position, long_Pa, short_Pa} = answer.profile;
+  const peak = shown.peak_pressure_Pa / 1e3, colour = models[answer.shown].colour;
+  picture.axes([0, roundUp(1.02e3 * shown.a_m)], [0, roundUp(Math.max(1.02 * peak, ...[...long_Pa, ...short_Pa].map((p) => p / 1e3)))], "from the centre, mm →", "↑ kPa");
+  picture.begin();
+  picture.points("long", position.map((s, i) => [1e3 * s * shown.a_m, long_Pa[i] / 1e3]), {stroke: colour, "stroke-width": 2.5});
+  picture.points("short", position.map((s, i) => [1e3 * s * shown.b_m, short_Pa[i] / 1e3]), {stroke: colour, "stroke-width": 2, "stroke-dasharray": "6 4"});
+  picture.end();
+  picture.describe(`Pressure, ${number(peak)} kPa at the centre`);
+}
+
+function drawLimit(answer) {
+  const picture = pictures.limit, {along_long, along_short, max_force_N, max_torque_Nm} = answer.limit;
+  const colour = models[answer.shown].colour;
+  picture.axes([0, roundUp(1.02 * max_force_N)], [0, roundUp(1.02e3 * max_torque_Nm)], "force, N →", "↑ torque, mN·m");
+  const quarter = along_long.map((_, i) => i / (along_long.length - 1) * Math.PI / 2);
+  const milli = ([force, torque]) => [force, 1e3 * torque];
+  picture.begin();
+  picture.points("ellipsoid", quarter.map((t) => [max_force_N * Math.cos(t), 1e3 * max_torque_Nm * Math.sin(t)]), {stroke: "var(--muted)", "stroke-width": 1.5});
+  picture.points("long", along_long.map(milli), {stroke: colour, "stroke-width": 2.5});
+  picture.points("short", along_short.map(milli), {stroke: colour, "stroke-width": 2, "stroke-dasharray": "6 4"});
+  picture.end();
+  picture.describe(`Limit surface, largest force ${number(max_force_N)} N, largest torque ${number(1e3 * max_torque_Nm)} mN·m`);
+}
+
+// Words and tables -----------------------------------------------------------------------------------
+
+const [AREA, TORQUE] = [3, 5];
+let times = models.map(() => null);
+
+const rows = all("tr[data-model]").map((row) => ({
+  row, cells: Object.fromEntries([...row.querySelectorAll("[data-key]")].map((cell) => [cell.dataset.key, cell])),
+}));
+const write = (element, text) => {
+  if (element.textContent !== text) element.textContent = text;
+};
+const sentence = (words) => words && words[0].toUpperCase() + words.slice(1) + ".";
+
+function showTable(answer) {
+  answer.models.forEach((model, i) => {
+    const {row, cells} = rows[i];
+    row.toggleAttribute("data-shown", i === answer.shown);
+    const scaled = {a: [model.a_m, 1e3], b: [model.b_m, 1e3], area: [model.area_m2, 1e6], indentation: [model.indentation_m, 1e3],
+      peak: [model.peak_pressure_Pa, 1e-3], torque: [model.max_torque_Nm, 1e3], arm: [model.eccentricity_m, 1e3]};
+    for (const [key, [value, factor]] of Object.entries(scaled)) write(cells[key], value === null ? "–" : number(value * factor));
+    for (const [key, q] of [["area_bound", AREA], ["torque_bound", TORQUE]]) {
+      write(cells[key], model.bound ? percent(model.bound[q]) : "–");
+      cells[key].className = !model.bound ? "" : 100 * model.bound[q] <= state.within ? "within" : "beyond";
+    }
+    write(cells.time, duration(times[i]));
+    const [kind, words] = model.usable ? ["good", "✓ usable"] : model.bound ? ["bad", "✕ no"] : ["failed", "? not known"];
+    cells.verdict.className = `badge ${kind}`;
+    write(cells.verdict, words);
+  });
+}
+
+// Why a model is not usable, or what speaks against one that is.
+function showReasons(answer) {
+  const reasons = answer.models.map((model, i) => [models[i].label, [model.bound ? "" : sentence(model.outside), ...model.objections.map(sentence)].filter(Boolean).join(" ")])
+    .filter(([, words]) => words);
+  const list = the("reasons"), wanted = JSON.stringify(reasons);
+  if (list.dataset.holds === wanted) return;
+  list.dataset.holds = wanted;
+  list.replaceChildren(...reasons.map(([label, words]) => {
+    const item = document.createElement("li"), name = document.createElement("b");
+    name.textContent = `${label}: `;
+    item.append(name, words);
+    return item;
+  }));
+}
+
+function showKeyNumbers(answer) {
+  const list = the("key_numbers"), model = answer.models[answer.shown];
+  const rows = model ? [
+    ["largest force", `${number(answer.limit.max_force_N)} N`],
+    ["largest torque", `${number(1e3 * model.max_torque_Nm)} mN·m`],
+    ["torque / μP, the length eₙ", `${number(1e3 * model.eccentricity_m)} mm`],
+    ["size s = √(ab)/h", number(Number((Math.sqrt(model.a_m * model.b_m) / (1e-3 * state.h)).toPrecision(3)))],
+    ["approach / h", percent(model.indentation_m / (1e-3 * state.h))],
+  ] : [];
+  if (list.children.length !== 2 * rows.length)
+    list.replaceChildren(...rows.flatMap(() => ["dt", "dd"].map((name) => document.createElement(name))));
+  rows.flat().forEach((words, i) => write(list.children[i], words));
+}
+
+function showSimulators(answer) {
+  for (const pre of all("pre[data-simulator]"))
+    write(pre, answer.simulators.find(({name}) => name === pre.dataset.simulator)?.text ?? "");
+}
+
+function cheapest(answer) {
+  let found = -1;
+  answer.models.forEach((model, i) => {
+    if (model.usable && times[i] !== null && (found < 0 || times[i] < times[found])) found = i;
+  });
+  return found;
+}
+
+function verdictOf(answer) {
+  if (answer.shown < 0) return "No model has an answer here: the result would be too large or too small for a number.";
+  const name = (i) => models[i].label;
+  const {max_torque_Nm, a_m, b_m, bound} = answer.models[answer.shown];
+  const size = `a contact of ${number(2e3 * a_m)} by ${number(2e3 * b_m)} mm that carries at most ${number(1e3 * max_torque_Nm)} mN·m about the normal`;
+  const parts = [`${name(answer.shown)}: ${size}${bound ? `, within ${percent(bound[TORQUE])}` : ", with an error that is not known"}.`];
+  if (answer.nearest < 0) parts.push(`${sentence(answer.models[answer.shown].outside)} Compare with finite elements.`);
+  else if (answer.nearest !== answer.shown) parts.push(`The nearest model is ${name(answer.nearest)}.`);
+  else parts.push("It is the nearest model.");
+  const cheap = cheapest(answer);
+  if (cheap >= 0) parts.push(`The cheapest that is usable is ${name(cheap)}, ${duration(times[cheap])} in this browser.`);
+  else if (answer.nearest >= 0 && !answer.models.some((model) => model.usable)) parts.push(`None is known to be within ${state.within} %: ask finite elements.`);
+  return parts.join(" ");
+}
+
+const commandOf = () =>
+  `softfinger predict --radii-mm ${state.R1},${state.R2} --thickness-mm ${state.h} --youngs-modulus-kPa ${state.E} ` +
+  `--poisson-ratio ${state.nu} --load ${state.P} --friction ${state.mu} --tolerance ${Number((state.within / 100).toPrecision(12))}`;
+
+// Putting it together --------------------------------------------------------------------------------
+
+let library = null, settled = 0, frame = 0;
+const widths = () => Object.values(pictures).map((picture) => picture.box.clientWidth);
+const numbers = () => [...sliders.map(({key, si_per_unit}) => state[key] * si_per_unit), state.shown];
+
+// While a slider moves, parts out of sight wait until they are seen, or until it rests.
+const parts = new Map([
+  [document.querySelector(".scroll"), showTable],
+  [the("reasons"), showReasons],
+  [document.querySelector(".simulators"), showSimulators],
+]);
+const inSight = new Set();
+function watchParts() {
+  const observer = new IntersectionObserver((changes) => {
+    for (const {target, isIntersecting} of changes) inSight[isIntersecting ? "add" : "delete"](target);
+    if (changes.some(({isIntersecting}) => isIntersecting)) updateSoon();
+  }, {rootMargin: "100px"});
+  for (const part of parts.keys()) observer.observe(part);
+}
+
+function update({onlyInSight = false} = {}) {
+  cancelAnimationFrame(frame);
+  frame = 0;
+  showContact();
+  const answer = library.ask(numbers());
+  if (answer.shown < 0) {
+    for (const picture of Object.values(pictures)) picture.clear();
+    write(the("limit_facts"), "");
+  } else {
+    drawEllipse(answer);
+    drawPressure(answer);
+    drawLimit(answer);
+    const {lowest, highest, exponent} = answer.limit;
+    write(the("limit_facts"), `Exact limit surface of a pressure p ~ (1 − x²/a² − y²/b²)ⁿ with n = ${number(Number(exponent.toPrecision(3)))}, ` +
+      `which has this model’s torque; the friction ellipsoid lies up to ${percent(Math.max(0, -lowest))} outside of it and ${percent(Math.max(0, Number(highest.toFixed(6))))} inside.`);
+  }
+  for (const [part, show] of parts) if (!onlyInSight || inSight.has(part)) show(answer);
+  showKeyNumbers(answer);
+  const verdict = verdictOf(answer);
+  write(the("verdict"), verdict);
+  write(the("command"), commandOf());
+  clearTimeout(settled);
+  // Once the slider rests: also the address, and the words for those who listen.
+  settled = setTimeout(() => {
+    for (const show of parts.values()) show(answer);
+    writeAddress();
+    write(the("status"), verdict);
+  }, 400);
+}
+const updateSoon = () => { frame ||= requestAnimationFrame(() => update({onlyInSight: true})); };
+
+function copy(button, text) {
+  const label = button.dataset.label ??= button.textContent;
+  const say = (words) => {
+    button.textContent = words;
+    setTimeout(() => { button.textContent = label; }, 1500);
+  };
+  // Pages from files may lack the clipboard.
+  (navigator.clipboard?.writeText(text) ?? Promise.reject()).then(() => say("Copied"), () => say("Select and copy by hand"));
+}
+
+function listen() {
+  for (const slider of sliders) {
+    const range = the(slider.key), typed = the(`${slider.key}_typed`);
+    range.addEventListener("input", () => {
+      set(slider.key, ofSlider(slider, Number(range.value)));
+      updateSoon();
+    });
+    range.addEventListener("change", () => update());
+    typed.addEventListener("input", () => {
+      const value = typed.value === "" ? NaN : Number(typed.value), fits = allowed(slider, value);
+      typed.setAttribute("aria-invalid", String(!fits));
+      if (!fits) return;
+      set(slider.key, value);
+      updateSoon();
+    });
+    typed.addEventListener("change", () => update());
+    typed.addEventListener("blur", updateSoon);
+  }
+  document.querySelector("form.sliders").addEventListener("submit", (event) => event.preventDefault());
+  for (const radio of all('input[name="shown"]'))
+    radio.addEventListener("change", () => {
+      state.shown = Number(radio.value);
+      update();
+    });
+  the("reset").addEventListener("click", () => {
+    for (const slider of sliders) state[slider.key] = slider.start;
+    state.shown = -1;
+    update();
+  });
+  the("share").addEventListener("click", () => {
+    writeAddress();
+    copy(the("share"), location.href);
+  });
+  for (const button of all("button[data-copy]"))
+    button.addEventListener("click", () => copy(button, document.querySelector(`pre[data-simulator="${button.dataset.copy}"]`).textContent));
+  addEventListener("hashchange", () => {
+    readAddress();
+    update();
+  });
+  new ResizeObserver(() => {
+    const current = widths();
+    if (!Object.values(pictures).some((picture, i) => picture.width !== current[i])) return;
+    Object.values(pictures).forEach((picture, i) => picture.fit(current[i]));
+    updateSoon();
+    page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
+  }).observe(document.body);
+}
+
+async function start() {
+  page.dataset.chartsExpected = "3";
+  page.dataset.chartsDrawn = "0"; // also shows the places of the charts, see report.css
+  library = await load();
+  readAddress();
+  const current = widths();
+  Object.values(pictures).forEach((picture, i) => picture.fit(current[i]));
+  listen();
+  watchParts();
+  update();
+  page.dataset.chartsDrawn = String(all(".plot svg").filter((svg) => svg.querySelector("path[data-path]")).length);
+  page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
+  // After the first picture: the clock needs some calls.
+  setTimeout(() => {
+    times = models.map((_, i) => library.time(numbers(), i));
+    page.dataset.timed = "true";
+    update();
+  }, 50);
+}
+start().catch((error) => {
+  the("failure").hidden = false;
+  the("failure").textContent = `This browser cannot run the page’s WebAssembly: ${error.message}`;
+  page.dataset.scriptErrors = String(1 + Number(page.dataset.scriptErrors ?? 0));
+});

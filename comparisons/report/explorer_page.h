@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace softfinger::report {
+
+/// Whether the program was built with a compiler for WebAssembly, without which there is no page.
+bool has_explorer();
+/// Debian packages that the build needs for it.
+inline constexpr std::string_view kExplorerPackages =
+    "clang lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc libclang-rt-14-dev-wasm32";
+
+/// The page of `softfinger explore`: sliders for a contact, and what the models, their error
+/// bounds, the limit surface and the simulators make of it, computed in the browser by the library
+/// itself (explorer/explorer.h). It needs no network and no server. Only with `has_explorer()`.
+/// @param version  "softfinger 0.1.0"
+/// @param command  as typed
+std::string explorer_page(const std::string& version, const std::string& command);
+
+}  // namespace softfinger::report

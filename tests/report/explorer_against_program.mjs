@@ -1,0 +1,65 @@
+// node explorer_against_program.mjs PROGRAM PAGE: what explorer_reader.js saw on the page of `softfinger
+// explore` against `softfinger predict --json`, asked with the command that the page itself shows.
+import {readFileSync} from "node:fs";
+import {execFileSync} from "node:child_process";
+
+const [program, dump] = process.argv.slice(2);
+const states = JSON.parse(decodeURIComponent(/data-states="([^"]*)"/.exec(readFileSync(dump, "utf8"))[1]));
+
+// Column of the table: key of the answer, what it is multiplied with, digits that are shown.
+const COLUMNS = {
+  a: ["a_m", 1e3, 4], b: ["b_m", 1e3, 4], area: ["area_m2", 1e6, 4], indentation: ["indentation_m", 1e3, 4],
+  peak: ["peak_pressure_Pa", 1e-3, 4], torque: ["max_torque_Nm", 1e3, 4], arm: ["eccentricity_m", 1e3, 4],
+};
+const BOUNDS = {area_bound: "area", torque_bound: "max_torque"};
+
+const wrong = [], asked = new Map();
+let compared = 0, answered = 0, bounds = 0;
+// Half of the last of `digits` digits, and what rounding of the last bits may turn to the other side.
+function expectDigits(text, wanted, digits, where) {
+  ++compared;
+  const half = 0.5 * 10 ** (Math.floor(Math.log10(Math.abs(wanted))) + 1 - digits);
+  if (!(Math.abs(Number(text) - wanted) <= half * (1 + 1e-6))) wrong.push(`${where}: ${text}, not ${wanted}`);
+}
+function expect(seen, wanted, where) {
+  ++compared;
+  if (seen !== wanted) wrong.push(`${where}: ${seen}, not ${wanted}`);
+}
+const answerOf = (command) => {
+  if (!asked.has(command)) {
+    const words = command.split(" ").slice(1);
+    asked.set(command, JSON.parse(execFileSync(program, [...words, "--json", "--quiet"], {maxBuffer: 1 << 26})));
+  }
+  return asked.get(command);
+};
+
+for (const {after, command, shown, models, verdict} of states) {
+  const results = new Map(answerOf(command).results.map((result) => [result.model, result]));
+  for (const [name, cells] of Object.entries(models)) {
+    const result = results.get(name), where = `${name} after ${after} (${command})`;
+    if (!result) {
+      wrong.push(`${where}: softfinger predict does not answer`);
+      continue;
+    }
+    const has_answer = result.a_m !== null;
+    answered += has_answer;
+    for (const [column, [key, factor, digits]] of Object.entries(COLUMNS))
+      if (has_answer) expectDigits(cells[column], factor * result[key], digits, `${column} of ${where}`);
+      else expect(cells[column], "–", `${column} of ${where}`);
+    for (const [column, quantity] of Object.entries(BOUNDS)) {
+      const bound = result.error_bound?.[quantity] ?? null;
+      bounds += bound !== null;
+      if (bound === null) expect(cells[column], "–", `${column} of ${where}`);
+      else if (bound >= 10) expect(cells[column], "> 1000 %", `${column} of ${where}`);
+      else expectDigits(cells[column].replace(" %", ""), 100 * bound, bound < 0.1 ? 2 : 3, `${column} of ${where}`);
+    }
+    expect(cells.verdict === "✓ usable", result.usable, `usable of ${where}`);
+  }
+  if (shown && !verdict.startsWith(`${shown[0].toUpperCase()}${shown.slice(1).replaceAll("_", " ")}:`)) wrong.push(`${shown} is drawn, but the sentence says: ${verdict}`);
+}
+console.log(`${states.length} states, ${asked.size} contacts, ${compared} values compared, ${answered} answers, ${bounds} bounds`);
+if (!compared || !bounds) wrong.push("nothing was compared");
+if (wrong.length) {
+  console.error(`${wrong.length} differ:\n${wrong.slice(0, 8).join("\n")}`);
+  process.exit(1);
+}
