@@ -6,6 +6,13 @@
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
+namespace {
+
+int count_velocities(JointKind kind) {
+  return kind == JointKind::fixed ? 0 : kind == JointKind::ball ? 3 : 1;
+}
+
+}  // namespace
 
 /// Angular part, and linear part at the reference point: of a motion (w, u) or a force (torque,
 /// force).
@@ -63,14 +70,17 @@ Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescr
         joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
     child_in_parent_.push_back(parent.inverse() * poses_[std::size_t(joint.child)]);
     anchor_in_parent_.push_back(parent.inverse() * joint.anchor_m);
-    axis_in_parent_.push_back(parent.linear().transpose() * (joint.kind == JointKind::fixed
-                                                                 ? Eigen::Vector3d::UnitZ().eval()
-                                                                 : joint.axis.normalized()));
+    const bool has_axis = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic;
+    axis_in_parent_.push_back(
+        parent.linear().transpose() *
+        (has_axis ? joint.axis.normalized().eval() : Eigen::Vector3d::UnitZ().eval()));
     joint_positions_.push_back(joint.start);
+    ball_turns_.push_back(Eigen::Quaterniond::Identity());
   }
   build_trees();
   velocity_.setZero(velocities());
-  place_children();
+  for (const int j : order_) place_child(j);
+  for (const Tree& tree : trees_) place_children(tree);
   for (int b = 0; b < this->bodies(); ++b) {
     const int last = last_dof_[std::size_t(b)];
     if (last < 0 || dofs_[std::size_t(last)].kind != DofKind::free_angular) continue;
@@ -95,7 +105,9 @@ void Multibody::check(int j) const {
   if (parent_joint_[std::size_t(joint.child)] >= 0)
     refuse("child", child, "a body without another parent: one joint holds it");
   if (joint.kind == JointKind::fixed) return;
-  if (!(joint.axis.norm() > 0) || !joint.axis.allFinite() || !joint.anchor_m.allFinite())
+  if (!joint.anchor_m.allFinite()) refuse("anchor", "", "three finite numbers");
+  if (joint.kind == JointKind::ball) return;
+  if (!(joint.axis.norm() > 0) || !joint.axis.allFinite())
     refuse("axis", "", "a direction: three finite numbers, not all 0");
   if (!(joint.lower <= joint.start && joint.start <= joint.upper) || !std::isfinite(joint.start))
     refuse("limits", "", "lower <= start <= upper");
@@ -107,6 +119,7 @@ void Multibody::add_free_dofs(int body) {
       Dof dof;
       dof.kind = kind;
       dof.parent = kind == DofKind::free_linear && axis == 0 ? -1 : velocities() - 1;
+      dof.base = kind == DofKind::free_linear ? -1 : velocities() - 3 - axis;
       dof.body = body;
       dof.axis = Eigen::Vector3d::Unit(axis);
       dofs_.push_back(dof);
@@ -131,17 +144,25 @@ void Multibody::build_trees() {
       const std::size_t child = std::size_t(joint.child);
       const int above = joint.parent < 0 ? -1 : last_dof_[std::size_t(joint.parent)];
       last_dof_[child] = above;
-      if (joint.kind != JointKind::fixed) {
+      if (joint.kind != JointKind::fixed) joint_dofs_[std::size_t(j)] = velocities();
+      for (int axis = 0; axis < count_velocities(joint.kind); ++axis) {
         Dof dof;
-        dof.kind = joint.kind == JointKind::revolute ? DofKind::revolute : DofKind::prismatic;
-        dof.parent = above;
+        dof.kind = joint.kind == JointKind::revolute    ? DofKind::revolute
+                   : joint.kind == JointKind::prismatic ? DofKind::prismatic
+                                                        : DofKind::ball;
+        dof.parent = last_dof_[child];
+        dof.base = above;
         dof.body = joint.child;
         dof.joint = j;
-        joint_dofs_[std::size_t(j)] = last_dof_[child] = velocities();
+        last_dof_[child] = velocities();
         dofs_.push_back(dof);
         tree_of_dof_.push_back(int(trees_.size()) - 1);
       }
-      if (last_dof_[child] >= 0) tree_of_body_[child] = tree_of_dof_[std::size_t(last_dof_[child])];
+      if (last_dof_[child] >= 0) {
+        tree_of_body_[child] = tree_of_dof_[std::size_t(last_dof_[child])];
+        parts_.back().joints.push_back(j);
+        parts_.back().bodies.push_back(joint.child);
+      }
       const std::vector<int>& below = joints_below[child];
       waiting.insert(waiting.end(), below.rbegin(), below.rend());
     }
@@ -149,7 +170,10 @@ void Multibody::build_trees() {
   const auto grow_from = [&](const std::vector<int>& roots, int free_body) {
     const int first = velocities();
     trees_.push_back({first, 0, false});
+    parts_.emplace_back();
     if (free_body >= 0) {
+      parts_.back().roots.push_back(free_body);
+      parts_.back().bodies.push_back(free_body);
       add_free_dofs(free_body);
       last_dof_[std::size_t(free_body)] = velocities() - 1;
       tree_of_body_[std::size_t(free_body)] = int(trees_.size()) - 1;
@@ -158,7 +182,9 @@ void Multibody::build_trees() {
     follow();
     trees_.back().count = velocities() - first;
     trees_.back().single = free_body >= 0 && roots.empty();
-    if (trees_.back().count == 0) trees_.pop_back();
+    if (trees_.back().count > 0) return;
+    trees_.pop_back();
+    parts_.pop_back();
   };
   // Bodies on different joints of the world do not feel each other: a tree for each.
   for (const int j : joints_of_world) grow_from({j}, -1);
@@ -187,30 +213,42 @@ bool Multibody::are_joined(int body, int other) const {
          holds(other, body);
 }
 
-/// From the poses of the free bodies and the positions of the joints: the poses of all other bodies
-/// and the axes of all degrees of freedom.
-void Multibody::place_children() {
-  for (const int j : order_) {
-    const JointDescription& joint = joints_[std::size_t(j)];
-    const Eigen::Isometry3d parent =
-        joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
-    const Eigen::Vector3d& anchor = anchor_in_parent_[std::size_t(j)];
-    const Eigen::Vector3d& axis = axis_in_parent_[std::size_t(j)];
-    const double moved = joint_positions_[std::size_t(j)] - joint.start;
-    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-    if (joint.kind == JointKind::revolute)
-      motion = Eigen::Translation3d(anchor) * Eigen::AngleAxisd(moved, axis) *
-               Eigen::Translation3d(-anchor);
-    if (joint.kind == JointKind::prismatic) motion.translation() = moved * axis;
-    poses_[std::size_t(joint.child)] = parent * motion * child_in_parent_[std::size_t(j)];
-    if (joint_dofs_[std::size_t(j)] < 0) continue;
-    Dof& dof = dofs_[std::size_t(joint_dofs_[std::size_t(j)])];
-    dof.axis = parent.linear() * axis;
+/// From the pose of its parent and its joint: the pose of a child, and the joint's axes.
+void Multibody::place_child(int j) {
+  const JointDescription& joint = joints_[std::size_t(j)];
+  const Eigen::Isometry3d parent =
+      joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d& anchor = anchor_in_parent_[std::size_t(j)];
+  const Eigen::Vector3d& axis = axis_in_parent_[std::size_t(j)];
+  const double moved = joint_positions_[std::size_t(j)] - joint.start;
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  if (joint.kind == JointKind::revolute)
+    motion = Eigen::Translation3d(anchor) * Eigen::AngleAxisd(moved, axis) *
+             Eigen::Translation3d(-anchor);
+  if (joint.kind == JointKind::ball)
+    motion =
+        Eigen::Translation3d(anchor) * ball_turns_[std::size_t(j)] * Eigen::Translation3d(-anchor);
+  if (joint.kind == JointKind::prismatic) motion.translation() = moved * axis;
+  poses_[std::size_t(joint.child)] = parent * motion * child_in_parent_[std::size_t(j)];
+  for (int k = 0; k < count_velocities(joint.kind); ++k) {
+    Dof& dof = dofs_[std::size_t(joint_dofs_[std::size_t(j)] + k)];
+    dof.axis = joint.kind == JointKind::ball ? parent.linear().col(k).eval()
+                                             : (parent.linear() * axis).eval();
     dof.origin_m = parent * anchor;
   }
-  for (Dof& dof : dofs_)
-    if (dof.kind == DofKind::free_linear || dof.kind == DofKind::free_angular)
-      dof.origin_m = center_of_mass_m(dof.body);
+}
+
+/// From the poses of its free bodies and the positions of its joints: the poses of all other bodies
+/// of a tree and the axes of all degrees of freedom.
+void Multibody::place_children(const Tree& tree) {
+  for (const int j : parts(tree).joints) place_child(j);
+  for (const int root : parts(tree).roots) {
+    const Eigen::Vector3d center = center_of_mass_m(root);
+    for (int d = tree.first; d < tree.first + tree.count; ++d) {
+      Dof& dof = dofs_[std::size_t(d)];
+      if (dof.body == root && dof.joint < 0) dof.origin_m = center;
+    }
+  }
 }
 
 Multibody::SpatialVector Multibody::motion(const Dof& dof, const Eigen::Vector3d& reference) const {
@@ -234,8 +272,15 @@ Eigen::Vector3d Multibody::angular_velocity(int body) const {
   return spatial_velocity(body, Eigen::Vector3d::Zero()).angular;
 }
 
+double Multibody::joint_position(int j) const {
+  if (joints_[std::size_t(j)].kind == JointKind::ball)
+    return Eigen::AngleAxisd(ball_turns_[std::size_t(j)]).angle();
+  return joint_positions_[std::size_t(j)];
+}
+
 double Multibody::joint_velocity(int j) const {
   const int dof = joint_dofs_[std::size_t(j)];
+  if (joints_[std::size_t(j)].kind == JointKind::ball) return velocity_.segment<3>(dof).norm();
   return dof < 0 ? 0 : velocity_[dof];
 }
 
@@ -266,10 +311,8 @@ void Multibody::mass_matrix(const Tree& tree, Eigen::Ref<Eigen::MatrixXd> matrix
   }
   const Eigen::Vector3d reference = dofs_[std::size_t(tree.first)].origin_m;
   std::vector<SpatialInertia> composite(std::size_t(tree.count));
-  for (int b = 0; b < bodies(); ++b)
-    if (tree_of_body_[std::size_t(b)] >= 0 &&
-        trees_[std::size_t(tree_of_body_[std::size_t(b)])].first == tree.first)
-      composite[std::size_t(last_dof_[std::size_t(b)] - tree.first)] += inertia_about(b, reference);
+  for (const int b : parts(tree).bodies)
+    composite[std::size_t(last_dof_[std::size_t(b)] - tree.first)] += inertia_about(b, reference);
   matrix.setZero();
   for (int i = tree.count - 1; i >= 0; --i) {
     const Dof& dof = dofs_[std::size_t(tree.first + i)];
@@ -280,6 +323,57 @@ void Multibody::mass_matrix(const Tree& tree, Eigen::Ref<Eigen::MatrixXd> matrix
       const int other = d - tree.first;
       matrix(i, other) = matrix(other, i) = motion(dofs_[std::size_t(d)], reference).dot(force);
     }
+  }
+}
+
+/// How the motion of a degree of freedom about a resting reference changes.
+/// @param base  velocity of what carries its axis
+Multibody::SpatialVector Multibody::motion_rate(const Dof& dof, const Eigen::Vector3d& reference,
+                                                const SpatialVector& base) const {
+  SpatialVector rate;
+  if (dof.kind == DofKind::free_linear) return rate;
+  if (dof.kind == DofKind::free_angular) {  // about the centre, which moves
+    rate.linear = -dof.axis.cross(velocity_.segment<3>(dof.base));
+    return rate;
+  }
+  const Eigen::Vector3d turning = base.angular.cross(dof.axis);
+  if (dof.kind == DofKind::prismatic) {
+    rate.linear = turning;
+    return rate;
+  }
+  const Eigen::Vector3d arm = dof.origin_m - reference;
+  rate.angular = turning;
+  rate.linear = -turning.cross(arm) - dof.axis.cross(base.linear + base.angular.cross(arm));
+  return rate;
+}
+
+void Multibody::momentum(const Tree& tree, const Eigen::Vector3d& gravity_m_per_s2,
+                         Eigen::Ref<Eigen::VectorXd> result,
+                         Eigen::Ref<Eigen::VectorXd> rate) const {
+  const Eigen::Vector3d reference = dofs_[std::size_t(tree.first)].origin_m;
+  std::vector<SpatialVector> velocity(std::size_t(tree.count)), momentum(velocity), load(velocity);
+  for (int i = 0; i < tree.count; ++i) {
+    const Dof& dof = dofs_[std::size_t(tree.first + i)];
+    if (dof.parent >= 0) velocity[std::size_t(i)] = velocity[std::size_t(dof.parent - tree.first)];
+    velocity[std::size_t(i)] += motion(dof, reference) * velocity_[tree.first + i];
+  }
+  for (const int b : parts(tree).bodies) {
+    const std::size_t i = std::size_t(last_dof_[std::size_t(b)] - tree.first);
+    const SpatialInertia inertia = inertia_about(b, reference);
+    momentum[i] += inertia * velocity[i];
+    load[i] += {inertia.moment.cross(gravity_m_per_s2), (inertia.mass * gravity_m_per_s2).eval()};
+  }
+  for (int i = tree.count - 1; i >= 0; --i) {
+    const Dof& dof = dofs_[std::size_t(tree.first + i)];
+    const SpatialVector base =
+        dof.base >= 0 ? velocity[std::size_t(dof.base - tree.first)] : SpatialVector{};
+    const SpatialVector own = motion(dof, reference);
+    result[i] = own.dot(momentum[std::size_t(i)]);
+    rate[i] = own.dot(load[std::size_t(i)]) +
+              motion_rate(dof, reference, base).dot(momentum[std::size_t(i)]);
+    if (dof.parent < 0) continue;
+    momentum[std::size_t(dof.parent - tree.first)] += momentum[std::size_t(i)];
+    load[std::size_t(dof.parent - tree.first)] += load[std::size_t(i)];
   }
 }
 
@@ -304,28 +398,13 @@ void Multibody::passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_
       acceleration[std::size_t(i)] = acceleration[std::size_t(dof.parent - tree.first)];
     }
     const double speed = velocity_[tree.first + i];
-    SpatialVector change;  // of the motion that belongs to the dof
-    const Eigen::Vector3d arm = dof.origin_m - reference;
-    if (dof.kind == DofKind::free_angular) {
-      change.linear = -dof.axis.cross(velocity_.segment<3>(tree.first));
-    } else if (dof.kind != DofKind::free_linear) {
-      const Eigen::Vector3d turning = above.angular.cross(dof.axis);
-      if (dof.kind == DofKind::prismatic) {
-        change.linear = turning;
-      } else {
-        change.angular = turning;
-        change.linear =
-            -turning.cross(arm) - dof.axis.cross(above.linear + above.angular.cross(arm));
-      }
-    }
+    const SpatialVector base =
+        dof.base >= 0 ? velocity[std::size_t(dof.base - tree.first)] : SpatialVector{};
     velocity[std::size_t(i)] = above;
     velocity[std::size_t(i)] += motion(dof, reference) * speed;
-    acceleration[std::size_t(i)] += change * speed;
+    acceleration[std::size_t(i)] += motion_rate(dof, reference, base) * speed;
   }
-  for (int b = 0; b < bodies(); ++b) {
-    if (tree_of_body_[std::size_t(b)] < 0 ||
-        trees_[std::size_t(tree_of_body_[std::size_t(b)])].first != tree.first)
-      continue;
+  for (const int b : parts(tree).bodies) {
     const std::size_t i = std::size_t(last_dof_[std::size_t(b)] - tree.first);
     const SpatialInertia inertia = inertia_about(b, reference);
     const SpatialVector momentum = inertia * velocity[i];
@@ -395,29 +474,70 @@ Eigen::Vector3d Multibody::middle_spin(int body, const Eigen::Vector3d& angular_
 }
 
 void Multibody::integrate(double time_step_s) {
-  for (const Tree& tree : trees_) {
-    const Dof& root = dofs_[std::size_t(tree.first)];
-    if (root.kind != DofKind::free_linear) continue;
-    Eigen::Isometry3d& pose = poses_[std::size_t(root.body)];
-    const Eigen::Vector3d center = center_of_mass_m(root.body);
-    auto spin = velocity_.segment<3>(tree.first + 3);
-    const Eigen::Vector3d angular_momentum = world_inertia(root.body) * spin;
+  for (const Tree& tree : trees_) integrate(tree, time_step_s);
+}
+
+void Multibody::integrate(const Tree& tree, double time_step_s,
+                          const Eigen::Matrix<double, 6, 1>& change_N_s) {
+  for (const int root : parts(tree).roots) {
+    const int first = last_dof_[std::size_t(root)] - 5;
+    Eigen::Isometry3d& pose = poses_[std::size_t(root)];
+    const MassProperties& mass = bodies_[std::size_t(root)].mass;
+    const Eigen::Vector3d center = center_of_mass_m(root);
+    auto velocity = velocity_.segment<3>(first), spin = velocity_.segment<3>(first + 3);
+    const Eigen::Vector3d angular_momentum = world_inertia(root) * spin;
     const Eigen::Vector3d turning =
-        tree.single ? middle_spin(root.body, angular_momentum, time_step_s) : spin.eval();
+        tree.single ? middle_spin(root, angular_momentum - change_N_s.tail<3>() / 2, time_step_s)
+                    : spin.eval();
     const double speed = turning.norm();
     if (speed > 0) {
       const Eigen::Quaterniond turned = Eigen::AngleAxisd(time_step_s * speed, turning / speed) *
                                         Eigen::Quaterniond(pose.linear());
       pose.linear() = turned.normalized().toRotationMatrix();
     }
-    const Eigen::Vector3d moved = center + time_step_s * velocity_.segment<3>(tree.first);
-    pose.translation() = moved - pose.linear() * bodies_[std::size_t(root.body)].mass.center_m;
-    if (tree.single) spin = world_inertia(root.body).ldlt().solve(angular_momentum);
+    const Eigen::Vector3d mean = velocity - change_N_s.head<3>() / (2 * mass.mass_kg);
+    pose.translation() = center + time_step_s * mean - pose.linear() * mass.center_m;
+    if (tree.single) spin = world_inertia(root).ldlt().solve(angular_momentum);
   }
-  for (const int j : order_)
-    if (joint_dofs_[std::size_t(j)] >= 0)
-      joint_positions_[std::size_t(j)] += time_step_s * velocity_[joint_dofs_[std::size_t(j)]];
-  place_children();
+  turn_joints(tree, time_step_s);
+  place_children(tree);
+}
+
+void Multibody::turn_joints(const Tree& tree, double time_step_s) {
+  for (const int j : parts(tree).joints) {
+    const int first = joint_dofs_[std::size_t(j)];
+    if (first < 0) continue;
+    if (joints_[std::size_t(j)].kind != JointKind::ball) {
+      joint_positions_[std::size_t(j)] += time_step_s * velocity_[first];
+      continue;
+    }
+    const Eigen::Vector3d spin = velocity_.segment<3>(first);
+    const double speed = spin.norm();
+    if (!(speed > 0)) continue;
+    Eigen::Quaterniond& turn = ball_turns_[std::size_t(j)];
+    turn = (Eigen::AngleAxisd(time_step_s * speed, spin / speed) * turn).normalized();
+  }
+}
+
+Multibody::Placement Multibody::placement(const Tree& tree) const {
+  Placement result;
+  for (const int root : parts(tree).roots) result.roots.push_back(poses_[std::size_t(root)]);
+  for (const int j : parts(tree).joints) {
+    result.joint_positions.push_back(joint_positions_[std::size_t(j)]);
+    result.ball_turns.push_back(ball_turns_[std::size_t(j)]);
+  }
+  return result;
+}
+
+void Multibody::place(const Tree& tree, const Placement& placement) {
+  const Parts& own = parts(tree);
+  for (std::size_t i = 0; i < own.roots.size(); ++i)
+    poses_[std::size_t(own.roots[i])] = placement.roots[i];
+  for (std::size_t i = 0; i < own.joints.size(); ++i) {
+    joint_positions_[std::size_t(own.joints[i])] = placement.joint_positions[i];
+    ball_turns_[std::size_t(own.joints[i])] = placement.ball_turns[i];
+  }
+  place_children(tree);
 }
 
 double Multibody::kinetic_energy_J() const {

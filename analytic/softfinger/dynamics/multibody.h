@@ -22,16 +22,17 @@ struct BodyDescription {
   Eigen::Vector3d angular_velocity_rad_per_s = Eigen::Vector3d::Zero();
 };
 
-enum class JointKind { fixed, revolute, prismatic };
+enum class JointKind { fixed, revolute, prismatic, ball };
 
 /// Where the child hangs on its parent. Anchor and axis in world coordinates at the start, where
-/// the joint's position is `start`.
+/// the joint's position is `start`. A ball joint lets the child turn about its anchor in every
+/// direction; axis, start and limits are not used.
 struct JointDescription {
   std::string name;
   int parent = -1;  ///< a body, -1: the world
   int child = -1;
   JointKind kind = JointKind::fixed;
-  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();       ///< revolute only
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();       ///< revolute and ball only
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();          ///< any length
   double start = 0;                                         ///< rad or m
   double lower = -std::numeric_limits<double>::infinity();  ///< rad or m; lower <= start <= upper
@@ -41,14 +42,15 @@ struct JointDescription {
 /// Rigid bodies, free, fixed, or in articulated chains and trees. State, kinematics, mass matrix.
 ///
 /// Velocities are generalised: six of a free body (of its centre of mass, then angular, both along
-/// world axes), one of a revolute or prismatic joint. Bodies that move each other by joints make a
-/// tree, whose velocities are contiguous; its mass matrix is that of the composite bodies
+/// world axes), one of a revolute or prismatic joint, three of a ball joint (angular velocity of
+/// the child against its parent, along the parent's axes). Bodies that move each other by joints
+/// make a tree, whose velocities are contiguous; its mass matrix is that of the composite bodies
 /// (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6), its bias forces come from the
 /// recursive Newton-Euler equations (chapter 5), all in world axes.
 ///
 /// `integrate` turns a single free body by an implicit rule of second order, for less than a radian
-/// per step. It keeps linear and angular momentum and energy to round-off. Those of a tree are kept
-/// to first order in the time step.
+/// per step. Without forces it keeps linear and angular momentum and energy to round-off. Those of
+/// a tree are kept to first order in the time step; smooth_motion.h moves trees in second order.
 class Multibody {
  public:
   /// @throws InputError for a body whose mass or inertia is impossible (require_physical), a joint
@@ -71,10 +73,13 @@ class Multibody {
   }
   Eigen::Vector3d velocity_at(int body, const Eigen::Vector3d& point_m) const;
   Eigen::Vector3d angular_velocity(int body) const;
-  double joint_position(int j) const { return joint_positions_[std::size_t(j)]; }
+  /// Of a ball joint: by which angle it has turned since the start, and its angular speed.
+  double joint_position(int j) const;
   double joint_velocity(int j) const;
-  /// Index of a joint's velocity, -1 for a fixed joint.
-  int velocity_of_joint(int j) const { return joint_dofs_[std::size_t(j)]; }
+  /// Index of the velocity of a revolute or prismatic joint, -1 for others.
+  int velocity_of_joint(int j) const {
+    return joints_[std::size_t(j)].kind == JointKind::ball ? -1 : joint_dofs_[std::size_t(j)];
+  }
 
   const Eigen::VectorXd& velocity() const { return velocity_; }
   void set_velocity(const Eigen::VectorXd& velocity) { velocity_ = velocity; }
@@ -95,6 +100,12 @@ class Multibody {
   void passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_m_per_s2,
                       Eigen::Ref<Eigen::VectorXd> forces) const;
 
+  /// Generalised momentum M v of a tree, and its rate of change by gravity and the current
+  /// velocities: d(M v)/dt = rate + joint efforts + contacts. In coordinates the rate is the
+  /// derivative of kinetic minus potential energy. Costs less than M.
+  void momentum(const Tree& tree, const Eigen::Vector3d& gravity_m_per_s2,
+                Eigen::Ref<Eigen::VectorXd> momentum, Eigen::Ref<Eigen::VectorXd> rate) const;
+
   /// Adds `sign` times the Jacobian of the velocity at a point along three axes, and of the angular
   /// velocity about the third, to four rows: (axis 3, axis 1, axis 2, about axis 3), columns of the
   /// body's tree.
@@ -107,6 +118,24 @@ class Multibody {
 
   /// Moves all bodies by their velocities for a time.
   void integrate(double time_step_s);
+  /// The same for one tree. @param change_N_s  of the momentum within the time, for a single free
+  /// body: linear, then angular, both parts of what its velocity is at the end. It turns with the
+  /// mean of its angular momentum.
+  void integrate(
+      const Tree& tree, double time_step_s,
+      const Eigen::Matrix<double, 6, 1>& change_N_s = Eigen::Matrix<double, 6, 1>::Zero());
+
+  /// Where the bodies of a tree are.
+  struct Placement {
+    std::vector<Eigen::Isometry3d> roots;  ///< free bodies
+    std::vector<double> joint_positions;
+    std::vector<Eigen::Quaterniond> ball_turns;
+  };
+  Placement placement(const Tree& tree) const;
+  void place(const Tree& tree, const Placement& placement);
+  void set_velocity(const Tree& tree, const Eigen::VectorXd& velocity) {
+    velocity_.segment(tree.first, tree.count) = velocity;
+  }
 
   double kinetic_energy_J() const;
   double potential_energy_J(const Eigen::Vector3d& gravity_m_per_s2) const;
@@ -114,10 +143,11 @@ class Multibody {
   Eigen::Vector3d angular_momentum_N_m_s() const;  ///< about the world's origin
 
  private:
-  enum class DofKind { free_linear, free_angular, revolute, prismatic };
+  enum class DofKind { free_linear, free_angular, revolute, prismatic, ball };
   struct Dof {
     DofKind kind;
     int parent = -1;  ///< the next one towards the root
+    int base = -1;    ///< the one that moves its axis; of free_angular: the first of its body
     int body = -1;    ///< the first one that it moves
     int joint = -1;
     Eigen::Vector3d axis = Eigen::Vector3d::Zero(), origin_m = Eigen::Vector3d::Zero();  ///< world
@@ -125,16 +155,28 @@ class Multibody {
   struct SpatialVector;
   struct SpatialInertia;
 
+  struct Parts {
+    std::vector<int> roots, joints, bodies;  ///< joints: parents first; bodies: all that move
+  };
+
   bool is_angular(const Dof& dof) const {
-    return dof.kind == DofKind::revolute || dof.kind == DofKind::free_angular;
+    return dof.kind == DofKind::revolute || dof.kind == DofKind::free_angular ||
+           dof.kind == DofKind::ball;
+  }
+  const Parts& parts(const Tree& tree) const {
+    return parts_[std::size_t(tree_of_dof_[std::size_t(tree.first)])];
   }
   void check(int joint) const;
   void build_trees();
   void add_free_dofs(int body);
-  void place_children();
+  void place_child(int joint);
+  void place_children(const Tree& tree);
+  void turn_joints(const Tree& tree, double time_step_s);
   Eigen::Matrix3d world_inertia(int body) const;
   Eigen::Vector3d middle_spin(int body, const Eigen::Vector3d& angular_momentum_N_m_s,
                               double time_step_s) const;
+  SpatialVector motion_rate(const Dof& dof, const Eigen::Vector3d& reference,
+                            const SpatialVector& base) const;
   SpatialVector motion(const Dof& dof, const Eigen::Vector3d& reference) const;
   SpatialInertia inertia_about(int body, const Eigen::Vector3d& reference) const;
   SpatialVector spatial_velocity(int body, const Eigen::Vector3d& reference) const;
@@ -148,8 +190,10 @@ class Multibody {
   std::vector<Dof> dofs_;
   std::vector<int> last_dof_, tree_of_body_, joint_dofs_, tree_of_dof_;
   std::vector<Tree> trees_;
+  std::vector<Parts> parts_;  ///< per tree
   std::vector<Eigen::Isometry3d> poses_;
   std::vector<double> joint_positions_;
+  std::vector<Eigen::Quaterniond> ball_turns_;  ///< per joint, since the start, parent's axes
   Eigen::VectorXd velocity_;
 };
 

@@ -18,7 +18,9 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
       touching_(bodies_.trees().size()),
       factors_(bodies_.trees().size()),
       jacobians_(bodies_.trees().size()),
-      masses_(bodies_.trees().size()) {
+      masses_(bodies_.trees().size()),
+      smooth_motions_(bodies_.trees().size()),
+      is_smooth_(bodies_.trees().size()) {
   if (!(options_.time_step_s > 0) || !std::isfinite(options_.time_step_s)) {
     char value[32];
     std::snprintf(value, sizeof value, "%g", options_.time_step_s);
@@ -406,6 +408,105 @@ int TimeStepper::update_motors(bool one_only) {
   return changes;
 }
 
+/// Forces on a tree besides gravity that do not depend on its velocity; empty: there are none.
+SmoothMotion::Forces TimeStepper::forces_on(std::size_t t) const {
+  const Multibody::Tree& tree = bodies_.trees()[t];
+  std::vector<const AppliedForce*> applied;
+  for (const AppliedForce& force : applied_forces_)
+    if (bodies_.tree_of(force.body) == int(t) &&
+        (force.force_N.squaredNorm() > 0 || force.torque_Nm.squaredNorm() > 0))
+      applied.push_back(&force);
+  Eigen::VectorXd efforts = Eigen::VectorXd::Zero(tree.count);
+  for (std::size_t m = 0; m < motors_.size(); ++m) {
+    const int dof = bodies_.velocity_of_joint(motors_[m].joint) - tree.first;
+    if (dof >= 0 && dof < tree.count) efforts[dof] += motor_efforts_[m];
+  }
+  if (applied.empty() && efforts.isZero(0)) return {};
+  return [this, applied, efforts](Eigen::Ref<Eigen::VectorXd> forces) {
+    forces += efforts;
+    for (const AppliedForce* force : applied)
+      bodies_.add_force(force->body, bodies_.pose(force->body) * force->point_in_body_m,
+                        force->force_N, force->torque_Nm, forces);
+  };
+}
+
+/// Finds which trees can move smoothly: nothing pushes at them but forces that are known.
+void TimeStepper::prepare_smooth_motion() {
+  std::fill(is_smooth_.begin(), is_smooth_.end(), 1);
+  for (const Motor& motor : motors_) {
+    if (motor.stiffness == 0 && motor.damping == 0) continue;
+    is_smooth_[std::size_t(bodies_.tree_of(bodies_.joint(motor.joint).child))] = 0;
+  }
+  for (std::size_t t = 0; t < touching_.size(); ++t)
+    for (const Touching& touching : touching_[t])
+      if (!solution_.impulse.segment<4>(4 * touching.row).isZero(0)) is_smooth_[t] = 0;
+  for (std::size_t t = 0; t < touching_.size(); ++t) {
+    if (!is_smooth_[t]) continue;
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    is_smooth_[t] = smooth_motions_[t].prepare(
+        bodies_, tree, options_.time_step_s, options_.gravity_m_per_s2,
+        passive_.segment(tree.first, tree.count), forces_on(t), factors_[t]);
+  }
+}
+
+/// The contact problem keeps bodies apart that move by its velocities. Trees whose smooth motion
+/// would close a gap, or break a joint's limit, are left to it.
+void TimeStepper::keep_smooth_motion_apart() {
+  if (std::none_of(is_smooth_.begin(), is_smooth_.end(), [](char smooth) { return smooth != 0; }))
+    return;
+  const double dt = options_.time_step_s;
+  const auto mean_velocity = [this](std::size_t t) -> Eigen::VectorXd {
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    if (is_smooth_[t]) return smooth_motions_[t].mean_velocity();
+    return new_velocity_.segment(tree.first, tree.count);
+  };
+  for (int j = 0; j < bodies_.joints(); ++j) {
+    const int dof = bodies_.velocity_of_joint(j);
+    if (dof < 0) continue;
+    const JointDescription& joint = bodies_.joint(j);
+    const int t = bodies_.tree_of(joint.child);
+    if (!is_smooth_[std::size_t(t)]) continue;
+    const double next = bodies_.joint_position(j) +
+                        dt * smooth_motions_[std::size_t(t)]
+                                 .mean_velocity()[dof - bodies_.trees()[std::size_t(t)].first];
+    if (next < joint.lower || next > joint.upper) is_smooth_[std::size_t(t)] = 0;
+  }
+  const int nc = int(contacts_.size());
+  // A tree that is left to the contact problem may close the gaps of its neighbours.
+  for (bool changed = true; changed;) {
+    changed = false;
+    Eigen::VectorXd closing = Eigen::VectorXd::Zero(Eigen::Index(ids_.size()));
+    for (int row = 0; row < closing.size(); ++row)
+      closing[row] = row < nc ? approach_m_per_s(contacts_[std::size_t(row)])
+                              : limits_[std::size_t(row - nc)].gap / dt;
+    for (std::size_t t = 0; t < touching_.size(); ++t) {
+      if (touching_[t].empty()) continue;
+      const Eigen::VectorXd velocities = jacobians_[t] * mean_velocity(t);
+      for (std::size_t n = 0; n < touching_[t].size(); ++n)
+        closing[touching_[t][n].row] += velocities[4 * Eigen::Index(n)];
+    }
+    for (std::size_t t = 0; t < touching_.size(); ++t)
+      for (const Touching& touching : touching_[t])
+        if (is_smooth_[t] && closing[touching.row] < 0) {
+          is_smooth_[t] = 0;
+          changed = true;
+        }
+  }
+}
+
+void TimeStepper::move(StepResult& result) {
+  for (std::size_t t = 0; t < is_smooth_.size(); ++t) {
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    if (is_smooth_[t] &&
+        smooth_motions_[t].finish(bodies_, tree, options_.time_step_s, factors_[t])) {
+      ++result.smooth_trees;
+      continue;
+    }
+    bodies_.set_velocity(tree, new_velocity_.segment(tree.first, tree.count));
+    bodies_.integrate(tree, options_.time_step_s);
+  }
+}
+
 StepResult TimeStepper::step(ContactFinder& finder) {
   StepResult result;
   for (std::size_t t = 0; t < masses_.size(); ++t) {
@@ -472,8 +573,9 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   }
   result.time_s = time_s();
   if (!result.done()) return result;
-  bodies_.set_velocity(new_velocity_);
-  bodies_.integrate(options_.time_step_s);
+  prepare_smooth_motion();
+  keep_smooth_motion_apart();
+  move(result);
   ++steps_;
   result.time_s = time_s();
   return result;

@@ -9,6 +9,7 @@
 #include "softfinger/dynamics/contact_lcp.h"
 #include "softfinger/dynamics/eccentricity_law.h"
 #include "softfinger/dynamics/multibody.h"
+#include "softfinger/dynamics/smooth_motion.h"
 
 namespace softfinger {
 
@@ -59,6 +60,7 @@ struct ContactWrench {
 struct StepResult {
   LcpResult lcp;
   int contacts = 0;       ///< rows of joint limits not counted
+  int smooth_trees = 0;   ///< that moved in second order
   int motor_changes = 0;  ///< motors that met or left their limits within the step
   bool motors_agree = true;
   int load_iterations = 0;       ///< of e_n(P) and P to agreement
@@ -75,7 +77,13 @@ struct StepResult {
 ///
 /// with friction as in ContactLcp. Then the bodies move by v'; with gap/dt in the condition they
 /// come just as far as they touch (Anitescu, Hart 2004). Bodies that do not feel each other,
-/// through contacts or joints, are separate problems. Joint limits are contacts without friction.
+/// through contacts or joints, are separate problems.
+///
+/// That is of first order in dt, and takes energy. Where no contact or limit of a problem carries
+/// load, and its trees have no motors with stiffness or damping, which act implicitly, the trees
+/// move in second order instead (SmoothMotion), unless that would close a gap: then v' stands, of
+/// which the gaps know. So the energy of bodies that touch never grows, and that of bodies that do
+/// not touch stays. Joint limits are contacts without friction.
 /// Which motors are at their limits is found by trial: those that contradict the new velocities
 /// change, at the end one by one, which terminates (Murty's principal pivoting on a positive
 /// definite problem).
@@ -151,6 +159,10 @@ class TimeStepper {
   LcpResult solve(Island& island, StepResult& result);
   LcpResult solve_islands(StepResult& result);
   int update_motors(bool one_only);
+  SmoothMotion::Forces forces_on(std::size_t tree) const;
+  void prepare_smooth_motion();
+  void keep_smooth_motion_apart();
+  void move(StepResult& result);
   double unlimited_effort(int m) const;
 
   Multibody bodies_;
@@ -189,6 +201,8 @@ class TimeStepper {
   };
   std::vector<Island> islands_;
   std::vector<int> island_of_tree_;
+  std::vector<SmoothMotion> smooth_motions_;  ///< per tree
+  std::vector<char> is_smooth_;               ///< per tree: prepared, and of no loaded contact
 };
 
 }  // namespace softfinger
