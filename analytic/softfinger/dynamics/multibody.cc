@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
 
 #include "softfinger/input/errors.h"
 
@@ -10,6 +13,20 @@ namespace {
 
 int count_velocities(JointKind kind) {
   return kind == JointKind::fixed ? 0 : kind == JointKind::ball ? 3 : 1;
+}
+
+/// Whether a loop of this kind holds the motion along x, y, z, or about them; z is its axis.
+bool is_held(JointKind kind, int motion) {
+  if (kind == JointKind::ball) return motion < 3;
+  if (kind == JointKind::prismatic) return motion != 2;
+  if (kind == JointKind::revolute) return motion != 5;
+  return true;
+}
+
+int count_loop_rows(JointKind kind) {
+  int rows = 0;
+  for (int motion = 0; motion < 6; ++motion) rows += is_held(kind, motion);
+  return rows;
 }
 
 }  // namespace
@@ -47,9 +64,12 @@ struct Multibody::SpatialInertia {
   }
 };
 
-Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints)
+Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints,
+                     std::vector<LoopDescription> loops)
     : bodies_(std::move(bodies)),
       joints_(std::move(joints)),
+      loops_(std::move(loops)),
+      joints_below_(bodies_.size()),
       parent_joint_(bodies_.size(), -1),
       last_dof_(bodies_.size(), -1),
       tree_of_body_(bodies_.size(), -1),
@@ -66,8 +86,7 @@ Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescr
     check(j);
     const JointDescription& joint = joints_[std::size_t(j)];
     parent_joint_[std::size_t(joint.child)] = j;
-    const Eigen::Isometry3d parent =
-        joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
+    const Eigen::Isometry3d parent = pose_or_world(joint.parent);
     child_in_parent_.push_back(parent.inverse() * poses_[std::size_t(joint.child)]);
     anchor_in_parent_.push_back(parent.inverse() * joint.anchor_m);
     const bool has_axis = joint.kind == JointKind::revolute || joint.kind == JointKind::prismatic;
@@ -76,6 +95,15 @@ Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescr
         (has_axis ? joint.axis.normalized().eval() : Eigen::Vector3d::UnitZ().eval()));
     joint_positions_.push_back(joint.start);
     ball_turns_.push_back(Eigen::Quaterniond::Identity());
+  }
+  for (const LoopDescription& loop : loops_) {
+    check(loop);
+    Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+    frame.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), loop.axis).toRotationMatrix();
+    frame.translation() = loop.anchor_m;
+    loop_frames_.push_back(
+        {pose_or_world(loop.a).inverse() * frame, pose_or_world(loop.b).inverse() * frame});
   }
   build_trees();
   velocity_.setZero(velocities());
@@ -113,6 +141,18 @@ void Multibody::check(int j) const {
     refuse("limits", "", "lower <= start <= upper");
 }
 
+void Multibody::check(const LoopDescription& loop) const {
+  const auto refuse = [&](const char* field, const char* allowed) {
+    throw InputError("loop \"" + loop.name + "\"", field, "", allowed);
+  };
+  for (const int body : {loop.a, loop.b})
+    if (body < -1 || body >= bodies()) refuse("bodies", "two of the bodies, or one and the world");
+  if (loop.a == loop.b) refuse("bodies", "two different ones");
+  if (!loop.anchor_m.allFinite()) refuse("anchor", "three finite numbers");
+  if (!(loop.axis.norm() > 0) || !loop.axis.allFinite())
+    refuse("axis", "a direction: three finite numbers, not all 0");
+}
+
 void Multibody::add_free_dofs(int body) {
   for (const DofKind kind : {DofKind::free_linear, DofKind::free_angular})
     for (int axis = 0; axis < 3; ++axis) {
@@ -127,81 +167,174 @@ void Multibody::add_free_dofs(int body) {
     }
 }
 
+/// Adds joints and all below them to the last tree, parents first.
+void Multibody::add_joints_below(const std::vector<int>& joints) {
+  std::vector<int> waiting(joints.rbegin(), joints.rend());
+  while (!waiting.empty()) {
+    const int j = waiting.back();
+    waiting.pop_back();
+    order_.push_back(j);
+    const JointDescription& joint = joints_[std::size_t(j)];
+    const std::size_t child = std::size_t(joint.child);
+    const int above = joint.parent < 0 ? -1 : last_dof_[std::size_t(joint.parent)];
+    last_dof_[child] = above;
+    if (joint.kind != JointKind::fixed) joint_dofs_[std::size_t(j)] = velocities();
+    for (int axis = 0; axis < count_velocities(joint.kind); ++axis) {
+      Dof dof;
+      dof.kind = joint.kind == JointKind::revolute    ? DofKind::revolute
+                 : joint.kind == JointKind::prismatic ? DofKind::prismatic
+                                                      : DofKind::ball;
+      dof.parent = last_dof_[child];
+      dof.base = above;
+      dof.body = joint.child;
+      dof.joint = j;
+      last_dof_[child] = velocities();
+      dofs_.push_back(dof);
+      tree_of_dof_.push_back(int(trees_.size()) - 1);
+    }
+    if (last_dof_[child] >= 0) {
+      tree_of_body_[child] = tree_of_dof_[std::size_t(last_dof_[child])];
+      parts_.back().joints.push_back(j);
+      parts_.back().bodies.push_back(joint.child);
+    }
+    const std::vector<int>& below = joints_below_[child];
+    waiting.insert(waiting.end(), below.rbegin(), below.rend());
+  }
+}
+
+/// What a body hangs on in the end: a free body b, as b, or a joint j that holds on to what does
+/// not move, as bodies() + j. -1 for a fixed body, the world, and joints in a ring.
+int Multibody::seed_of(int body) const {
+  for (int links = 0; body >= 0 && links <= joints(); ++links) {
+    if (bodies_[std::size_t(body)].fixed) return -1;
+    const int j = parent_joint_[std::size_t(body)];
+    if (j < 0) return body;
+    body = joints_[std::size_t(j)].parent;
+    if (body < 0 || bodies_[std::size_t(body)].fixed) return bodies() + j;
+  }
+  return -1;
+}
+
+void Multibody::grow(const std::vector<int>& seeds) {
+  const int first = velocities();
+  trees_.push_back({first, 0, false, 0});
+  parts_.emplace_back();
+  for (const int seed : seeds) {
+    if (seed >= bodies()) {
+      add_joints_below({seed - bodies()});
+      continue;
+    }
+    parts_.back().roots.push_back(seed);
+    parts_.back().bodies.push_back(seed);
+    add_free_dofs(seed);
+    last_dof_[std::size_t(seed)] = velocities() - 1;
+    tree_of_body_[std::size_t(seed)] = int(trees_.size()) - 1;
+    add_joints_below(joints_below_[std::size_t(seed)]);
+  }
+  Tree& tree = trees_.back();
+  tree.count = velocities() - first;
+  tree.single = parts_.back().bodies.size() == 1 && parts_.back().roots.size() == 1;
+  if (tree.count > 0) return;
+  trees_.pop_back();
+  parts_.pop_back();
+}
+
 void Multibody::build_trees() {
-  std::vector<std::vector<int>> joints_below(bodies_.size());
-  std::vector<int> joints_of_world;
+  // Bodies on different joints of the world, or of a fixed body, do not feel each other: a seed for
+  // each, and one for each free body. Loops join their trees.
+  std::vector<int> seeds;
   for (int j = 0; j < joints(); ++j) {
     const int parent = joints_[std::size_t(j)].parent;
-    (parent < 0 ? joints_of_world : joints_below[std::size_t(parent)]).push_back(j);
+    if (parent < 0) seeds.push_back(bodies() + j);
+    if (parent >= 0) joints_below_[std::size_t(parent)].push_back(j);
   }
-  std::vector<int> waiting;
-  const auto follow = [&] {
-    while (!waiting.empty()) {
-      const int j = waiting.back();
-      waiting.pop_back();
-      order_.push_back(j);
-      const JointDescription& joint = joints_[std::size_t(j)];
-      const std::size_t child = std::size_t(joint.child);
-      const int above = joint.parent < 0 ? -1 : last_dof_[std::size_t(joint.parent)];
-      last_dof_[child] = above;
-      if (joint.kind != JointKind::fixed) joint_dofs_[std::size_t(j)] = velocities();
-      for (int axis = 0; axis < count_velocities(joint.kind); ++axis) {
-        Dof dof;
-        dof.kind = joint.kind == JointKind::revolute    ? DofKind::revolute
-                   : joint.kind == JointKind::prismatic ? DofKind::prismatic
-                                                        : DofKind::ball;
-        dof.parent = last_dof_[child];
-        dof.base = above;
-        dof.body = joint.child;
-        dof.joint = j;
-        last_dof_[child] = velocities();
-        dofs_.push_back(dof);
-        tree_of_dof_.push_back(int(trees_.size()) - 1);
-      }
-      if (last_dof_[child] >= 0) {
-        tree_of_body_[child] = tree_of_dof_[std::size_t(last_dof_[child])];
-        parts_.back().joints.push_back(j);
-        parts_.back().bodies.push_back(joint.child);
-      }
-      const std::vector<int>& below = joints_below[child];
-      waiting.insert(waiting.end(), below.rbegin(), below.rend());
-    }
-  };
-  const auto grow_from = [&](const std::vector<int>& roots, int free_body) {
-    const int first = velocities();
-    trees_.push_back({first, 0, false});
-    parts_.emplace_back();
-    if (free_body >= 0) {
-      parts_.back().roots.push_back(free_body);
-      parts_.back().bodies.push_back(free_body);
-      add_free_dofs(free_body);
-      last_dof_[std::size_t(free_body)] = velocities() - 1;
-      tree_of_body_[std::size_t(free_body)] = int(trees_.size()) - 1;
-    }
-    waiting.assign(roots.rbegin(), roots.rend());
-    follow();
-    trees_.back().count = velocities() - first;
-    trees_.back().single = free_body >= 0 && roots.empty();
-    if (trees_.back().count > 0) return;
-    trees_.pop_back();
-    parts_.pop_back();
-  };
-  // Bodies on different joints of the world do not feel each other: a tree for each.
-  for (const int j : joints_of_world) grow_from({j}, -1);
   for (int b = 0; b < bodies(); ++b) {
-    const auto& below = joints_below[std::size_t(b)];
     if (bodies_[std::size_t(b)].fixed) {
-      for (const int j : below) grow_from({j}, -1);
+      for (const int j : joints_below_[std::size_t(b)]) seeds.push_back(bodies() + j);
     } else if (parent_joint_[std::size_t(b)] < 0) {
-      grow_from(below, b);
+      seeds.push_back(b);
     }
   }
-  if (int(order_.size()) == joints()) return;
-  for (int j = 0; j < joints(); ++j)
-    if (std::find(order_.begin(), order_.end(), j) == order_.end())
-      throw InputError("joint \"" + joints_[std::size_t(j)].name + "\"", "parent",
-                       bodies_[std::size_t(joints_[std::size_t(j)].parent)].name,
-                       "a body that does not hang on the joint's own child: joints in a ring");
+  std::vector<int> first_of(std::size_t(bodies() + joints()));  // seed of the same tree
+  std::iota(first_of.begin(), first_of.end(), 0);
+  const auto first = [&](int seed) {
+    while (first_of[std::size_t(seed)] != seed) seed = first_of[std::size_t(seed)];
+    return seed;
+  };
+  for (const LoopDescription& loop : loops_) {
+    const int a = seed_of(loop.a), b = seed_of(loop.b);
+    if (a >= 0 && b >= 0) first_of[std::size_t(first(b))] = first(a);
+  }
+  std::vector<char> has_grown(first_of.size(), 0);
+  for (const int seed : seeds) {
+    if (has_grown[std::size_t(first(seed))]) continue;
+    has_grown[std::size_t(first(seed))] = 1;
+    std::vector<int> same;
+    std::copy_if(seeds.begin(), seeds.end(), std::back_inserter(same),
+                 [&](int other) { return first(other) == first(seed); });
+    grow(same);
+  }
+  if (int(order_.size()) != joints()) {
+    for (int j = 0; j < joints(); ++j)
+      if (std::find(order_.begin(), order_.end(), j) == order_.end())
+        throw InputError("joint \"" + joints_[std::size_t(j)].name + "\"", "parent",
+                         bodies_[std::size_t(joints_[std::size_t(j)].parent)].name,
+                         "a body that does not hang on the joint's own child: joints in a ring");
+  }
+  for (std::size_t l = 0; l < loops_.size(); ++l) {
+    const LoopDescription& loop = loops_[l];
+    const auto tree_of_end = [this](int body) { return body < 0 ? -1 : tree_of(body); };
+    const auto last_dof_of = [this](int body) {
+      return body < 0 ? -1 : last_dof_[std::size_t(body)];
+    };
+    if (last_dof_of(loop.a) == last_dof_of(loop.b))
+      throw InputError("loop \"" + loop.name + "\"", "bodies", "",
+                       "two bodies that move against each other");
+    const int tree = std::max(tree_of_end(loop.a), tree_of_end(loop.b));
+    parts_[std::size_t(tree)].loops.push_back(int(l));
+    trees_[std::size_t(tree)].loop_rows += count_loop_rows(loop.kind);
+    trees_[std::size_t(tree)].single = false;
+  }
+}
+
+void Multibody::loops(const Tree& tree, Eigen::MatrixXd& jacobian, Eigen::VectorXd& opening) const {
+  jacobian.setZero(tree.loop_rows, tree.count);
+  opening.setZero(tree.loop_rows);
+  int row = 0;
+  for (const int l : parts(tree).loops) {
+    const LoopDescription& loop = loops_[std::size_t(l)];
+    const Eigen::Isometry3d a = pose_or_world(loop.a) * loop_frames_[std::size_t(l)].in_a;
+    const Eigen::Isometry3d b = pose_or_world(loop.b) * loop_frames_[std::size_t(l)].in_b;
+    // Velocity of b against a at the anchor of b, linear and angular, along the axes of a.
+    Eigen::MatrixXd relative = Eigen::MatrixXd::Zero(6, tree.count);
+    Eigen::MatrixXd sizes = Eigen::MatrixXd::Zero(2, tree.count);  // of what it is made of
+    for (const auto& [body, sign] : {std::pair(loop.a, -1.), std::pair(loop.b, 1.)}) {
+      if (body < 0) continue;
+      for (int d = last_dof_[std::size_t(body)]; d >= 0; d = dofs_[std::size_t(d)].parent) {
+        const SpatialVector own = motion(dofs_[std::size_t(d)], b.translation());
+        relative.col(d - tree.first).head<3>() += sign * (a.linear().transpose() * own.linear);
+        relative.col(d - tree.first).tail<3>() += sign * (a.linear().transpose() * own.angular);
+        sizes.col(d - tree.first) += Eigen::Vector2d(own.linear.norm(), own.angular.norm());
+      }
+    }
+    // A direction in which nothing moves but by rounding must not look like one that is held.
+    constexpr double kRounding = 1e-12;
+    for (int i = 0; i < 6; ++i)
+      for (Eigen::Index d = 0; d < tree.count; ++d)
+        if (std::abs(relative(i, d)) <= kRounding * sizes(i / 3, d)) relative(i, d) = 0;
+    const Eigen::Isometry3d open = a.inverse() * b;
+    Eigen::Matrix<double, 6, 1> by;
+    by.head<3>() = open.translation();
+    const Eigen::AngleAxisd turn(open.linear());
+    by.tail<3>() = loop.kind == JointKind::revolute
+                       ? Eigen::Vector3d::UnitZ().cross(open.linear().col(2)).eval()
+                       : (turn.angle() * turn.axis()).eval();
+    for (int i = 0; i < 6; ++i) {
+      if (!is_held(loop.kind, i)) continue;
+      jacobian.row(row) = relative.row(i);
+      opening[row++] = by[i];
+    }
+  }
 }
 
 bool Multibody::are_joined(int body, int other) const {
@@ -209,15 +342,17 @@ bool Multibody::are_joined(int body, int other) const {
     const int j = parent_joint_[std::size_t(child)];
     return j >= 0 && joints_[std::size_t(j)].parent == parent;
   };
+  const bool in_loop = std::any_of(loops_.begin(), loops_.end(), [&](const LoopDescription& loop) {
+    return (loop.a == body && loop.b == other) || (loop.a == other && loop.b == body);
+  });
   return last_dof_[std::size_t(body)] == last_dof_[std::size_t(other)] || holds(body, other) ||
-         holds(other, body);
+         holds(other, body) || in_loop;
 }
 
 /// From the pose of its parent and its joint: the pose of a child, and the joint's axes.
 void Multibody::place_child(int j) {
   const JointDescription& joint = joints_[std::size_t(j)];
-  const Eigen::Isometry3d parent =
-      joint.parent >= 0 ? poses_[std::size_t(joint.parent)] : Eigen::Isometry3d::Identity();
+  const Eigen::Isometry3d parent = pose_or_world(joint.parent);
   const Eigen::Vector3d& anchor = anchor_in_parent_[std::size_t(j)];
   const Eigen::Vector3d& axis = axis_in_parent_[std::size_t(j)];
   const double moved = joint_positions_[std::size_t(j)] - joint.start;

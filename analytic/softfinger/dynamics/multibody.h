@@ -39,6 +39,17 @@ struct JointDescription {
   double upper = std::numeric_limits<double>::infinity();
 };
 
+/// Holds two bodies of a closed chain together, as the joint of that kind would: the chain's bodies
+/// hang on joints, and this closes it. Anchor and axis in world coordinates at the start, where it
+/// is closed.
+struct LoopDescription {
+  std::string name;
+  int a = -1, b = -1;  ///< bodies, -1: the world
+  JointKind kind = JointKind::ball;
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< revolute and prismatic only; any length
+};
+
 /// Rigid bodies, free, fixed, or in articulated chains and trees. State, kinematics, mass matrix.
 ///
 /// Velocities are generalised: six of a free body (of its centre of mass, then angular, both along
@@ -54,9 +65,10 @@ struct JointDescription {
 class Multibody {
  public:
   /// @throws InputError for a body whose mass or inertia is impossible (require_physical), a joint
-  /// between unknown bodies, a body with two parents, joints in a ring, an axis without length,
-  /// limits that exclude the start.
-  Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints);
+  /// or loop between unknown bodies, a body with two parents, joints in a ring, an axis without
+  /// length, limits that exclude the start, a loop between bodies that do not move.
+  Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints,
+            std::vector<LoopDescription> loops = {});
 
   int bodies() const { return int(bodies_.size()); }
   int joints() const { return int(joints_.size()); }
@@ -64,7 +76,7 @@ class Multibody {
   const BodyDescription& body(int b) const { return bodies_[std::size_t(b)]; }
   const JointDescription& joint(int j) const { return joints_[std::size_t(j)]; }
   bool moves(int body) const { return last_dof_[std::size_t(body)] >= 0; }
-  /// Whether a joint, or a chain of fixed ones, holds the two together: they never touch.
+  /// Whether a joint, a loop, or a chain of fixed joints holds the two together: they never touch.
   bool are_joined(int body, int other) const;
 
   const Eigen::Isometry3d& pose(int body) const { return poses_[std::size_t(body)]; }
@@ -84,10 +96,11 @@ class Multibody {
   const Eigen::VectorXd& velocity() const { return velocity_; }
   void set_velocity(const Eigen::VectorXd& velocity) { velocity_ = velocity; }
 
-  /// Bodies that feel each other through joints.
+  /// Bodies that feel each other through joints and loops.
   struct Tree {
     int first = 0, count = 0;  ///< of its velocities
     bool single = false;       ///< a free body without joints
+    int loop_rows = 0;         ///< equations that its loops impose on its velocities
   };
   const std::vector<Tree>& trees() const { return trees_; }
   /// The tree that moves this body, -1 for a body that does not move.
@@ -111,6 +124,10 @@ class Multibody {
   /// body's tree.
   void add_contact_jacobian(int body, const Eigen::Vector3d& point_m, const Eigen::Matrix3d& axes,
                             double sign, Eigen::Ref<Eigen::MatrixXd> rows) const;
+
+  /// G and c of a tree's loops: they stay closed with G v = 0, and c, in m and rad, is by how much
+  /// they are open. A ball has three rows, a revolute or prismatic loop five, a fixed one six.
+  void loops(const Tree& tree, Eigen::MatrixXd& jacobian, Eigen::VectorXd& opening) const;
 
   /// Adds the generalised forces of a force at a point and a torque, world axes.
   void add_force(int body, const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_N,
@@ -157,6 +174,7 @@ class Multibody {
 
   struct Parts {
     std::vector<int> roots, joints, bodies;  ///< joints: parents first; bodies: all that move
+    std::vector<int> loops;
   };
 
   bool is_angular(const Dof& dof) const {
@@ -167,9 +185,16 @@ class Multibody {
     return parts_[std::size_t(tree_of_dof_[std::size_t(tree.first)])];
   }
   void check(int joint) const;
+  void check(const LoopDescription& loop) const;
   void build_trees();
+  int seed_of(int body) const;
+  void grow(const std::vector<int>& seeds);
+  void add_joints_below(const std::vector<int>& joints);
   void add_free_dofs(int body);
   void place_child(int joint);
+  Eigen::Isometry3d pose_or_world(int body) const {
+    return body >= 0 ? poses_[std::size_t(body)] : Eigen::Isometry3d::Identity();
+  }
   void place_children(const Tree& tree);
   void turn_joints(const Tree& tree, double time_step_s);
   Eigen::Matrix3d world_inertia(int body) const;
@@ -183,6 +208,12 @@ class Multibody {
 
   std::vector<BodyDescription> bodies_;
   std::vector<JointDescription> joints_;
+  std::vector<LoopDescription> loops_;
+  struct LoopFrames {
+    Eigen::Isometry3d in_a, in_b;  ///< anchor, and axis as z
+  };
+  std::vector<LoopFrames> loop_frames_;
+  std::vector<std::vector<int>> joints_below_;                      ///< per body
   std::vector<Eigen::Isometry3d> child_in_parent_;                  ///< per joint, at the start
   std::vector<Eigen::Vector3d> anchor_in_parent_, axis_in_parent_;  ///< per joint
   std::vector<int> order_;         ///< joints, parents before children

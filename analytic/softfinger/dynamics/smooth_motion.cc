@@ -13,6 +13,9 @@ class Convergence {
  public:
   enum class State { contracts, done, stalls };
 
+  /// @param rounding  absolute, of the values
+  explicit Convergence(double rounding = 0) : rounding_(rounding) {}
+
   State after(const Eigen::VectorXd& change, const Eigen::VectorXd& value) {
     constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     const double size = change.lpNorm<Eigen::Infinity>();
@@ -22,18 +25,20 @@ class Convergence {
     if (size <= 4 * kEpsilon * scale) return State::done;
     // Rounding in a badly conditioned mass matrix keeps the changes from becoming smaller still.
     constexpr double kRoundings = 1e4;
-    if (slow && size <= kRoundings * kEpsilon * scale) return State::done;
+    if (slow && size <= std::max(kRoundings * kEpsilon * scale, rounding_)) return State::done;
     return slow ? State::stalls : State::contracts;
   }
 
  private:
+  double rounding_;
   double last_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
 
 void SmoothMotion::prepare_single(Multibody& bodies, const Multibody::Tree& tree,
-                                  double time_step_s, const Forces& forces, const Mass& mass) {
+                                  double time_step_s, const Forces& forces,
+                                  const ConstrainedMass& mass) {
   const Eigen::VectorXd start = bodies.velocity().segment(tree.first, tree.count);
   if (forces) {
     // They may turn with the body: those of the middle of the step count.
@@ -53,12 +58,12 @@ void SmoothMotion::prepare_single(Multibody& bodies, const Multibody::Tree& tree
 
 /// Corrects the mean velocity, from a guess, until the residual is round-off.
 bool SmoothMotion::iterate(const Residual& residual, const Eigen::VectorXd& guess,
-                           const Solve& solve) {
+                           const Solve& solve, double rounding) {
   // With the mass matrix of the start the corrections shrink by about the angle of a step: of a
   // hundredth of a radian there are eight.
   constexpr int kMostRounds = 40;
   mean_velocity_ = guess;
-  Convergence convergence;
+  Convergence convergence(rounding);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::VectorXd change = solve(residual(mean_velocity_));
     mean_velocity_ += change;
@@ -88,7 +93,7 @@ bool SmoothMotion::iterate_by_newton(const Residual& residual, const Eigen::Vect
 bool SmoothMotion::prepare(Multibody& bodies, const Multibody::Tree& tree, double time_step_s,
                            const Eigen::Vector3d& gravity_m_per_s2,
                            const Eigen::VectorXd& passive_forces, const Forces& forces,
-                           const Mass& mass) {
+                           const ConstrainedMass& mass) {
   change_ = time_step_s * passive_forces;
   if (tree.single) {
     prepare_single(bodies, tree, time_step_s, forces, mass);
@@ -112,17 +117,47 @@ bool SmoothMotion::prepare(Multibody& bodies, const Multibody::Tree& tree, doubl
     evaluate();
     return start_momentum + time_step_s / 2 * rate_ - momentum_;
   };
-  const bool converged =
-      iterate(residual, guess, [&](const Eigen::VectorXd& r) { return mass.solve(r).eval(); }) ||
-      iterate_by_newton(residual, guess);
-  change_ = time_step_s * rate_;
+  bool converged = false;
+  if (tree.loop_rows == 0) {
+    converged = iterate(residual, guess, [&](const Eigen::VectorXd& r) { return mass.solve(r); }) ||
+                iterate_by_newton(residual, guess);
+    change_ = time_step_s * rate_;
+  } else {
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd opening;
+    const auto correct = [&](const Eigen::VectorXd& r) -> Eigen::VectorXd {
+      bodies.place(tree, placement);
+      bodies.set_velocity(tree, mean_velocity_);
+      bodies.integrate(tree, time_step_s);
+      bodies.loops(tree, jacobian, opening);
+      return mass.solve(r) - mass.velocity_with(opening / time_step_s);
+    };
+    // Positions of about a radian or a metre are known to a few roundings.
+    constexpr double kPositionRounding = 64 * std::numeric_limits<double>::epsilon();
+    converged = iterate(residual, guess, correct, kPositionRounding / time_step_s);
+    // The loops' impulses are part of the momentum in the middle.
+    change_ = momentum_ + time_step_s / 2 * rate_ - start_momentum;
+  }
   bodies.place(tree, placement);
   bodies.set_velocity(tree, start);
   return converged;
 }
 
+namespace {
+
+/// Ends a step with these velocities, unless they are not finite.
+bool take(Multibody& bodies, const Multibody::Tree& tree, const Multibody::Placement& start,
+          const Eigen::VectorXd& start_velocity, const Eigen::VectorXd& velocity) {
+  const bool is_good = velocity.allFinite();
+  if (!is_good) bodies.place(tree, start);
+  bodies.set_velocity(tree, is_good ? velocity : start_velocity);
+  return is_good;
+}
+
+}  // namespace
+
 bool SmoothMotion::finish(Multibody& bodies, const Multibody::Tree& tree, double time_step_s,
-                          const Mass& mass) {
+                          const ConstrainedMass& mass) {
   const Eigen::VectorXd start = bodies.velocity().segment(tree.first, tree.count);
   if (tree.single) {
     bodies.set_velocity(tree, start + mass.solve(change_));
@@ -134,6 +169,15 @@ bool SmoothMotion::finish(Multibody& bodies, const Multibody::Tree& tree, double
   const Eigen::VectorXd end_momentum = momentum_ + change_;
   bodies.set_velocity(tree, mean_velocity_);
   bodies.integrate(tree, time_step_s);
+  if (tree.loop_rows > 0) {
+    Eigen::MatrixXd matrix(tree.count, tree.count), jacobian;
+    Eigen::VectorXd opening;
+    bodies.mass_matrix(tree, matrix);
+    bodies.loops(tree, jacobian, opening);
+    ConstrainedMass at_end;
+    at_end.compute(matrix, jacobian);
+    return take(bodies, tree, placement, start, at_end.solve(end_momentum));
+  }
   // M(q1) v1 = p1: with the factors of M(q) where that suffices.
   Eigen::VectorXd velocity = 2 * mean_velocity_ - start;
   Convergence convergence;
@@ -150,13 +194,7 @@ bool SmoothMotion::finish(Multibody& bodies, const Multibody::Tree& tree, double
     bodies.mass_matrix(tree, matrix);
     velocity = matrix.llt().solve(end_momentum);
   }
-  if (velocity.allFinite()) {
-    bodies.set_velocity(tree, velocity);
-    return true;
-  }
-  bodies.place(tree, placement);
-  bodies.set_velocity(tree, start);
-  return false;
+  return take(bodies, tree, placement, start, velocity);
 }
 
 }  // namespace softfinger

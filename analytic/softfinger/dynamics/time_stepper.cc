@@ -17,6 +17,8 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
       motor_efforts_(motors_.size(), 0.),
       touching_(bodies_.trees().size()),
       factors_(bodies_.trees().size()),
+      loop_jacobians_(bodies_.trees().size()),
+      loop_openings_(bodies_.trees().size()),
       jacobians_(bodies_.trees().size()),
       masses_(bodies_.trees().size()),
       smooth_motions_(bodies_.trees().size()),
@@ -144,8 +146,14 @@ void TimeStepper::factorise() {
                           motor.stiffness * (motor.target - bodies_.joint_position(motor.joint)) +
                           motor.damping * motor.target_velocity);
     }
-    factors_[t].compute(matrix);
-    free_velocity_.segment(tree.first, tree.count) = factors_[t].solve(right);
+    auto velocity = free_velocity_.segment(tree.first, tree.count);
+    if (tree.loop_rows == 0) {
+      factors_[t].compute(matrix);
+      velocity = factors_[t].solve(right);
+    } else {
+      factors_[t].compute(matrix, loop_jacobians_[t]);
+      velocity = factors_[t].solve(right) - factors_[t].velocity_with(loop_openings_[t] / dt);
+    }
   }
 }
 
@@ -170,7 +178,8 @@ void TimeStepper::add_tree(std::size_t t) {
   const auto& list = touching_[t];
   const Multibody::Tree& tree = bodies_.trees()[t];
   const Eigen::VectorXd velocities = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
-  const Eigen::MatrixXd half = factors_[t].matrixL().solve(jacobians_[t].transpose());
+  const Eigen::MatrixXd half = factors_[t].half(jacobians_[t].transpose());
+  const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t].transpose());
   Eigen::MatrixXd& delassus =
       islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
   for (std::size_t n = 0; n < list.size(); ++n) {
@@ -178,8 +187,17 @@ void TimeStepper::add_tree(std::size_t t) {
     const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
     for (std::size_t k = 0; k <= n; ++k) {
       const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
-      const Eigen::Matrix4d block =
+      Eigen::Matrix4d block =
           half.middleCols<4>(4 * int(n)).transpose().lazyProduct(half.middleCols<4>(4 * int(k)));
+      if (taken.rows() > 0) {
+        const double free_response = block(0, 0);
+        block -= taken.middleCols<4>(4 * int(n))
+                     .transpose()
+                     .lazyProduct(taken.middleCols<4>(4 * int(k)));
+        // What loops lock answers to impulses with the rounding of this difference, or less.
+        constexpr double kLocked = 1e-12;
+        if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
+      }
       delassus.block<4, 4>(i, j) += block;
       if (k != n) delassus.block<4, 4>(j, i) += block.transpose();
     }
@@ -512,6 +530,7 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   for (std::size_t t = 0; t < masses_.size(); ++t) {
     const Multibody::Tree& tree = bodies_.trees()[t];
     bodies_.mass_matrix(tree, masses_[t]);
+    if (tree.loop_rows > 0) bodies_.loops(tree, loop_jacobians_[t], loop_openings_[t]);
     bodies_.passive_forces(tree, options_.gravity_m_per_s2,
                            passive_.segment(tree.first, tree.count));
     momentum_.segment(tree.first, tree.count).noalias() =

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
 #include <vector>
 
+#include "softfinger/dynamics/constrained_mass.h"
 #include "softfinger/dynamics/contact_lcp.h"
 #include "softfinger/dynamics/eccentricity_law.h"
 #include "softfinger/dynamics/multibody.h"
@@ -78,6 +78,9 @@ struct StepResult {
 /// with friction as in ContactLcp. Then the bodies move by v'; with gap/dt in the condition they
 /// come just as far as they touch (Anitescu, Hart 2004). Bodies that do not feel each other,
 /// through contacts or joints, are separate problems.
+///
+/// Closed loops are equations G v' + c/dt = 0 of the same problem, which bring back what they are
+/// open by, c, and are eliminated from it (ConstrainedMass).
 ///
 /// That is of first order in dt, and takes energy. Where no contact or limit of a problem carries
 /// load, and its trees have no motors with stiffness or damping, which act implicitly, the trees
@@ -179,7 +182,9 @@ class TimeStepper {
   };
   std::vector<Limit> limits_;
   std::vector<std::vector<Touching>> touching_;  ///< per tree
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
+  std::vector<ConstrainedMass> factors_;
+  std::vector<Eigen::MatrixXd> loop_jacobians_;
+  std::vector<Eigen::VectorXd> loop_openings_;
   std::vector<Eigen::MatrixXd> jacobians_;
   Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
   std::vector<Eigen::MatrixXd> masses_;
