@@ -23,14 +23,24 @@ namespace {
 /// Limits of one scene, copies counted. All poses are recorded: five million of them take about
 /// a gigabyte.
 constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, kMostJoints = 1000,
-                      kMostMotors = 1000, kMostForces = 1000, kMostContactRules = 1000,
-                      kMostTimes = 10000, kMostEccentricities = 1000;
+                      kMostLoops = 100, kMostMotors = 1000, kMostForces = 1000,
+                      kMostContactRules = 1000, kMostTimes = 10000, kMostEccentricities = 1000;
 constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
 /// Beyond these a step only rounds: larger loads than any machine's, half a turn per step.
 constexpr double kMostLoad = 1e12, kMostTurnPerStep = kPi;
 constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
 
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
+
+const std::vector<std::string> kJointKinds = {"fixed", "revolute", "prismatic", "ball"};
+
+/// @param name  one of kJointKinds
+JointKind joint_kind(const std::string& name) {
+  return name == "revolute"    ? JointKind::revolute
+         : name == "prismatic" ? JointKind::prismatic
+         : name == "ball"      ? JointKind::ball
+                               : JointKind::fixed;
+}
 
 /// Reads a scene file, table by table.
 class SceneReader {
@@ -57,6 +67,7 @@ class SceneReader {
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
   void read_joints();
+  void read_loops();
   void read_motors();
   void read_forces();
   void read_rules();
@@ -70,7 +81,7 @@ class SceneReader {
   fs::path folder_;
   Scene& scene_;
   std::map<std::string, ElasticLayer> layers_;
-  std::vector<const toml::table*> joint_tables_;
+  std::vector<const toml::table*> joint_tables_, loop_tables_;
 };
 
 std::vector<const toml::table*> SceneReader::tables(const char* key, std::size_t most,
@@ -476,22 +487,25 @@ void SceneReader::read_joints() {
     joint.name = reader_.name(name, "name");
     for (const JointDescription& other : scene_.joints)
       if (other.name == joint.name) reader_.refuse(name, "name", "each joint once");
-    const std::string kind = reader_.choice(reader_.required(*table, "[[joint]]", "kind"), "kind",
-                                            {"fixed", "revolute", "prismatic"});
-    joint.kind = kind == "fixed"      ? JointKind::fixed
-                 : kind == "revolute" ? JointKind::revolute
-                                      : JointKind::prismatic;
+    const std::string kind =
+        reader_.choice(reader_.required(*table, "[[joint]]", "kind"), "kind", kJointKinds);
+    joint.kind = joint_kind(kind);
     joint.parent = body_named(reader_.required(*table, "[[joint]]", "parent"), "parent", true);
     joint.child = body_named(reader_.required(*table, "[[joint]]", "child"), "child", false);
-    const bool turns = joint.kind == JointKind::revolute, moves = joint.kind != JointKind::fixed;
-    for (const char* key : {"start_deg", "limits_deg", "anchor_mm"})
+    const bool turns = joint.kind == JointKind::revolute, is_ball = joint.kind == JointKind::ball;
+    for (const char* key : {"start_deg", "limits_deg"})
       if (!turns && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a revolute joint");
+    if (!turns && !is_ball && table->contains("anchor_mm"))
+      reader_.say(*table->get("anchor_mm"), "anchor_mm belongs to a revolute or ball joint");
+    if (is_ball && table->contains("axis"))
+      reader_.say(*table->get("axis"), "a ball joint turns about every axis");
     for (const char* key : {"start_mm", "limits_mm"})
       if (kind != "prismatic" && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a prismatic joint");
-    if (moves) joint.axis = vector(reader_.required(*table, "[[joint]]", "axis"), "axis", 1);
-    if (turns)
+    if (turns || joint.kind == JointKind::prismatic)
+      joint.axis = vector(reader_.required(*table, "[[joint]]", "axis"), "axis", 1);
+    if (turns || is_ball)
       joint.anchor_m =
           vector(reader_.required(*table, "[[joint]]", "anchor_mm"), "anchor_mm", kMillimetre);
     const double unit = turns ? kDegree : kMillimetre;
@@ -511,6 +525,33 @@ void SceneReader::read_joints() {
   }
 }
 
+void SceneReader::read_loops() {
+  std::set<std::string> names;
+  for (const toml::table* table : tables("loop", kMostLoops)) {
+    reader_.check_keys(*table, "[[loop]]", {"name", "kind", "bodies", "anchor_mm", "axis"});
+    LoopDescription loop;
+    const toml::node& name = reader_.required(*table, "[[loop]]", "name");
+    loop.name = reader_.name(name, "name");
+    if (!names.insert(loop.name).second) reader_.refuse(name, "name", "each loop once");
+    loop.kind = joint_kind(
+        reader_.choice(reader_.required(*table, "[[loop]]", "kind"), "kind", kJointKinds));
+    const toml::node& pair = reader_.required(*table, "[[loop]]", "bodies");
+    const toml::array* two = pair.as_array();
+    if (!two || two->size() != 2)
+      reader_.refuse(pair, "bodies", "two names, one of which may be \"world\"");
+    loop.a = body_named((*two)[0], "bodies", true);
+    loop.b = body_named((*two)[1], "bodies", true);
+    loop.anchor_m =
+        vector(reader_.required(*table, "[[loop]]", "anchor_mm"), "anchor_mm", kMillimetre);
+    if (loop.kind == JointKind::revolute || loop.kind == JointKind::prismatic)
+      loop.axis = vector(reader_.required(*table, "[[loop]]", "axis"), "axis", 1);
+    else if (const toml::node* axis = table->get("axis"))
+      reader_.say(*axis, "axis belongs to a revolute or prismatic loop");
+    scene_.loops.push_back(loop);
+    loop_tables_.push_back(table);
+  }
+}
+
 void SceneReader::read_motors() {
   for (const toml::table* table : tables("motor", kMostMotors)) {
     const toml::node& name = reader_.required(*table, "[[motor]]", "joint");
@@ -527,7 +568,7 @@ void SceneReader::read_motors() {
                                    : fmt::format("the name of a joint; did you mean \"{}\"?",
                                                  text::nearest_name(typed, known)));
     const JointDescription& joint = scene_.joints[std::size_t(motor.joint)];
-    if (joint.kind == JointKind::fixed)
+    if (joint.kind == JointKind::fixed || joint.kind == JointKind::ball)
       reader_.refuse(name, "joint", "a revolute or prismatic joint");
     for (const Motor& other : scene_.motors)
       if (other.joint == motor.joint) reader_.refuse(name, "joint", "one motor per joint");
@@ -687,6 +728,12 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
                    "\"coulomb\" with this model: the other laws need the contact's area, from "
                    "model = \"auto\" or a pressure model");
   rule.friction = read_own_law(table);
+  if (const toml::node* restitution = table.get("restitution")) {
+    const std::string allowed = "0, no rebound, to 1, at the speed of the impact";
+    rule.restitution = reader_.number(*restitution, "restitution", allowed);
+    if (!(rule.restitution >= 0 && rule.restitution <= 1))
+      reader_.refuse(*restitution, "restitution", allowed);
+  }
   if (const toml::node* collide = table.get("collide"))
     rule.collide = reader_.boolean(*collide, "collide");
   return rule;
@@ -697,10 +744,10 @@ void SceneReader::read_rules() {
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
   for (const toml::table* table : tables("contact", kMostContactRules)) {
-    reader_.check_keys(
-        *table, "[[contact]]",
-        {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa", "model",
-         "eccentricity_mm", "eccentricity_table", "friction", "limit_surface", "collide"});
+    reader_.check_keys(*table, "[[contact]]",
+                       {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa",
+                        "model", "eccentricity_mm", "eccentricity_table", "friction",
+                        "limit_surface", "restitution", "collide"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)
@@ -726,9 +773,9 @@ void SceneReader::read_rules() {
 }
 
 void SceneReader::read() {
-  reader_.check_keys(
-      root_, "",
-      {"id", "question", "simulation", "layer", "body", "joint", "motor", "force", "contact"});
+  reader_.check_keys(root_, "",
+                     {"id", "question", "simulation", "layer", "body", "joint", "loop", "motor",
+                      "force", "contact"});
   scene_.id = reader_.id(root_);
   if (const toml::node* question = root_.get("question"))
     scene_.question = reader_.text(*question, "question");
@@ -739,17 +786,22 @@ void SceneReader::read() {
     reader_.refuse(*root_["simulation"].as_table()->get("duration_s"), "duration_s",
                    fmt::format("steps times bodies of at most {:.0f}", kMostRecordedPoses));
   read_joints();
+  read_loops();
   read_motors();
   read_forces();
   read_rules();
-  // Joints in a ring and second parents are found when the bodies are built.
+  // Joints in a ring, second parents and loops that hold nothing are found when the bodies are
+  // built.
   try {
-    Multibody(scene_.descriptions, scene_.joints);
+    Multibody(scene_.descriptions, scene_.joints, scene_.loops);
   } catch (const InputError& error) {
     std::string where = scene_.file.string();
     for (std::size_t j = 0; j < scene_.joints.size(); ++j)
       if (error.where() == "joint \"" + scene_.joints[j].name + "\"")
         where = reader_.where(*joint_tables_[j]);
+    for (std::size_t l = 0; l < scene_.loops.size(); ++l)
+      if (error.where() == "loop \"" + scene_.loops[l].name + "\"")
+        where = reader_.where(*loop_tables_[l]);
     throw InputError(where, error.where() + ": " + error.field(), error.value(), error.allowed());
   }
 }

@@ -162,14 +162,64 @@ void TimeStepper::assemble() {
   const double dt = options_.time_step_s;
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
   problem_.free_velocity.setZero(4 * rows);
+  approach_.resize(nc);
   for (int i = 0; i < nc; ++i)
-    problem_.free_velocity[4 * i] = approach_m_per_s(contacts_[std::size_t(i)]);
+    problem_.free_velocity[4 * i] = approach_[i] = approach_m_per_s(contacts_[std::size_t(i)]);
   for (int i = nc; i < rows; ++i)
     problem_.free_velocity[4 * i] = limits_[std::size_t(i - nc)].gap / dt;
   for (Island& island : islands_)
     island.problem.delassus.setZero(4 * int(island.rows.size()), 4 * int(island.rows.size()));
   for (std::size_t t = 0; t < touching_.size(); ++t)
     if (!touching_[t].empty()) add_tree(t);
+  describe_rebounds();
+}
+
+/// J v, four per row.
+Eigen::VectorXd TimeStepper::row_velocities(const Eigen::VectorXd& velocity) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(4 * Eigen::Index(ids_.size()));
+  for (std::size_t t = 0; t < touching_.size(); ++t) {
+    if (touching_[t].empty()) continue;
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    const Eigen::VectorXd own = jacobians_[t] * velocity.segment(tree.first, tree.count);
+    for (std::size_t n = 0; n < touching_[t].size(); ++n)
+      result.segment<4>(4 * touching_[t][n].row) += own.segment<4>(4 * Eigen::Index(n));
+  }
+  return result;
+}
+
+/// Contacts that hit in this step: their gap's part in the condition becomes that of the rebound.
+void TimeStepper::describe_rebounds() {
+  rebounds_ = false;
+  const bool may_rebound =
+      std::any_of(contacts_.begin(), contacts_.end(),
+                  [](const Contact& contact) { return contact.restitution > 0; });
+  if (!may_rebound || restitution_used_ == 0) return;
+  before_ = row_velocities(bodies_.velocity());
+  for (int i = 0; i < int(contacts_.size()); ++i) {
+    const double restitution = restitution_used_ * contacts_[std::size_t(i)].restitution;
+    const double before = before_[4 * i];
+    const double free = problem_.free_velocity[4 * i] - approach_[i];
+    // A rebound at the speed u comes back after 2 u/|a|: eight steps of the change of speed dt |a|.
+    constexpr double kLeastSteps = 8;
+    const bool hits = approach_[i] + std::min(free, before) < 0;
+    if (!hits || !(restitution * -before > kLeastSteps / 2 * std::abs(free - before))) continue;
+    rebounds_ = true;
+    // n^T v' = v_free - (1 + e) v
+    problem_.free_velocity[4 * i] = (1 + restitution) * before;
+    approach_[i] = problem_.free_velocity[4 * i] - free;
+  }
+}
+
+/// Whether the step's impulses add more energy than they take, the bodies' motion against the known
+/// forces counted.
+bool TimeStepper::makes_energy() const {
+  const Eigen::VectorXd free = row_velocities(free_velocity_),
+                        after = row_velocities(new_velocity_);
+  const Eigen::VectorXd& impulse = solution_.impulse;
+  // E' - E = T(v') - T(v) - dt f^T v', with dt f = M (v_free - v) and v' = v_free + M^-1 J^T r.
+  const double gained = impulse.dot(after + 2 * before_ - free) / 2;
+  const double scale = impulse.cwiseAbs().dot(before_.cwiseAbs());
+  return gained > 1e-9 * scale;
 }
 
 /// The part of a tree in the velocities of the rows that act on it, and in how they feel each
@@ -495,8 +545,7 @@ void TimeStepper::keep_smooth_motion_apart() {
     changed = false;
     Eigen::VectorXd closing = Eigen::VectorXd::Zero(Eigen::Index(ids_.size()));
     for (int row = 0; row < closing.size(); ++row)
-      closing[row] = row < nc ? approach_m_per_s(contacts_[std::size_t(row)])
-                              : limits_[std::size_t(row - nc)].gap / dt;
+      closing[row] = row < nc ? approach_[row] : limits_[std::size_t(row - nc)].gap / dt;
     for (std::size_t t = 0; t < touching_.size(); ++t) {
       if (touching_[t].empty()) continue;
       const Eigen::VectorXd velocities = jacobians_[t] * mean_velocity(t);
@@ -548,6 +597,7 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   result.contacts = int(contacts_.size());
   describe_friction();
   find_islands();
+  restitution_used_ = 1;
   // Changing all contradicting motors at once usually ends sooner; changing one at a time always
   // ends.
   constexpr int kAtOnce = 8;
@@ -582,6 +632,12 @@ StepResult TimeStepper::step(ContactFinder& finder) {
       --round;
       continue;
     }
+    if (rebounds_ && makes_energy()) {
+      constexpr double kLeastUsed = 1e-3;
+      restitution_used_ = restitution_used_ > kLeastUsed ? restitution_used_ / 2 : 0;
+      --round;
+      continue;
+    }
     const int changes = update_motors(round >= kAtOnce);
     if (changes == 0) break;
     result.motor_changes += changes;
@@ -591,6 +647,7 @@ StepResult TimeStepper::step(ContactFinder& finder) {
     }
   }
   result.time_s = time_s();
+  result.restitution_used = restitution_used_;
   if (!result.done()) return result;
   prepare_smooth_motion();
   keep_smooth_motion_apart();
@@ -607,7 +664,7 @@ ContactWrench TimeStepper::wrench(int contact) const {
 
 Eigen::Vector4d TimeStepper::contact_velocity(int contact) const {
   Eigen::Vector4d velocity = solution_.velocity.segment<4>(4 * contact);
-  velocity[0] -= approach_m_per_s(contacts_[std::size_t(contact)]);
+  velocity[0] -= approach_[contact];
   return velocity;
 }
 

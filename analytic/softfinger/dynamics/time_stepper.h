@@ -21,6 +21,7 @@ struct Contact {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   double gap_m = 0;                                   ///< negative: the bodies overlap
   double friction_coefficient = 0;                    ///< mu, unless the law has it
+  double restitution = 0;                             ///< 0 to 1, see TimeStepper
   double eccentricity_m = 0;                          ///< e_n, unless there is a law
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
@@ -59,9 +60,10 @@ struct ContactWrench {
 
 struct StepResult {
   LcpResult lcp;
-  int contacts = 0;       ///< rows of joint limits not counted
-  int smooth_trees = 0;   ///< that moved in second order
-  int motor_changes = 0;  ///< motors that met or left their limits within the step
+  int contacts = 0;             ///< rows of joint limits not counted
+  int smooth_trees = 0;         ///< that moved in second order
+  double restitution_used = 1;  ///< 1, or the part of it that makes no energy
+  int motor_changes = 0;        ///< motors that met or left their limits within the step
   bool motors_agree = true;
   int load_iterations = 0;       ///< of e_n(P) and P to agreement
   double load_disagreement = 0;  ///< of them at the end, relative
@@ -81,6 +83,14 @@ struct StepResult {
 ///
 /// Closed loops are equations G v' + c/dt = 0 of the same problem, which bring back what they are
 /// open by, c, and are eliminated from it (ConstrainedMass).
+///
+/// Restitution is Newton's: a contact that would close within the step at the speed s, before the
+/// step, leaves with the impulse that turns s into e s, so that gravity's part of the step stays;
+/// friction is that of the whole impulse. Impacts whose rebound would last fewer than eight steps
+/// do not rebound. Where friction or several contacts together would make energy, as Newton's law
+/// can, the step is solved again with half of all restitution, down to none. Bodies that touch
+/// before an impact do not pass it on one by one: the last two balls of a cradle of three leave
+/// together.
 ///
 /// That is of first order in dt, and takes energy. Where no contact or limit of a problem carries
 /// load, and its trees have no motors with stiffness or damping, which act implicitly, the trees
@@ -154,6 +164,9 @@ class TimeStepper {
   void assemble();
   void add_tree(std::size_t tree);
   double approach_m_per_s(const Contact& contact) const;
+  Eigen::VectorXd row_velocities(const Eigen::VectorXd& velocity) const;
+  void describe_rebounds();
+  bool makes_energy() const;
   void describe_friction();
   void find_islands();
   void continue_islands(std::vector<Island>& last);
@@ -188,7 +201,11 @@ class TimeStepper {
   std::vector<Eigen::MatrixXd> jacobians_;
   Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
   std::vector<Eigen::MatrixXd> masses_;
-  ContactLcp problem_;  ///< of all rows, without W: each island has its own
+  Eigen::VectorXd approach_;  ///< per contact: its part in v_free besides velocities
+  Eigen::VectorXd before_;    ///< row velocities before the step, of steps with rebounds
+  double restitution_used_ = 1;
+  bool rebounds_ = false;  ///< some contact, in this step
+  ContactLcp problem_;     ///< of all rows, without W: each island has its own
   ContactSolution solution_;
   std::vector<Place> place_of_row_;
   std::vector<long> ids_;  ///< per row: contacts by their id, limits by -2 and less
