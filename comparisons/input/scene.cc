@@ -348,9 +348,9 @@ void SceneReader::read_mass(const toml::table& table, const std::string& where,
   const toml::node* density = table.get("density_kg_per_m3");
   const toml::node* inertia = table.get("inertia_kg_mm2");
   const toml::node* center = table.get("center_of_mass_mm");
-  if (body.fixed) {
+  if (body.fixed || body.massless) {
     for (const toml::node* node : {mass, density, inertia, center})
-      if (node) reader_.say(*node, "a fixed body needs no mass");
+      if (node) reader_.say(*node, "a fixed or massless body needs no mass");
     return;
   }
   if ((mass != nullptr) == (density != nullptr))
@@ -407,7 +407,7 @@ void SceneReader::read_bodies() {
   for (const toml::table* table : tables("body", kMostBodies, true)) {
     reader_.check_keys(
         *table, "[[body]]",
-        {"name", "fixed", "position_mm", "rotation_deg", "mass_g", "density_kg_per_m3",
+        {"name", "fixed", "massless", "position_mm", "rotation_deg", "mass_g", "density_kg_per_m3",
          "center_of_mass_mm", "inertia_kg_mm2", "velocity_mm_per_s", "angular_velocity_deg_per_s",
          "layer", "shapes", "copies"});
     SceneBody body;
@@ -437,6 +437,10 @@ void SceneReader::read_bodies() {
       if (found == layers_.end()) reader_.refuse(*layer, "layer", "the name of a [[layer]]");
       body.layer = found->second;
     }
+    if (const toml::node* massless = table->get("massless"))
+      description.massless = reader_.boolean(*massless, "massless");
+    if (description.massless && (description.fixed || !body.shapes.empty()))
+      reader_.say(*table, where + " is massless: it has no shapes and is not fixed");
     read_mass(*table, where, body.shapes, description);
     std::array<std::int64_t, 3> count = {1, 1, 1};
     Eigen::Vector3d spacing_m = Eigen::Vector3d::Zero();
@@ -479,9 +483,10 @@ void SceneReader::read_bodies() {
 
 void SceneReader::read_joints() {
   for (const toml::table* table : tables("joint", kMostJoints)) {
-    reader_.check_keys(*table, "[[joint]]",
-                       {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
-                        "start_mm", "limits_deg", "limits_mm"});
+    reader_.check_keys(
+        *table, "[[joint]]",
+        {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg", "start_mm",
+         "limits_deg", "limits_mm", "rotor_inertia_kg_mm2", "rotor_mass_g"});
     JointDescription joint;
     const toml::node& name = reader_.required(*table, "[[joint]]", "name");
     joint.name = reader_.name(name, "name");
@@ -493,14 +498,14 @@ void SceneReader::read_joints() {
     joint.parent = body_named(reader_.required(*table, "[[joint]]", "parent"), "parent", true);
     joint.child = body_named(reader_.required(*table, "[[joint]]", "child"), "child", false);
     const bool turns = joint.kind == JointKind::revolute, is_ball = joint.kind == JointKind::ball;
-    for (const char* key : {"start_deg", "limits_deg"})
+    for (const char* key : {"start_deg", "limits_deg", "rotor_inertia_kg_mm2"})
       if (!turns && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a revolute joint");
     if (!turns && !is_ball && table->contains("anchor_mm"))
       reader_.say(*table->get("anchor_mm"), "anchor_mm belongs to a revolute or ball joint");
     if (is_ball && table->contains("axis"))
       reader_.say(*table->get("axis"), "a ball joint turns about every axis");
-    for (const char* key : {"start_mm", "limits_mm"})
+    for (const char* key : {"start_mm", "limits_mm", "rotor_mass_g"})
       if (kind != "prismatic" && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a prismatic joint");
     if (turns || joint.kind == JointKind::prismatic)
@@ -519,6 +524,12 @@ void SceneReader::read_joints() {
       joint.upper = unit * pair[1];
       if (!(joint.lower <= joint.start && joint.start <= joint.upper))
         reader_.refuse(*limits, "limits" + suffix, allowed);
+    }
+    const char* rotor_key = turns ? "rotor_inertia_kg_mm2" : "rotor_mass_g";
+    if (const toml::node* rotor = table->get(rotor_key)) {
+      const double typed = reader_.number(*rotor, rotor_key, "a number >= 0");
+      if (!(typed >= 0)) reader_.refuse(*rotor, rotor_key, "a number >= 0");
+      joint.rotor_inertia = typed * (turns ? kKilogramSquareMillimetre : kGram);
     }
     scene_.joints.push_back(joint);
     joint_tables_.push_back(table);

@@ -1,5 +1,6 @@
 #include "softfinger/dynamics/multibody.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -75,7 +76,12 @@ Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescr
       tree_of_body_(bodies_.size(), -1),
       joint_dofs_(joints_.size(), -1) {
   for (const BodyDescription& body : bodies_) {
-    if (!body.fixed) require_physical(body.mass, "body \"" + body.name + "\"");
+    if (body.massless) {
+      if (body.mass.mass_kg != 0 || !body.mass.inertia_kg_m2.isZero(0))
+        throw InputError("body \"" + body.name + "\"", "mass", "", "none: it is massless");
+    } else if (!body.fixed) {
+      require_physical(body.mass, "body \"" + body.name + "\"");
+    }
     if (!body.pose.matrix().allFinite() || !body.velocity_m_per_s.allFinite() ||
         !body.angular_velocity_rad_per_s.allFinite())
       throw InputError("body \"" + body.name + "\"", "pose or velocity", "not finite",
@@ -109,6 +115,7 @@ Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescr
   velocity_.setZero(velocities());
   for (const int j : order_) place_child(j);
   for (const Tree& tree : trees_) place_children(tree);
+  require_masses();
   for (int b = 0; b < this->bodies(); ++b) {
     const int last = last_dof_[std::size_t(b)];
     if (last < 0 || dofs_[std::size_t(last)].kind != DofKind::free_angular) continue;
@@ -137,6 +144,8 @@ void Multibody::check(int j) const {
   if (joint.kind == JointKind::ball) return;
   if (!(joint.axis.norm() > 0) || !joint.axis.allFinite())
     refuse("axis", "", "a direction: three finite numbers, not all 0");
+  if (!(joint.rotor_inertia >= 0) || !std::isfinite(joint.rotor_inertia))
+    refuse("rotor inertia", "", "a finite number >= 0");
   if (!(joint.lower <= joint.start && joint.start <= joint.upper) || !std::isfinite(joint.start))
     refuse("limits", "", "lower <= start <= upper");
 }
@@ -458,6 +467,31 @@ void Multibody::mass_matrix(const Tree& tree, Eigen::Ref<Eigen::MatrixXd> matrix
       const int other = d - tree.first;
       matrix(i, other) = matrix(other, i) = motion(dofs_[std::size_t(d)], reference).dot(force);
     }
+    matrix(i, i) += rotor_inertia(dof);
+  }
+}
+
+/// Where massless bodies are, their joints must still move some.
+void Multibody::require_masses() const {
+  for (const Tree& tree : trees_) {
+    const auto is_massless = [this](int b) { return bodies_[std::size_t(b)].massless; };
+    const std::vector<int>& own = parts(tree).bodies;
+    if (std::none_of(own.begin(), own.end(), is_massless)) continue;
+    const std::string& name =
+        bodies_[std::size_t(*std::find_if(own.begin(), own.end(), is_massless))].name;
+    for (const int root : parts(tree).roots)
+      if (is_massless(root))
+        throw InputError("body \"" + name + "\"", "mass", "0", "> 0 for a body without a joint");
+    Eigen::MatrixXd matrix(tree.count, tree.count);
+    mass_matrix(tree, matrix);
+    const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+    constexpr double kLeast = 1e-12;
+    if (!scaled.allFinite() ||
+        !(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
+              .eigenvalues()[0] > kLeast))
+      throw InputError("body \"" + name + "\"", "mass", "0",
+                       "bodies with mass on it, so that each joint about it moves some of its own");
   }
 }
 
@@ -503,7 +537,7 @@ void Multibody::momentum(const Tree& tree, const Eigen::Vector3d& gravity_m_per_
     const SpatialVector base =
         dof.base >= 0 ? velocity[std::size_t(dof.base - tree.first)] : SpatialVector{};
     const SpatialVector own = motion(dof, reference);
-    result[i] = own.dot(momentum[std::size_t(i)]);
+    result[i] = own.dot(momentum[std::size_t(i)]) + rotor_inertia(dof) * velocity_[tree.first + i];
     rate[i] = own.dot(load[std::size_t(i)]) +
               motion_rate(dof, reference, base).dot(momentum[std::size_t(i)]);
     if (dof.parent < 0) continue;
@@ -684,6 +718,8 @@ double Multibody::kinetic_energy_J() const {
                velocity.angular.dot(world_inertia(b) * velocity.angular)) /
               2;
   }
+  for (std::size_t d = 0; d < dofs_.size(); ++d)
+    energy += rotor_inertia(dofs_[d]) * velocity_[Eigen::Index(d)] * velocity_[Eigen::Index(d)] / 2;
   return energy;
 }
 

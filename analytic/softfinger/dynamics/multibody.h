@@ -15,6 +15,8 @@ struct BodyDescription {
   std::string name;
   MassProperties mass;  ///< ignored for a fixed body
   bool fixed = false;   ///< to the world
+  /// A link between joints. What hangs on it must give each of its joints something to move.
+  bool massless = false;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   /// Velocities of a free body's centre of mass along the world's axes. Ignored for bodies on
   /// joints, which have the velocities of their joints.
@@ -37,6 +39,9 @@ struct JointDescription {
   double start = 0;                                         ///< rad or m
   double lower = -std::numeric_limits<double>::infinity();  ///< rad or m; lower <= start <= upper
   double upper = std::numeric_limits<double>::infinity();
+  /// Of a motor that turns with the joint, times its gear ratio squared; kg m2, or kg of a
+  /// prismatic joint. It counts for the joint's own velocity alone (armature). >= 0
+  double rotor_inertia = 0;
 };
 
 /// Holds two bodies of a closed chain together, as the joint of that kind would: the chain's bodies
@@ -66,7 +71,8 @@ class Multibody {
  public:
   /// @throws InputError for a body whose mass or inertia is impossible (require_physical), a joint
   /// or loop between unknown bodies, a body with two parents, joints in a ring, an axis without
-  /// length, limits that exclude the start, a loop between bodies that do not move.
+  /// length, limits that exclude the start, a loop between bodies that do not move, a joint that
+  /// moves no mass.
   Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescription> joints,
             std::vector<LoopDescription> loops = {});
 
@@ -188,6 +194,10 @@ class Multibody {
   void check(const LoopDescription& loop) const;
   void build_trees();
   int seed_of(int body) const;
+  void require_masses() const;
+  double rotor_inertia(const Dof& dof) const {
+    return dof.joint < 0 ? 0 : joints_[std::size_t(dof.joint)].rotor_inertia;
+  }
   void grow(const std::vector<int>& seeds);
   void add_joints_below(const std::vector<int>& joints);
   void add_free_dofs(int body);
