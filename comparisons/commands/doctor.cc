@@ -88,6 +88,10 @@ std::vector<Finding> find_all() {
                     "they need gmsh when softfinger is built (Debian: libgmsh-dev)"),
       atlas_finding(),
       fem_finding(),
+      file_finding(
+          "robots' files", system::program_folder() / "softfinger-robot",
+          "softfinger-robot: MJCF, URDF and SDF for simulate; needs MuJoCo and libsdformat "
+          "when softfinger is built (Debian: libmujoco-dev, libsdformat-dev)"),
       file_finding("sweeps on many machines", system::program_folder() / "softfinger-sweep",
                    "softfinger-sweep: needs MPI when softfinger is built (Debian: "
                    "libopenmpi-dev)"),

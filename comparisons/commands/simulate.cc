@@ -106,8 +106,9 @@ input::Scene read_scene(const SimulateOptions& options) {
   const input::Settings settings = settings_of(options.settings);
   if (is_robot(options.scene_file)) return read_robot(options.scene_file, options.robot, settings);
   if (!options.robot.finger_layers.empty() || !options.robot.write_scene.empty())
-    throw InputError("command line", "SCENE", "\"" + options.scene_file + "\"",
-                     "a robot's file with --finger-layer or --write-scene: .xml, .mjcf, .urdf");
+    throw InputError(
+        "command line", "SCENE", "\"" + options.scene_file + "\"",
+        "a robot's file with --finger-layer or --write-scene: .xml, .mjcf, .urdf, .sdf");
   return input::read_scene(system::find_scene_file(options.scene_file), settings);
 }
 
@@ -168,7 +169,7 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       ->add_option(
           "SCENE", options->scene_file,
           "scene file (TOML), the name of a built-in scene, \"-\" for standard input, or a "
-          "robot's file: MJCF (.xml, .mjcf) or URDF (.urdf)")
+          "robot's file: MJCF (.xml, .mjcf), URDF (.urdf) or SDF (.sdf)")
       ->required();
   add_settings(*command, options->settings, "scene");
   add_robot(*command, options->robot);
@@ -202,7 +203,8 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "Samples:\n"
       "  softfinger list scenes\n"
       "  softfinger simulate pinch\n"
-      "  softfinger simulate lift_box --output results/lift_box --json");
+      "  softfinger simulate lift_box --output results/lift_box --json\n"
+      "  softfinger simulate gripper.xml --finger-layer tip:2,300,0.49 --write-scene gripper.toml");
   command->callback([options, &action] { action = [options] { return run_simulate(*options); }; });
 }
 

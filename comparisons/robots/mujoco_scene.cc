@@ -1,7 +1,6 @@
 #include "comparisons/robots/mujoco_scene.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Geometry>
@@ -25,10 +24,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kDegrees = 180 / kPi, kMillimetres = 1e3;
-/// As a scene's reader has them.
-constexpr int kMostBodies = 1000;
-constexpr std::size_t kLongestName = 64;
-
 Vector3d vector(const mjtNum* numbers) { return {numbers[0], numbers[1], numbers[2]}; }
 
 Isometry3d pose(const mjtNum* position, const mjtNum* wxyz) {
@@ -37,37 +32,6 @@ Isometry3d pose(const mjtNum* position, const mjtNum* wxyz) {
   result.linear() =
       Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized().toRotationMatrix();
   return result;
-}
-
-std::string list(const Vector3d& v) {
-  const Vector3d positive = v.array() + 0.;  // -0 becomes 0
-  return fmt::format("[{}, {}, {}]", positive.x(), positive.y(), positive.z());
-}
-
-/// Angles about the fixed axes x, y, z, in this order.
-std::string rotation_deg(const Matrix3d& turn) {
-  const double y = std::atan2(-turn(2, 0), std::hypot(turn(2, 1), turn(2, 2)));
-  const bool is_locked = std::hypot(turn(2, 1), turn(2, 2)) < 1e-12;
-  const double x = is_locked ? 0 : std::atan2(turn(2, 1), turn(2, 2));
-  const double z =
-      is_locked ? std::atan2(-turn(0, 1), turn(1, 1)) : std::atan2(turn(1, 0), turn(0, 0));
-  return list(kDegrees * Vector3d(x, y, z));
-}
-
-std::string placed(const Isometry3d& at) {
-  std::string text;
-  if (!at.translation().isZero(0)) text += "position_mm = " + list(kMillimetres * at.translation());
-  if (at.linear().isIdentity(0)) return text;
-  return text + (text.empty() ? "" : ", ") + "rotation_deg = " + rotation_deg(at.linear());
-}
-
-std::string in_quotes(const std::string& name) {
-  std::string text = "\"";
-  for (const char letter : name) {
-    if (letter == '"' || letter == '\\') text += '\\';
-    text += letter;
-  }
-  return text + "\"";
 }
 
 /// The model of a file, and what the library said about it.
@@ -100,7 +64,7 @@ class Importer {
         d_(loaded_.data.get()) {}
 
   ImportedScene run() {
-    if (m_->nbody > kMostBodies)
+    if (std::size_t(m_->nbody) > kMostBodies)
       throw InputError(file_.string(), "bodies", std::to_string(m_->nbody),
                        fmt::format("at most {}", kMostBodies));
     place();
@@ -128,10 +92,7 @@ class Importer {
     const char* own = mj_id2name(m_, type, index);
     if (!own || !*own) return fmt::format("{}_{}", kind, index);
     const std::string text = own;
-    const bool is_plain = std::all_of(text.begin(), text.end(), [](unsigned char letter) {
-      return letter >= 0x20 && letter != 0x7f;
-    });
-    if (text.size() > kLongestName || !is_plain)
+    if (!is_name(text))
       refuse(fmt::format("the name of {} {}", kind, index),
              fmt::format("1 to {} bytes without control characters", kLongestName));
     return text;
@@ -177,20 +138,9 @@ class Importer {
   }
 
   void add_layers() {
-    for (std::size_t i = 0; i < layers_.size(); ++i) {
-      const FingerLayer& layer = layers_[i];
-      std::vector<std::string> names;
-      for (int b = 1; b < m_->nbody; ++b) names.push_back(body_name(b));
-      if (std::find(names.begin(), names.end(), layer.body) == names.end())
-        throw InputError("--finger-layer", "body", layer.body,
-                         "a body of the robot: " + fmt::to_string(fmt::join(names, ", ")));
-      if (!layer_of_body_.emplace(layer.body, fmt::format("layer_{}", i + 1)).second)
-        throw InputError("--finger-layer", "body", layer.body, "each body once");
-      result_.text += fmt::format(
-          "[[layer]]\nname = \"layer_{}\"\nthickness_mm = {}\nyoungs_modulus_kPa = {}\n"
-          "poisson_ratio = {}\n\n",
-          i + 1, layer.thickness_mm, layer.youngs_modulus_kPa, layer.poisson_ratio);
-    }
+    std::vector<std::string> names;
+    for (int b = 1; b < m_->nbody; ++b) names.push_back(body_name(b));
+    result_.text += layer_tables(layers_, names);
   }
 
   /// A body, and for each of its joints but the last a massless one before it.
@@ -223,14 +173,8 @@ class Importer {
             "[[joint]]\nname = {}\nkind = \"fixed\"\nparent = {}\nchild = {}\n\n",
             in_quotes("fixed_" + body_name(b)), in_quotes(parent), in_quotes(body_name(b)));
     }
-    const auto layer = layer_of_body_.find(body_name(b));
-    if (layer != layer_of_body_.end()) bodies_ += fmt::format("layer = \"{}\"\n", layer->second);
+    bodies_ += layer_line(layers_, body_name(b));
     bodies_ += shapes.empty() ? "\n" : fmt::format("shapes = [\n{}]\n\n", shapes);
-  }
-
-  static std::string placed_lines(const Isometry3d& at) {
-    return fmt::format("position_mm = {}\nrotation_deg = {}\n",
-                       list(kMillimetres * at.translation()), rotation_deg(at.linear()));
   }
 
   void add_mass(int b) {
@@ -238,14 +182,8 @@ class Importer {
       bodies_ += "massless = true\n";
       return;
     }
-    const Isometry3d inertial = pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b);
-    const Matrix3d inertia = 1e6 * inertial.linear() *
-                             vector(m_->body_inertia + 3 * b).asDiagonal() *
-                             inertial.linear().transpose();
-    bodies_ += fmt::format(
-        "mass_g = {}\ncenter_of_mass_mm = {}\ninertia_kg_mm2 = [{}, {}, {}, {}, {}, {}]\n",
-        1e3 * m_->body_mass[b], list(kMillimetres * inertial.translation()), inertia(0, 0),
-        inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2));
+    bodies_ += mass_lines(m_->body_mass[b], pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b),
+                          vector(m_->body_inertia + 3 * b).asDiagonal());
   }
 
   void add_joint(int j, const std::string& parent, const std::string& child) {
@@ -517,7 +455,6 @@ class Importer {
           "MuJoCo's solref, solimp, torsional and rolling friction are left out");
   }
 
-  static constexpr int kMostRules = 1000;
   const std::filesystem::path& file_;
   const std::filesystem::path& meshes_;
   std::string id_;
@@ -527,11 +464,11 @@ class Importer {
   mjData* d_;
   ImportedScene result_;
   std::string bodies_, joints_;
-  std::map<std::string, std::string> layer_of_body_;
   std::vector<char> has_shapes_;
   std::set<int> written_meshes_;
   std::map<int, JointMotor> motors_;
-  int visual_geoms_ = 0, rules_ = 0;
+  int visual_geoms_ = 0;
+  std::size_t rules_ = 0;
 };
 
 }  // namespace

@@ -4,18 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/robots/imported_scene.h"
+
 namespace softfinger::robots {
-
-/// A soft surface for a body of the robot.
-struct FingerLayer {
-  std::string body;
-  double thickness_mm = 0, youngs_modulus_kPa = 0, poisson_ratio = 0;
-};
-
-struct ImportedScene {
-  std::string text;                ///< TOML, as the scene reader takes it
-  std::vector<std::string> notes;  ///< what is not as in the file, a sentence each
-};
 
 /// Reads a robot's file, MJCF or URDF, by MuJoCo and describes it as a scene.
 ///

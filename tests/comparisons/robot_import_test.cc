@@ -235,6 +235,78 @@ TEST_F(Robots, KeepActuatorsLimitsAndLoops) {
   EXPECT_EQ(run.steps, 500);
 }
 
+#ifdef SOFTFINGER_HAS_SDFORMAT
+/// A parallelogram of two cranks and a coupler, whose last joint closes a ring.
+const char* const kParallelogram = R"(<sdf version="1.9"><model name="m">
+  <link name="left"><pose>0 0 -0.1 0 0 0</pose><inertial><mass>0.2</mass>
+    <inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-4</izz></inertia></inertial></link>
+  <link name="bar"><pose>0.15 0 -0.2 0 0 0</pose><inertial><mass>0.3</mass>
+    <inertia><ixx>1e-4</ixx><iyy>2e-3</iyy><izz>2e-3</izz></inertia></inertial>
+    <collision name="c"><geometry><box><size>0.3 0.01 0.02</size></box></geometry>
+      <surface><friction><ode><mu>0.4</mu></ode></friction></surface></collision></link>
+  <link name="right"><pose>0.3 0 -0.1 0 0 0</pose><inertial><mass>0.2</mass>
+    <inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-4</izz></inertia></inertial></link>
+  <joint name="a" type="revolute"><parent>world</parent><child>left</child>
+    <pose>0 0 0.1 0 0 0</pose><axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>2</upper></limit>
+    </axis></joint>
+  <joint name="b" type="continuous"><parent>left</parent><child>bar</child>
+    <pose>-0.15 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz></axis></joint>
+  <joint name="c" type="continuous"><parent>world</parent><child>right</child>
+    <pose>0 0 0.1 0 0 0</pose><axis><xyz>0 1 0</xyz><dynamics><damping>0.2</damping></dynamics>
+    </axis></joint>
+  <joint name="d" type="continuous"><parent>bar</parent><child>right</child>
+    <pose>0 0 -0.1 0 0 0</pose><axis><xyz>0 1 0</xyz></axis></joint>
+</model></sdf>)";
+
+TEST_F(Robots, OfSdfMoveAsTheirLinksDo) {
+  Start start;
+  start.folder = folder_.path();
+  const ProgramRun run =
+      run_softfinger(start, {"simulate", folder_.write("m.sdf", kParallelogram).string(),
+                             "--write-scene", (folder_.path() / "m.toml").string(), "--set",
+                             "simulation.gravity_m_per_s2=[3,0,-9]"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("joint \"d\" closes a ring"), std::string::npos) << run.err;
+  const input::Scene scene = input::read_scene(folder_.path() / "m.toml");
+  ASSERT_EQ(scene.joints.size(), 3u);
+  EXPECT_NEAR(scene.joints[0].upper, 2, 1e-12);
+  EXPECT_LE((scene.joints[1].anchor_m - Eigen::Vector3d(0, 0, -0.2)).norm(), 1e-12);
+  ASSERT_EQ(scene.loops.size(), 1u);
+  EXPECT_LE((scene.loops[0].anchor_m - Eigen::Vector3d(0.3, 0, -0.2)).norm(), 1e-12);
+  ASSERT_EQ(scene.motors.size(), 1u);
+  EXPECT_NEAR(scene.motors[0].damping, 0.2, 1e-12);
+  // The bar of a parallelogram does not turn, and its cranks turn by the same angle.
+  const simulation::Simulation run_again = simulation::simulate(scene);
+  EXPECT_EQ(run_again.failure, "");
+  const simulation::Frame& end = run_again.recording.frames.back();
+  EXPECT_LE((end.poses[1].linear() - Eigen::Matrix3d::Identity()).norm(), 1e-6);
+  EXPECT_LE((end.poses[0].linear() - end.poses[2].linear()).norm(), 1e-6);
+}
+
+TEST_F(Robots, OfSdfAreRefusedInOneLine) {
+  const auto refusal = [&](const std::string& old, const std::string& changed) {
+    std::string text = kParallelogram;
+    EXPECT_NE(text.find(old), std::string::npos);
+    text.replace(text.find(old), old.size(), changed);
+    Start start;
+    start.folder = folder_.path();
+    const ProgramRun run =
+        run_softfinger(start, {"simulate", folder_.write("bad.sdf", text).string()});
+    EXPECT_EQ(run.status, 2) << changed;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    return run.err;
+  };
+  EXPECT_NE(refusal("</sdf>", "").find("libsdformat cannot read it"), std::string::npos);
+  EXPECT_NE(refusal("\"continuous\"", "\"universal\"").find("joint \"b\""), std::string::npos);
+  EXPECT_NE(
+      refusal("<box><size>0.3 0.01 0.02</size></box>", "<mesh><uri>model://x.stl</uri></mesh>")
+          .find("collision \"c\""),
+      std::string::npos);
+  EXPECT_NE(refusal("<mass>0.3</mass>", "<mass>-1</mass>"), "");
+  EXPECT_NE(refusal("<child>bar</child>", "<child>rab</child>"), "");
+}
+#endif
+
 TEST_F(Robots, SayWhatTheyLeaveOut) {
   import("left_out.xml", R"(<mujoco><worldbody>
     <body name="a"><joint name="j" type="hinge" axis="0 1 0" frictionloss="0.1"/>
