@@ -1,9 +1,9 @@
 #include "comparisons/commands/robot_input.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
-#include <algorithm>
+#include <cctype>
+#include <cstdlib>
 #include <system_error>
 
 #include "comparisons/commands/commands.h"
@@ -130,7 +130,13 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
     system::write_file_atomically(scene_file, outcome.output);
     remark("the scene is in " + typed.write_scene);
   }
-  return input::parse_scene(outcome.output, scene_file, settings);
+  try {
+    return input::parse_scene(outcome.output, scene_file, settings);
+  } catch (const InputError& error) {
+    throw InputError(
+        file, std::string("the scene made of it, which --write-scene keeps: ") + error.what(), "",
+        "");
+  }
 }
 
 }  // namespace softfinger::commands
