@@ -10,6 +10,7 @@
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/robot_input.h"
 #include "comparisons/report/motion_page.h"
 #include "comparisons/simulation/control.h"
 #include "comparisons/simulation/frame_json.h"
@@ -27,6 +28,7 @@ using namespace simulation;
 struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
   std::vector<std::string> settings;
+  RobotInput robot;
   int vtu_every = -1;  ///< -1: about 150 in all; 0: none
   bool json = false, control = false;
 };
@@ -100,12 +102,21 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
          (every > 0 ? ", motion.pvd" : ""));
 }
 
+input::Scene read_scene(const SimulateOptions& options) {
+  const input::Settings settings = settings_of(options.settings);
+  if (is_robot(options.scene_file)) return read_robot(options.scene_file, options.robot, settings);
+  if (!options.robot.finger_layers.empty() || !options.robot.write_scene.empty())
+    throw InputError(
+        "command line", "SCENE", "\"" + options.scene_file + "\"",
+        "a robot's file with --finger-layer or --write-scene: .xml, .mjcf, .urdf, .sdf");
+  return input::read_scene(system::find_scene_file(options.scene_file), settings);
+}
+
 int run_simulate(const SimulateOptions& options) {
   if (options.control && options.scene_file == "-")
     throw InputError("command line", "SCENE", "\"-\"",
                      "a file with --control, which takes its commands from standard input");
-  const input::Scene scene =
-      input::read_scene(system::find_scene_file(options.scene_file), settings_of(options.settings));
+  const input::Scene scene = read_scene(options);
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   std::optional<Control> control;
@@ -155,10 +166,13 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "complementarity problem per step. Exit status 3 when a step has no solution; everything up "
       "to it is written");
   command
-      ->add_option("SCENE", options->scene_file,
-                   "scene file (TOML), the name of a built-in scene, or \"-\" for standard input")
+      ->add_option(
+          "SCENE", options->scene_file,
+          "scene file (TOML), the name of a built-in scene, \"-\" for standard input, or a "
+          "robot's file: MJCF (.xml, .mjcf), URDF (.urdf) or SDF (.sdf)")
       ->required();
   add_settings(*command, options->settings, "scene");
+  add_robot(*command, options->robot);
   command->add_option("--output", options->output,
                       "folder for motion.html, trajectory.csv, contacts.csv, trajectory.json, "
                       "simulation.json and motion.pvd with its VTU files");
@@ -179,8 +193,9 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
   for (const input::FrictionLaw* law : input::all_friction_laws())
     laws += fmt::format("  {:<14}{}\n", law->name, law->description);
   command->footer(
-      "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[motor]], [[force]] "
-      "and [[contact]];\nsee the built-in ones and README.md. At most 1000 bodies (copies counted) "
+      "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[loop]], [[motor]], "
+      "[[force]]\nand [[contact]]; see the built-in ones and README.md. At most 1000 bodies "
+      "(copies counted) "
       "and as many joints, forces and\ncontacts, 100 shapes per body, 10000 times per table, a "
       "million steps, five million steps times bodies, 16 MiB.\n"
       "friction in [simulation] or [[contact]] names a law:\n" +
@@ -188,7 +203,8 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "Samples:\n"
       "  softfinger list scenes\n"
       "  softfinger simulate pinch\n"
-      "  softfinger simulate lift_box --output results/lift_box --json");
+      "  softfinger simulate lift_box --output results/lift_box --json\n"
+      "  softfinger simulate gripper.xml --finger-layer tip:2,300,0.49 --write-scene gripper.toml");
   command->callback([options, &action] { action = [options] { return run_simulate(*options); }; });
 }
 

@@ -23,14 +23,24 @@ namespace {
 /// Limits of one scene, copies counted. All poses are recorded: five million of them take about
 /// a gigabyte.
 constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, kMostJoints = 1000,
-                      kMostMotors = 1000, kMostForces = 1000, kMostContactRules = 1000,
-                      kMostTimes = 10000, kMostEccentricities = 1000;
+                      kMostLoops = 100, kMostMotors = 1000, kMostForces = 1000,
+                      kMostContactRules = 1000, kMostTimes = 10000, kMostEccentricities = 1000;
 constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
 /// Beyond these a step only rounds: larger loads than any machine's, half a turn per step.
 constexpr double kMostLoad = 1e12, kMostTurnPerStep = kPi;
 constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
 
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
+
+const std::vector<std::string> kJointKinds = {"fixed", "revolute", "prismatic", "ball"};
+
+/// @param name  one of kJointKinds
+JointKind joint_kind(const std::string& name) {
+  return name == "revolute"    ? JointKind::revolute
+         : name == "prismatic" ? JointKind::prismatic
+         : name == "ball"      ? JointKind::ball
+                               : JointKind::fixed;
+}
 
 /// Reads a scene file, table by table.
 class SceneReader {
@@ -57,6 +67,7 @@ class SceneReader {
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
   void read_joints();
+  void read_loops();
   void read_motors();
   void read_forces();
   void read_rules();
@@ -70,7 +81,7 @@ class SceneReader {
   fs::path folder_;
   Scene& scene_;
   std::map<std::string, ElasticLayer> layers_;
-  std::vector<const toml::table*> joint_tables_;
+  std::vector<const toml::table*> joint_tables_, loop_tables_;
 };
 
 std::vector<const toml::table*> SceneReader::tables(const char* key, std::size_t most,
@@ -337,9 +348,9 @@ void SceneReader::read_mass(const toml::table& table, const std::string& where,
   const toml::node* density = table.get("density_kg_per_m3");
   const toml::node* inertia = table.get("inertia_kg_mm2");
   const toml::node* center = table.get("center_of_mass_mm");
-  if (body.fixed) {
+  if (body.fixed || body.massless) {
     for (const toml::node* node : {mass, density, inertia, center})
-      if (node) reader_.say(*node, "a fixed body needs no mass");
+      if (node) reader_.say(*node, "a fixed or massless body needs no mass");
     return;
   }
   if ((mass != nullptr) == (density != nullptr))
@@ -396,7 +407,7 @@ void SceneReader::read_bodies() {
   for (const toml::table* table : tables("body", kMostBodies, true)) {
     reader_.check_keys(
         *table, "[[body]]",
-        {"name", "fixed", "position_mm", "rotation_deg", "mass_g", "density_kg_per_m3",
+        {"name", "fixed", "massless", "position_mm", "rotation_deg", "mass_g", "density_kg_per_m3",
          "center_of_mass_mm", "inertia_kg_mm2", "velocity_mm_per_s", "angular_velocity_deg_per_s",
          "layer", "shapes", "copies"});
     SceneBody body;
@@ -426,6 +437,10 @@ void SceneReader::read_bodies() {
       if (found == layers_.end()) reader_.refuse(*layer, "layer", "the name of a [[layer]]");
       body.layer = found->second;
     }
+    if (const toml::node* massless = table->get("massless"))
+      description.massless = reader_.boolean(*massless, "massless");
+    if (description.massless && (description.fixed || !body.shapes.empty()))
+      reader_.say(*table, where + " is massless: it has no shapes and is not fixed");
     read_mass(*table, where, body.shapes, description);
     std::array<std::int64_t, 3> count = {1, 1, 1};
     Eigen::Vector3d spacing_m = Eigen::Vector3d::Zero();
@@ -468,30 +483,34 @@ void SceneReader::read_bodies() {
 
 void SceneReader::read_joints() {
   for (const toml::table* table : tables("joint", kMostJoints)) {
-    reader_.check_keys(*table, "[[joint]]",
-                       {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
-                        "start_mm", "limits_deg", "limits_mm"});
+    reader_.check_keys(
+        *table, "[[joint]]",
+        {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg", "start_mm",
+         "limits_deg", "limits_mm", "rotor_inertia_kg_mm2", "rotor_mass_g"});
     JointDescription joint;
     const toml::node& name = reader_.required(*table, "[[joint]]", "name");
     joint.name = reader_.name(name, "name");
     for (const JointDescription& other : scene_.joints)
       if (other.name == joint.name) reader_.refuse(name, "name", "each joint once");
-    const std::string kind = reader_.choice(reader_.required(*table, "[[joint]]", "kind"), "kind",
-                                            {"fixed", "revolute", "prismatic"});
-    joint.kind = kind == "fixed"      ? JointKind::fixed
-                 : kind == "revolute" ? JointKind::revolute
-                                      : JointKind::prismatic;
+    const std::string kind =
+        reader_.choice(reader_.required(*table, "[[joint]]", "kind"), "kind", kJointKinds);
+    joint.kind = joint_kind(kind);
     joint.parent = body_named(reader_.required(*table, "[[joint]]", "parent"), "parent", true);
     joint.child = body_named(reader_.required(*table, "[[joint]]", "child"), "child", false);
-    const bool turns = joint.kind == JointKind::revolute, moves = joint.kind != JointKind::fixed;
-    for (const char* key : {"start_deg", "limits_deg", "anchor_mm"})
+    const bool turns = joint.kind == JointKind::revolute, is_ball = joint.kind == JointKind::ball;
+    for (const char* key : {"start_deg", "limits_deg", "rotor_inertia_kg_mm2"})
       if (!turns && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a revolute joint");
-    for (const char* key : {"start_mm", "limits_mm"})
+    if (!turns && !is_ball && table->contains("anchor_mm"))
+      reader_.say(*table->get("anchor_mm"), "anchor_mm belongs to a revolute or ball joint");
+    if (is_ball && table->contains("axis"))
+      reader_.say(*table->get("axis"), "a ball joint turns about every axis");
+    for (const char* key : {"start_mm", "limits_mm", "rotor_mass_g"})
       if (kind != "prismatic" && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a prismatic joint");
-    if (moves) joint.axis = vector(reader_.required(*table, "[[joint]]", "axis"), "axis", 1);
-    if (turns)
+    if (turns || joint.kind == JointKind::prismatic)
+      joint.axis = vector(reader_.required(*table, "[[joint]]", "axis"), "axis", 1);
+    if (turns || is_ball)
       joint.anchor_m =
           vector(reader_.required(*table, "[[joint]]", "anchor_mm"), "anchor_mm", kMillimetre);
     const double unit = turns ? kDegree : kMillimetre;
@@ -506,8 +525,41 @@ void SceneReader::read_joints() {
       if (!(joint.lower <= joint.start && joint.start <= joint.upper))
         reader_.refuse(*limits, "limits" + suffix, allowed);
     }
+    const char* rotor_key = turns ? "rotor_inertia_kg_mm2" : "rotor_mass_g";
+    if (const toml::node* rotor = table->get(rotor_key)) {
+      const double typed = reader_.number(*rotor, rotor_key, "a number >= 0");
+      if (!(typed >= 0)) reader_.refuse(*rotor, rotor_key, "a number >= 0");
+      joint.rotor_inertia = typed * (turns ? kKilogramSquareMillimetre : kGram);
+    }
     scene_.joints.push_back(joint);
     joint_tables_.push_back(table);
+  }
+}
+
+void SceneReader::read_loops() {
+  std::set<std::string> names;
+  for (const toml::table* table : tables("loop", kMostLoops)) {
+    reader_.check_keys(*table, "[[loop]]", {"name", "kind", "bodies", "anchor_mm", "axis"});
+    LoopDescription loop;
+    const toml::node& name = reader_.required(*table, "[[loop]]", "name");
+    loop.name = reader_.name(name, "name");
+    if (!names.insert(loop.name).second) reader_.refuse(name, "name", "each loop once");
+    loop.kind = joint_kind(
+        reader_.choice(reader_.required(*table, "[[loop]]", "kind"), "kind", kJointKinds));
+    const toml::node& pair = reader_.required(*table, "[[loop]]", "bodies");
+    const toml::array* two = pair.as_array();
+    if (!two || two->size() != 2)
+      reader_.refuse(pair, "bodies", "two names, one of which may be \"world\"");
+    loop.a = body_named((*two)[0], "bodies", true);
+    loop.b = body_named((*two)[1], "bodies", true);
+    loop.anchor_m =
+        vector(reader_.required(*table, "[[loop]]", "anchor_mm"), "anchor_mm", kMillimetre);
+    if (loop.kind == JointKind::revolute || loop.kind == JointKind::prismatic)
+      loop.axis = vector(reader_.required(*table, "[[loop]]", "axis"), "axis", 1);
+    else if (const toml::node* axis = table->get("axis"))
+      reader_.say(*axis, "axis belongs to a revolute or prismatic loop");
+    scene_.loops.push_back(loop);
+    loop_tables_.push_back(table);
   }
 }
 
@@ -527,7 +579,7 @@ void SceneReader::read_motors() {
                                    : fmt::format("the name of a joint; did you mean \"{}\"?",
                                                  text::nearest_name(typed, known)));
     const JointDescription& joint = scene_.joints[std::size_t(motor.joint)];
-    if (joint.kind == JointKind::fixed)
+    if (joint.kind == JointKind::fixed || joint.kind == JointKind::ball)
       reader_.refuse(name, "joint", "a revolute or prismatic joint");
     for (const Motor& other : scene_.motors)
       if (other.joint == motor.joint) reader_.refuse(name, "joint", "one motor per joint");
@@ -687,6 +739,12 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
                    "\"coulomb\" with this model: the other laws need the contact's area, from "
                    "model = \"auto\" or a pressure model");
   rule.friction = read_own_law(table);
+  if (const toml::node* restitution = table.get("restitution")) {
+    const std::string allowed = "0, no rebound, to 1, at the speed of the impact";
+    rule.restitution = reader_.number(*restitution, "restitution", allowed);
+    if (!(rule.restitution >= 0 && rule.restitution <= 1))
+      reader_.refuse(*restitution, "restitution", allowed);
+  }
   if (const toml::node* collide = table.get("collide"))
     rule.collide = reader_.boolean(*collide, "collide");
   return rule;
@@ -697,10 +755,10 @@ void SceneReader::read_rules() {
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
   for (const toml::table* table : tables("contact", kMostContactRules)) {
-    reader_.check_keys(
-        *table, "[[contact]]",
-        {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa", "model",
-         "eccentricity_mm", "eccentricity_table", "friction", "limit_surface", "collide"});
+    reader_.check_keys(*table, "[[contact]]",
+                       {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa",
+                        "model", "eccentricity_mm", "eccentricity_table", "friction",
+                        "limit_surface", "restitution", "collide"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)
@@ -726,9 +784,9 @@ void SceneReader::read_rules() {
 }
 
 void SceneReader::read() {
-  reader_.check_keys(
-      root_, "",
-      {"id", "question", "simulation", "layer", "body", "joint", "motor", "force", "contact"});
+  reader_.check_keys(root_, "",
+                     {"id", "question", "simulation", "layer", "body", "joint", "loop", "motor",
+                      "force", "contact"});
   scene_.id = reader_.id(root_);
   if (const toml::node* question = root_.get("question"))
     scene_.question = reader_.text(*question, "question");
@@ -739,17 +797,22 @@ void SceneReader::read() {
     reader_.refuse(*root_["simulation"].as_table()->get("duration_s"), "duration_s",
                    fmt::format("steps times bodies of at most {:.0f}", kMostRecordedPoses));
   read_joints();
+  read_loops();
   read_motors();
   read_forces();
   read_rules();
-  // Joints in a ring and second parents are found when the bodies are built.
+  // Joints in a ring, second parents and loops that hold nothing are found when the bodies are
+  // built.
   try {
-    Multibody(scene_.descriptions, scene_.joints);
+    Multibody(scene_.descriptions, scene_.joints, scene_.loops);
   } catch (const InputError& error) {
     std::string where = scene_.file.string();
     for (std::size_t j = 0; j < scene_.joints.size(); ++j)
       if (error.where() == "joint \"" + scene_.joints[j].name + "\"")
         where = reader_.where(*joint_tables_[j]);
+    for (std::size_t l = 0; l < scene_.loops.size(); ++l)
+      if (error.where() == "loop \"" + scene_.loops[l].name + "\"")
+        where = reader_.where(*loop_tables_[l]);
     throw InputError(where, error.where() + ": " + error.field(), error.value(), error.allowed());
   }
 }

@@ -57,6 +57,7 @@ struct ContactRule {
   ShearLaw shear_law = ShearLaw::coulomb(0.5);
   ContactModel model;
   const FrictionLaw* friction = nullptr;  ///< null: the scene's
+  double restitution = 0;                 ///< Newton's
   bool collide = true;
 };
 
@@ -93,6 +94,7 @@ struct Scene {
   std::vector<SceneBody> bodies;
   std::vector<BodyDescription> descriptions;  ///< of the same bodies
   std::vector<JointDescription> joints;
+  std::vector<LoopDescription> loops;
   std::vector<Motor> motors;
   std::vector<Motion> motions;
   std::vector<ForceOverTime> forces;

@@ -108,6 +108,7 @@ class SceneContacts final : public ContactFinder {
     contact.axes = point.axes;
     contact.gap_m = point.gap_m;
     contact.friction_coefficient = rule.shear_law.friction_coefficient;
+    contact.restitution = rule.restitution;
     if (const auto* given = std::get_if<input::GivenEccentricity>(&rule.model))
       contact.eccentricity_m = given->eccentricity_m;
     contact.id = point.id;
@@ -298,7 +299,8 @@ TimeStepper stepper_of(const input::Scene& scene) {
   options.friction_vertices.resize(3, facets.count());
   for (int i = 0; i < facets.count(); ++i)
     options.friction_vertices.col(i) = facets.vertices()[std::size_t(i)];
-  TimeStepper stepper(Multibody(scene.descriptions, scene.joints), scene.motors, options);
+  TimeStepper stepper(Multibody(scene.descriptions, scene.joints, scene.loops), scene.motors,
+                      options);
   for (const input::ForceOverTime& force : scene.forces)
     stepper.applied_forces().push_back(
         {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});

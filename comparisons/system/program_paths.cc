@@ -33,6 +33,18 @@ fs::path fem_program() {
   return program;
 }
 
+fs::path robot_program() {
+  const fs::path program = program_folder() / "softfinger-robot";
+  std::error_code error;
+  if (!fs::is_regular_file(program, error) || access(program.c_str(), X_OK) != 0)
+    throw InputError(program.string(),
+                     "the program that reads robots' files does not exist; install the package "
+                     "softfinger-robot, or build where MuJoCo or libsdformat are (Debian: "
+                     "libmujoco-dev, libsdformat-dev)",
+                     "", "");
+  return program;
+}
+
 namespace {
 
 std::vector<fs::path> builtin_files(const char* folder, const char* ending = ".toml") {

@@ -25,6 +25,10 @@ std::filesystem::path share_folder();
 /// @throws InputError when there is no such executable.
 std::filesystem::path fem_program();
 
+/// The path of `softfinger-robot`, which reads other simulators' files, beside this program.
+/// @throws InputError when there is no such executable.
+std::filesystem::path robot_program();
+
 /// All built-in case files, ordered by name.
 std::vector<std::filesystem::path> builtin_case_files();
 

@@ -536,6 +536,52 @@ TEST(Multibody, ContactJacobianAndForcesAreDual) {
   }
 }
 
+TEST(Multibody, MasslessLinksMakeABallJointOfThreeHinges) {
+  Random random(6);
+  BodyDescription body = random.body("body"), link;
+  link.massless = true;
+  link.mass.mass_kg = 0;
+  JointDescription ball = random.joint(-1, 0, JointKind::ball);
+  const Multibody one({body}, {ball});
+  std::vector<BodyDescription> bodies(2, link);
+  bodies[0].name = "first";
+  bodies[1].name = "second";
+  bodies.push_back(body);
+  std::vector<JointDescription> hinges;
+  for (int j = 0; j < 3; ++j) {
+    hinges.push_back(random.joint(j - 1, j, JointKind::revolute));
+    hinges.back().anchor_m = ball.anchor_m;
+    hinges.back().axis = Vector3d::Unit(j);
+  }
+  const Multibody three(bodies, hinges);
+  // At the start the hinges' axes are those of the ball.
+  EXPECT_LE((mass_matrix(three) - mass_matrix(one)).norm(), kRoundOff);
+  hinges[1].axis = hinges[0].axis;
+  EXPECT_THROW(Multibody(bodies, hinges), InputError) << "two hinges on one axis move nothing";
+  EXPECT_THROW(Multibody({bodies[0]}, {hinges[0]}), InputError);
+  EXPECT_THROW(Multibody({bodies[0]}, {}), InputError);
+}
+
+TEST(Multibody, ARotorAddsItsInertiaToItsJointAlone) {
+  Multibody plain = double_pendulum(0.4, -1.1, 1.7, -0.6);
+  std::vector<JointDescription> joints = {plain.joint(0), plain.joint(1)};
+  joints[1].rotor_inertia = 0.03;
+  Multibody geared(double_pendulum_bodies(), joints);
+  geared = moved(geared, Eigen::Vector2d(0.4, -1.1), 1);
+  geared.set_velocity(plain.velocity());
+  MatrixXd difference = mass_matrix(geared) - mass_matrix(plain);
+  EXPECT_NEAR(difference(1, 1), 0.03, kRoundOff);
+  difference(1, 1) = 0;
+  EXPECT_LE(difference.norm(), kRoundOff);
+  EXPECT_NEAR(geared.kinetic_energy_J() - plain.kinetic_energy_J(), 0.03 * 0.6 * 0.6 / 2,
+              kRoundOff);
+  Eigen::Vector2d momentum, rate, other, same_rate;
+  geared.momentum(geared.trees()[0], Vector3d(0, 0, -9.81), momentum, rate);
+  plain.momentum(plain.trees()[0], Vector3d(0, 0, -9.81), other, same_rate);
+  EXPECT_LE((momentum - mass_matrix(geared) * geared.velocity()).norm(), kRoundOff);
+  EXPECT_LE((rate - same_rate).norm(), kRoundOff);
+}
+
 TEST(Multibody, RefusesWhatIsNoTreeOfBodies) {
   Random random(5);
   std::vector<BodyDescription> bodies = {random.body("a"), random.body("b"), random.body("c")};

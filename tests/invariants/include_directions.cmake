@@ -9,7 +9,7 @@
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting <- explorer;
 #   judgement <- extremes, experiments, calibration
-#   all of these <- report <- suite, sweep <- commands, distributed
+#   all of these <- report <- suite, sweep <- robots, commands, distributed
 # The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
 
@@ -74,6 +74,7 @@ room(calibration "^toml[+][+]/")
 room(report)
 room(suite)
 room(sweep "^toml[+][+]/")
+room(robots "^mujoco/" "^sdf/")
 room(commands "^CLI/" "^meshes/")
 room(distributed "^CLI/" "^mpi[.]h$")
 may_include(comparisons/main.cc ${std} "^CLI/" "^softfinger/input/" "^comparisons/(system|text|commands)/")

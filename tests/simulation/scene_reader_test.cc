@@ -114,6 +114,28 @@ TEST_F(SceneProgram, RefusesTheInputOfTheIssueWithOneLine) {
                  {"\"ball\""});
 }
 
+TEST_F(SceneProgram, RefusesJointsLoopsAndReboundsThatMakeNoSense) {
+  const std::string good = kHead + kBall + kJoint;
+  const std::string loop =
+      "[[loop]]\nname = \"pin\"\nkind = \"ball\"\nbodies = [\"ball\", \"world\"]\n"
+      "anchor_mm = [0, 0, 20]\n";
+  expect_refusal(with(good, "\"prismatic\"", "\"ball\""), 19, {"every axis"});
+  expect_refusal(with(good, "\"prismatic\"", "\"ring\""), 16, {"\"revolute\" or", "\"ball\""});
+  expect_refusal(good + with(loop, "\"world\"]", "\"wrld\"]"), 23, {"wrld"});
+  expect_refusal(good + with(loop, "\"world\"]", "\"ball\"]"), 20, {"pin", "different"});
+  expect_refusal(good + with(loop, "[\"ball\"", "[\"floor\""), 20, {"pin", "move"});
+  expect_refusal(good + with(loop, "\"ball\"\nb", "\"hinge\"\nb"), 22, {"kind"});
+  expect_refusal(good + loop + "axis = [0, 0, 1]\n", 25, {"axis"});
+  expect_refusal(good + "rotor_mass_g = -1\n", 20, {"rotor_mass_g", ">= 0"});
+  expect_refusal(good + "rotor_inertia_kg_mm2 = 1\n", 20, {"revolute"});
+  expect_refusal(with(good, "mass_g = 100\n", "massless = true\n"), 0, {"ball", "massless"});
+  const std::string contact = "[[contact]]\nbodies = [\"ball\", \"floor\"]\n";
+  expect_refusal(good + contact + "restitution = 1.1\n", 22, {"restitution = 1.1", "0"});
+  const ProgramRun run_with_all = run(
+      {"simulate", folder.write("scene.toml", good + contact + "restitution = 0.5\n").string()});
+  EXPECT_EQ(run_with_all.status, 0) << run_with_all.err;
+}
+
 TEST_F(SceneProgram, RefusesMoreThanASceneMayHold) {
   const std::string good = kHead + kBall + kJoint;
   const auto repeated = [](const std::string& text, int times) {

@@ -99,6 +99,7 @@ JointDescription joint_of(const py::handle item) {
   joint.name = py::cast<std::string>(item.attr("name"));
   joint.kind = kind == "revolute"    ? JointKind::revolute
                : kind == "prismatic" ? JointKind::prismatic
+               : kind == "ball"      ? JointKind::ball
                                      : JointKind::fixed;
   joint.parent = py::cast<int>(item.attr("parent"));
   joint.child = py::cast<int>(item.attr("child"));

@@ -30,7 +30,7 @@ from ._errors import InputError
 from ._result import Result
 
 _FRICTION = ("ellipsoid", "six_patches", "limit_surface")
-_KINDS = ("fixed", "revolute", "prismatic")
+_KINDS = ("fixed", "revolute", "prismatic", "ball")
 _LIMIT = Range(lambda x: ~numpy.isnan(x), "a number, infinite ones included")
 
 
@@ -147,7 +147,7 @@ class Joint(Result):
 
     name: str
     child: str
-    kind: str  #: "fixed", "revolute" or "prismatic"
+    kind: str  #: "fixed", "revolute", "prismatic" or "ball"
     parent: Optional[str] = None
     axis: ArrayLike = (0.0, 0.0, 1.0)
     anchor_m: ArrayLike = (0.0, 0.0, 0.0)

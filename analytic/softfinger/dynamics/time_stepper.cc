@@ -17,8 +17,12 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
       motor_efforts_(motors_.size(), 0.),
       touching_(bodies_.trees().size()),
       factors_(bodies_.trees().size()),
+      loop_jacobians_(bodies_.trees().size()),
+      loop_openings_(bodies_.trees().size()),
       jacobians_(bodies_.trees().size()),
-      masses_(bodies_.trees().size()) {
+      masses_(bodies_.trees().size()),
+      smooth_motions_(bodies_.trees().size()),
+      is_smooth_(bodies_.trees().size()) {
   if (!(options_.time_step_s > 0) || !std::isfinite(options_.time_step_s)) {
     char value[32];
     std::snprintf(value, sizeof value, "%g", options_.time_step_s);
@@ -142,8 +146,14 @@ void TimeStepper::factorise() {
                           motor.stiffness * (motor.target - bodies_.joint_position(motor.joint)) +
                           motor.damping * motor.target_velocity);
     }
-    factors_[t].compute(matrix);
-    free_velocity_.segment(tree.first, tree.count) = factors_[t].solve(right);
+    auto velocity = free_velocity_.segment(tree.first, tree.count);
+    if (tree.loop_rows == 0) {
+      factors_[t].compute(matrix);
+      velocity = factors_[t].solve(right);
+    } else {
+      factors_[t].compute(matrix, loop_jacobians_[t]);
+      velocity = factors_[t].solve(right) - factors_[t].velocity_with(loop_openings_[t] / dt);
+    }
   }
 }
 
@@ -152,14 +162,64 @@ void TimeStepper::assemble() {
   const double dt = options_.time_step_s;
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
   problem_.free_velocity.setZero(4 * rows);
+  approach_.resize(nc);
   for (int i = 0; i < nc; ++i)
-    problem_.free_velocity[4 * i] = approach_m_per_s(contacts_[std::size_t(i)]);
+    problem_.free_velocity[4 * i] = approach_[i] = approach_m_per_s(contacts_[std::size_t(i)]);
   for (int i = nc; i < rows; ++i)
     problem_.free_velocity[4 * i] = limits_[std::size_t(i - nc)].gap / dt;
   for (Island& island : islands_)
     island.problem.delassus.setZero(4 * int(island.rows.size()), 4 * int(island.rows.size()));
   for (std::size_t t = 0; t < touching_.size(); ++t)
     if (!touching_[t].empty()) add_tree(t);
+  describe_rebounds();
+}
+
+/// J v, four per row.
+Eigen::VectorXd TimeStepper::row_velocities(const Eigen::VectorXd& velocity) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(4 * Eigen::Index(ids_.size()));
+  for (std::size_t t = 0; t < touching_.size(); ++t) {
+    if (touching_[t].empty()) continue;
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    const Eigen::VectorXd own = jacobians_[t] * velocity.segment(tree.first, tree.count);
+    for (std::size_t n = 0; n < touching_[t].size(); ++n)
+      result.segment<4>(4 * touching_[t][n].row) += own.segment<4>(4 * Eigen::Index(n));
+  }
+  return result;
+}
+
+/// Contacts that hit in this step: their gap's part in the condition becomes that of the rebound.
+void TimeStepper::describe_rebounds() {
+  rebounds_ = false;
+  const bool may_rebound =
+      std::any_of(contacts_.begin(), contacts_.end(),
+                  [](const Contact& contact) { return contact.restitution > 0; });
+  if (!may_rebound || restitution_used_ == 0) return;
+  before_ = row_velocities(bodies_.velocity());
+  for (int i = 0; i < int(contacts_.size()); ++i) {
+    const double restitution = restitution_used_ * contacts_[std::size_t(i)].restitution;
+    const double before = before_[4 * i];
+    const double free = problem_.free_velocity[4 * i] - approach_[i];
+    // A rebound at the speed u comes back after 2 u/|a|: eight steps of the change of speed dt |a|.
+    constexpr double kLeastSteps = 8;
+    const bool hits = approach_[i] + std::min(free, before) < 0;
+    if (!hits || !(restitution * -before > kLeastSteps / 2 * std::abs(free - before))) continue;
+    rebounds_ = true;
+    // n^T v' = v_free - (1 + e) v
+    problem_.free_velocity[4 * i] = (1 + restitution) * before;
+    approach_[i] = problem_.free_velocity[4 * i] - free;
+  }
+}
+
+/// Whether the step's impulses add more energy than they take, the bodies' motion against the known
+/// forces counted.
+bool TimeStepper::makes_energy() const {
+  const Eigen::VectorXd free = row_velocities(free_velocity_),
+                        after = row_velocities(new_velocity_);
+  const Eigen::VectorXd& impulse = solution_.impulse;
+  // E' - E = T(v') - T(v) - dt f^T v', with dt f = M (v_free - v) and v' = v_free + M^-1 J^T r.
+  const double gained = impulse.dot(after + 2 * before_ - free) / 2;
+  const double scale = impulse.cwiseAbs().dot(before_.cwiseAbs());
+  return gained > 1e-9 * scale;
 }
 
 /// The part of a tree in the velocities of the rows that act on it, and in how they feel each
@@ -168,7 +228,8 @@ void TimeStepper::add_tree(std::size_t t) {
   const auto& list = touching_[t];
   const Multibody::Tree& tree = bodies_.trees()[t];
   const Eigen::VectorXd velocities = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
-  const Eigen::MatrixXd half = factors_[t].matrixL().solve(jacobians_[t].transpose());
+  const Eigen::MatrixXd half = factors_[t].half(jacobians_[t].transpose());
+  const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t].transpose());
   Eigen::MatrixXd& delassus =
       islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
   for (std::size_t n = 0; n < list.size(); ++n) {
@@ -176,8 +237,17 @@ void TimeStepper::add_tree(std::size_t t) {
     const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
     for (std::size_t k = 0; k <= n; ++k) {
       const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
-      const Eigen::Matrix4d block =
+      Eigen::Matrix4d block =
           half.middleCols<4>(4 * int(n)).transpose().lazyProduct(half.middleCols<4>(4 * int(k)));
+      if (taken.rows() > 0) {
+        const double free_response = block(0, 0);
+        block -= taken.middleCols<4>(4 * int(n))
+                     .transpose()
+                     .lazyProduct(taken.middleCols<4>(4 * int(k)));
+        // What loops lock answers to impulses with the rounding of this difference, or less.
+        constexpr double kLocked = 1e-12;
+        if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
+      }
       delassus.block<4, 4>(i, j) += block;
       if (k != n) delassus.block<4, 4>(j, i) += block.transpose();
     }
@@ -406,11 +476,110 @@ int TimeStepper::update_motors(bool one_only) {
   return changes;
 }
 
+/// Forces on a tree besides gravity that do not depend on its velocity; empty: there are none.
+SmoothMotion::Forces TimeStepper::forces_on(std::size_t t) const {
+  const Multibody::Tree& tree = bodies_.trees()[t];
+  std::vector<const AppliedForce*> applied;
+  for (const AppliedForce& force : applied_forces_)
+    if (bodies_.tree_of(force.body) == int(t) &&
+        (force.force_N.squaredNorm() > 0 || force.torque_Nm.squaredNorm() > 0))
+      applied.push_back(&force);
+  Eigen::VectorXd efforts = Eigen::VectorXd::Zero(tree.count);
+  for (std::size_t m = 0; m < motors_.size(); ++m) {
+    const int dof = bodies_.velocity_of_joint(motors_[m].joint) - tree.first;
+    if (dof >= 0 && dof < tree.count) efforts[dof] += motor_efforts_[m];
+  }
+  if (applied.empty() && efforts.isZero(0)) return {};
+  return [this, applied, efforts](Eigen::Ref<Eigen::VectorXd> forces) {
+    forces += efforts;
+    for (const AppliedForce* force : applied)
+      bodies_.add_force(force->body, bodies_.pose(force->body) * force->point_in_body_m,
+                        force->force_N, force->torque_Nm, forces);
+  };
+}
+
+/// Finds which trees can move smoothly: nothing pushes at them but forces that are known.
+void TimeStepper::prepare_smooth_motion() {
+  std::fill(is_smooth_.begin(), is_smooth_.end(), 1);
+  for (const Motor& motor : motors_) {
+    if (motor.stiffness == 0 && motor.damping == 0) continue;
+    is_smooth_[std::size_t(bodies_.tree_of(bodies_.joint(motor.joint).child))] = 0;
+  }
+  for (std::size_t t = 0; t < touching_.size(); ++t)
+    for (const Touching& touching : touching_[t])
+      if (!solution_.impulse.segment<4>(4 * touching.row).isZero(0)) is_smooth_[t] = 0;
+  for (std::size_t t = 0; t < touching_.size(); ++t) {
+    if (!is_smooth_[t]) continue;
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    is_smooth_[t] = smooth_motions_[t].prepare(
+        bodies_, tree, options_.time_step_s, options_.gravity_m_per_s2,
+        passive_.segment(tree.first, tree.count), forces_on(t), factors_[t]);
+  }
+}
+
+/// The contact problem keeps bodies apart that move by its velocities. Trees whose smooth motion
+/// would close a gap, or break a joint's limit, are left to it.
+void TimeStepper::keep_smooth_motion_apart() {
+  if (std::none_of(is_smooth_.begin(), is_smooth_.end(), [](char smooth) { return smooth != 0; }))
+    return;
+  const double dt = options_.time_step_s;
+  const auto mean_velocity = [this](std::size_t t) -> Eigen::VectorXd {
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    if (is_smooth_[t]) return smooth_motions_[t].mean_velocity();
+    return new_velocity_.segment(tree.first, tree.count);
+  };
+  for (int j = 0; j < bodies_.joints(); ++j) {
+    const int dof = bodies_.velocity_of_joint(j);
+    if (dof < 0) continue;
+    const JointDescription& joint = bodies_.joint(j);
+    const int t = bodies_.tree_of(joint.child);
+    if (!is_smooth_[std::size_t(t)]) continue;
+    const double next = bodies_.joint_position(j) +
+                        dt * smooth_motions_[std::size_t(t)]
+                                 .mean_velocity()[dof - bodies_.trees()[std::size_t(t)].first];
+    if (next < joint.lower || next > joint.upper) is_smooth_[std::size_t(t)] = 0;
+  }
+  const int nc = int(contacts_.size());
+  // A tree that is left to the contact problem may close the gaps of its neighbours.
+  for (bool changed = true; changed;) {
+    changed = false;
+    Eigen::VectorXd closing = Eigen::VectorXd::Zero(Eigen::Index(ids_.size()));
+    for (int row = 0; row < closing.size(); ++row)
+      closing[row] = row < nc ? approach_[row] : limits_[std::size_t(row - nc)].gap / dt;
+    for (std::size_t t = 0; t < touching_.size(); ++t) {
+      if (touching_[t].empty()) continue;
+      const Eigen::VectorXd velocities = jacobians_[t] * mean_velocity(t);
+      for (std::size_t n = 0; n < touching_[t].size(); ++n)
+        closing[touching_[t][n].row] += velocities[4 * Eigen::Index(n)];
+    }
+    for (std::size_t t = 0; t < touching_.size(); ++t)
+      for (const Touching& touching : touching_[t])
+        if (is_smooth_[t] && closing[touching.row] < 0) {
+          is_smooth_[t] = 0;
+          changed = true;
+        }
+  }
+}
+
+void TimeStepper::move(StepResult& result) {
+  for (std::size_t t = 0; t < is_smooth_.size(); ++t) {
+    const Multibody::Tree& tree = bodies_.trees()[t];
+    if (is_smooth_[t] &&
+        smooth_motions_[t].finish(bodies_, tree, options_.time_step_s, factors_[t])) {
+      ++result.smooth_trees;
+      continue;
+    }
+    bodies_.set_velocity(tree, new_velocity_.segment(tree.first, tree.count));
+    bodies_.integrate(tree, options_.time_step_s);
+  }
+}
+
 StepResult TimeStepper::step(ContactFinder& finder) {
   StepResult result;
   for (std::size_t t = 0; t < masses_.size(); ++t) {
     const Multibody::Tree& tree = bodies_.trees()[t];
     bodies_.mass_matrix(tree, masses_[t]);
+    if (tree.loop_rows > 0) bodies_.loops(tree, loop_jacobians_[t], loop_openings_[t]);
     bodies_.passive_forces(tree, options_.gravity_m_per_s2,
                            passive_.segment(tree.first, tree.count));
     momentum_.segment(tree.first, tree.count).noalias() =
@@ -428,6 +597,7 @@ StepResult TimeStepper::step(ContactFinder& finder) {
   result.contacts = int(contacts_.size());
   describe_friction();
   find_islands();
+  restitution_used_ = 1;
   // Changing all contradicting motors at once usually ends sooner; changing one at a time always
   // ends.
   constexpr int kAtOnce = 8;
@@ -462,6 +632,12 @@ StepResult TimeStepper::step(ContactFinder& finder) {
       --round;
       continue;
     }
+    if (rebounds_ && makes_energy()) {
+      constexpr double kLeastUsed = 1e-3;
+      restitution_used_ = restitution_used_ > kLeastUsed ? restitution_used_ / 2 : 0;
+      --round;
+      continue;
+    }
     const int changes = update_motors(round >= kAtOnce);
     if (changes == 0) break;
     result.motor_changes += changes;
@@ -471,9 +647,11 @@ StepResult TimeStepper::step(ContactFinder& finder) {
     }
   }
   result.time_s = time_s();
+  result.restitution_used = restitution_used_;
   if (!result.done()) return result;
-  bodies_.set_velocity(new_velocity_);
-  bodies_.integrate(options_.time_step_s);
+  prepare_smooth_motion();
+  keep_smooth_motion_apart();
+  move(result);
   ++steps_;
   result.time_s = time_s();
   return result;
@@ -486,7 +664,7 @@ ContactWrench TimeStepper::wrench(int contact) const {
 
 Eigen::Vector4d TimeStepper::contact_velocity(int contact) const {
   Eigen::Vector4d velocity = solution_.velocity.segment<4>(4 * contact);
-  velocity[0] -= approach_m_per_s(contacts_[std::size_t(contact)]);
+  velocity[0] -= approach_[contact];
   return velocity;
 }
 

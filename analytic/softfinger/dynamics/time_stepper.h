@@ -1,14 +1,15 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
 #include <vector>
 
+#include "softfinger/dynamics/constrained_mass.h"
 #include "softfinger/dynamics/contact_lcp.h"
 #include "softfinger/dynamics/eccentricity_law.h"
 #include "softfinger/dynamics/multibody.h"
+#include "softfinger/dynamics/smooth_motion.h"
 
 namespace softfinger {
 
@@ -20,6 +21,7 @@ struct Contact {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   double gap_m = 0;                                   ///< negative: the bodies overlap
   double friction_coefficient = 0;                    ///< mu, unless the law has it
+  double restitution = 0;                             ///< 0 to 1, see TimeStepper
   double eccentricity_m = 0;                          ///< e_n, unless there is a law
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
@@ -58,8 +60,10 @@ struct ContactWrench {
 
 struct StepResult {
   LcpResult lcp;
-  int contacts = 0;       ///< rows of joint limits not counted
-  int motor_changes = 0;  ///< motors that met or left their limits within the step
+  int contacts = 0;             ///< rows of joint limits not counted
+  int smooth_trees = 0;         ///< that moved in second order
+  double restitution_used = 1;  ///< 1, or the part of it that makes no energy
+  int motor_changes = 0;        ///< motors that met or left their limits within the step
   bool motors_agree = true;
   int load_iterations = 0;       ///< of e_n(P) and P to agreement
   double load_disagreement = 0;  ///< of them at the end, relative
@@ -75,7 +79,24 @@ struct StepResult {
 ///
 /// with friction as in ContactLcp. Then the bodies move by v'; with gap/dt in the condition they
 /// come just as far as they touch (Anitescu, Hart 2004). Bodies that do not feel each other,
-/// through contacts or joints, are separate problems. Joint limits are contacts without friction.
+/// through contacts or joints, are separate problems.
+///
+/// Closed loops are equations G v' + c/dt = 0 of the same problem, which bring back what they are
+/// open by, c, and are eliminated from it (ConstrainedMass).
+///
+/// Restitution is Newton's: a contact that would close within the step at the speed s, before the
+/// step, leaves with the impulse that turns s into e s, so that gravity's part of the step stays;
+/// friction is that of the whole impulse. Impacts whose rebound would last fewer than eight steps
+/// do not rebound. Where friction or several contacts together would make energy, as Newton's law
+/// can, the step is solved again with half of all restitution, down to none. Bodies that touch
+/// before an impact do not pass it on one by one: the last two balls of a cradle of three leave
+/// together.
+///
+/// That is of first order in dt, and takes energy. Where no contact or limit of a problem carries
+/// load, and its trees have no motors with stiffness or damping, which act implicitly, the trees
+/// move in second order instead (SmoothMotion), unless that would close a gap: then v' stands, of
+/// which the gaps know. So the energy of bodies that touch never grows, and that of bodies that do
+/// not touch stays. Joint limits are contacts without friction.
 /// Which motors are at their limits is found by trial: those that contradict the new velocities
 /// change, at the end one by one, which terminates (Murty's principal pivoting on a positive
 /// definite problem).
@@ -143,6 +164,9 @@ class TimeStepper {
   void assemble();
   void add_tree(std::size_t tree);
   double approach_m_per_s(const Contact& contact) const;
+  Eigen::VectorXd row_velocities(const Eigen::VectorXd& velocity) const;
+  void describe_rebounds();
+  bool makes_energy() const;
   void describe_friction();
   void find_islands();
   void continue_islands(std::vector<Island>& last);
@@ -151,6 +175,10 @@ class TimeStepper {
   LcpResult solve(Island& island, StepResult& result);
   LcpResult solve_islands(StepResult& result);
   int update_motors(bool one_only);
+  SmoothMotion::Forces forces_on(std::size_t tree) const;
+  void prepare_smooth_motion();
+  void keep_smooth_motion_apart();
+  void move(StepResult& result);
   double unlimited_effort(int m) const;
 
   Multibody bodies_;
@@ -167,11 +195,17 @@ class TimeStepper {
   };
   std::vector<Limit> limits_;
   std::vector<std::vector<Touching>> touching_;  ///< per tree
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> factors_;
+  std::vector<ConstrainedMass> factors_;
+  std::vector<Eigen::MatrixXd> loop_jacobians_;
+  std::vector<Eigen::VectorXd> loop_openings_;
   std::vector<Eigen::MatrixXd> jacobians_;
   Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
   std::vector<Eigen::MatrixXd> masses_;
-  ContactLcp problem_;  ///< of all rows, without W: each island has its own
+  Eigen::VectorXd approach_;  ///< per contact: its part in v_free besides velocities
+  Eigen::VectorXd before_;    ///< row velocities before the step, of steps with rebounds
+  double restitution_used_ = 1;
+  bool rebounds_ = false;  ///< some contact, in this step
+  ContactLcp problem_;     ///< of all rows, without W: each island has its own
   ContactSolution solution_;
   std::vector<Place> place_of_row_;
   std::vector<long> ids_;  ///< per row: contacts by their id, limits by -2 and less
@@ -189,6 +223,8 @@ class TimeStepper {
   };
   std::vector<Island> islands_;
   std::vector<int> island_of_tree_;
+  std::vector<SmoothMotion> smooth_motions_;  ///< per tree
+  std::vector<char> is_smooth_;               ///< per tree: prepared, and of no loaded contact
 };
 
 }  // namespace softfinger

@@ -1,0 +1,142 @@
+#include "comparisons/commands/robot_input.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cstdlib>
+#include <system_error>
+
+#include "comparisons/commands/commands.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/process_pool.h"
+#include "comparisons/system/program_paths.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace fs = std::filesystem;
+namespace {
+
+/// A folder for the time of its life.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "softfinger_XXXXXX").string();
+    if (!mkdtemp(name.data())) throw InputError(name, "cannot be created", "", "");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO" as four words; the scene's reader judges
+/// the numbers.
+std::vector<std::string> layer_words(const std::string& typed) {
+  const auto refuse = [&] {
+    throw InputError("command line", "--finger-layer", "\"" + typed + "\"",
+                     "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO, such as tip:2,300,0.49");
+  };
+  const std::size_t colon = typed.rfind(':');
+  if (colon == std::string::npos || colon == 0) refuse();
+  std::vector<std::string> words = {typed.substr(0, colon)};
+  std::string rest = typed.substr(colon + 1);
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
+    if (comma == std::string::npos) refuse();
+    const std::string word = rest.substr(0, comma);
+    std::size_t used = 0;
+    try {
+      std::stod(word, &used);
+    } catch (const std::exception&) {
+      refuse();
+    }
+    if (used != word.size()) refuse();
+    words.push_back(word);
+    rest = i < 2 ? rest.substr(comma + 1) : "";
+  }
+  return words;
+}
+
+/// Letters that an id may have; see TomlReader::id.
+std::string scene_id_of(const fs::path& file) {
+  std::string id = file.stem().string().substr(0, 64);
+  for (char& letter : id)
+    if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-') letter = '_';
+  return id.empty() ? "robot" : id;
+}
+
+}  // namespace
+
+void add_robot(CLI::App& command, RobotInput& typed) {
+  command
+      .add_option("--finger-layer", typed.finger_layers,
+                  "soft layer on a body of a robot's file, repeatable: "
+                  "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO")
+      ->expected(1)
+      ->take_all();
+  command.add_option("--write-scene", typed.write_scene,
+                     "writes the scene made of a robot's file there (TOML), its meshes beside it");
+}
+
+bool is_robot(const std::string& file) {
+  const std::string suffix = fs::path(file).extension().string();
+  return suffix == ".xml" || suffix == ".mjcf" || suffix == ".urdf" || suffix == ".sdf";
+}
+
+input::Scene read_robot(const std::string& file, const RobotInput& typed,
+                        const input::Settings& settings) {
+  constexpr std::size_t kMostBytes = std::size_t(16) << 20;
+  system::read_text_file(file, kMostBytes);  // refuses what is no file, or too large
+  const TemporaryFolder temporary;
+  const bool writes = !typed.write_scene.empty();
+  const fs::path scene_file =
+      writes ? fs::absolute(typed.write_scene) : temporary.path() / (scene_id_of(file) + ".toml");
+  if (writes) system::make_writable_folder(scene_file.parent_path());
+  system::ProcessJob job;
+  job.command = {system::robot_program().string(), fs::absolute(file).string(),
+                 scene_file.parent_path().string(), scene_id_of(file)};
+  for (const std::string& layer : typed.finger_layers)
+    for (const std::string& word : layer_words(layer)) job.command.push_back(word);
+  job.time_limit_s = 120;
+  job.memory_limit_MB = 4000;
+  std::vector<std::string> lines;
+  system::ProcessOutcome outcome;
+  system::ProcessCallbacks callbacks;
+  callbacks.on_line = [&](std::size_t, const std::string& line) { lines.push_back(line); };
+  callbacks.on_finish = [&](std::size_t, const system::ProcessOutcome& ended) { outcome = ended; };
+  if (const int signal = system::run_processes({job}, 1, callbacks))
+    throw system::Interrupted(signal);
+  if (!outcome.succeeded()) {
+    if (outcome.exit_status >= 0 && !outcome.last_line.empty()) {
+      const std::string path = job.command[1] + ": ";
+      const bool is_named = outcome.last_line.rfind(path, 0) == 0;
+      throw InputError(file, outcome.last_line.substr(is_named ? path.size() : 0), "", "");
+    }
+    throw InputError(file, "reading it ended the program softfinger-robot",
+                     outcome.exceeded == system::ProcessLimit::time     ? "after two minutes"
+                     : outcome.exceeded == system::ProcessLimit::memory ? "at 4 GB"
+                                                                        : "by a fault",
+                     "a robot's file that MuJoCo can read");
+  }
+  for (const std::string& line : lines) remark(line);
+  if (writes) {
+    system::write_file_atomically(scene_file, outcome.output);
+    remark("the scene is in " + typed.write_scene);
+  }
+  try {
+    return input::parse_scene(outcome.output, scene_file, settings);
+  } catch (const InputError& error) {
+    throw InputError(
+        file, std::string("the scene made of it, which --write-scene keeps: ") + error.what(), "",
+        "");
+  }
+}
+
+}  // namespace softfinger::commands
