@@ -851,7 +851,7 @@ TEST_F(Program, RefusesWhatItCannotSelect) {
 
 TEST_F(Program, ExportsToEachSimulator) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
-  for (const std::string simulator : {"mujoco", "bullet", "gazebo", "drake", "physx"}) {
+  for (const std::string simulator : {"mujoco", "bullet", "drake", "gazebo", "newton", "physx", "usd"}) {
     const ProgramRun result = run({"export", file.string(), "--to", simulator, "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const json object = json::parse(result.out);
