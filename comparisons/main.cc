@@ -61,6 +61,7 @@ int run(int argc, char** argv) {
   commands::add_calibrate(app, action, command_line);
   commands::add_area(app, action);
   commands::add_export(app, action);
+  commands::add_apply(app, action);
   commands::add_list(app, action);
   commands::add_explain(app, action);
   commands::add_lcp(app, action);

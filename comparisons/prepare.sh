@@ -3,11 +3,11 @@
 # SOFTFINGER_INSTALL=0 turns installing off: what is missing is then named, and the script stops.
 
 softfinger_packages() { # analytic|fem, run|test
-  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev libpng-dev
+  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev libpng-dev libtinyxml2-dev
   command -v npm >/dev/null || echo npm
   if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libnanoflann-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then
-    echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev
+    echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libbullet-dev libsdformat-dev
     echo pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pip python3-venv python3-setuptools python3-wheel dpkg-dev
     if [ "$1" = fem ]; then echo openmpi-bin; fi
     command -v chromium >/dev/null || echo chromium

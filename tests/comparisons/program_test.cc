@@ -1011,8 +1011,9 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
+  folder.write("hand.xml", file_text(SOFTFINGER_HAND));
   for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
-                                    "experiments", "calibrate", "area", "export", "list", "explain",
+                                    "experiments", "calibrate", "area", "export", "apply", "list", "explain",
                                     "lcp", "mesh", "init", "doctor", "completion", "manual"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
