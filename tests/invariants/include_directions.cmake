@@ -75,6 +75,8 @@ room(suite)
 room(sweep "^toml[+][+]/")
 room(commands "^CLI/" "^meshes/")
 room(distributed "^CLI/" "^mpi[.]h$")
+# An engine may include its simulator.
+room(benchmark "^CLI/" "^mujoco/" "^bt[A-Za-z]+[.]h$")
 may_include(comparisons/main.cc ${std} "^CLI/" "^softfinger/input/" "^comparisons/(system|text|commands)/")
 # Nothing else lies loose in the root: such a file may not know any room.
 may_include(comparisons ${std} "^softfinger/input/")
