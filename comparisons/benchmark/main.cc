@@ -39,19 +39,19 @@ std::vector<const Item*> chosen(const std::vector<Item>& all, const std::vector<
 
 std::string to_text(const Results& results) {
   std::string text = fmt::format("{:<20}", "");
-  for (const Problem* problem : results.problems) text += fmt::format(" {:>24}", problem->name);
+  for (const Problem* problem : results.problems) text += fmt::format(" {:>30}", problem->name);
   text += "\n";
   for (std::size_t i = 0; i < results.engines.size(); ++i) {
     text += fmt::format("{:<20}", results.engines[i]->name);
     for (std::size_t j = 0; j < results.problems.size(); ++j) {
       const Score& score = results.scores[i][j];
       text +=
-          fmt::format(" {:>24}", score.failure.empty() ? worst_in_words(*results.problems[j], score)
-                                                       : "failed");
+          fmt::format(" {:>30}", score.failure.empty() ? worst_in_words(*results.problems[j], score)
+                                                       : score.failure);
     }
     text += fmt::format("\n{:<20}", "  steps/s");
     for (std::size_t j = 0; j < results.problems.size(); ++j)
-      text += fmt::format(" {:>24.0f}", results.scores[i][j].steps_per_s());
+      text += fmt::format(" {:>30.0f}", results.scores[i][j].steps_per_s());
     text += "\n";
   }
   for (const AbsentEngine& engine : absent_engines())

@@ -33,6 +33,16 @@ struct Problem {
   Score (*solve)(const Engine& engine);
 };
 
+/// How far the torque of fingertip_layer, the truth of pinch and twist, is at most from finite
+/// elements of the whole finger.
+struct TruthBound {
+  double load_N = 0;
+  double bound = 0;  ///< relative; NaN: not known
+};
+
+/// At the loads of the twist.
+std::vector<TruthBound> bounds_of_the_truth();
+
 /// Pinch, twist, tilt, held for 60 s, stack.
 const std::vector<Problem>& all_problems();
 

@@ -89,6 +89,8 @@ State state_of(const mjModel* model, const mjData* data, int body) {
 
 Motion run(const Scene& scene, Kind kind) {
   Motion motion;
+  // MuJoCo prints warnings on standard output and into a file; they are counted below.
+  mju_user_warning = [](const char*) {};
   const std::string xml = model_text(scene, kind);
   auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
@@ -141,6 +143,9 @@ Motion run(const Scene& scene, Kind kind) {
     }
   }
   motion.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (int warning = 0; warning < mjNWARNING; ++warning)
+    if (data->warning[warning].number > 0)
+      motion.failure = mju_warningText(warning, data->warning[warning].lastinfo);
   return motion;
 }
 
