@@ -166,6 +166,20 @@ TEST(MujocoPlugin, SlipsAtTheModelsTorqueFromATenthToTenTimesTheLoad) {
   }
 }
 
+TEST(MujocoPlugin, WorksWithEveryIntegratorAndSolver) {
+  const double load_N = 5 * kLoad_N, truth_Nm = kFriction * load_N * eccentricity_m(load_N);
+  for (const int integrator : {mjINT_EULER, mjINT_RK4, mjINT_IMPLICIT})
+    for (const int solver : {mjSOL_PGS, mjSOL_CG, mjSOL_NEWTON}) {
+      SCOPED_TRACE(std::to_string(integrator) + ", " + std::to_string(solver));
+      const Model model = load(world());
+      model->opt.integrator = integrator;
+      model->opt.solver = solver;
+      const Plugin plugin = plugin_of(model);
+      softfinger_mujoco_install(plugin.get());
+      EXPECT_NEAR(slip_torque_Nm(model, load_N) / truth_Nm, 1, 1e-2);
+    }
+}
+
 // What the plugin writes into MuJoCo's arrays is what MuJoCo makes of a geom with this friction.
 TEST(MujocoPlugin, LeavesTheArraysThatMujocoMakesOfTheSameFriction) {
   for (const int solver : {mjSOL_PGS, mjSOL_CG, mjSOL_NEWTON})

@@ -851,7 +851,8 @@ TEST_F(Program, RefusesWhatItCannotSelect) {
 
 TEST_F(Program, ExportsToEachSimulator) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
-  for (const std::string simulator : {"mujoco", "bullet", "drake", "gazebo", "newton", "physx", "usd"}) {
+  for (const std::string simulator :
+       {"mujoco", "bullet", "drake", "gazebo", "newton", "physx", "usd"}) {
     const ProgramRun result = run({"export", file.string(), "--to", simulator, "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const json object = json::parse(result.out);
@@ -1012,9 +1013,10 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
   folder.write("hand.xml", file_text(SOFTFINGER_HAND));
-  for (const std::string command : {"", "predict", "fit", "fem", "compare", "select", "extremes",
-                                    "experiments", "calibrate", "area", "export", "apply", "list", "explain",
-                                    "lcp", "mesh", "init", "doctor", "completion", "manual"}) {
+  for (const std::string command : {"",       "predict",  "fit",         "fem",        "compare",
+                                    "select", "extremes", "experiments", "calibrate",  "area",
+                                    "export", "apply",    "list",        "explain",    "lcp",
+                                    "mesh",   "init",     "doctor",      "completion", "manual"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;
