@@ -73,6 +73,19 @@ Finding atlas_finding() {
   }
 }
 
+/// In the build tree's lib, or in that of an installation, which may be a folder for each
+/// architecture; empty: nowhere.
+fs::path mujoco_library(const fs::path& prefix) {
+  const char* const name = "libsoftfinger_mujoco.so";
+  std::error_code error;
+  if (fs::is_regular_file(prefix / "lib" / name, error)) return prefix / "lib" / name;
+  for (fs::directory_iterator folder(prefix / "lib", error), end; !error && folder != end;
+       folder.increment(error))
+    if (std::error_code none; fs::is_regular_file(folder->path() / name, none))
+      return folder->path() / name;
+  return {};
+}
+
 std::vector<Finding> find_all() {
   const fs::path prefix = system::program_folder().parent_path();
   const fs::path share = prefix / "share";
@@ -102,6 +115,10 @@ std::vector<Finding> find_all() {
       file_finding("sweeps on many machines", system::program_folder() / "softfinger-sweep",
                    "softfinger-sweep: needs MPI when softfinger is built (Debian: "
                    "libopenmpi-dev)"),
+      file_finding(
+          "MuJoCo library", mujoco_library(prefix),
+          "libsoftfinger_mujoco, torsional friction that follows the load: needs MuJoCo 2.2 "
+          "when softfinger is built (Debian: libmujoco-dev)"),
       file_finding("mpirun", in_path("mpirun"), "starts softfinger-sweep (Debian: openmpi-bin)"),
       file_finding("ParaView", in_path("paraview"), "shows VTU files (Debian: paraview)"),
       file_finding("bash completion", share / "bash-completion/completions/softfinger",

@@ -2,22 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/contact_choice.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/prediction/answer_text.h"
-#include "comparisons/prediction/ask_model.h"
-#include "comparisons/prediction/local_geometry.h"
 #include "comparisons/system/files.h"
-#include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
-#include "comparisons/text/nearest_name.h"
-#include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
@@ -28,56 +22,10 @@ using exporting::Simulator;
 using exporting::SoftContact;
 
 struct ExportOptions {
-  CaseInput typed_case;
-  std::string to, model = "bonded_layer", load, load_range, fit = "nominal";
-  double tolerance = 0.1;
+  ContactChoice contact;
+  std::string to;
   bool json = false;
 };
-
-const Simulator& simulator_by_name(const std::string& name) {
-  if (const Simulator* simulator = exporting::find_simulator(name)) return *simulator;
-  std::vector<std::string> known;
-  for (const Simulator& simulator : exporting::all_simulators()) known.emplace_back(simulator.name);
-  throw InputError("command line",
-                   "--to " + name + ", did you mean \"" + text::nearest_name(name, known) + "\"?",
-                   "", text::joined(known));
-}
-
-const PressureModel& model_by_name(const std::string& name) {
-  const auto models = prediction::models_by_name(name);
-  if (models.size() != 1)
-    throw InputError("command line", "--model", name, "the name of one model; see: list models");
-  return *models.front();
-}
-
-/// The numbers of "1,5". Whether they are valid loads is checked in choose_loads.
-std::vector<double> numbers(const std::string& flag, const std::string& text) {
-  std::vector<double> values;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::string word = text.substr(start, end - start);
-    char* rest = nullptr;
-    values.push_back(std::strtod(word.c_str(), &rest));
-    if (word.empty() || *rest != '\0')
-      throw InputError(
-          "command line", flag, "\"" + text + "\"",
-          flag == "--load" ? "a number > 0, in N" : "LOW,HIGH in N with 0 < LOW < HIGH");
-    start = end + 1;
-  }
-  return values;
-}
-
-exporting::LoadChoice load_choice(const ExportOptions& options) {
-  exporting::LoadChoice choice;
-  if (!options.load.empty()) {
-    const auto values = numbers("--load", options.load);
-    if (values.size() != 1)
-      throw InputError("command line", "--load", "\"" + options.load + "\"", "a number > 0, in N");
-    choice.nominal_N = values.front();
-  }
-  if (!options.load_range.empty()) choice.range_N = numbers("--load-range", options.load_range);
-  return choice;
-}
 
 /// What was asked for, and the result.
 struct Export {
@@ -107,21 +55,6 @@ struct Export {
     return eccentricity_in_simulator_m(simulator, contact, load_N);
   }
 };
-
-/// "±4.2 %", "±?" where it is not known.
-std::string short_error(const LoadPoint& point) {
-  const double error = point.error_bound();
-  if (!std::isfinite(error)) return "±?";
-  return fmt::format(error < 0.0995 ? "±{:.1f} %" : "±{:.0f} %", 100 * error);
-}
-
-/// "±4.2 % of the finger's", or why that is not known.
-std::string error_in_words(const LoadPoint& point) {
-  const std::string error = short_error(point);
-  return point.assessment.bound && point.assessment.determined
-             ? error + " of the finger's"
-             : error + ": " + point.assessment.evidence;
-}
 
 nlohmann::json to_json(const Export& made, const std::string& fit, double tolerance) {
   const ContactCurve& curve = made.curve;
@@ -154,6 +87,7 @@ nlohmann::json to_json(const Export& made, const std::string& fit, double tolera
           {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
           {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
           {"error_evidence", curve.nominal.assessment.evidence},
+          {"normal_stiffness_N_per_m", text::finite_or_null(curve.normal_stiffness_N_per_m)},
           {"load_exponent", text::finite_or_null(curve.load_exponent)},
           {"simulator_load_exponent", made.simulator.load_exponent},
           {"lines", made.lines.text},
@@ -187,15 +121,17 @@ std::string to_text(const Export& made) {
   const ContactCurve& curve = made.curve;
   const std::string title(made.simulator.title);
   const std::string growth =
-      made.simulator.load_exponent == 0
+      !made.simulator.has_torque ? title + " has no torque"
+      : made.simulator.load_exponent == 0
           ? title + " keeps it constant"
           : fmt::format("in {} with P^{:g}", title, made.simulator.load_exponent);
   std::string text = fmt::format(
       "{} for {:.4g} N, by {}: e_n {:.4g} mm ({}), largest torque {:.4g} mN·m; e_n goes with "
-      "P^{:.3f} there, {}\n{}: {}\n\n{}\n",
+      "P^{:.3f} there, {}\nApproach {:.4g} mm, normal stiffness dP/dd {:.4g} N/mm\n{}: {}\n\n{}\n",
       title, curve.nominal.load_N, curve.model, curve.nominal.eccentricity_m * 1e3,
       error_in_words(curve.nominal), curve.nominal.max_torque_Nm() * 1e3, curve.load_exponent,
-      growth, title, made.simulator.law, made.lines.text);
+      growth, curve.nominal.indentation_m * 1e3, curve.normal_stiffness_N_per_m * 1e-3, title,
+      made.simulator.law, made.lines.text);
   text += fmt::format("  {:>9} {:>12} {:>9} {:>16} {:>13} {:>6}\n", "load N", "torque mN·m",
                       "e_n mm", "e_n there mm", "its torque %", "e_n ±");
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
@@ -216,30 +152,13 @@ std::string to_text(const Export& made) {
 }
 
 int run_export(const ExportOptions& options) {
-  refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const Simulator& simulator = simulator_by_name(options.to);
-  const PressureModel& model = model_by_name(options.model);
-  const auto choice = load_choice(options);
-  CaseInput typed_case = options.typed_case;
-  if (typed_case.file.empty()) typed_case.load_N = options.load;
-  const input::Case contact_case = read_case(typed_case);
-  const auto loads = choose_loads(contact_case.loads_N, choice);
-  const prediction::GeometryResolver resolver(contact_case);
-  for (const std::string& line : resolver.remarks()) remark(line);
-  const ContactCurve curve =
-      ask_contact_curve(contact_case, resolver, model, loads, options.tolerance);
-  const Export made(simulator, curve,
-                    options.fit == "range" ? exporting::Fit::range : exporting::Fit::nominal);
-  for (const LoadPoint& point : curve.points)
-    if (!(point.error_bound() <= options.tolerance)) {
-      remark(fmt::format(
-          "{} is not known to be within {:g} % everywhere, at {:.4g} N for one: {}{}", curve.model,
-          100 * options.tolerance, point.load_N, error_in_words(point),
-          point.assessment.determined && !point.objection.empty() ? "; " + point.objection : ""));
-      break;
-    }
+  const input::Case contact_case = read_contact_case(options.contact);
+  const ContactCurve curve = ask_contact_curve(contact_case, options.contact);
+  const Export made(simulator, curve, options.contact.kind_of_fit());
   if (options.json)
-    system::write_to_stdout(to_json(made, options.fit, options.tolerance).dump(2) + "\n");
+    system::write_to_stdout(to_json(made, options.contact.fit, options.contact.tolerance).dump(2) +
+                            "\n");
   else
     system::write_text_to_stdout(prediction::describe(contact_case) + "\n" + to_text(made));
   return 0;
@@ -252,30 +171,14 @@ void add_export(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "export",
       "What to type into a simulator, and the error of its constants over a range of loads");
-  add_case(*command, options->typed_case, true);
-  command
-      ->add_option("--to", options->to,
-                   "mujoco, bullet, gazebo (Classic, with ODE), drake (hydroelastic) or physx")
-      ->required();
-  command->add_option(
-      "--model", options->model,
-      "the model whose torque is exported (default bonded_layer); see: list models");
-  command->add_option("--load", options->load,
-                      "nominal load in N, > 0, that the constants are made for (default: the "
-                      "middle one of the case's loads)");
-  command->add_option("--load-range", options->load_range,
-                      "LOW,HIGH in N, 0 < LOW < HIGH, over which the error is stated (default: the "
-                      "case's loads, or P/3 to 3P if it has one)");
+  add_case(*command, options->contact.typed_case, true);
   command
       ->add_option(
-          "--fit", options->fit,
-          "\"nominal\" (default): exact at the nominal load; \"range\": the smallest worst "
-          "error over the range")
-      ->check(CLI::IsMember({"nominal", "range"}));
-  command
-      ->add_option("--tolerance", options->tolerance,
-                   "of the torque, within which an answer is usable, relative; default: 0.1")
-      ->check(CLI::Range(1e-6, 10.));
+          "--to", options->to,
+          "mujoco, bullet, gazebo (Classic, with ODE), gz-sim, drake (hydroelastic), newton, "
+          "physx or usd")
+      ->required();
+  add_contact_choice(*command, options->contact);
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "

@@ -116,6 +116,10 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   const LoadPoint above = at(loads.nominal_N * kStep), below = at(loads.nominal_N / kStep);
   const double span = 2 * std::log(kStep);
   curve.load_exponent = std::log(above.eccentricity_m / below.eccentricity_m) / span;
+  // P d'/d is exact for a power law, unlike a difference of P over one of d.
+  const double indentation_exponent = std::log(above.indentation_m / below.indentation_m) / span;
+  curve.normal_stiffness_N_per_m =
+      curve.nominal.load_N / (indentation_exponent * curve.nominal.indentation_m);
   curve.friction_exponent =
       std::log(above.friction_coefficient / below.friction_coefficient) / span;
   return curve;

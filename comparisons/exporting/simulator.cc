@@ -21,6 +21,7 @@ BestConstant best_constant(double least, double largest) {
 
 double eccentricity_in_simulator_m(const Simulator& simulator, const SoftContact& contact,
                                    double load_N) {
+  if (!simulator.has_torque) return 0;
   const double told_m =
       contact.eccentricity_m * std::pow(load_N / contact.load_N, simulator.load_exponent);
   return std::max(told_m, simulator.least_torque_per_load_m / contact.friction_coefficient);
@@ -32,6 +33,7 @@ SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, 
   contact.load_N = curve.nominal.load_N;
   contact.radii = curve.radii;
   contact.indentation_m = curve.nominal.indentation_m;
+  contact.normal_stiffness_N_per_m = curve.normal_stiffness_N_per_m;
   contact.eccentricity_m = curve.nominal.eccentricity_m;
   if (fit == Fit::range) {
     const auto best_over_range = [&](const auto& wanted) {

@@ -14,12 +14,13 @@ struct ContactCurve;
 /// The contact that is exported: one constant e_n, and one constant mu, chosen for the nominal
 /// load.
 struct SoftContact {
-  double friction_coefficient = 0;  ///< largest force / load
-  double load_N = 0;                ///< nominal
-  double eccentricity_m = 0;        ///< e_n that the simulator should have at that load
-  double indentation_m = 0;         ///< of the model, at that load
-  RelativeRadii radii;              ///< of the gap, at that load
-  std::string origin;               ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
+  double friction_coefficient = 0;      ///< largest force / load
+  double load_N = 0;                    ///< nominal
+  double eccentricity_m = 0;            ///< e_n that the simulator should have at that load
+  double indentation_m = 0;             ///< of the model, at that load
+  double normal_stiffness_N_per_m = 0;  ///< dP/dd of the model, at that load
+  RelativeRadii radii;                  ///< of the gap, at that load
+  std::string origin;                   ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
 
   /// Largest torque about the normal per newton of load: mu e_n.
   double torque_per_load_m() const { return friction_coefficient * eccentricity_m; }
@@ -43,6 +44,7 @@ struct Simulator {
   double least_torque_per_load_m = 0;  ///< the simulator raises smaller values to it
   Lines (*lines)(const SoftContact&) = nullptr;
   std::vector<std::string_view> traps;  ///< peculiarities that change the result, a line each
+  bool has_torque = true;               ///< false: the simulator has no torsional friction at all
 };
 
 /// One per file simulators/NAME.cc, which defines NAME_simulator(), in the order of their names.

@@ -18,6 +18,8 @@ namespace {
 /// e_n = (3 pi/16) a.
 constexpr double kLoad_N = 2.0 / 15, kFriction = 0.5;
 const double kEccentricity_m = 3 * kPi / 16 * 1e-3;
+/// dP/dd = 2 E* a.
+constexpr double kHertzStiffness_N_per_m = 2 * 1e6 * 1e-3;
 
 input::Case round_contact() {
   return input::parse_case(
@@ -49,6 +51,9 @@ const Simulator& bullet() { return *find_simulator("bullet"); }
 const Simulator& gazebo() { return *find_simulator("gazebo"); }
 const Simulator& drake() { return *find_simulator("drake"); }
 const Simulator& physx() { return *find_simulator("physx"); }
+const Simulator& newton() { return *find_simulator("newton"); }
+const Simulator& usd() { return *find_simulator("usd"); }
+const Simulator& gz_sim() { return *find_simulator("gz-sim"); }
 
 Lines lines_for(const Simulator& simulator) {
   return simulator.lines(soft_contact(hertz_curve(), simulator, Fit::nominal));
@@ -122,6 +127,49 @@ TEST(Exporting, DrakesEllipsoidHasTheGapsRadiiAndItsModulusTheStiffness) {
   EXPECT_NEAR(value(lines, "hydroelastic_modulus_Pa") / (stiffness * 0.01), 1, 1e-8);
   EXPECT_NEAR(value(lines, "indentation_m") / d_m, 1, 1e-8);
   EXPECT_NE(lines.text.find("<radii>0.01 0.01 0.01</radii>"), std::string::npos) << lines.text;
+}
+
+TEST(Exporting, NewtonsNumbersAreMujocosAndTwoFoundations) {
+  const Lines lines = lines_for(newton());
+  EXPECT_NEAR(value(lines, "torsional_friction_m") / (0.5 * kEccentricity_m), 1, 1e-9);
+  EXPECT_NEAR(value(lines, "contact_stiffness_N_per_m") / kHertzStiffness_N_per_m, 1, 1e-9);
+  // kh for the torque: a = 15/8 e_n, d = a²/(2R), kh = P/(pi R d²).
+  const double a_m = 15.0 / 8 * kEccentricity_m, d_m = a_m * a_m / 0.02;
+  EXPECT_NEAR(value(lines, "kh_for_torque_N_per_m3") / (kLoad_N / (kPi * 0.01 * d_m * d_m)), 1,
+              1e-9);
+  // For Hertz' approach a²/R = 1e-4 m the foundation's a is sqrt(2) times Hertz'.
+  EXPECT_NEAR(value(lines, "kh_for_indentation_N_per_m3") / (kLoad_N / (kPi * 0.01 * 1e-8)), 1,
+              1e-9);
+  EXPECT_NEAR(value(lines, "kh_for_indentation_eccentricity_m") / (8.0 / 15 * std::sqrt(2) * 1e-3),
+              1, 1e-9);
+}
+
+TEST(Exporting, UsdHasTheTorqueAsALength) {
+  const Lines lines = lines_for(usd());
+  EXPECT_NEAR(value(lines, "torsional_friction_m") / (0.5 * kEccentricity_m), 1, 1e-9);
+  EXPECT_NE(lines.text.find("float newton:torsionalFriction = 0.000294524\n"), std::string::npos)
+      << lines.text;
+}
+
+TEST(Exporting, GazeboSimHasNoTorqueWhichIsAnErrorOfAllOfIt) {
+  const ContactCurve curve = hertz_curve();
+  const SoftContact contact = soft_contact(curve, gz_sim(), Fit::nominal);
+  for (const double error : relative_errors(gz_sim(), contact, curve)) EXPECT_EQ(error, -1);
+  EXPECT_EQ(gz_sim().lines(contact).text.find("<torsional>"), std::string::npos);
+  // Three points at e_n that share the load: mu P/3 e_n each.
+  EXPECT_NEAR(value(lines_for(gz_sim()), "three_points_radius_m") / kEccentricity_m, 1, 1e-9);
+}
+
+TEST(Exporting, TheNormalStiffnessIsTheSlopeOfTheModel) {
+  EXPECT_NEAR(hertz_curve().normal_stiffness_N_per_m / kHertzStiffness_N_per_m, 1, 1e-9);
+  // Winkler: P ~ d², so that dP/dd = 2 P/d; Drake's foundation is one.
+  const ContactCurve winkler = curve_of(round_contact(), "winkler");
+  const double expected = 2 * winkler.nominal.load_N / winkler.nominal.indentation_m;
+  EXPECT_NEAR(winkler.normal_stiffness_N_per_m / expected, 1, 1e-9);
+  EXPECT_NEAR(value(drake().lines(soft_contact(winkler, drake(), Fit::nominal)),
+                    "foundation_normal_stiffness_N_per_m") /
+                  expected,
+              1, 1e-9);
 }
 
 TEST(Exporting, MeasuresTheLoadsExponent) {
@@ -228,7 +276,7 @@ TEST(Exporting, NamesDoNotEndAnXmlComment) {
   input::Case contact_case = round_contact();
   contact_case.id = "a---b--";
   const ContactCurve curve = curve_of(contact_case, "hertz");
-  for (const Simulator& simulator : {mujoco(), gazebo(), drake()}) {
+  for (const Simulator& simulator : {mujoco(), gazebo(), gz_sim(), drake()}) {
     const std::string text = simulator.lines(soft_contact(curve, simulator, Fit::range)).text;
     const std::size_t start = text.find("<!--") + 4, end = text.find("-->");
     EXPECT_EQ(text.substr(start, end - start).find("--"), std::string::npos) << text;

@@ -858,7 +858,8 @@ TEST_F(Program, RefusesWhatItCannotSelect) {
 
 TEST_F(Program, ExportsToEachSimulator) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
-  for (const std::string simulator : {"mujoco", "bullet", "gazebo", "drake", "physx"}) {
+  for (const std::string simulator :
+       {"mujoco", "bullet", "drake", "gazebo", "newton", "physx", "usd"}) {
     const ProgramRun result = run({"export", file.string(), "--to", simulator, "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const json object = json::parse(result.out);
@@ -1048,10 +1049,12 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   int samples = 0;
   folder.write("step_0001.txt", contact_problem_text());
   folder.write("step_0002.txt", contact_problem_text());
-  for (const std::string command : {"",       "predict",  "fit",         "fem",       "compare",
-                                    "select", "extremes", "experiments", "calibrate", "area",
-                                    "export", "list",     "explain",     "lcp",       "mesh",
-                                    "init",   "doctor",   "completion",  "manual",    "explore"}) {
+  folder.write("hand.xml", file_text(SOFTFINGER_HAND));
+  for (const std::string command :
+       {"",           "predict",     "fit",       "fem",  "compare", "select",
+        "extremes",   "experiments", "calibrate", "area", "export",  "apply",
+        "list",       "explain",     "lcp",       "mesh", "init",    "doctor",
+        "completion", "manual",      "explore"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -8,6 +8,10 @@
 /// sliding force. It has this limit only for pairs whose rolling coefficient is positive;
 /// btMultiBodyConstraintSolver looks at the spinning coefficient only.
 ///
+/// setupTorsionalFrictionConstraint takes the relative spin from the bodies' velocities before the
+/// impulses of external torques, which sliding friction does include. A held contact thus turns
+/// at torque x time step / moment of inertia.
+///
 /// So the finger gets all values and the object mu_1 = 1, s_1 = 0. The pair then slides with mu,
 /// and its torque per load is s_0 = mu e_n.
 namespace softfinger::exporting {
@@ -47,7 +51,11 @@ Simulator bullet_simulator() {
       0,
       0,
       lines,
-      {"rigid bodies (btRigidBody) have spinning friction only where the pair's rolling friction "
+      {"below the limit the contact does not hold, it turns at torque x time step / moment of "
+       "inertia for ever (rigid bodies; some 0.05 to 2 rad/s for grams and newtons at 1 ms): the "
+       "friction takes the spin of the step's start, and not what an applied torque adds within "
+       "it; a quarter of the step turns a quarter as fast",
+       "rigid bodies (btRigidBody) have spinning friction only where the pair's rolling friction "
        "is positive, so it is set to a thousandth of the spinning one; multi-bodies do not need it",
        "the pair has mu_0 mu_1 for sliding and s_0 mu_1 + s_1 mu_0 for spinning: with the "
        "default friction 0.5 of the object both are halved",

@@ -18,17 +18,30 @@ namespace softfinger::exporting {
 
 Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_N,
                                         double eccentricity_m) {
-  Foundation foundation;
   // e_n is proportional to sqrt(d).
   const double arm_at_unit_indentation =
       torque_arm_exact_m(std::sqrt(2 * radii.major_m), std::sqrt(2 * radii.minor_m), 1);
-  const double d_m = std::pow(eccentricity_m / arm_at_unit_indentation, 2);
+  return foundation_with_indentation(radii, load_N,
+                                     std::pow(eccentricity_m / arm_at_unit_indentation, 2));
+}
+
+Foundation foundation_with_indentation(const RelativeRadii& radii, double load_N,
+                                       double indentation_m) {
+  const double d_m = indentation_m;
+  Foundation foundation;
   foundation.indentation_m = d_m;
   foundation.a_m = std::sqrt(2 * d_m * radii.major_m);
   foundation.b_m = std::sqrt(2 * d_m * radii.minor_m);
   foundation.stiffness_Pa_per_m =
       load_N / (kPi * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m) * d_m * d_m);
   return foundation;
+}
+
+double Foundation::eccentricity_m() const { return torque_arm_exact_m(a_m, b_m, 1); }
+
+double Foundation::normal_stiffness_N_per_m() const {
+  // P = pi stiffness sqrt(R'R'') d², and a b = 2 d sqrt(R'R'').
+  return kPi * stiffness_Pa_per_m * a_m * b_m;
 }
 
 namespace {
@@ -50,7 +63,9 @@ Lines lines(const SoftContact& contact) {
           "depth in m "
           "(sphere: radius, half space: slab thickness). Modulus: Pa, chosen for e_n {e:.6g} m, "
           "not "
-          "the material's: the approach is {d:.3g} m, the model's {model_d:.3g} m. Resolution: m, "
+          "the material's: the approach is {d:.3g} m, the model's {model_d:.3g} m, the stiffness "
+          "dP/dd {k:.4g} N/m, "
+          "the model's {model_k:.4g} N/m. Resolution: m, "
           "a "
           "quarter of the contact's short semi-axis -->\n"
           "<geometry><ellipsoid><radii>{a:.6g} {c:.6g} {c:.6g}</radii></ellipsoid></geometry>\n"
@@ -62,6 +77,8 @@ Lines lines(const SoftContact& contact) {
           "  <drake:mu_dynamic>{mu:.6g}</drake:mu_dynamic>\n"
           "</drake:proximity_properties>\n"
           "<!-- the object: <drake:rigid_hydroelastic/> and the same mu_static, mu_dynamic -->\n",
+          fmt::arg("k", foundation.normal_stiffness_N_per_m()),
+          fmt::arg("model_k", contact.normal_stiffness_N_per_m),
           fmt::arg("d", foundation.indentation_m), fmt::arg("model_d", contact.indentation_m),
           fmt::arg("origin", contact.origin), fmt::arg("major", contact.radii.major_m),
           fmt::arg("minor", contact.radii.minor_m),
@@ -75,6 +92,7 @@ Lines lines(const SoftContact& contact) {
        {"indentation_m", foundation.indentation_m},
        {"a_m", foundation.a_m},
        {"b_m", foundation.b_m},
+       {"foundation_normal_stiffness_N_per_m", foundation.normal_stiffness_N_per_m()},
        {"mesh_resolution_hint_m", resolution_m},
        {"sliding_friction", contact.friction_coefficient}}};
 }

@@ -9,6 +9,10 @@ struct Foundation {
   double stiffness_Pa_per_m = 0;
   double indentation_m = 0;
   double a_m = 0, b_m = 0;  ///< semi-axes of its contact
+
+  double eccentricity_m() const;
+  /// dP/dd = 2 P/d.
+  double normal_stiffness_N_per_m() const;
 };
 
 /// The foundation whose contact with the gap x²/(2R') + y²/(2R'') has this e_n at this load. With
@@ -17,5 +21,9 @@ struct Foundation {
 /// Ciocarlie et al. 2007. It grows as P^(1/4).
 Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_N,
                                         double eccentricity_m);
+
+/// The one that has this approach at this load.
+Foundation foundation_with_indentation(const RelativeRadii& radii, double load_N,
+                                       double indentation_m);
 
 }  // namespace softfinger::exporting

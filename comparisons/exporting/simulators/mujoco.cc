@@ -51,7 +51,10 @@ Simulator mujoco_simulator() {
        "without noslip_iterations a sticking contact creeps: with the default solref and solimp it "
        "turns at about (mu P/mass)(0.5 ms/impratio)/e_n, radians per second for masses of grams "
        "and loads of newtons",
-       "the torques of several contact points of one pair add up"}};
+       "the torques of several contact points of one pair add up",
+       "solref and solimp are divided by masses: softfinger apply --effective-mass-g finds those "
+       "that "
+       "give dP/dd; softfinger apply --plugin lets the torque follow the load"}};
 }
 
 }  // namespace softfinger::exporting

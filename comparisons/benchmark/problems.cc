@@ -1,0 +1,301 @@
+#include "comparisons/benchmark/problems.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/pressure/pressure_model.h"
+
+namespace softfinger::benchmark {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGravity_m_per_s2 = 9.81;
+constexpr double kLoadShares[] = {0.1, 1. / 3, 1., 3., 10.};  ///< of the nominal load
+constexpr double kFriction = 0.8, kRadius_m = 0.01, kNominal_N = 2;
+
+/// A fingertip of 10 mm radius with 2 mm of silicone, on a flat object.
+ContactProblem silicone_on_flat() {
+  ContactProblem contact;
+  contact.radii = {kRadius_m, kRadius_m, 0};
+  contact.layer = {2e-3, 300e3, 0.45};
+  contact.load = {kNominal_N, kFriction};
+  contact.finger_curvature = {1 / kRadius_m, 1 / kRadius_m, 0};
+  return contact;
+}
+
+Body ball(const std::string& name, double mass_kg, const Vector3d& position_m) {
+  Body body;
+  body.name = name;
+  body.shape = Body::Shape::ball;
+  body.half_size_m.setConstant(kRadius_m);
+  body.mass_kg = mass_kg;
+  body.position_m = position_m;
+  body.is_fingertip = true;
+  return body;
+}
+
+Body box(const std::string& name, const Vector3d& half_size_m, double mass_kg,
+         const Vector3d& position_m) {
+  Body body;
+  body.name = name;
+  body.half_size_m = half_size_m;
+  body.mass_kg = mass_kg;
+  body.position_m = position_m;
+  if (mass_kg == 0) body.freedom = Body::Freedom::none;
+  return body;
+}
+
+/// Runs the engine and adds what it cost to the score.
+Motion run(const Engine& engine, const Scene& scene, Score& score) {
+  Motion motion = engine.run(scene);
+  score.steps += motion.steps;
+  score.wall_s += motion.wall_s;
+  if (score.failure.empty()) score.failure = motion.failure;
+  return motion;
+}
+
+/// The smallest x between two ends for which `moves`, to 1e-4, or the largest for which it does
+/// not.
+double threshold(double least, double most, bool moves_above,
+                 const std::function<bool(double)>& moves) {
+  double low = least, high = most;
+  while (high - low > 1e-4 * high) {
+    const double middle = (low + high) / 2;
+    (moves(middle) == moves_above ? high : low) = middle;
+  }
+  return high;
+}
+
+/// An acceleration is told from the mean velocities of two short times at the end. A creep at
+/// constant velocity is none, nor is a velocity that jumps to and fro from step to step.
+constexpr double kWatched_s = 0.2;
+constexpr int kAveraged = 20;  ///< steps
+void watch_the_end(Scene& scene) {
+  scene.sample_times_s.clear();
+  for (const double end_s : {scene.duration_s - kWatched_s, scene.duration_s})
+    for (int i = kAveraged - 1; i >= 0; --i)
+      scene.sample_times_s.push_back(end_s - i * scene.time_step_s);
+}
+
+struct Acceleration {
+  double linear_m_per_s2 = INFINITY, angular_rad_per_s2 = INFINITY;
+};
+
+/// Of a body at the end; infinite where the engine did not come so far.
+Acceleration acceleration(const Motion& motion, std::size_t body) {
+  if (motion.samples.size() < 2 * kAveraged) return {};
+  Vector3d velocity[2], turning[2];
+  for (int half = 0; half < 2; ++half) {
+    velocity[half].setZero();
+    turning[half].setZero();
+    for (int i = 0; i < kAveraged; ++i) {
+      const State& state = motion.samples[std::size_t(half * kAveraged + i)][body];
+      velocity[half] += state.velocity_m_per_s / kAveraged;
+      turning[half] += state.angular_velocity_rad_per_s / kAveraged;
+    }
+  }
+  return {(velocity[1].norm() - velocity[0].norm()) / kWatched_s,
+          (turning[1].norm() - turning[0].norm()) / kWatched_s};
+}
+
+/// Of the acceleration without friction: below it, a contact holds.
+constexpr double kSlip = 2e-4;
+
+Score twist(const Engine& engine) {
+  Score score;
+  for (const double share : kLoadShares) {
+    const double load_N = share * kNominal_N;
+    Scene scene;
+    scene.contact = silicone_on_flat();
+    scene.bodies = {box("block", {0.2, 0.2, 0.05}, 0, {0, 0, -0.05}),
+                    ball("finger", 0.1, {0, 0, kRadius_m})};
+    scene.duration_s = 0.7;
+    watch_the_end(scene);
+    const double truth_Nm = kFriction * load_N * eccentricity_m(scene.contact, load_N);
+    const double free_rad_per_s2 = truth_Nm / scene.bodies[1].inertia_kg_m2().z();
+    const double torque_Nm = threshold(0, 20 * truth_Nm, true, [&](double torque) {
+      scene.loads = {{1, 0, {0, 0, -load_N}, Vector3d::Zero()},
+                     {1, 0.3, {0, 0, -load_N}, {0, 0, torque}}};
+      return acceleration(run(engine, scene, score), 1).angular_rad_per_s2 >
+             kSlip * free_rad_per_s2;
+    });
+    score.measured.push_back({fmt::format("slip torque at {:.3g} N", load_N), "mN·m",
+                              // Where none is held the search ends at its own width.
+                              torque_Nm < 1e-3 * truth_Nm ? 0 : 1e3 * torque_Nm, 1e3 * truth_Nm});
+  }
+  return score;
+}
+
+constexpr double kPlateMass_kg = 0.05, kOffset_m = 4e-3;
+
+/// Two fingertips press on a plate. From 0.3 s on its weight acts, 4 mm beside the line between
+/// them.
+Scene pinched_plate(double grip_N) {
+  Scene scene;
+  scene.contact = silicone_on_flat();
+  scene.bodies = {box("plate", {0.005, 0.03, 0.03}, kPlateMass_kg, Vector3d::Zero()),
+                  ball("left", 0.05, {-0.005 - kRadius_m, 0, 0}),
+                  ball("right", 0.05, {0.005 + kRadius_m, 0, 0})};
+  scene.bodies[1].freedom = scene.bodies[2].freedom = Body::Freedom::along_x;
+  const double weight_N = kPlateMass_kg * kGravity_m_per_s2;
+  scene.loads = {{1, 0, {grip_N, 0, 0}, Vector3d::Zero()},
+                 {2, 0, {-grip_N, 0, 0}, Vector3d::Zero()},
+                 {0, 0.3, {0, 0, -weight_N}, {weight_N * kOffset_m, 0, 0}}};
+  return scene;
+}
+
+/// Each finger has half of weight and torque; on the ellipsoid (f/mu P)² + (T/mu e_n P)² = 1.
+double least_grip_N() {
+  const ContactProblem contact = silicone_on_flat();
+  const double half_N = kPlateMass_kg * kGravity_m_per_s2 / 2;
+  double low_N = half_N / kFriction, high_N = 100 * low_N;
+  while (high_N - low_N > 1e-9 * high_N) {
+    const double grip_N = (low_N + high_N) / 2;
+    const bool holds = std::hypot(half_N, half_N * kOffset_m / eccentricity_m(contact, grip_N)) <=
+                       kFriction * grip_N;
+    (holds ? high_N : low_N) = grip_N;
+  }
+  return high_N;
+}
+
+Score pinch(const Engine& engine) {
+  Score score;
+  const double truth_N = least_grip_N();
+  const double weight_N = kPlateMass_kg * kGravity_m_per_s2;
+  const double most_N = 8 * truth_N;
+  const auto turns = [&](double grip_N) {
+    Scene scene = pinched_plate(grip_N);
+    scene.duration_s = 0.7;
+    watch_the_end(scene);
+    const Motion motion = run(engine, scene, score);
+    const Acceleration found = acceleration(motion, 0);
+    return found.linear_m_per_s2 > kSlip * kGravity_m_per_s2 ||
+           found.angular_rad_per_s2 >
+               kSlip * weight_N * kOffset_m / scene.bodies[0].inertia_kg_m2().x();
+  };
+  if (turns(most_N)) {
+    score.measured.push_back(
+        {"no grip up to eight times the least one holds", "N", INFINITY, truth_N});
+    return score;
+  }
+  const double grip_N = threshold(0.1 * truth_N, most_N, false, turns);
+  score.measured.push_back({"least grip that holds", "N", grip_N, truth_N});
+  return score;
+}
+
+Score tilt(const Engine& engine) {
+  Score score;
+  Scene scene;
+  scene.bodies = {box("table", {0.2, 0.2, 0.05}, 0, {0, 0, -0.05}),
+                  box("box", {0.03, 0.03, 0.01}, 0.1, {0, 0, 0.01})};
+  scene.duration_s = 0.7;
+  watch_the_end(scene);
+  const double mu = scene.rigid_friction_coefficient;
+  const double slope = threshold(0, 4 * mu, true, [&](double tangent) {
+    const double angle_rad = std::atan(tangent);
+    // 30 degrees from the box's side: a direction that no pyramid is made for.
+    const Vector3d down(std::cos(kPi / 6), std::sin(kPi / 6), 0);
+    scene.gravity_m_per_s2 =
+        kGravity_m_per_s2 * (std::sin(angle_rad) * down - std::cos(angle_rad) * Vector3d::UnitZ());
+    return acceleration(run(engine, scene, score), 1).linear_m_per_s2 > kSlip * kGravity_m_per_s2;
+  });
+  score.measured.push_back({"tangent of the angle at which the box slides", "", slope, mu});
+  return score;
+}
+
+constexpr double kSettled_s = 1, kHeld_s = 60;
+
+Score held(const Engine& engine) {
+  Score score;
+  Scene scene = pinched_plate(1.5 * least_grip_N());
+  scene.duration_s = kSettled_s + kHeld_s;
+  scene.sample_times_s = {kSettled_s, scene.duration_s};
+  const Motion motion = run(engine, scene, score);
+  if (motion.samples.size() < 2) return score;
+  const State &before = motion.samples[0][0], &after = motion.samples[1][0];
+  if ((after.position_m - before.position_m).norm() > 2 * kRadius_m) score.failure = "dropped";
+  score.measured.push_back(
+      {"moved in 60 s", "mm", 1e3 * (after.position_m - before.position_m).norm(), 0});
+  score.measured.push_back({"turned in 60 s", "°",
+                            180 / kPi * after.orientation.angularDistance(before.orientation), 0});
+  return score;
+}
+
+Score stack(const Engine& engine) {
+  Score score;
+  Scene scene;
+  scene.bodies = {box("table", {0.2, 0.2, 0.05}, 0, {0, 0, -0.05})};
+  const double half_m = 0.02;
+  for (int i = 0; i < 5; ++i)
+    scene.bodies.push_back(box(fmt::format("box_{}", i + 1), Vector3d::Constant(half_m),
+                               0.02 * std::pow(2, i), {0, 0, (2 * i + 1) * half_m}));
+  scene.gravity_m_per_s2 = {0, 0, -kGravity_m_per_s2};
+  scene.time_step_s = 2e-3;
+  scene.duration_s = kSettled_s + kHeld_s;
+  scene.sample_times_s = {kSettled_s, scene.duration_s};
+  const Motion motion = run(engine, scene, score);
+  if (motion.samples.size() < 2) return score;
+  double moved_m = 0, sunk_m = 0;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    moved_m = std::max(moved_m,
+                       (motion.samples[1][i].position_m - motion.samples[0][i].position_m).norm());
+    sunk_m = std::max(sunk_m, scene.bodies[i].position_m.z() - motion.samples[0][i].position_m.z());
+  }
+  if (moved_m > 2 * half_m) score.failure = "fell";
+  score.measured.push_back({"a box moved in 60 s", "mm", 1e3 * moved_m, 0});
+  score.measured.push_back({"the top sinks into the stack", "mm", 1e3 * sunk_m, 0});
+  return score;
+}
+
+}  // namespace
+
+const Measured* Score::worst() const {
+  const auto found = std::max_element(measured.begin(), measured.end(),
+                                      [](const Measured& one, const Measured& other) {
+                                        return std::abs(one.error()) < std::abs(other.error());
+                                      });
+  return found == measured.end() ? nullptr : &*found;
+}
+
+std::vector<TruthBound> bounds_of_the_truth() {
+  std::vector<TruthBound> bounds;
+  for (const double share : kLoadShares) {
+    ContactProblem contact = silicone_on_flat();
+    contact.load.normal_force_N = share * kNominal_N;
+    const ErrorBound error =
+        error_bound(contact, find_pressure_model("fingertip_layer")->predict(contact));
+    constexpr std::size_t kMaxTorque = 5;
+    bounds.push_back({contact.load.normal_force_N, error.known ? error.bound[kMaxTorque] : NAN});
+  }
+  return bounds;
+}
+
+const std::vector<Problem>& all_problems() {
+  static const std::vector<Problem> problems = {
+      {"pinch",
+       "Two fingertips hold a plate of 50 g, 4 mm beside its centre: what is the least grip?",
+       "friction ellipsoid with e_n(P) of fingertip_layer", true, pinch},
+      {"twist",
+       "A pressed fingertip is twisted: at which torque does it slip, from a tenth to ten times "
+       "the "
+       "nominal load?",
+       "mu P e_n(P) of fingertip_layer", true, twist},
+      {"tilt", "A rigid box lies on a table that is tilted: when does it slide?",
+       "Coulomb: the tangent is mu", true, tilt},
+      {"held",
+       "The plate of the pinch, with 1.5 times the least grip: how far does it move in 60 s?",
+       "a held contact does not move", false, held},
+      {"stack",
+       "Five boxes on each other, each twice as heavy as the one below: how far do they move in 60 "
+       "s?",
+       "boxes at rest do not move", false, stack}};
+  return problems;
+}
+
+}  // namespace softfinger::benchmark

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "comparisons/benchmark/engine.h"
+
+namespace softfinger::benchmark {
+
+/// One number against its truth.
+struct Measured {
+  std::string what;  ///< "slip torque at 0.2 N"
+  std::string unit;
+  double value = 0, truth = 0;
+  double error() const { return truth == 0 ? value : value / truth - 1; }  ///< absolute for truth 0
+};
+
+struct Score {
+  std::vector<Measured> measured;
+  int steps = 0;
+  double wall_s = 0;
+  std::string failure;  ///< in words; empty: all was measured
+
+  /// Of the largest magnitude; its unit is relative, or that of the values where the truth is 0.
+  const Measured* worst() const;
+  double steps_per_s() const { return wall_s > 0 ? steps / wall_s : 0; }
+};
+
+struct Problem {
+  std::string name, question;
+  std::string truth;  ///< where it comes from
+  bool is_relative = true;
+  Score (*solve)(const Engine& engine);
+};
+
+/// How far the torque of fingertip_layer, the truth of pinch and twist, is at most from finite
+/// elements of the whole finger.
+struct TruthBound {
+  double load_N = 0;
+  double bound = 0;  ///< relative; NaN: not known
+};
+
+/// At the loads of the twist.
+std::vector<TruthBound> bounds_of_the_truth();
+
+/// Pinch, twist, tilt, held for 60 s, stack.
+const std::vector<Problem>& all_problems();
+
+}  // namespace softfinger::benchmark

@@ -1,0 +1,170 @@
+#include "comparisons/benchmark/results.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "comparisons/report/embedded.h"
+#include "comparisons/report/html.h"
+#include "comparisons/report/page.h"
+#include "comparisons/text/json_text.h"
+
+namespace softfinger::benchmark {
+namespace {
+
+using report::Html;
+using report::html;
+
+std::string speed(const Score& score) {
+  const double steps = score.steps_per_s();
+  return steps >= 1e4 ? fmt::format("{:.0f}k steps/s", steps / 1000)
+                      : fmt::format("{:.2g}k steps/s", steps / 1000);
+}
+
+/// Up to three digits, and a dash for what is not finite.
+std::string shown(double value, const std::string& unit) {
+  if (!std::isfinite(value)) return "none";
+  if (value != 0 && std::abs(value) < 1e-4) return "0" + (unit == "°" ? unit : "\u00a0" + unit);
+  return fmt::format("{:.3g}{}{}", value, unit.empty() || unit == "°" ? "" : "\u00a0", unit);
+}
+
+Html cell(const Problem& problem, const Score& score) {
+  if (!score.failure.empty())
+    return html("<td>{}<small>{}</small></td>", score.failure, speed(score));
+  const std::string words = worst_in_words(problem, score);
+  // An engine without a contact that holds has no error to compare.
+  return html("<td>{}<small>{}</small></td>", words.empty() ? "–" : words, speed(score));
+}
+
+Html overview(const Results& results) {
+  Html head = "<th scope=\"col\" class=\"words\">engine</th>";
+  for (const Problem* problem : results.problems) head += report::column_heading(problem->name);
+  Html rows;
+  for (std::size_t i = 0; i < results.engines.size(); ++i) {
+    rows += html("<tr><th scope=\"row\">{}<small>{}</small></th>", results.engines[i]->title,
+                 results.engines[i]->told);
+    for (std::size_t j = 0; j < results.problems.size(); ++j)
+      rows += cell(*results.problems[j], results.scores[i][j]);
+    rows += "</tr>\n";
+  }
+  return report::scrolling_table(head, rows);
+}
+
+Html problem_section(const Results& results, std::size_t problem_index) {
+  const Problem& problem = *results.problems[problem_index];
+  Html rows;
+  for (std::size_t i = 0; i < results.engines.size(); ++i)
+    // How far something fell is no error.
+    for (const Measured& measured : results.scores[i][problem_index].failure.empty()
+                                        ? results.scores[i][problem_index].measured
+                                        : std::vector<Measured>())
+      rows += html(
+          "<tr><th scope=\"row\">{}</th><td class=\"words\">{}</td><td>{}</td><td>{}</td>"
+          "<td>{}</td></tr>\n",
+          results.engines[i]->title, measured.what, shown(measured.value, measured.unit),
+          shown(measured.truth, measured.unit),
+          measured.truth == 0             ? shown(measured.value, measured.unit)
+          : std::isfinite(measured.value) ? report::signed_percent(measured.error())
+                                          : std::string("–"));
+  return html("<section id=\"{0}\"><h3>{0}</h3>\n<p>{1} Truth: {2}.</p>\n", problem.name,
+              problem.question, problem.truth) +
+         report::scrolling_table(Html("<th scope=\"col\" class=\"words\">engine</th>"
+                                      "<th scope=\"col\" class=\"words\">measured</th>") +
+                                     report::column_heading("value") +
+                                     report::column_heading("truth") +
+                                     report::column_heading("error"),
+                                 rows) +
+         "</section>\n";
+}
+
+}  // namespace
+
+std::string worst_in_words(const Problem& problem, const Score& score) {
+  const Measured* const worst = score.worst();
+  if (!worst) return "";
+  if (!problem.is_relative) {
+    std::string words;
+    for (const Measured& measured : score.measured)
+      words += (words.empty() ? "" : ", ") + shown(measured.value, measured.unit);
+    return words;
+  }
+  return std::isfinite(worst->error()) ? report::signed_percent(worst->error()) : "none holds";
+}
+
+nlohmann::json to_json(const Results& results) {
+  nlohmann::json engines = nlohmann::json::array(), absent = nlohmann::json::array();
+  for (std::size_t i = 0; i < results.engines.size(); ++i) {
+    nlohmann::json problems = nlohmann::json::object();
+    for (std::size_t j = 0; j < results.problems.size(); ++j) {
+      const Score& score = results.scores[i][j];
+      nlohmann::json measured = nlohmann::json::array();
+      for (const Measured& one : score.measured)
+        measured.push_back({{"what", one.what},
+                            {"unit", one.unit},
+                            {"value", text::finite_or_null(one.value)},
+                            {"truth", text::finite_or_null(one.truth)},
+                            {"error", text::finite_or_null(one.error())}});
+      problems[results.problems[j]->name] = {
+          {"measured", measured},
+          {"steps", score.steps},
+          {"wall_s", score.wall_s},
+          {"steps_per_s", score.steps_per_s()},
+          {"failure", score.failure.empty() ? nlohmann::json() : nlohmann::json(score.failure)}};
+    }
+    engines.push_back({{"name", results.engines[i]->name},
+                       {"title", results.engines[i]->title},
+                       {"told", results.engines[i]->told},
+                       {"problems", problems}});
+  }
+  for (const AbsentEngine& engine : absent_engines())
+    absent.push_back({{"name", engine.name}, {"package", engine.package}});
+  return {
+      {"engines", engines},
+      {"absent", absent},
+      {"provenance",
+       {{"version", results.version}, {"machine", results.machine}, {"command", results.command}}}};
+}
+
+std::string render_page(const Results& results) {
+  Html body =
+      "<header><h1>Soft contacts in several simulators</h1>\n<p class=\"subtitle\">The same five "
+      "problems, each engine's largest error against the truth and its speed</p>\n"
+      "<nav><a href=\"#overview\">Overview</a> <a href=\"#problems\">Problem by problem</a> <a "
+      "href=\"#provenance\">Provenance</a></nav></header>\n<h2 id=\"overview\">Overview</h2>\n";
+  body += overview(results);
+  body +=
+      "<p>Largest error, below it the speed of the steps alone, on one core. Pinch, twist and tilt "
+      "are thresholds, found by bisection to 1e-4: a contact holds while the acceleration stays "
+      "below 2e-4 of what it is without friction. A contact that creeps at constant velocity holds "
+      "by that measure; how far it comes is in "
+      "<i>held</i> and <i>stack</i>, where the truth is 0. All engines have steps of 1 ms, 2 ms in "
+      "<i>stack</i>, and their own default solver and iterations unless stated.</p>\n";
+  std::string bounds;
+  for (const TruthBound& truth : bounds_of_the_truth())
+    bounds += fmt::format("{}{} at {:.3g} N", bounds.empty() ? "" : ", ",
+                          std::isfinite(truth.bound) ? report::percent(truth.bound) : "not known",
+                          truth.load_N);
+  body += html(
+      "<p>The truth of pinch and twist is a closed form, fitted to finite elements of whole "
+      "fingers "
+      "at finite strain. How far its torque is at most from theirs: {}. Numbers below 1e-4 are "
+      "shown "
+      "as 0.</p>\n",
+      bounds);
+  for (const AbsentEngine& engine : absent_engines())
+    body += html("<p>Absent in this build: {} (Debian: {}).</p>\n", engine.name, engine.package);
+  body += "<h2 id=\"problems\">Problem by problem</h2>\n";
+  for (std::size_t j = 0; j < results.problems.size(); ++j) body += problem_section(results, j);
+  Html rows;
+  for (const auto& [name, value] :
+       {std::pair{"version", results.version}, std::pair{"machine", results.machine}})
+    if (!value.empty()) rows += html("<dt>{}</dt><dd>{}</dd>", name, value);
+  body += report::provenance_section(rows, results.command, "");
+  return report::render_page({"Soft contacts in several simulators",
+                              {report::embedded::report_css},
+                              body,
+                              nlohmann::json::object(),
+                              {}});
+}
+
+}  // namespace softfinger::benchmark

@@ -1,0 +1,415 @@
+#include "comparisons/exporting/robot_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include "comparisons/exporting/simulators/drake.h"
+#include "comparisons/text/nearest_name.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::exporting {
+namespace {
+
+using Value = WantedElement::Value;
+
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+WantedElement leaf(const std::string& name, const std::string& text,
+                   const std::string& effect = "") {
+  WantedElement wanted;
+  wanted.name = name;
+  wanted.text = text;
+  wanted.effect = effect;
+  return wanted;
+}
+
+WantedElement group(const std::string& name, std::vector<WantedElement> children) {
+  WantedElement wanted;
+  wanted.name = name;
+  wanted.children = std::move(children);
+  return wanted;
+}
+
+WantedElement tag(const std::string& name, std::vector<Value> attributes,
+                  const std::string& key = "") {
+  WantedElement wanted;
+  wanted.name = name;
+  wanted.attributes = std::move(attributes);
+  wanted.key = key;
+  return wanted;
+}
+
+/// <name value="..."/> in URDF, <name>...</name> in SDF.
+WantedElement value_of(RobotFormat format, const std::string& name, const std::string& value,
+                       const std::string& effect = "") {
+  return format == RobotFormat::urdf ? tag(name, {{"value", value, effect}})
+                                     : leaf(name, value, effect);
+}
+
+/// A part of the file that can be a finger, with the names that it may be called by.
+struct Part {
+  const XmlElement* element = nullptr;
+  std::vector<std::string> names;
+};
+
+bool is_inside(const XmlElement& element, const char* ancestor) {
+  for (const XmlElement* parent = element.parent; parent; parent = parent->parent)
+    if (parent->name == ancestor) return true;
+  return false;
+}
+
+/// Geoms of bodies; collisions of links.
+std::vector<Part> parts_of(const XmlFile& file, RobotFormat format) {
+  std::vector<Part> parts;
+  for (const auto& element : file.elements()) {
+    Part part;
+    part.element = element.get();
+    const XmlElement* const parent = element->parent;
+    if (!parent) continue;
+    const std::string name = element->value("name"), owner = parent->value("name");
+    if (format == RobotFormat::mjcf) {
+      if (element->name != "geom" || !is_inside(*element, "worldbody")) continue;
+      if (!name.empty()) part.names.push_back(name);
+      if (parent->name == "body" && !owner.empty()) part.names.push_back(owner);
+    } else {
+      if (element->name != "collision" || parent->name != "link") continue;
+      if (!name.empty()) part.names.push_back(name);
+      // From the inside out: LINK, LINK::COLLISION, MODEL::LINK, MODEL::LINK::COLLISION, ...
+      std::string scope = owner;
+      for (const XmlElement* around = parent; around->parent; around = around->parent) {
+        if (around != parent && !around->value("name").empty() && around->name == "model")
+          scope = around->value("name") + "::" + scope;
+        else if (around != parent)
+          continue;
+        part.names.push_back(scope);
+        if (!name.empty()) part.names.push_back(scope + "::" + name);
+      }
+    }
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+/// Where else the finger may be: this file is not the whole model.
+std::string elsewhere(const XmlFile& file) {
+  for (const auto& element : file.elements()) {
+    if (element->name == "include")
+      return "; the file includes others: apply it to the one that has it";
+    if (element->name.compare(0, 6, "xacro:") == 0) return "; the file is xacro: expand it first";
+  }
+  return "";
+}
+
+std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat format,
+                                               const std::vector<Part>& parts,
+                                               const std::string& finger) {
+  std::vector<const XmlElement*> found;
+  std::set<std::string> owners;
+  bool is_own_name = false;
+  for (const Part& part : parts) {
+    if (std::find(part.names.begin(), part.names.end(), finger) == part.names.end()) continue;
+    found.push_back(part.element);
+    owners.insert(std::to_string(part.element->parent->begin));
+    is_own_name = is_own_name || part.element->value("name") == finger;
+  }
+  const char* const kind = format == RobotFormat::mjcf ? "geom or body" : "collision or link";
+  if (found.empty()) {
+    std::vector<std::string> names;
+    for (const Part& part : parts) names.insert(names.end(), part.names.begin(), part.names.end());
+    if (names.empty())
+      throw InputError(file.where(), "--finger " + text::shortened(finger), "",
+                       fmt::format("a {} with a name: the file has none{}", kind, elsewhere(file)));
+    throw InputError(
+        file.where(),
+        fmt::format("no {} \"{}\", did you mean \"{}\"?{}", kind, text::shortened(finger),
+                    text::nearest_name(finger, names), elsewhere(file)),
+        "", "");
+  }
+  if (owners.size() > 1)
+    throw InputError(file.where(), "--finger", "\"" + text::shortened(finger) + "\"",
+                     fmt::format("one {0}: {1} have this name{2}", kind, owners.size(),
+                                 format == RobotFormat::mjcf ? "" : "; name it LINK::COLLISION"));
+  return found;
+}
+
+double numeric(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
+
+/// The largest of an attribute over all of the file, at least 0.
+int largest(const XmlFile& file, const std::string& name,
+            const std::vector<const XmlElement*>& except) {
+  double value = 0;
+  for (const auto& element : file.elements())
+    if (std::find(except.begin(), except.end(), element.get()) == except.end())
+      value = std::max(value, numeric(element->value(name)));
+  return int(std::min(value, 1e6));
+}
+
+void apply_mujoco(XmlFile& file, const std::vector<const XmlElement*>& geoms,
+                  const RobotContact& wanted) {
+  const double mu = wanted.contact.friction_coefficient;
+  const double spin_m = wanted.contact.torque_per_load_m();
+  const int other_priority = largest(file, "priority", geoms);
+  const std::string effect = wanted.torque_error + "; " + wanted.force_error;
+
+  for (const XmlElement* geom : geoms) {
+    WantedElement changed;
+    // condim 6 has the torque, too.
+    if (geom->value("condim") != "6")
+      changed.attributes.push_back({"condim", "4", "a torque about the normal"});
+    if (!(numeric(geom->value("priority")) > other_priority))
+      changed.attributes.push_back({"priority", std::to_string(other_priority + 1),
+                                    "this geom's friction counts, not the object's"});
+    changed.attributes.push_back(
+        {"friction", fmt::format("{} {} 0.0001", number(mu), number(spin_m)), effect});
+    if (wanted.effective_mass_kg) {
+      const MujocoSpring spring =
+          mujoco_spring(wanted.contact.normal_stiffness_N_per_m, *wanted.effective_mass_kg);
+      const std::string stiffness = fmt::format("dP/dd {:.4g} N/mm, for a mass of {:.4g} g",
+                                                1e-3 * wanted.contact.normal_stiffness_N_per_m,
+                                                1e3 * *wanted.effective_mass_kg);
+      changed.attributes.push_back(
+          {"solref",
+           fmt::format("{} {}", number(-spring.stiffness_per_s2), number(-spring.damping_per_s)),
+           stiffness});
+      changed.attributes.push_back(
+          {"solimp", fmt::format("{0} {0} 0.001", number(spring.impedance)), stiffness});
+    }
+    file.change(*geom, changed);
+  }
+
+  // A pair that the file defines has its own friction.
+  for (const auto& element : file.elements()) {
+    if (element->name != "pair" || !is_inside(*element, "contact")) continue;
+    const bool is_finger = std::any_of(geoms.begin(), geoms.end(), [&](const XmlElement* geom) {
+      const std::string name = geom->value("name");
+      return !name.empty() && (element->value("geom1") == name || element->value("geom2") == name);
+    });
+    if (is_finger)
+      file.change(
+          *element,
+          tag("pair",
+              {{"condim", "4", "a torque about the normal"},
+               {"friction", fmt::format("{0} {0} {1} 0.0001 0.0001", number(mu), number(spin_m)),
+                effect}}));
+  }
+
+  // The last <option> that states one counts.
+  std::vector<Value> options = {{"cone", "elliptic", "the friction ellipsoid; pyramids allow less"},
+                                {"impratio", "10", "sticking friction is ten times as stiff"},
+                                {"noslip_iterations", "5", "without them a held contact creeps"}};
+  std::vector<const XmlElement*> option_elements;
+  for (const XmlElement* child : file.root().children)
+    if (child->name == "option") option_elements.push_back(child);
+  std::vector<WantedElement> option_changes(option_elements.size());
+  WantedElement root, new_option = group("option", {});
+  for (const Value& option : options) {
+    std::size_t place = option_elements.size();
+    for (std::size_t i = 0; i < option_elements.size(); ++i)
+      if (option_elements[i]->attribute(option.name)) place = i;
+    const bool is_more =
+        place < option_elements.size() && option.name != "cone" &&
+        numeric(option_elements[place]->value(option.name)) >= numeric(option.value);
+    if (is_more) continue;
+    if (place == option_elements.size() && !option_elements.empty()) place = 0;
+    (option_elements.empty() ? new_option : option_changes[place]).attributes.push_back(option);
+  }
+  for (std::size_t i = 0; i < option_elements.size(); ++i)
+    file.change(*option_elements[i], option_changes[i]);
+  if (!new_option.attributes.empty()) root.children.push_back(new_option);
+
+  if (wanted.plugin) {
+    const ContactProblem& problem = *wanted.plugin;
+    const std::string data = fmt::format(
+        "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}", problem.radii.major_m,
+        problem.radii.minor_m, problem.layer.thickness_m, problem.layer.youngs_modulus_Pa,
+        problem.layer.poisson_ratio, problem.finger_curvature.xx_per_m,
+        problem.finger_curvature.yy_per_m, problem.finger_curvature.xy_per_m);
+    WantedElement custom = group("custom", {});
+    for (const XmlElement* geom : geoms) {
+      const std::string name = geom->value("name");
+      if (name.empty())
+        throw InputError(fmt::format("{}:{}", file.where(), geom->line), "--plugin", "",
+                         "a geom with a name, by which the plugin finds it");
+      custom.children.push_back(tag("numeric",
+                                    {{"name", "softfinger:" + name, ""},
+                                     {"data", data,
+                                      "with libsoftfinger_mujoco the torque follows the load, "
+                                      "within 1 % of fingertip_layer"}},
+                                    "name"));
+    }
+    root.children.push_back(custom);
+  }
+  file.change(file.root(), root);
+}
+
+/// <surface><friction> of Gazebo Classic.
+WantedElement gazebo_surface(const RobotContact& wanted, bool has_ode) {
+  const std::string mu = number(wanted.contact.friction_coefficient);
+  std::vector<WantedElement> friction;
+  if (has_ode)
+    friction.push_back(
+        group("ode", {leaf("mu", mu, wanted.force_error), leaf("mu2", mu, wanted.force_error)}));
+  friction.push_back(group(
+      "torsional", {leaf("coefficient", mu, wanted.force_error),
+                    leaf("use_patch_radius", "true", "not the solver's penetration"),
+                    leaf("patch_radius", number(16 / (3 * kPi) * wanted.contact.eccentricity_m),
+                         wanted.torque_error)}));
+  return group("surface", {group("friction", friction)});
+}
+
+void apply_gazebo(XmlFile& file, RobotFormat format, const std::vector<const XmlElement*>& fingers,
+                  const RobotContact& wanted) {
+  const std::string mu = number(wanted.contact.friction_coefficient);
+  if (format == RobotFormat::sdf) {
+    for (const XmlElement* finger : fingers)
+      file.change(*finger, group("collision", {gazebo_surface(wanted, true)}));
+    return;
+  }
+  WantedElement root;
+  std::set<std::string> links;
+  for (const XmlElement* finger : fingers) {
+    const std::string link = finger->parent->value("name");
+    if (!links.insert(link).second) continue;
+    WantedElement gazebo = tag("gazebo", {{"reference", link, ""}}, "reference");
+    gazebo.children = {leaf("mu1", mu, wanted.force_error), leaf("mu2", mu, wanted.force_error),
+                       group("collision", {gazebo_surface(wanted, false)})};
+    root.children.push_back(gazebo);
+  }
+  file.change(file.root(), root);
+}
+
+void apply_bullet(XmlFile& file, RobotFormat format, const std::vector<const XmlElement*>& fingers,
+                  const RobotContact& wanted) {
+  const double spin_m = wanted.contact.torque_per_load_m();
+  std::set<const XmlElement*> links;
+  for (const XmlElement* finger : fingers) {
+    if (!links.insert(finger->parent).second) continue;
+    file.change(
+        *finger->parent,
+        group("link",
+              {group("contact",
+                     {value_of(format, "lateral_friction",
+                               number(wanted.contact.friction_coefficient), wanted.force_error),
+                      value_of(format, "spinning_friction", number(spin_m), wanted.torque_error),
+                      // As simulators/bullet.cc.
+                      value_of(format, "rolling_friction", fmt::format("{:.3g}", 1e-3 * spin_m),
+                               "rigid bodies have no spinning friction without it")})}));
+  }
+}
+
+std::vector<double> numbers_of(const std::string& text) {
+  std::vector<double> numbers;
+  const char* at = text.c_str();
+  for (char* end = nullptr;; at = end) {
+    const double value = std::strtod(at, &end);
+    if (end == at) return numbers;
+    numbers.push_back(value);
+  }
+}
+
+/// The depth of the innermost point of a shape, where Drake's extent is 1; NaN: not known.
+double depth_of(const XmlElement& collision) {
+  for (const XmlElement* geometry : collision.children) {
+    if (geometry->name != "geometry" && geometry->name != "drake:geometry") continue;
+    for (const XmlElement* shape : geometry->children) {
+      const auto read = [&](const char* name) {
+        std::string text = shape->value(name);
+        for (const XmlElement* child : shape->children)
+          if (child->name == name) text = child->text;
+        const std::vector<double> numbers = numbers_of(text);
+        return numbers.empty() ? NAN : *std::min_element(numbers.begin(), numbers.end());
+      };
+      const std::string& name = shape->name;
+      if (name == "sphere" || name == "capsule" || name == "drake:capsule") return read("radius");
+      if (name == "box") return read("size") / 2;
+      if (name == "cylinder") return std::min(read("radius"), read("length") / 2);
+      if (name == "ellipsoid") return read("radii");
+    }
+  }
+  return NAN;
+}
+
+void apply_drake(XmlFile& file, RobotFormat format, const std::vector<const XmlElement*>& fingers,
+                 const RobotContact& wanted) {
+  const Foundation foundation = foundation_with_eccentricity(
+      wanted.contact.radii, wanted.contact.load_N, wanted.contact.eccentricity_m);
+  const std::string mu = number(wanted.contact.friction_coefficient);
+  for (const XmlElement* finger : fingers) {
+    const double depth_m = wanted.depth_m.value_or(depth_of(*finger));
+    if (!(std::isfinite(depth_m) && depth_m > 0))
+      throw InputError(fmt::format("{}:{}", file.where(), finger->line),
+                       "the depth of the fingertip's shape is not known", "",
+                       "a sphere, capsule, cylinder, box or ellipsoid, or --depth-mm");
+    WantedElement properties = group(
+        "drake:proximity_properties",
+        {leaf("drake:compliant_hydroelastic", "", "point contact has no torque"),
+         value_of(format, "drake:hydroelastic_modulus",
+                  number(foundation.stiffness_Pa_per_m * depth_m),
+                  fmt::format("{}; dP/dd {:.4g} N/mm, the model's {:.4g}", wanted.torque_error,
+                              1e-3 * foundation.normal_stiffness_N_per_m(),
+                              1e-3 * wanted.contact.normal_stiffness_N_per_m)),
+         value_of(format, "drake:mesh_resolution_hint", fmt::format("{:.3g}", foundation.b_m / 4),
+                  "a quarter of the contact's short semi-axis"),
+         value_of(format, "drake:mu_static", mu, wanted.force_error),
+         value_of(format, "drake:mu_dynamic", mu, wanted.force_error)});
+    properties.removed = {"drake:rigid_hydroelastic"};
+    file.change(*finger, group("collision", {properties}));
+  }
+  file.change(file.root(), tag(file.root().name,
+                               {{"xmlns:drake", "http://drake.mit.edu", "the elements' prefix"}}));
+}
+
+}  // namespace
+
+MujocoSpring mujoco_spring(double normal_stiffness_N_per_m, double mass_kg) {
+  MujocoSpring spring;
+  const double rest = 1 - spring.impedance;
+  spring.stiffness_per_s2 = normal_stiffness_N_per_m * rest / mass_kg;
+  spring.damping_per_s = 2 * rest * std::sqrt(normal_stiffness_N_per_m / mass_kg);
+  return spring;
+}
+
+std::string_view name_of(RobotFormat format) {
+  return format == RobotFormat::mjcf ? "MJCF" : format == RobotFormat::urdf ? "URDF" : "SDF";
+}
+
+RobotFormat format_of(const XmlFile& file) {
+  const std::string& root = file.root().name;
+  if (root == "mujoco") return RobotFormat::mjcf;
+  if (root == "robot") return RobotFormat::urdf;
+  if (root == "sdf") return RobotFormat::sdf;
+  throw InputError(fmt::format("{}:{}", file.where(), file.root().line),
+                   "<" + text::shortened(root) + ">", "", "<mujoco>, <robot> (URDF) or <sdf>");
+}
+
+void apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
+                   const Simulator& simulator, const RobotContact& contact) {
+  const RobotFormat format = format_of(file);
+  const std::string name(simulator.name);
+  const bool is_mjcf = format == RobotFormat::mjcf;
+  if (name != "mujoco" && name != "bullet" && name != "gazebo" && name != "drake")
+    throw InputError("command line", "--to", name,
+                     "mujoco, bullet, gazebo or drake; export --to " + name + " prints the lines");
+  if (is_mjcf != (name == "mujoco"))
+    throw InputError(file.where(), fmt::format("{} --to {}", name_of(format), name), "",
+                     is_mjcf ? "mujoco for MJCF"
+                             : "bullet, gazebo or drake for URDF and SDF: MuJoCo reads no "
+                               "friction from them, save the model as MJCF first");
+  const std::vector<Part> parts = parts_of(file, format);
+  std::vector<const XmlElement*> elements;
+  for (const std::string& finger : fingers)
+    for (const XmlElement* element : parts_of_finger(file, format, parts, finger))
+      if (std::find(elements.begin(), elements.end(), element) == elements.end())
+        elements.push_back(element);
+  if (name == "mujoco") apply_mujoco(file, elements, contact);
+  if (name == "bullet") apply_bullet(file, format, elements, contact);
+  if (name == "gazebo") apply_gazebo(file, format, elements, contact);
+  if (name == "drake") apply_drake(file, format, elements, contact);
+}
+
+}  // namespace softfinger::exporting

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "comparisons/exporting/contact_curve.h"
+#include "comparisons/exporting/simulator.h"
+#include "comparisons/exporting/xml_text.h"
+#include "softfinger/input/contact_problem.h"
+
+/// The exported contact, written into the model of a robot.
+namespace softfinger::exporting {
+
+enum class RobotFormat { mjcf, urdf, sdf };
+
+/// "MJCF"
+std::string_view name_of(RobotFormat format);
+
+/// By the root element: mujoco, robot, sdf.
+/// @throws InputError for another one
+RobotFormat format_of(const XmlFile& file);
+
+/// What is written, beside the contact itself.
+struct RobotContact {
+  SoftContact contact;
+  /// Of the torque and of the force in the simulator, over the loads: "-31.6 to +43.0 % of the
+  /// torque, 0.5 to 10 N".
+  std::string torque_error, force_error;
+  /// For MuJoCo: the mass that the contact moves, for a solref with the model's normal stiffness.
+  std::optional<double> effective_mass_kg;
+  /// For MuJoCo: the contact of the plugin (exporting/mujoco/softfinger_mujoco.h).
+  std::optional<ContactProblem> plugin;
+  /// For Drake: the depth of the fingertip's innermost point; empty: that of its shape.
+  std::optional<double> depth_m;
+};
+
+/// Writes the contact of each finger into the file.
+/// @param fingers  MJCF: geoms, or bodies for all their geoms; URDF, SDF: collisions, or links for
+/// all their collisions; also LINK::COLLISION
+/// @throws InputError for a finger that the file has not or has several of, with the nearest name,
+/// for a simulator that does not read such files, and for a shape whose depth is not known
+void apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
+                   const Simulator& simulator, const RobotContact& contact);
+
+/// The numbers of solref and solimp that give MuJoCo's contact of a mass a stiffness and critical
+/// damping. With a constant impedance d, solimp="d d w", and solref="-k -b" MuJoCo's law is
+/// a_ref = -b v/d - k r/d and f = m d/(1 - d) (a_ref - ...), so that dP/dr = k m/(1 - d).
+struct MujocoSpring {
+  double impedance = 0.95;
+  double stiffness_per_s2 = 0, damping_per_s = 0;  ///< k = K (1 - d)/m, b = 2 (1 - d) sqrt(K/m)
+};
+MujocoSpring mujoco_spring(double normal_stiffness_N_per_m, double mass_kg);
+
+}  // namespace softfinger::exporting

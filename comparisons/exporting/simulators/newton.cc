@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include "comparisons/exporting/simulator.h"
+#include "comparisons/exporting/simulators/drake.h"
+#include "softfinger/input/constants.h"
+
+/// Newton (newton-physics), ModelBuilder.ShapeConfig. mu_torsional is a length; SolverMuJoCo hands
+/// it to MuJoCo as friction[1], the largest torque per load, and its condim (custom attribute
+/// mujoco.condim) is 3 unless set. ke is a normal stiffness in N/m. Hydroelastic shapes have the
+/// pressure kh depth, with kh in N/m³: an elastic foundation, as Drake's.
+///
+/// A foundation has one number, and its contact a² = 2 R d. kh can thus be chosen for the torque,
+/// by foundation_with_eccentricity, or for the approach, kh = P/(pi R d²), R = sqrt(R'R''); a
+/// bonded layer has another relation of a and d.
+namespace softfinger::exporting {
+namespace {
+
+Lines lines(const SoftContact& contact) {
+  const Foundation torque =
+      foundation_with_eccentricity(contact.radii, contact.load_N, contact.eccentricity_m);
+  const Foundation approach =
+      foundation_with_indentation(contact.radii, contact.load_N, contact.indentation_m);
+  return {
+      fmt::format(
+          "# {origin}. mu_torsional: m, largest torque / load = mu e_n; ke: N/m, dP/dd there\n"
+          "cfg = newton.ModelBuilder.ShapeConfig(mu={mu:.6g}, mu_torsional={spin:.6g}, "
+          "mu_rolling=0.0, ke={ke:.4g})\n"
+          "# SolverMuJoCo: mujoco.condim = 4 on the fingertip, cone=\"elliptic\"\n"
+          "# Or hydroelastic, pressure = kh depth, in place of mu_torsional and ke. A patch with\n"
+          "# a^2 = 2 R d has the torque (and the area) or the force at the approach, not both:\n"
+          "#   kh={kh:.4g}: e_n {e:.4g} m, the approach is {d:.3g} m, the layer's {model_d:.3g} m\n"
+          "#   kh={kh_d:.4g}: approach {model_d:.3g} m, e_n is {e_d:.4g} m, {error:+.0f} %\n"
+          "# cfg = newton.ModelBuilder.ShapeConfig(mu={mu:.6g}, is_hydroelastic=True, "
+          "kh={kh:.6g})\n",
+          fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
+          fmt::arg("spin", contact.torque_per_load_m()),
+          fmt::arg("ke", contact.normal_stiffness_N_per_m),
+          fmt::arg("kh", torque.stiffness_Pa_per_m), fmt::arg("e", contact.eccentricity_m),
+          fmt::arg("d", torque.indentation_m), fmt::arg("model_d", contact.indentation_m),
+          fmt::arg("kh_d", approach.stiffness_Pa_per_m), fmt::arg("e_d", approach.eccentricity_m()),
+          fmt::arg("error", 100 * (approach.eccentricity_m() / contact.eccentricity_m - 1))),
+      {{"sliding_friction", contact.friction_coefficient},
+       {"torsional_friction_m", contact.torque_per_load_m()},
+       {"contact_stiffness_N_per_m", contact.normal_stiffness_N_per_m},
+       {"kh_for_torque_N_per_m3", torque.stiffness_Pa_per_m},
+       {"kh_for_torque_indentation_m", torque.indentation_m},
+       {"kh_for_indentation_N_per_m3", approach.stiffness_Pa_per_m},
+       {"kh_for_indentation_eccentricity_m", approach.eccentricity_m()}}};
+}
+
+}  // namespace
+
+Simulator newton_simulator() {
+  return {"newton",
+          "Newton",
+          "with SolverMuJoCo MuJoCo's: |f|²/mu² + torque²/(mu e_n)² <= P² with a constant e_n; "
+          "hydroelastic: Coulomb's law on an elastic foundation, e_n grows as P^(1/4)",
+          0,
+          1e-5,  // mjMINMU, through MuJoCo
+          lines,
+          {"mu_torsional is a length, mu e_n; other solvers than SolverMuJoCo read it otherwise or "
+           "not at all",
+           "condim is 3 unless mujoco.condim says 4: torsional friction then has no effect",
+           "hydroelastic contact needs is_hydroelastic on both shapes, whose kh act in series: the "
+           "object's has to be far larger, or both twice as large",
+           "solvers may scale ke and kh by masses; planes and height fields are never "
+           "hydroelastic"}};
+}
+
+}  // namespace softfinger::exporting

@@ -1,0 +1,89 @@
+// The benchmark's problems solved by the engines of this build, and its page.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "comparisons/benchmark/results.h"
+
+namespace softfinger::benchmark {
+namespace {
+
+const Engine* engine(const std::string& name) {
+  for (const Engine& one : all_engines())
+    if (one.name == name) return &one;
+  return nullptr;
+}
+
+Score solve(const std::string& problem_name, const std::string& engine_name) {
+  for (const Problem& problem : all_problems())
+    if (problem.name == problem_name) return problem.solve(*engine(engine_name));
+  return {};
+}
+
+/// The bisection's width, the acceleration that still counts as none (problems.cc), and what the
+/// plugin's load lags and its table is off.
+constexpr double kThreshold = 1e-4 + 4e-4 + 1e-4;
+
+// These know e_n(P); a torque off by x shifts the least grip by at most x.
+TEST(Benchmark, EnginesThatKnowTheLoadFindTheTruth) {
+  for (const char* name : {"softfinger", "mujoco_plugin"}) {
+    if (!engine(name)) continue;
+    SCOPED_TRACE(name);
+    for (const char* problem : {"twist", "pinch", "tilt"}) {
+      const Score score = solve(problem, name);
+      EXPECT_EQ(score.failure, "");
+      ASSERT_TRUE(score.worst()) << problem;
+      EXPECT_NEAR(score.worst()->error(), 0, kThreshold) << problem << ", " << score.worst()->what;
+      EXPECT_GT(score.steps_per_s(), 0);
+    }
+  }
+}
+
+// A constant e_n, exact at 2 N, is off as e_n is: at 0.2 and 20 N.
+TEST(Benchmark, EnginesWithAConstantAreOffByThePowerOfTheLoad) {
+  for (const char* name : {"mujoco_exported", "bullet_exported"}) {
+    if (!engine(name)) continue;
+    SCOPED_TRACE(name);
+    const Score score = solve("twist", name);
+    ASSERT_EQ(score.measured.size(), 5u);
+    const double nominal = score.measured[2].truth / 2;
+    for (std::size_t i = 0; i < 5; ++i) {
+      const double load_N = std::array{0.2, 2. / 3, 2., 6., 20.}[i];
+      EXPECT_NEAR(score.measured[i].value / load_N / nominal, 1, kThreshold);
+    }
+  }
+}
+
+TEST(Benchmark, AnOrdinaryContactPointHasNoTorque) {
+  if (!engine("mujoco_default")) GTEST_SKIP() << "MuJoCo is not there";
+  for (const Measured& measured : solve("twist", "mujoco_default").measured)
+    EXPECT_EQ(measured.value, 0);
+}
+
+TEST(Benchmark, ThePageHasEveryNumberAndNamesAbsentEngines) {
+  Results results;
+  const Engine broken = {"broken", "A <broken> one", "nothing", [](const Scene&) {
+                           Motion motion;
+                           motion.failure = "it broke";
+                           return motion;
+                         }};
+  results.engines = {&broken};
+  for (const Problem& problem : all_problems()) results.problems.push_back(&problem);
+  results.scores.emplace_back();
+  for (const Problem* problem : results.problems)
+    results.scores.back().push_back(problem->solve(broken));
+  const std::string page = render_page(results);
+  EXPECT_NE(page.find("it broke"), std::string::npos);
+  EXPECT_NE(page.find("A &lt;broken&gt; one"), std::string::npos);
+  EXPECT_EQ(page.find(">nan"), std::string::npos);
+  EXPECT_EQ(page.find(">inf"), std::string::npos);
+  for (const AbsentEngine& absent : absent_engines())
+    EXPECT_NE(page.find(absent.package), std::string::npos);
+  const nlohmann::json json = to_json(results);
+  EXPECT_EQ(json["engines"][0]["problems"]["pinch"]["failure"], "it broke");
+}
+
+}  // namespace
+}  // namespace softfinger::benchmark
