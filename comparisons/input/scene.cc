@@ -689,6 +689,14 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
   rule.friction = read_own_law(table);
   if (const toml::node* collide = table.get("collide"))
     rule.collide = reader_.boolean(*collide, "collide");
+  if (const toml::node* presliding = table.get("presliding")) {
+    rule.presliding = reader_.boolean(*presliding, "presliding");
+    if (rule.presliding && (std::holds_alternative<RigidPoint>(rule.model) ||
+                            std::holds_alternative<GivenEccentricity>(rule.model)))
+      reader_.refuse(*presliding, "presliding",
+                     "false with this model: the stiffness needs the contact's ellipse, from "
+                     "model = \"auto\", \"table\" or a pressure model");
+  }
   return rule;
 }
 
@@ -697,10 +705,10 @@ void SceneReader::read_rules() {
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
   for (const toml::table* table : tables("contact", kMostContactRules)) {
-    reader_.check_keys(
-        *table, "[[contact]]",
-        {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa", "model",
-         "eccentricity_mm", "eccentricity_table", "friction", "limit_surface", "collide"});
+    reader_.check_keys(*table, "[[contact]]",
+                       {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa",
+                        "model", "eccentricity_mm", "eccentricity_table", "friction",
+                        "limit_surface", "collide", "presliding"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)

@@ -28,10 +28,18 @@ double interpolate(const Points& points, double x) noexcept {
   return h00 * left.y + h10 * width * left.slope + h01 * right.y + h11 * width * right.slope;
 }
 
+/// Ends a curve at `limit`: by a parabola, which goes on with the last slope.
+void finish(std::vector<CurvePoint>& points, double limit) {
+  const CurvePoint last = points.back();
+  // Round-off may leave nothing to the limit.
+  const double width = std::max(2 * (limit - last.y) / last.slope, 1e-3 * last.x);
+  points.push_back({last.x + width, limit, 0});
+}
+
 /// Radii of the disc that sticks, from nearly the whole contact to hardly any.
 std::vector<double> stick_radii() {
   constexpr int kOuter = 70, kInner = 26;
-  constexpr double kTurn = 0.45 * kPi, kLeast = 1e-3;  // the inner ones fall by this factor
+  constexpr double kTurn = 0.45 * kPi, kLeast = 1e-2;  // the inner ones fall by this factor
   std::vector<double> radii;
   for (int i = 1; i <= kOuter; ++i) radii.push_back(std::cos(kTurn * i / kOuter));
   for (int i = 1; i <= kInner; ++i)
@@ -67,7 +75,7 @@ std::vector<CurvePoint> half_space_twist(double exponent) {
     }
     points.push_back({stiffness * angle / max_torque, torque / max_torque, c * c * c});
   }
-  points.push_back({2 * points.back().x, 1, 0});
+  finish(points, 1);
   return points;
 }
 
@@ -89,8 +97,7 @@ std::vector<CurvePoint> sheared_ring(double exponent) {
     points.push_back({pressure / c, 0.25 * pressure * c * c * c + slipping, 0.25 * c * c * c * c});
   }
   // int_0^1 (1 - s²)^n s² ds
-  points.push_back(
-      {2 * points.back().x, 0.5 * torque_arm_exact_m(1, 1, exponent) / (exponent + 1), 0});
+  finish(points, 0.5 * torque_arm_exact_m(1, 1, exponent) / (exponent + 1));
   return points;
 }
 
@@ -124,7 +131,7 @@ class ThinTwist {
 }  // namespace
 
 TwistCurve::TwistCurve(double exponent, double aspect) {
-  const double n = std::clamp(exponent, 0., 50.), b = std::clamp(aspect, 1e-3, 1.);
+  const double n = std::clamp(exponent, 0.4, 50.), b = std::clamp(aspect, 1e-3, 1.);
   const std::vector<CurvePoint> circle = half_space_twist(n);
   if (b == 1) {
     for (const CurvePoint& point : circle) knots_.push_back({point.x, point.y, point.slope});
@@ -133,15 +140,19 @@ TwistCurve::TwistCurve(double exponent, double aspect) {
   const std::vector<CurvePoint> ring = sheared_ring(n);
   const ThinTwist long_one(ring, b), round_one(ring, 1);
   const auto ratio = [&](double x) { return long_one(x) / round_one(x); };
-  for (const CurvePoint& point : circle) {
-    if (point.x == 0 || point.slope == 0) {
-      knots_.push_back({point.x, point.y, point.slope});
-      continue;
-    }
+  const auto add = [&](const CurvePoint& point) {
     const double step = 1e-4 * point.x, here = ratio(point.x);
     const double slope = (ratio(point.x + step) - ratio(point.x - step)) / (2 * step);
     knots_.push_back({point.x, point.y * here, point.slope * here + point.y * slope});
-  }
+  };
+  knots_.push_back({0, 0, 1});
+  for (std::size_t i = 1; i < circle.size(); ++i) add(circle[i]);
+  // The middle of a thin layer is the last to slip, long after that of the half-space.
+  constexpr int kMore = 60;
+  constexpr double kFarther = 1.15;
+  double x = circle.back().x;
+  for (int i = 0; i < kMore; ++i) add({x *= kFarther, 1, 0});
+  knots_.push_back({2 * x, 1, 0});
 }
 
 double TwistCurve::operator()(double x) const noexcept {
