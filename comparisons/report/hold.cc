@@ -197,7 +197,7 @@ std::string in_words(const Hold& hold, const Recording& recording,
   if (near) text += fmt::format(" Nearest of those that never do comes {}.", nearness());
   const auto touches = [](const Hold::Contact& contact) { return contact.touches_at_end; };
   if (const auto again = hold.holds_again_s())
-    text += fmt::format(" From {} on it holds again.", instant(*again));
+    text += fmt::format(" From {} on no {} slips any more.", instant(*again), kind);
   else if (std::none_of(hold.contacts.begin(), hold.contacts.end(), touches))
     text += fmt::format(" At the end no {} is left.", kind);
   return text;

@@ -108,11 +108,18 @@ void PreslidingContacts::settle(const TimeStepper& stepper) {
     }
     const double largest_force_N = stepper.friction_coefficient(i) * load_N;
     PreslidingElements& elements = held->second.elements;
-    held->second.load_N = load_N;
-    elements.set_limits(*stuck, largest_force_N, largest_force_N * stepper.eccentricity_m(i));
+    const auto press = [&] {
+      elements.set_limits(*stuck, largest_force_N, largest_force_N * stepper.eccentricity_m(i));
+    };
+    // A new contact holds nothing until it has a load. Later what the step was solved with is moved
+    // first: the new load then takes energy out of the springs only.
+    if (!held->second.is_pressed) press();
+    held->second.is_pressed = true;
     const Eigen::Vector3d reached(wrench.tangent_force_1_N, wrench.tangent_force_2_N,
                                   wrench.torque_Nm);
     elements.move((contact.elastic_wrench - reached).cwiseProduct(contact.compliance));
+    press();
+    held->second.load_N = load_N;
   }
 }
 

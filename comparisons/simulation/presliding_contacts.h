@@ -32,6 +32,7 @@ class PreslidingContacts {
   struct Held {
     PreslidingElements elements;
     double load_N;
+    bool is_pressed = false;  ///< has had a load
     /// The contact's first axis as it was, on its body a.
     Eigen::Vector3d axis_on_a = Eigen::Vector3d::Zero();
   };
