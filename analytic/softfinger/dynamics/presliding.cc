@@ -5,22 +5,39 @@
 
 namespace softfinger {
 
-PreslidingElements::PreslidingElements(const ShiftCurve& shift, const TwistCurve& twist,
-                                       int elements)
-    : elements_(std::size_t(std::clamp(elements, 2, 100))) {
-  // Where one element after the other slides: evenly in ln x, and closely enough at the start that
-  // the first chord is nearly as steep as the curve.
-  constexpr double kFirst = 0.03, kLast = 12;
+namespace {
+
+/// Heights of a curve at which one element after the other slides: close at the start, so that the
+/// first chord is nearly as steep as the curve, and at the end, where the curve is flat.
+constexpr std::array<double, 16> kHeights = {0.01, 0.03, 0.07, 0.13, 0.2,  0.28, 0.36, 0.44,
+                                             0.52, 0.6,  0.68, 0.76, 0.84, 0.91, 0.96, 0.995};
+
+/// Where a curve reaches a height.
+template <class Curve>
+double place_of(const Curve& curve, double height) {
+  double low = 0, high = 1;
+  while (curve(high) < height) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (curve(middle) < height ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+PreslidingElements::PreslidingElements(const ShiftCurve& shift, const TwistCurve& twist) {
   const std::size_t count = elements_.size();
-  std::vector<double> x(count + 2, 0.);
-  for (std::size_t i = 0; i < count; ++i)
-    x[i + 1] = kFirst * std::pow(kLast / kFirst, double(i) / double(count - 1));
-  x[count + 1] = 2 * kLast;
   const auto share = [&](const auto& curve, double Element::*stiffness, double Element::*limit) {
-    const double last = curve(kLast);
-    // What the curve gains beyond the last place would be a spring that never slides.
-    const auto value = [&](std::size_t i) { return i > count ? 1. : curve(x[i]) / last; };
-    const auto chord = [&](std::size_t i) { return (value(i + 1) - value(i)) / (x[i + 1] - x[i]); };
+    std::array<double, kHeights.size() + 1> x{}, y{};
+    for (std::size_t i = 0; i < count; ++i) {
+      x[i + 1] = place_of(curve, kHeights[i]);
+      // All elements together reach the limit.
+      y[i + 1] = i + 1 < count ? kHeights[i] : 1;
+    }
+    const auto chord = [&](std::size_t i) {
+      return i < count ? (y[i + 1] - y[i]) / (x[i + 1] - x[i]) : 0;
+    };
     for (std::size_t i = 0; i < count; ++i) {
       elements_[i].*stiffness = std::max(0., chord(i) - chord(i + 1));
       elements_[i].*limit = elements_[i].*stiffness * x[i + 1];

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <array>
 
 #include "softfinger/friction/partial_slip.h"
 #include "softfinger/layer/stuck_stiffness.h"
@@ -21,9 +21,8 @@ namespace softfinger {
 /// back. A part that joins the contact joins unstrained.
 class PreslidingElements {
  public:
-  /// @param elements  2 to 100: the curves are replaced by that many chords. 16 are within 0.6 % of
-  ///   the limit.
-  PreslidingElements(const ShiftCurve& shift, const TwistCurve& twist, int elements = 16);
+  /// The curves are replaced by 16 chords, within 0.6 % of the limit.
+  PreslidingElements(const ShiftCurve& shift, const TwistCurve& twist);
 
   /// Of all elements before they slide: a little less than the stuck stiffness, as of a chord.
   Eigen::Vector3d stiffness() const;
@@ -51,7 +50,7 @@ class PreslidingElements {
   };
   void return_to_limit(Element& element) const;
 
-  std::vector<Element> elements_;
+  std::array<Element, 16> elements_;
   Eigen::Vector3d stiffness_ = Eigen::Vector3d::Zero();  ///< stuck: k_x, k_y, k_t
   double largest_force_N_ = 0, largest_torque_Nm_ = 0;
 };
