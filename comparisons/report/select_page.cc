@@ -319,8 +319,9 @@ Html scene_pairs(const Json& selection) {
     const Json& candidate = candidate_named(choice, model);
     rows += html(
         "<tr><th scope=\"row\"><a href=\"#pair-{}\">{}</a></th><td class=\"words\">{}</td><td "
+        "class=\"words\">{}</td><td "
         "class=\"words\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-        index, names, text(choice, "detail"),
+        index, names, text(choice, "detail"), text(choice, "friction"),
         model == "rigid"   ? Html("none")
         : model == "table" ? Html("finite elements")
                            : model_key(selection, model),
@@ -334,7 +335,8 @@ Html scene_pairs(const Json& selection) {
   if (rows.empty()) return "";
   return "<h2 id=\"choice\">Pair by pair</h2>\n<div class=\"scroll\" tabindex=\"0\"><table><thead>"
          "<tr><th scope=\"col\">bodies</th><th scope=\"col\" class=\"words\">contact</th><th "
-         "scope=\"col\" class=\"words\">model</th><th scope=\"col\">torque within</th><th "
+         "scope=\"col\" class=\"words\">friction law</th><th scope=\"col\" "
+         "class=\"words\">model</th><th scope=\"col\">torque within</th><th "
          "scope=\"col\">of its limit used</th><th scope=\"col\">largest load</th></tr></thead>\n"
          "<tbody>" +
          rows + "</tbody></table></div>\n" + sections;
