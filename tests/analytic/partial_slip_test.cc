@@ -149,7 +149,7 @@ void expect_backbone(const Curve& curve, double near_one) {
 }
 
 TEST(TwistCurve, RisesConcavelyFromSlopeOneToOne) {
-  for (const double exponent : {0.4, 0.5, 0.66, 1., 2., 6.})
+  for (const double exponent : {0.5, 0.55, 0.66, 1., 2., 6.})
     for (const double aspect : {1., 0.9, 0.5, 0.2, 0.05})
       // What slips is a rim of the depth x^(1/(n + 1/2)) in 1 - r²; the slope is 1 - 3/2 of that.
       expect_backbone(TwistCurve(exponent, aspect), 3 * std::pow(1e-9, 1 / (exponent + 0.5)));

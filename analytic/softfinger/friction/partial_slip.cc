@@ -5,7 +5,7 @@
 
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/input/constants.h"
-#include "softfinger/layer/gauss_legendre.h"
+#include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger {
 namespace {
@@ -131,7 +131,7 @@ class ThinTwist {
 }  // namespace
 
 TwistCurve::TwistCurve(double exponent, double aspect) {
-  const double n = std::clamp(exponent, 0.4, 50.), b = std::clamp(aspect, 1e-3, 1.);
+  const double n = std::clamp(exponent, 0.5, 50.), b = std::clamp(aspect, 1e-3, 1.);
   const std::vector<CurvePoint> circle = half_space_twist(n);
   if (b == 1) {
     for (const CurvePoint& point : circle) knots_.push_back({point.x, point.y, point.slope});

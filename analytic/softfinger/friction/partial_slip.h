@@ -27,7 +27,7 @@ namespace softfinger {
 /// (partial_slip_test.cc prints them).
 class TwistCurve {
  public:
-  /// @param exponent  n, 0.4 to 50. equivalent_exponent gives that of a prediction: the curve then
+  /// @param exponent  n, 0.5 to 50. equivalent_exponent gives that of a prediction: the curve then
   ///   has its T_max.
   /// @param aspect    b/a, 1e-3 to 1
   /// Others are taken for the nearest of these. Allocates; 0.2 ms, 1 ms for an ellipse.
