@@ -11,6 +11,7 @@
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/robot_input.h"
+#include "comparisons/report/hold.h"
 #include "comparisons/report/motion_page.h"
 #include "comparisons/simulation/control.h"
 #include "comparisons/simulation/frame_json.h"
@@ -38,7 +39,11 @@ volatile std::sig_atomic_t interrupted = 0;
 nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
   const Recording& recording = run.recording;
   const Frame& last = recording.frames.back();
+  const auto tracks = report::follow_contacts(recording);
+  const report::Hold hold = report::examine_hold(recording, tracks);
   return {{"scene", scene.id},
+          {"hold", report::to_json(hold, recording, tracks)},
+          {"verdict", report::in_words(hold, recording, tracks)},
           {"steps", run.steps},
           {"simulated_s", last.time_s},
           {"wall_s", run.wall_s},
@@ -59,7 +64,9 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
 
 std::string summary(const nlohmann::json& result) {
   const auto number = [&](const char* key) { return result.at(key).get<double>(); };
-  std::string text = fmt::format(
+  const std::string verdict = result["verdict"].get<std::string>();
+  std::string text = verdict.empty() ? "" : verdict + "\n";
+  text += fmt::format(
       "{}: {} steps, {:.4g} s simulated in {:.3g} s: {:.0f} steps/s (median {:.3g} ms, 99 % below "
       "{:.3g} ms)\n"
       "  largest residual {:.1e}; up to {} contacts; e_n and load agree to {:.1e} after at most {} "

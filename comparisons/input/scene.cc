@@ -747,6 +747,14 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
   }
   if (const toml::node* collide = table.get("collide"))
     rule.collide = reader_.boolean(*collide, "collide");
+  if (const toml::node* presliding = table.get("presliding")) {
+    rule.presliding = reader_.boolean(*presliding, "presliding");
+    if (rule.presliding && (std::holds_alternative<RigidPoint>(rule.model) ||
+                            std::holds_alternative<GivenEccentricity>(rule.model)))
+      reader_.refuse(*presliding, "presliding",
+                     "false with this model: the stiffness needs the contact's ellipse, from "
+                     "model = \"auto\", \"table\" or a pressure model");
+  }
   return rule;
 }
 
@@ -758,7 +766,7 @@ void SceneReader::read_rules() {
     reader_.check_keys(*table, "[[contact]]",
                        {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa",
                         "model", "eccentricity_mm", "eccentricity_table", "friction",
-                        "limit_surface", "restitution", "collide"});
+                        "limit_surface", "restitution", "collide", "presliding"});
     const toml::node& pair = reader_.required(*table, "[[contact]]", "bodies");
     const toml::array* names = pair.as_array();
     if (!names || names->size() != 2)

@@ -59,6 +59,9 @@ struct ContactRule {
   const FrictionLaw* friction = nullptr;  ///< null: the scene's
   double restitution = 0;                 ///< Newton's
   bool collide = true;
+  /// Whether soft contacts give way elastically before they slide, see
+  /// softfinger/dynamics/presliding.h.
+  bool presliding = false;
 };
 
 /// A value over time: constant before the first and after the last point.

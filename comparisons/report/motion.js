@@ -2,10 +2,11 @@
 // its wrench against its limit. Everything else on the page is HTML already. d3 and Plot are
 // scripts of the page; three.js is bundled into this file.
 import {
-  ArrowHelper, BufferAttribute, BufferGeometry, CircleGeometry, Color, ConeGeometry,
-  CylinderGeometry, DirectionalLight, DoubleSide, FrontSide, GridHelper, Group, HemisphereLight,
-  LineBasicMaterial, LineLoop, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
-  PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer,
+  ArrowHelper, Box3, BufferAttribute, BufferGeometry, CircleGeometry, Color, ConeGeometry,
+  CylinderGeometry, DirectionalLight, DoubleSide, FrontSide, Frustum, GridHelper, Group,
+  HemisphereLight, LineBasicMaterial, LineLoop, Matrix4, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, Object3D, PerspectiveCamera, Quaternion, Scene, Sphere, Vector3,
+  WebGLRenderer,
 } from "three";
 import {OrbitControls} from "three/addons/controls/OrbitControls.js";
 
@@ -78,11 +79,10 @@ function createView(canvas) {
 
   const [low, high] = (data.extent_m ?? [[-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]]).map((p) => new Vector3(...p));
   const centre = low.clone().add(high).multiplyScalar(0.5);
-  const size = Math.max(low.distanceTo(high), 1e-6);
-  const camera = new PerspectiveCamera(30, 1, size / 100, size * 100);
+  const motionSize = Math.max(low.distanceTo(high), 1e-6);
+  const camera = new PerspectiveCamera(30, 1);
   const light = new DirectionalLight(0xffffff, 1.9);
-  light.position.set(-size, size, size); // with the camera: what is looked at is lit
-  camera.add(light);
+  camera.add(light, light.target);
   scene.add(camera, new HemisphereLight(0xffffff, 0x8a8f98, 1.7));
 
   // Bodies that touch something are told apart by colour; of many, the others are but scenery.
@@ -99,6 +99,41 @@ function createView(canvas) {
     geometry.computeVertexNormals();
     return geometry;
   });
+  // What the camera follows: the movable bodies that touch something, or all movable ones. Each is
+  // a ball around its shapes.
+  const balls = data.bodies.map((body) => {
+    const box = new Box3();
+    for (const shape of body.shapes) {
+      if (shape.half_space) continue;
+      const geometry = geometries[shape.geometry];
+      geometry.computeBoundingBox();
+      const [x, y, z, ...turn] = floats(shape.pose);
+      box.union(geometry.boundingBox.clone().applyMatrix4(new Matrix4().compose(new Vector3(x, y, z), new Quaternion(...turn), new Vector3(1, 1, 1))));
+    }
+    return box.isEmpty() ? null : box.getBoundingSphere(new Sphere());
+  });
+  const movable = d3.range(data.bodies.length).filter((body) => data.bodies[body].movable && balls[body]);
+  const gripped = movable.filter((body) => touching.has(body));
+  const followed = gripped.length ? gripped : movable;
+  const boxOf = (at) => {
+    const box = new Box3();
+    for (const body of followed) {
+      const first = 7 * (at * data.bodies.length + body);
+      const middle = balls[body].center.clone().applyQuaternion(new Quaternion().fromArray(poses, first + 3)).add(new Vector3().fromArray(poses, first));
+      box.union(new Sphere(middle, balls[body].radius).getBoundingBox(new Box3()));
+    }
+    return box;
+  };
+  const sizeOf = (box) => box.getSize(new Vector3()).length();
+  const followedSize = d3.max(times, (_, i) => sizeOf(boxOf(i))) ?? 0;
+  // A view of the whole motion would show the objects as specks, and a nearer one would lose them.
+  const leavesView = followed.length > 0 && motionSize > 1.6 * followedSize;
+  const size = leavesView ? Math.max(1.15 * followedSize, 1e-6) : motionSize; // of the picture
+  camera.near = size / 100;
+  camera.far = 100 * motionSize;
+  light.position.set(-size, size, size); // with the camera: what is looked at is lit
+  light.target.position.set(0, 0, -1.8 * size);
+
   const spacing = niceLength(size / 8);
   const bodies = data.bodies.map((body, index) => {
     const group = new Group();
@@ -113,7 +148,7 @@ function createView(canvas) {
         // The grid covers the motion and lies on the lines of the plane's own coordinates.
         material.polygonOffset = true;
         material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
-        const cells = 2 * Math.ceil(1.1 * size / spacing);
+        const cells = Math.min(400, 2 * Math.ceil(1.1 * motionSize / spacing));
         const grid = new GridHelper(cells * spacing, cells, colourOf("--floor-axis"), colourOf("--floor-line"));
         grid.rotation.x = Math.PI / 2;
         const middle = centre.clone().sub(mesh.position).applyQuaternion(mesh.quaternion.clone().invert());
@@ -214,16 +249,31 @@ function createView(canvas) {
       placeArrow(normal, marker.position.clone().sub(push), push);
       placeArrow(tangential, marker.position, axes[0].multiplyScalar(contact.f1 * metresPerNewton).addScaledVector(axes[1], contact.f2 * metresPerNewton));
     });
+    keepUp();
     draw();
   }
 
   const controls = new OrbitControls(camera, canvas);
   controls.addEventListener("change", draw);
+  let follows = leavesView;
+  let lookedAt = centre.clone(); // where the followed objects were when the camera was last moved
+  /** Moves the camera as far as the objects have moved: direction and distance stay the reader's. */
+  function keepUp() {
+    if (!follows) return;
+    const now = boxOf(frame).getCenter(new Vector3());
+    const moved = now.clone().sub(lookedAt);
+    lookedAt = now;
+    camera.position.add(moved);
+    controls.target.add(moved);
+    controls.update();
+  }
   function resetCamera() {
     const narrow = Math.min(1, camera.aspect);
-    const distance = 0.46 * size / Math.sin((Math.PI / 360) * camera.fov) / narrow;
-    camera.position.copy(centre).addScaledVector(new Vector3(0.85, -1.1, 0.6).normalize(), distance);
-    controls.target.copy(centre);
+    const seen = follows ? Math.max(1.15 * followedSize, 1e-6) : motionSize;
+    const distance = 0.46 * seen / Math.sin((Math.PI / 360) * camera.fov) / narrow;
+    lookedAt = follows ? boxOf(frame).getCenter(new Vector3()) : centre.clone();
+    camera.position.copy(lookedAt).addScaledVector(new Vector3(0.85, -1.1, 0.6).normalize(), distance);
+    controls.target.copy(lookedAt);
     controls.update();
   }
   let touched = false;
@@ -262,7 +312,15 @@ function createView(canvas) {
     gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     return new Set(new Uint32Array(pixels.buffer)).size > 16;
   }
+  /** Whether all that is followed lies in the picture. For the page's test. */
+  function seesObjects() {
+    camera.updateMatrixWorld();
+    const seen = new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+    return followed.every((body) => seen.containsPoint(bodies[body].position));
+  }
   return {
+    leavesView, seesObjects,
+    setFollow(isOn) { follows = isOn; touched = false; resetCamera(); draw(); },
     setFrame(newFrame) { frame = newFrame; show(); },
     setSelected(track) { selected = track; show(); },
     setSeeThrough(isOn) {
@@ -423,6 +481,11 @@ function drawCharts() {
   page.dataset.chartsDrawn = String(updates.length);
 }
 
+/** For the page's test. */
+const sayWhatIsSeen = () => {
+  if (view) Object.assign(page.dataset, {follows: String(element("follow").checked), objectsInView: String(view.seesObjects())});
+};
+
 const nearestFrame = (time) => d3.bisectCenter(times, time);
 
 function setFrame(newFrame) {
@@ -441,6 +504,7 @@ function setFrame(newFrame) {
   });
   if (data.tracks.length) element("state").textContent = describe(history[frame][selected]);
   page.dataset.frame = String(frame);
+  sayWhatIsSeen();
 }
 
 function select(track) {
@@ -516,6 +580,9 @@ function start() {
   for (const id of ["magnification", "force_scale"]) element(id).addEventListener("change", () => view?.show());
   element("see_through").addEventListener("change", (event) => view?.setSeeThrough(event.target.checked));
   element("reset").addEventListener("click", () => view?.reset());
+  element("follow").checked = Boolean(view?.leavesView);
+  element("follow").disabled = !view;
+  element("follow").addEventListener("change", (event) => { view?.setFollow(event.target.checked); sayWhatIsSeen(); });
 
   // The contact with the largest force of all says most.
   const strongest = d3.greatest(allContacts, (contact) => contact.P);

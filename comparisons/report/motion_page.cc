@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "comparisons/report/embedded.h"
+#include "comparisons/report/hold.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/motion_data.h"
 #include "comparisons/report/page.h"
@@ -45,6 +46,14 @@ Html summary(const Recording& recording, const std::vector<ContactTrack>& tracks
   return text + "</p>\n";
 }
 
+/// The answer: whether it holds, until when, what slips first, how near the rest is to it.
+Html verdict(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+  const std::string words = in_words(examine_hold(recording, tracks), recording, tracks);
+  if (words.empty()) return "";
+  const std::size_t colon = words.find(':');
+  return html("<p class=\"lead\"><b>{}</b>{}</p>\n", words.substr(0, colon), words.substr(colon));
+}
+
 /// Where it ends: what still moves, what slides, what is nearest to it.
 Html outcome(const Recording& recording) {
   if (recording.frames.size() < 2) return "";
@@ -59,8 +68,8 @@ Html outcome(const Recording& recording) {
     if (recording.bodies[body].movable &&
         (fastest == recording.bodies.size() || unrest(body) > unrest(fastest)))
       fastest = body;
-  Html text = html("<p class=\"lead\">At the end, after {}\u00a0s, ",
-                   plain(end.time_s - recording.frames.front().time_s));
+  Html text =
+      html("<p>At the end, after {}\u00a0s, ", plain(end.time_s - recording.frames.front().time_s));
   if (fastest == recording.bodies.size()) {
     text += "nothing can move";
   } else if (unrest(fastest) < 1) {
@@ -107,6 +116,7 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 <label class="of_contacts">forces <select id="force_scale"></select></label>
 <span class="of_contacts"><i class="arrow normal"></i> normal <i class="arrow tangential"></i> tangential</span>
 <label><input type="checkbox" id="see_through"> see through bodies</label>
+<label><input type="checkbox" id="follow"> follow the objects</label>
 <button type="button" id="reset">Reset view</button>
 </div>
 <p class="contacts_head of_contacts">Contacts, with their normal force and utilisation now:</p>
@@ -231,7 +241,8 @@ std::string motion_page(const Recording& recording, const MotionPageOptions& opt
   const std::vector<ContactTrack> tracks = follow_contacts(recording);
   const Html body =
       html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n", recording.scene,
-           recording.question, outcome(recording) + summary(recording, tracks)) +
+           recording.question,
+           verdict(recording, tracks) + outcome(recording) + summary(recording, tracks)) +
       (recording.frames.empty() ? Html("") : kPlayer) + final_contacts(recording, tracks) +
       contacts_over_time(recording, tracks) + provenance(recording, options);
   return render_page({escape(recording.scene),

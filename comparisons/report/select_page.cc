@@ -279,8 +279,8 @@ Html select_body(const Json& selection) {
 std::string detail_in_words(const std::string& detail) {
   if (detail == "point") return "a point without torque";
   if (detail == "ellipsoid") return "a friction ellipsoid";
-  return detail == "fem_table" ? "the exact limit surface, e_n by finite elements"
-                               : "the exact limit surface";
+  if (detail == "six_patches") return "six patches";
+  return detail == "fem_table" ? "e_n by finite elements" : "the exact limit surface";
 }
 
 Html scene_lead(const Json& selection) {
@@ -295,10 +295,12 @@ Html scene_lead(const Json& selection) {
                          count == 1 ? "needs" : "need", detail_in_words(detail)));
   const Json& change = child(selection, "motion_change");
   return html(
-      "<p class=\"lead\">{}.</p>\n<p>A step takes {} instead of {} with the bonded layer and "
+      "<p class=\"lead\">{}.</p>\n<p><b>{}</b> A step takes {} instead of {} with the bonded "
+      "layer and "
       "exact limit surfaces everywhere. The motion changes by at most {} mm of {} mm and {}° of "
       "{}°: <b>{} {}</b>.</p>\n",
-      joined(needs, ", "), duration(1e-3 * number(selection, "step_ms_chosen").value_or(NAN)),
+      joined(needs, ", "), sentence(text(selection, "saving")),
+      duration(1e-3 * number(selection, "step_ms_chosen").value_or(NAN)),
       duration(1e-3 * number(selection, "step_ms_accurate").value_or(NAN)),
       significant(number(change, "position_m"), 1e3), significant(number(change, "travel_m"), 1e3),
       significant(number(change, "rotation_rad"), 180 / kPi),
@@ -317,8 +319,9 @@ Html scene_pairs(const Json& selection) {
     const Json& candidate = candidate_named(choice, model);
     rows += html(
         "<tr><th scope=\"row\"><a href=\"#pair-{}\">{}</a></th><td class=\"words\">{}</td><td "
+        "class=\"words\">{}</td><td "
         "class=\"words\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-        index, names, text(choice, "detail"),
+        index, names, text(choice, "detail"), text(choice, "friction"),
         model == "rigid"   ? Html("none")
         : model == "table" ? Html("finite elements")
                            : model_key(selection, model),
@@ -332,7 +335,8 @@ Html scene_pairs(const Json& selection) {
   if (rows.empty()) return "";
   return "<h2 id=\"choice\">Pair by pair</h2>\n<div class=\"scroll\" tabindex=\"0\"><table><thead>"
          "<tr><th scope=\"col\">bodies</th><th scope=\"col\" class=\"words\">contact</th><th "
-         "scope=\"col\" class=\"words\">model</th><th scope=\"col\">torque within</th><th "
+         "scope=\"col\" class=\"words\">friction law</th><th scope=\"col\" "
+         "class=\"words\">model</th><th scope=\"col\">torque within</th><th "
          "scope=\"col\">of its limit used</th><th scope=\"col\">largest load</th></tr></thead>\n"
          "<tbody>" +
          rows + "</tbody></table></div>\n" + sections;

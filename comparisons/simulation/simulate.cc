@@ -14,6 +14,7 @@
 #include "comparisons/input/recorded_contacts.h"
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
+#include "comparisons/simulation/presliding_contacts.h"
 #include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/shear_limit.h"
@@ -87,12 +88,16 @@ class SceneContacts final : public ContactFinder {
 
   void find(const Multibody& bodies, double time_step_s, std::vector<Contact>& contacts) override {
     points_.clear();
+    presliding_.clear();
     origins_.clear();
     pressures_.clear();
     shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
     for (const TouchingPoint& point : points_) contacts.push_back(contact_at(point));
+    presliding_.prepare(bodies, contacts);
   }
+  /// After a step that is done.
+  void settle(const TimeStepper& stepper) { presliding_.settle(stepper); }
 
   CollisionDetector& detector() { return detector_; }
   /// Origin of a contact that the last `find` returned.
@@ -137,6 +142,7 @@ class SceneContacts final : public ContactFinder {
                                1 / point.radii.minor_m - of_a.yy_per_m, -of_a.xy_per_m};
     origin.pressure = &pressures_.emplace_back(*model, problem, rule.shear_law);
     contact.eccentricity_law = origin.pressure;
+    if (rule.presliding) presliding_.add(contact.id, *model, problem);
     if (const auto table = tables_.find(&rule); table != tables_.end())
       contact.eccentricity_law = &table->second;
     if (!origin.friction->shape) return;
@@ -155,6 +161,7 @@ class SceneContacts final : public ContactFinder {
   std::vector<TouchingPoint> points_;
   std::unordered_map<long, Origin> origins_;  ///< by the contact's id
   std::deque<ModelEccentricity> pressures_;   ///< a deque: contacts point into it
+  PreslidingContacts presliding_;
   std::vector<std::unique_ptr<const FrictionShape>> shapes_;
 };
 
@@ -388,6 +395,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
       result.failure = describe_failure(stepper, stepped);
       break;
     }
+    finder.settle(stepper);
     Frame reached = frame_after(stepped, stepper, finder, scene);
     if (!is_finite(reached)) {
       result.failure = fmt::format(

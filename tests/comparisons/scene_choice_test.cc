@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <variant>
 
 #include "softfinger/dynamics/eccentricity_law.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -82,6 +84,44 @@ TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
     EXPECT_NEAR(largest_torque(choice.scene) / largest_torque(layer), factor, 1e-6);
   }
   EXPECT_TRUE(choice.motion_holds) << "the reference has the tables too";
+}
+
+TEST(SceneChoice, TreatsContactsThatAreAlikeAlike) {
+  // One fingertip is 1 % larger and pulled at with less torque than the other, as by chance.
+  int calls = 0;
+  for (const double tolerance : {0.2, 0.05, 0.01}) {
+    input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/lift_box.toml");
+    bool is_first = true;
+    for (auto& body : scene.bodies)
+      for (auto& shape : body.shapes)
+        if (auto* sphere = std::get_if<input::Sphere>(&shape.kind); sphere && is_first) {
+          sphere->radius_m *= 0.99;
+          is_first = false;
+        }
+    ASSERT_FALSE(is_first);
+    const judgement::SceneChoice choice =
+        judgement::choose_for_scene(scene, tolerance, PretendedFem{1, 1e-3, calls}, silent);
+    ASSERT_EQ(choice.pairs.size(), 2u);
+    const judgement::PairChoice &left = choice.pairs[0], &right = choice.pairs[1];
+    EXPECT_EQ(left.detail, right.detail) << tolerance;
+    EXPECT_EQ(left.friction, right.friction);
+    EXPECT_EQ(left.model, right.model);
+    EXPECT_EQ(left.reason, right.reason);
+  }
+  EXPECT_LE(calls, 3) << "one table for both";
+}
+
+TEST(SceneChoice, SaysWhatIsSavedAndWhatIsNot) {
+  judgement::SceneChoice choice;
+  choice.accurate_step_ms = 0.259;
+  choice.chosen_step_ms = 0.248;
+  choice.models_step_ms = 2e-3;
+  EXPECT_NE(saving_in_words(choice).find("no time to save"), std::string::npos);
+  EXPECT_NE(saving_in_words(choice).find("2 µs of a step's 248 µs"), std::string::npos)
+      << saving_in_words(choice);
+  choice.chosen_step_ms = 0.1;
+  EXPECT_NE(saving_in_words(choice).find("saves 61 % of its 259 µs"), std::string::npos)
+      << saving_in_words(choice);
 }
 
 TEST(SceneChoice, SaysWhereFiniteElementsAreNotEnoughEither) {

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "comparisons/report/hold.h"
 #include "comparisons/report/motion_data.h"
 #include "from_base64.h"
 #include "page_text.h"
@@ -44,6 +46,83 @@ TEST(MotionPage, SaysWithoutScriptsWhatMovedAndWhatTouchesAtTheEnd) {
   for (const char* part : {"thumb – box", "<td>4.000</td>", "<td>3.20</td>", "winkler", "sticks"})
     EXPECT_TRUE(contains(final_table, part)) << part;
   EXPECT_FALSE(contains(final_table, "table – box")) << "it has been lifted";
+}
+
+TEST(MotionPage, AnswersInItsFirstLine) {
+  const std::string text = without_scripts(motion_page(tests::sample_motion(), {}));
+  const std::size_t lead = text.find("class=\"lead\"");
+  ASSERT_NE(lead, std::string::npos);
+  EXPECT_EQ(text.find("<p", text.find("class=\"subtitle\"")), lead - 3)
+      << "nothing comes before it";
+  const std::string first = text.substr(lead, text.find("</p>", lead) - lead);
+  EXPECT_TRUE(contains(first, "<b>It holds until 1.2")) << first;
+  EXPECT_TRUE(contains(first, "then thumb – box slips first")) << first;
+  EXPECT_TRUE(contains(first, "From 1.9")) << first;
+}
+
+/// One finger on a block that is pulled along x by `slip_m(time)`.
+Recording pulled_block(const std::function<double(double)>& slip_m) {
+  Recording recording;
+  recording.time_step_s = 0.01;
+  recording.bodies = {{"finger", true, {}}, {"block", true, {}}};
+  for (int i = 0; i <= 100; ++i) {
+    simulation::Frame frame;
+    frame.time_s = 0.01 * i;
+    Eigen::Isometry3d block = Eigen::Isometry3d::Identity();
+    block.translation().x() = slip_m(frame.time_s);
+    frame.poses = {Eigen::Isometry3d::Identity(), block};
+    simulation::RecordedContact contact;
+    contact.a = 0;
+    contact.b = 1;
+    contact.semi_axis_a_m = contact.semi_axis_b_m = 2e-3;
+    contact.eccentricity_m = 1e-3;
+    contact.slides = slip_m(frame.time_s) != slip_m(frame.time_s - 0.01);
+    contact.utilisation = contact.slides ? 1 : 0.9 * frame.time_s;
+    frame.contacts.push_back(contact);
+    recording.frames.push_back(frame);
+  }
+  return recording;
+}
+
+TEST(Hold, MeasuresWhenAndHowFarAContactSlips) {
+  const Recording recording =
+      pulled_block([](double t) { return t < 0.495 ? 0 : 2e-3 * (t - 0.495); });
+  const auto tracks = follow_contacts(recording);
+  const Hold hold = examine_hold(recording, tracks);
+  ASSERT_TRUE(hold.first_slip());
+  EXPECT_FALSE(hold.holds());
+  EXPECT_NEAR(*hold.first_slip()->slips_from_s, 0.5, 1e-12);
+  EXPECT_NEAR(hold.first_slip()->slip_m, 2e-3 * (1 - 0.495), 1e-12);
+  EXPECT_NEAR(hold.first_slip()->utilisation, 0.9 * 0.49, 1e-12);
+  EXPECT_FALSE(hold.nearest());
+  EXPECT_FALSE(hold.holds_again_s());
+  EXPECT_TRUE(contains(in_words(hold, recording, tracks),
+                       "It holds until 0.5\u00a0s: then finger – block slips first"));
+}
+
+TEST(Hold, StatesTheNearestContactWhereNoneSlips) {
+  const Recording recording = pulled_block([](double) { return 0; });
+  const auto tracks = follow_contacts(recording);
+  const Hold hold = examine_hold(recording, tracks);
+  EXPECT_TRUE(hold.holds());
+  ASSERT_TRUE(hold.nearest());
+  EXPECT_NEAR(hold.nearest()->utilisation, 0.9, 1e-12);
+  EXPECT_EQ(to_json(hold, recording, tracks)["holds"], true);
+}
+
+TEST(Hold, DoesNotCountSlidesTooSmallToSee) {
+  // Each slide is of half the least slip; a rest of ten instants lies between them.
+  const auto slides = [](double t) { return Hold::kLeastSlip_m / 2 * std::floor(t / 0.2 + 1e-9); };
+  const Recording recording = pulled_block(slides);
+  EXPECT_TRUE(examine_hold(recording, follow_contacts(recording)).holds());
+}
+
+TEST(Hold, SaysWhenItHoldsAgain) {
+  const Recording recording =
+      pulled_block([](double t) { return 1e-2 * std::clamp(t - 0.295, 0., 0.2); });
+  const Hold hold = examine_hold(recording, follow_contacts(recording));
+  ASSERT_TRUE(hold.holds_again_s());
+  EXPECT_NEAR(*hold.holds_again_s(), 0.51, 1e-12);
 }
 
 TEST(MotionPage, EscapesNamesInTextAndData) {

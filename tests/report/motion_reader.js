@@ -49,6 +49,10 @@ async function read(page) {
       select.dispatchEvent(new Event("change"));
     }
   the("see_through").click();
+  // Off and on again: what the camera follows by itself is stated before.
+  page.dataset.followsByDefault = page.dataset.follows ?? "none";
+  the("follow").click();
+  the("follow").click();
   let selected = 0;
   all(".contact").forEach((button, i) => {
     button.click();

@@ -279,6 +279,37 @@ TEST(SelectPage, SaysChoiceErrorsCausesAndCommandWithoutJavaScript) {
       EXPECT_TRUE(contains(numbers, 100 * model["quantiles"]["area"][key].get<double>(), 0.05));
 }
 
+TEST(SelectPage, OfASceneSaysWhatIsSavedAndWhatEachPairNeeds) {
+  const auto pair = [](const char* name) {
+    return Json{{"bodies", {"object", name}},
+                {"detail", "six_patches"},
+                {"friction", "six_patches"},
+                {"model", "bonded_layer"},
+                {"utilisation", 0.84},
+                {"load_N", 5},
+                {"reason", "at its limit the ellipsoid is off by 6 %"},
+                {"candidates", Json::array()}};
+  };
+  const Json selection = {
+      {"scene", "lift_<box>"},
+      {"tolerance", 0.05},
+      {"choices", {pair("left"), pair("right")}},
+      {"motion_holds", true},
+      {"motion_change",
+       {{"position_m", 1e-4}, {"travel_m", 0.04}, {"rotation_rad", 0}, {"turn_rad", 0.1}}},
+      {"step_ms_accurate", 0.5},
+      {"step_ms_chosen", 0.25},
+      {"saving", "a step saves 50 % of its 500 µs"},
+      {"provenance", {{"command", "softfinger select lift_box --output x"}}}};
+  const std::string page = without_scripts(render_scene_selection(selection));
+  for (const char* part :
+       {"lift_&lt;box&gt;", "2 of 2 pairs need <b>six patches</b>",
+        "<b>A step saves 50 % of its 500 µs.</b>", "object – left", "object – right",
+        "<td class=\"words\">six_patches</td>", "<td>84.0\u00a0%</td>",
+        "At its limit the ellipsoid is off by 6 %.", "softfinger select lift_box --output x"})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+}
+
 TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {
   Json report = tests::sample_report();
   EXPECT_NE(render_report(report).find("id=\"maps\""), std::string::npos);

@@ -236,6 +236,17 @@ Recording large_motion() {
   return recording;
 }
 
+Recording far_motion() {
+  Recording recording = sample_motion(200);
+  recording.scene = "box_carried_away";
+  for (Frame& frame : recording.frames) {
+    const Vector3d aside_m(1.5 * ramp(frame.time_s, 0.5, 2), 0, 0);
+    for (std::size_t body = 0; body < 3; ++body) frame.poses[body].pretranslate(aside_m);
+    for (RecordedContact& contact : frame.contacts) contact.point_m += aside_m;
+  }
+  return recording;
+}
+
 Recording motion_without_contacts() {
   Recording recording = sample_motion(50);
   recording.scene = "free_fall";

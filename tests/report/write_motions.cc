@@ -21,7 +21,7 @@ int main(int argc, char** argv) try {
   options.command = "softfinger simulate box_in_pinch.toml --output motion";
   for (const auto& [name, recording] :
        {std::pair{"pinch", sample_motion()}, std::pair{"large", large_motion()},
-        std::pair{"without_contacts", motion_without_contacts()},
+        std::pair{"far", far_motion()}, std::pair{"without_contacts", motion_without_contacts()},
         std::pair{"one_frame", motion_of_one_frame()}, std::pair{"empty", empty_motion()}})
     write_framed(folder, name, softfinger::report::motion_page(recording, options),
                  "motion_reader.js");

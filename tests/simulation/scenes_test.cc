@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "comparisons/simulation/simulate.h"
 #include "softfinger/friction/friction_shape.h"
@@ -304,6 +306,39 @@ TEST(BuiltinScenes, LetTheCurvedObjectTurnInTheGrasp) {
       drags += (contact.a == 0 || contact.b == 0) && now.angle() > 1 * kPi / 180;
   }
   EXPECT_GT(drags, 100) << "and drags on the table while it turns";
+}
+
+/// How far the object of the drag scenes is turned from upright.
+double object_turn_rad(const Frame& frame) {
+  return Eigen::AngleAxisd(frame.poses[1].linear()).angle();
+}
+
+TEST(BuiltinScenes, CarryTheBoxWithoutSlip) {
+  const Simulation drag = simulate(input::read_scene(SOFTFINGER_SCENES "/drag_box.toml"));
+  ASSERT_EQ(drag.failure, "");
+  const Frame& end = drag.recording.frames.back();
+  EXPECT_NEAR(end.poses[1].translation().x(), 0.3, 1e-3);
+  EXPECT_GT(end.poses[1].translation().z(), 0.049) << "20 mm above where it lay, less the sag";
+  for (const Frame& frame : drag.recording.frames) EXPECT_LT(object_turn_rad(frame), 1e-3);
+}
+
+TEST(BuiltinScenes, DragTheCurvedObjectUntilItFalls) {
+  const Simulation drag = simulate(input::read_scene(SOFTFINGER_SCENES "/drag_curved.toml"));
+  ASSERT_EQ(drag.failure, "");
+  double most_rad = 0, dragged_m = 0;
+  const std::vector<Frame>& frames = drag.recording.frames;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    most_rad = std::max(most_rad, object_turn_rad(frames[i]));
+    const bool on_table =
+        std::any_of(frames[i].contacts.begin(), frames[i].contacts.end(),
+                    [](const RecordedContact& contact) { return contact.a == 0; });
+    if (on_table && object_turn_rad(frames[i]) > 5 * kPi / 180)
+      dragged_m += (frames[i].poses[1].translation() - frames[i - 1].poses[1].translation()).x();
+  }
+  EXPECT_GT(most_rad, 15 * kPi / 180) << "it turns in the grasp";
+  EXPECT_GT(dragged_m, 0.02) << "turned, it drags over the table";
+  EXPECT_LT(object_turn_rad(frames.back()), 0.5 * kPi / 180) << "it has fallen flat";
+  EXPECT_NEAR(frames.back().poses[1].translation().z(), 0.03, 1e-4);
 }
 
 TEST(BuiltinScenes, HundredContactsAreHundred) {

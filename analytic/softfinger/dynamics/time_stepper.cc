@@ -171,7 +171,22 @@ void TimeStepper::assemble() {
     island.problem.delassus.setZero(4 * int(island.rows.size()), 4 * int(island.rows.size()));
   for (std::size_t t = 0; t < touching_.size(); ++t)
     if (!touching_[t].empty()) add_tree(t);
+  add_compliance();
   describe_rebounds();
+}
+
+/// From tangential velocities to those of sliding.
+void TimeStepper::add_compliance() {
+  const double dt = options_.time_step_s;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& contact = contacts_[i];
+    if (contact.compliance.isZero(0)) continue;
+    const Place& place = place_of_row_[i];
+    islands_[std::size_t(place.island)].problem.delassus.diagonal().segment<3>(
+        4 * place.position + 1) += contact.compliance / (dt * dt);
+    problem_.free_velocity.segment<3>(4 * int(i) + 1) -=
+        contact.compliance.cwiseProduct(contact.elastic_wrench) / dt;
+  }
 }
 
 /// J v, four per row.

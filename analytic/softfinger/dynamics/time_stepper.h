@@ -26,6 +26,12 @@ struct Contact {
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
   long id = -1;  ///< the same from step to step for as long as the contact lasts
+  /// What the contact gives way elastically before it slides, along the axes and about the normal
+  /// (m/N, m/N, rad/(N m)): the friction wrench is `elastic_wrench`, that at the start of the step
+  /// on body `b`, less the elastic displacement in the step over the compliance, at its end. Zero:
+  /// it gives way by sliding only. See presliding.h.
+  Eigen::Vector3d compliance = Eigen::Vector3d::Zero();
+  Eigen::Vector3d elastic_wrench = Eigen::Vector3d::Zero();
 };
 
 /// Collision detection and contact geometry.
@@ -97,6 +103,11 @@ struct StepResult {
 /// move in second order instead (SmoothMotion), unless that would close a gap: then v' stands, of
 /// which the gaps know. So the energy of bodies that touch never grows, and that of bodies that do
 /// not touch stays. Joint limits are contacts without friction.
+///
+/// Where a contact gives way elastically, its sliding velocity takes the place of its tangential
+/// velocity J v': J v' + C (r/dt - f)/dt, C the compliance and f the wrench at the start. Implicit:
+/// no stiffness makes a step unstable.
+///
 /// Which motors are at their limits is found by trial: those that contradict the new velocities
 /// change, at the end one by one, which terminates (Murty's principal pivoting on a positive
 /// definite problem).
@@ -134,7 +145,8 @@ class TimeStepper {
   const Options& options() const { return options_; }
 
   /// Contacts of the last step, the mean force and torque that each exerts on body `b`, and the
-  /// relative velocities at the end of the step, in the order of ContactLcp.
+  /// relative velocities at the end of the step, in the order of ContactLcp; of a contact with
+  /// compliance the tangential ones are those of sliding.
   const std::vector<Contact>& contacts() const { return contacts_; }
   ContactWrench wrench(int contact) const;
   Eigen::Vector4d contact_velocity(int contact) const;
@@ -163,6 +175,7 @@ class TimeStepper {
   void factorise();
   void assemble();
   void add_tree(std::size_t tree);
+  void add_compliance();
   double approach_m_per_s(const Contact& contact) const;
   Eigen::VectorXd row_velocities(const Eigen::VectorXd& velocity) const;
   void describe_rebounds();

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
-#include "softfinger/layer/gauss_legendre.h"
+#include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger::fft {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "softfinger/input/constants.h"
-#include "softfinger/layer/gauss_legendre.h"
+#include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
-#include "softfinger/layer/gauss_legendre.h"
 #include "softfinger/layer/layer_limits.h"
 #include "softfinger/layer/spherical_bessel.h"
+#include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger {
 namespace {

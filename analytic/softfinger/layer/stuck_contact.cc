@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "softfinger/input/constants.h"
-#include "softfinger/layer/gauss_legendre.h"
 #include "softfinger/layer/spherical_bessel.h"
+#include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger {
 namespace {

@@ -19,7 +19,8 @@ using simulation::RecordedContact;
 using simulation::Recording;
 using simulation::Simulation;
 
-const char* const kContactDetailNames[4] = {"point", "ellipsoid", "limit_surface", "fem_table"};
+const char* const kContactDetailNames[5] = {"point", "ellipsoid", "six_patches", "limit_surface",
+                                            "fem_table"};
 
 namespace {
 
@@ -98,6 +99,64 @@ Choice choose_for_either_finger(const ContactProblem& problem, const SelectionOp
   return error(flat) > error(curved) ? flat : curved;
 }
 
+/// Fingers that mirror each other meet the same curvature but for the places that they happen to
+/// touch, and for how finely a mesh is cut.
+bool alike(const ContactProblem& first, const ContactProblem& other) {
+  constexpr double kNear = 0.02;
+  const auto near = [](double a, double b) { return std::abs(a - b) <= kNear * std::abs(b); };
+  const auto same = [](const ElasticLayer& layer, const ElasticLayer& another) {
+    return layer.thickness_m == another.thickness_m &&
+           layer.youngs_modulus_Pa == another.youngs_modulus_Pa &&
+           layer.poisson_ratio == another.poisson_ratio;
+  };
+  return near(first.radii.major_m, other.radii.major_m) &&
+         near(first.radii.minor_m, other.radii.minor_m) && same(first.layer, other.layer) &&
+         first.has_object_layer() == other.has_object_layer() &&
+         (!first.has_object_layer() || same(first.object_layer, other.object_layer)) &&
+         first.load.friction_coefficient == other.load.friction_coefficient;
+}
+
+/// Gives pairs that are alike the same demands: the largest of each.
+void share_demands(Uses& uses) {
+  std::vector<PairUse*> left;
+  for (auto& [pair, use] : uses) left.push_back(&use);
+  while (!left.empty()) {
+    const auto others = std::stable_partition(
+        left.begin(), left.end(),
+        [first = left.front()](PairUse* use) { return alike(first->problem, use->problem); });
+    PairChoice most = left.front()->choice;
+    ContactProblem problem = left.front()->problem;
+    for (auto use = left.begin(); use != others; ++use) {
+      const PairChoice& own = (*use)->choice;
+      most.least_load_N = std::min(most.least_load_N, own.least_load_N);
+      if (own.largest_load_N > most.largest_load_N) {
+        most.largest_load_N = own.largest_load_N;
+        problem = (*use)->problem;
+      }
+      most.utilisation = std::max(most.utilisation, own.utilisation);
+      most.torsion = std::max(most.torsion, own.torsion);
+      most.surface_change = std::max(most.surface_change, own.surface_change);
+    }
+    for (auto use = left.begin(); use != others; ++use) {
+      PairChoice& own = (*use)->choice;
+      most.a = own.a;
+      most.b = own.b;
+      own = most;
+      (*use)->problem = problem;
+    }
+    left.erase(left.begin(), others);
+  }
+}
+
+/// The cheapest friction law that is enough near the limit.
+/// @param surface_change  how far the ellipsoid is off there
+const input::FrictionLaw* sufficient_friction(double surface_change, double tolerance) {
+  // Of six patches, any ellipse; see six_patch_surface.h.
+  constexpr double kPatches = 0.021;
+  if (surface_change <= tolerance) return &input::kEllipsoidLaw;
+  return kPatches <= tolerance ? &input::kSixPatchesLaw : &input::kLimitSurfaceLaw;
+}
+
 void decide(PairUse& use, double tolerance) {
   PairChoice& choice = use.choice;
   // A contact that sticks goes on sticking with a smaller e_n, until its limit meets its wrench.
@@ -113,6 +172,7 @@ void decide(PairUse& use, double tolerance) {
     if (model->card().hot_path && !model->card().finite_strain && model->card().name != "power_law")
       options.models.emplace_back(model->card().name);
   choice.pressure = choose_for_either_finger(use.problem, options);
+  choice.friction = sufficient_friction(choice.surface_change, tolerance);
 
   if (choice.torsion <= tolerance) {
     choice.detail = ContactDetail::point;
@@ -124,6 +184,7 @@ void decide(PairUse& use, double tolerance) {
   if (choice.pressure.chosen < 0 &&
       (use.problem.has_object_layer() || !(radii.major_m <= kLongest * radii.minor_m))) {
     choice.detail = ContactDetail::limit_surface;
+    choice.friction = &input::kLimitSurfaceLaw;
     choice.model = "bonded_layer";
     choice.reason = "the most accurate there is, its error not known: " + choice.pressure.reason;
     return;
@@ -136,25 +197,26 @@ void decide(PairUse& use, double tolerance) {
   }
   const Candidate& model = choice.pressure.candidates[std::size_t(choice.pressure.chosen)];
   choice.model = model.model;
-  const bool exact = choice.surface_change > tolerance;
-  choice.detail = exact ? ContactDetail::limit_surface : ContactDetail::ellipsoid;
+  const bool is_ellipsoid = choice.friction == &input::kEllipsoidLaw;
+  choice.detail = is_ellipsoid                                ? ContactDetail::ellipsoid
+                  : choice.friction == &input::kSixPatchesLaw ? ContactDetail::six_patches
+                                                              : ContactDetail::limit_surface;
   choice.reason =
       fmt::format("works at {} of its limit, so e_n may be off by {}; {} is within {}; ",
                   percent(choice.utilisation), percent(choice.allowed_error), model.model,
                   percent(model.worst));
-  choice.reason +=
-      exact ? fmt::format("at its limit the ellipsoid is off by {}", percent(choice.surface_change))
-      : choice.surface_change > 0
-          ? fmt::format("at its limit the ellipsoid is off by {} only",
-                        percent(choice.surface_change))
-          : std::string("where it works ellipsoid and exact limit surface agree");
+  choice.reason += !is_ellipsoid ? fmt::format("at its limit the ellipsoid is off by {}",
+                                               percent(choice.surface_change))
+                   : choice.surface_change > 0
+                       ? fmt::format("at its limit the ellipsoid is off by {} only",
+                                     percent(choice.surface_change))
+                       : std::string("where it works ellipsoid and exact limit surface agree");
 }
 
 void set_rule(input::Scene& scene, const PairUse& use) {
   const PairChoice& choice = use.choice;
   input::ContactRule rule = scene.rule(choice.a, choice.b);
-  rule.friction = choice.detail >= ContactDetail::limit_surface ? &input::kLimitSurfaceLaw
-                                                                : &input::kEllipsoidLaw;
+  rule.friction = choice.detail == ContactDetail::point ? &input::kEllipsoidLaw : choice.friction;
   const bool has_own_table = std::holds_alternative<input::EccentricityOverLoad>(rule.model);
   if (choice.detail == ContactDetail::point)
     rule.model = input::RigidPoint{};
@@ -174,15 +236,6 @@ const Candidate* nearest_model(const Choice& choice) {
   for (const Candidate& candidate : choice.candidates)
     if (candidate.bound && (!nearest || candidate.worst < nearest->worst)) nearest = &candidate;
   return nearest;
-}
-
-bool alike(const ContactProblem& first, const ContactProblem& other) {
-  const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); };
-  return near(first.radii.major_m, other.radii.major_m) &&
-         near(first.radii.minor_m, other.radii.minor_m) &&
-         near(first.layer.thickness_m, other.layer.thickness_m) &&
-         first.layer.youngs_modulus_Pa == other.layer.youngs_modulus_Pa &&
-         first.layer.poisson_ratio == other.layer.poisson_ratio;
 }
 
 /// Tables for the pairs that need finite elements; pairs that are alike share one over the loads of
@@ -215,6 +268,7 @@ bool ask_finite_elements(Uses& uses, const FemTable& fem_table) {
       const Candidate* nearest = nearest_model(choice.pressure);
       if (nearest && nearest->worst <= error) {
         choice.detail = ContactDetail::limit_surface;
+        choice.friction = &input::kLimitSurfaceLaw;
         choice.model = nearest->model;
         continue;
       }
@@ -261,6 +315,63 @@ bool holds(const MotionChange& change, double tolerance) {
          change.rotation_rad <= tolerance * std::max(change.turn_rad, 0.) + kStill_rad;
 }
 
+const input::FrictionLaw* law_of(ContactDetail detail) {
+  return detail == ContactDetail::six_patches     ? &input::kSixPatchesLaw
+         : detail == ContactDetail::limit_surface ? &input::kLimitSurfaceLaw
+                                                  : &input::kEllipsoidLaw;
+}
+
+/// More detail where there is least, all pairs of that kind at once; then the most accurate models
+/// and friction laws.
+/// @returns whether there was any to add
+bool refine(Uses& uses, const MotionChange& change) {
+  ContactDetail least = ContactDetail::limit_surface;
+  bool any_cheap = false;
+  for (const auto& [pair, use] : uses) {
+    const PairChoice& choice = use.choice;
+    least = std::min(least, choice.detail);
+    any_cheap =
+        any_cheap || choice.friction != &input::kLimitSurfaceLaw ||
+        (!choice.model.empty() && choice.model != "table" && choice.model != "bonded_layer");
+  }
+  if (least >= ContactDetail::limit_surface && !any_cheap) return false;
+  for (auto& [pair, use] : uses) {
+    PairChoice& choice = use.choice;
+    const auto would_change = [&](const std::string& as) {
+      return fmt::format("as {}: the motion would change by {:.3g} mm, {:.3g}°", as,
+                         1e3 * change.position_m, change.rotation_rad * 180 / kPi);
+    };
+    if (least >= ContactDetail::limit_surface) {
+      if (choice.friction != &input::kLimitSurfaceLaw)
+        choice.reason += "; " + would_change(std::string(choice.friction->name));
+      choice.friction = &input::kLimitSurfaceLaw;
+    } else if (choice.detail == least) {
+      choice.reason = would_change(kContactDetailNames[int(least)]);
+      choice.detail = ContactDetail(int(least) + 1);
+      choice.friction = law_of(choice.detail);
+    } else {
+      continue;
+    }
+    if (choice.model != "table") choice.model = "bonded_layer";
+  }
+  return true;
+}
+
+/// See SceneChoice. A table is looked up in a tenth of a microsecond.
+double models_step_ms(const Uses& uses) {
+  constexpr double kTable_us = 0.1;
+  constexpr int kRounds = 2;
+  double cost_us = 0;
+  for (const auto& [pair, use] : uses) {
+    const PairChoice& choice = use.choice;
+    if (choice.model == "table") cost_us += kRounds * kTable_us;
+    for (const Candidate& candidate : choice.pressure.candidates)
+      if (candidate.model == choice.model && std::isfinite(candidate.cost_us))
+        cost_us += kRounds * candidate.cost_us;
+  }
+  return 1e-3 * cost_us;
+}
+
 /// @throws ConvergenceError when it does not reach its end
 Simulation run(const input::Scene& scene, const char* which) {
   Simulation simulation = simulation::simulate(scene);
@@ -296,10 +407,15 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
   Simulation reference = run(accurate, "the most accurate simulation");
 
   Uses uses = uses_of(accurate, reference.recording);
+  share_demands(uses);
   for (auto& [pair, use] : uses) decide(use, tolerance);
   if (ask_finite_elements(uses, fem_table)) {
     for (const auto& [pair, use] : uses)
-      if (use.choice.detail == ContactDetail::fem_table) set_rule(accurate, use);
+      if (use.choice.detail == ContactDetail::fem_table) {
+        PairUse exact = use;
+        exact.choice.friction = &input::kLimitSurfaceLaw;
+        set_rule(accurate, exact);
+      }
     progress(fmt::format("{}: the same with e_n of finite elements", scene.id));
     reference = run(accurate, "the most accurate simulation");
   }
@@ -314,30 +430,30 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
     result.change = change_between(reference.recording, chosen.recording);
     result.motion_holds = holds(result.change, tolerance);
     if (result.motion_holds) break;
-    // More detail where there is least, all pairs of that kind at once.
-    ContactDetail least = ContactDetail::limit_surface;
-    for (const auto& [pair, use] : uses) least = std::min(least, use.choice.detail);
-    bool cheap_model = false;
-    for (const auto& [pair, use] : uses)
-      cheap_model = cheap_model || (!use.choice.model.empty() && use.choice.model != "table" &&
-                                    use.choice.model != "bonded_layer");
-    if (least >= ContactDetail::limit_surface && !cheap_model) break;
+    if (!refine(uses, result.change)) break;
     ++result.refinements;
-    for (auto& [pair, use] : uses) {
-      PairChoice& choice = use.choice;
-      if (choice.detail == least && least < ContactDetail::limit_surface) {
-        choice.detail = ContactDetail(int(least) + 1);
-        choice.reason = fmt::format("as {}: the motion would change by {:.3g} mm, {:.3g}°",
-                                    kContactDetailNames[int(least)], 1e3 * result.change.position_m,
-                                    result.change.rotation_rad * 180 / kPi);
-      } else if (least < ContactDetail::limit_surface) {
-        continue;
-      }
-      if (choice.model != "table") choice.model = "bonded_layer";
-    }
   }
+  result.models_step_ms = models_step_ms(uses);
   for (auto& [pair, use] : uses) result.pairs.push_back(std::move(use.choice));
   return result;
+}
+
+std::string saving_in_words(const SceneChoice& choice) {
+  // The medians of two runs of the same scene differ by less than this on a quiet machine.
+  constexpr double kWorthwhile = 0.1;
+  const double saved = 1 - choice.chosen_step_ms / choice.accurate_step_ms;
+  const std::string models = fmt::format("the pressure models take {:.2g} µs of a step's {:.3g} µs",
+                                         1e3 * choice.models_step_ms, 1e3 * choice.chosen_step_ms);
+  if (!(choice.accurate_step_ms > 0)) return "nothing was simulated";
+  if (saved >= kWorthwhile)
+    return fmt::format(
+        "a step saves {} of its {:.3g} µs, by the friction laws and what the solver needs for "
+        "them: {}",
+        percent(saved), 1e3 * choice.accurate_step_ms, models);
+  return fmt::format(
+      "there is no time to save in this scene: {}, and the rest, finding contacts and solving for "
+      "them, remains whatever the models are",
+      models);
 }
 
 nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
@@ -348,6 +464,7 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
     entry["bodies"] = {choice.scene.bodies[std::size_t(pair.a)].name,
                        choice.scene.bodies[std::size_t(pair.b)].name};
     entry["detail"] = kContactDetailNames[int(pair.detail)];
+    entry["friction"] = pair.detail == ContactDetail::point ? "none" : pair.friction->name;
     entry["model"] = pair.detail == ContactDetail::point ? json("rigid") : json(pair.model);
     for (const Candidate& candidate : pair.pressure.candidates)
       if (candidate.model == pair.model) {
@@ -376,22 +493,26 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
             {"body", change.body}}},
           {"refinements", choice.refinements},
           {"step_ms_accurate", choice.accurate_step_ms},
-          {"step_ms_chosen", choice.chosen_step_ms}};
+          {"step_ms_chosen", choice.chosen_step_ms},
+          {"step_ms_models", choice.models_step_ms},
+          {"saving", saving_in_words(choice)}};
 }
 
 std::string table(const SceneChoice& choice, double tolerance) {
   std::string text;
   for (const PairChoice& pair : choice.pairs)
-    text += fmt::format("  {:<34}{:<14}{:<20}{:>9.3g} N\n    {}\n",
+    text += fmt::format("  {:<34}{:<14}{:<16}{:<14}{:>9.3g} N\n    {}\n",
                         choice.scene.bodies[std::size_t(pair.a)].name + " - " +
                             choice.scene.bodies[std::size_t(pair.b)].name,
                         kContactDetailNames[int(pair.detail)],
                         pair.detail == ContactDetail::point ? "rigid" : pair.model,
+                        pair.detail == ContactDetail::point ? "" : pair.friction->name,
                         pair.largest_load_N, pair.reason);
   if (choice.pairs.empty()) text += "  no soft contact carries a load: points are enough\n";
   const MotionChange& change = choice.change;
+  text += "\n  " + saving_in_words(choice) + "\n";
   text += fmt::format(
-      "\n  a step takes {:.3g} ms instead of {:.3g} ms with the bonded layer and exact limit "
+      "  a step takes {:.3g} ms instead of {:.3g} ms with the bonded layer and exact limit "
       "surfaces "
       "everywhere\n  the motion changes by at most {:.3g} mm of {:.3g} mm ({}) and {:.3g}° of "
       "{:.3g}°: {} "

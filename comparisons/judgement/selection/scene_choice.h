@@ -18,12 +18,15 @@ namespace softfinger::judgement {
 enum class ContactDetail {
   point,          ///< no torque about the normal, for contacts that hardly carry any
   ellipsoid,      ///< friction ellipsoid, e_n(P) of a pressure model
+  six_patches,    ///< six small ellipsoids, e_n(P) of a pressure model
   limit_surface,  ///< the exact limit surface, e_n(P) of a pressure model
-  fem_table       ///< the same, e_n(P) from finite elements
+  fem_table       ///< e_n(P) from finite elements, with the friction law that is enough
 };
-extern const char* const kContactDetailNames[4];
+extern const char* const kContactDetailNames[5];
 
-/// Two bodies that touch in a scene, one of them soft, over the whole motion.
+/// Two bodies that touch in a scene, one of them soft, over the whole motion. Pairs that are alike
+/// (the same layers, friction, and relative radii to 2 %) are one for the choice: each has the
+/// largest load, utilisation, torsion and surface change of them all.
 struct PairChoice {
   int a = -1, b = -1;
   double least_load_N = 0, largest_load_N = 0;
@@ -32,6 +35,7 @@ struct PairChoice {
   double surface_change = 0;  ///< largest difference of ellipsoid and exact surface near the limit
   double allowed_error = 0;   ///< of e_n: larger for a pair that stays far from its limit
   ContactDetail detail = ContactDetail::limit_surface;
+  const input::FrictionLaw* friction = &input::kLimitSurfaceLaw;
   std::string model;  ///< of the pressure; empty for a point
   Choice pressure;    ///< at the largest load
   std::string reason;
@@ -51,7 +55,10 @@ struct SceneChoice {
   bool motion_holds = false;  ///< within the tolerance of the travel and turn
   int refinements = 0;        ///< how often pairs had to be modelled in more detail for that
   double accurate_step_ms = 0, chosen_step_ms = 0;  ///< medians
-  input::Scene scene;                               ///< with what was chosen
+  /// What the pressure models take of a chosen step with all soft contacts closed, two rounds each
+  /// (a load and the e_n of it).
+  double models_step_ms = 0;
+  input::Scene scene;  ///< with what was chosen
 };
 
 /// e_n over the load by finite elements.
@@ -77,6 +84,9 @@ double interpolation_error(const std::vector<double>& eccentricity_m);
 /// @throws InputError, ConvergenceError when the accurate simulation fails
 SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const FemTable& fem_table,
                              const std::function<void(const std::string&)>& progress);
+
+/// One sentence: what a step saves by the choice, or why there is nothing to save.
+std::string saving_in_words(const SceneChoice& choice);
 
 nlohmann::json to_json(const SceneChoice& choice, double tolerance);
 std::string table(const SceneChoice& choice, double tolerance);

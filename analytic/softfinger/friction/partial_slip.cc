@@ -1,0 +1,172 @@
+#include "softfinger/friction/partial_slip.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/friction/max_torque.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/math/gauss_legendre.h"
+
+namespace softfinger {
+namespace {
+
+/// A point of a curve and its slope there.
+struct CurvePoint {
+  double x, y, slope;
+};
+
+/// Cubic between the points, which increase in x; beyond the last one its own y.
+template <class Points>
+double interpolate(const Points& points, double x) noexcept {
+  const auto after = std::upper_bound(points.begin(), points.end(), x,
+                                      [](double at, const auto& point) { return at < point.x; });
+  if (after == points.end()) return points.back().y;
+  const auto &left = *(after - 1), &right = *after;
+  const double width = right.x - left.x, t = (x - left.x) / width;
+  const double h00 = (1 + 2 * t) * (1 - t) * (1 - t), h10 = t * (1 - t) * (1 - t);
+  const double h01 = t * t * (3 - 2 * t), h11 = t * t * (t - 1);
+  return h00 * left.y + h10 * width * left.slope + h01 * right.y + h11 * width * right.slope;
+}
+
+/// Ends a curve at `limit`: by a parabola, which goes on with the last slope.
+void finish(std::vector<CurvePoint>& points, double limit) {
+  const CurvePoint last = points.back();
+  // Round-off may leave nothing to the limit.
+  const double width = std::max(2 * (limit - last.y) / last.slope, 1e-3 * last.x);
+  points.push_back({last.x + width, limit, 0});
+}
+
+/// Radii of the disc that sticks, from nearly the whole contact to hardly any.
+std::vector<double> stick_radii() {
+  constexpr int kOuter = 70, kInner = 26;
+  constexpr double kTurn = 0.45 * kPi, kLeast = 1e-2;  // the inner ones fall by this factor
+  std::vector<double> radii;
+  for (int i = 1; i <= kOuter; ++i) radii.push_back(std::cos(kTurn * i / kOuter));
+  for (int i = 1; i <= kInner; ++i)
+    radii.push_back(std::cos(kTurn) * std::pow(kLeast, double(i) / kInner));
+  return radii;
+}
+
+/// The circle on a half-space. Without units: a = G = mu P = 1.
+std::vector<CurvePoint> half_space_twist(double exponent) {
+  const double max_torque = torque_arm_exact_m(1, 1, exponent);
+  const double stiffness = 16. / 3;
+  static const QuadratureRule rule = gauss_legendre(40);
+  std::vector<CurvePoint> points = {{0, 0, 1}};
+  for (const double c : stick_radii()) {
+    // r² = c² + (1 - c²) sin² phi takes the roots away, phi = g sinh z the near pole at phi = i g.
+    const double depth = 1 - c * c, root = std::sqrt(depth);
+    const double scale = (exponent + 1) / kPi;  // p_0
+    const double g = c / root, last = std::asinh(0.5 * kPi / g);
+    double angle = 0, torque = 0;
+    for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+      const double z = last * rule.nodes[i], phi = g * std::sinh(z);
+      const double weight = rule.weights[i] * last * g * std::cosh(z);
+      const double sine = std::sin(phi), cosine = std::max(0., std::cos(phi));
+      const double r = std::sqrt(c * c + depth * sine * sine);
+      const double pressure = scale * std::pow(depth * cosine * cosine, exponent);
+      // dr/sqrt(r² - c²) = root cos(phi)/r dphi
+      const double element = weight * pressure * root * cosine / r;
+      const double chord = root * sine;  // sqrt(r² - c²)
+      angle += 0.5 * element;
+      torque += 8. / 3 *
+                (element * c * c * c +
+                 1.5 * element * chord * (r * r * std::acos(std::min(1., c / r)) + c * chord));
+    }
+    points.push_back({stiffness * angle / max_torque, torque / max_torque, c * c * c});
+  }
+  finish(points, 1);
+  return points;
+}
+
+/// One ring of a thin layer: int_0^1 min(z s, (1 - s²)^n) s² ds over z.
+std::vector<CurvePoint> sheared_ring(double exponent) {
+  static const QuadratureRule rule = gauss_legendre(24);
+  std::vector<CurvePoint> points = {{0, 0, 0.25}};
+  for (const double c : stick_radii()) {
+    const double pressure = std::pow(1 - c * c, exponent);
+    // s² = c² + (1 - c²) sin² phi once more, s ds = (1 - c²) sin cos dphi
+    const double depth = 1 - c * c;
+    double slipping = 0;
+    for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+      const double phi = 0.5 * kPi * rule.nodes[i], sine = std::sin(phi), cosine = std::cos(phi);
+      const double s = std::sqrt(c * c + depth * sine * sine);
+      slipping += 0.5 * kPi * rule.weights[i] * std::pow(depth * cosine * cosine, exponent) * s *
+                  depth * sine * cosine;
+    }
+    points.push_back({pressure / c, 0.25 * pressure * c * c * c + slipping, 0.25 * c * c * c * c});
+  }
+  // int_0^1 (1 - s²)^n s² ds
+  finish(points, 0.5 * torque_arm_exact_m(1, 1, exponent) / (exponent + 1));
+  return points;
+}
+
+/// T/T_max of a thin layer over x. Its ellipse has the semi-axes 1 and `aspect`.
+class ThinTwist {
+ public:
+  ThinTwist(const std::vector<CurvePoint>& ring, double aspect) : ring_(ring) {
+    constexpr int kDirections = 64;  // of a quarter; the integrand is smooth and periodic
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 0.5 * kPi * (i + 0.5) / kDirections;
+      arms_.push_back(std::hypot(std::cos(angle), aspect * std::sin(angle)));
+      sum_ += arms_.back();
+      squares_ += arms_.back() * arms_.back();
+    }
+  }
+
+  double operator()(double x) const noexcept {
+    // T = sum R h(z R), T_max = h(inf) sum R; at first T = z/4 sum R².
+    const double z = 4 * x * ring_.back().y * sum_ / squares_;
+    double torque = 0;
+    for (const double arm : arms_) torque += arm * interpolate(ring_, z * arm);
+    return torque / (ring_.back().y * sum_);
+  }
+
+ private:
+  const std::vector<CurvePoint>& ring_;
+  std::vector<double> arms_;
+  double sum_ = 0, squares_ = 0;
+};
+
+}  // namespace
+
+TwistCurve::TwistCurve(double exponent, double aspect) {
+  const double n = std::clamp(exponent, 0.5, 50.), b = std::clamp(aspect, 1e-3, 1.);
+  const std::vector<CurvePoint> circle = half_space_twist(n);
+  if (b == 1) {
+    for (const CurvePoint& point : circle) knots_.push_back({point.x, point.y, point.slope});
+    return;
+  }
+  const std::vector<CurvePoint> ring = sheared_ring(n);
+  const ThinTwist long_one(ring, b), round_one(ring, 1);
+  const auto ratio = [&](double x) { return long_one(x) / round_one(x); };
+  const auto add = [&](const CurvePoint& point) {
+    const double step = 1e-4 * point.x, here = ratio(point.x);
+    const double slope = (ratio(point.x + step) - ratio(point.x - step)) / (2 * step);
+    knots_.push_back({point.x, point.y * here, point.slope * here + point.y * slope});
+  };
+  knots_.push_back({0, 0, 1});
+  for (std::size_t i = 1; i < circle.size(); ++i) add(circle[i]);
+  // The middle of a thin layer is the last to slip, long after that of the half-space.
+  constexpr int kMore = 60;
+  constexpr double kFarther = 1.15;
+  double x = circle.back().x;
+  for (int i = 0; i < kMore; ++i) add({x *= kFarther, 1, 0});
+  knots_.push_back({2 * x, 1, 0});
+}
+
+double TwistCurve::operator()(double x) const noexcept {
+  const double y = interpolate(knots_, std::abs(x));
+  return x < 0 ? -y : y;
+}
+
+ShiftCurve::ShiftCurve(double stiffness_growth) noexcept
+    : growth_(std::clamp(stiffness_growth, 0., 0.9)) {}
+
+double ShiftCurve::operator()(double x) const noexcept {
+  const double rest = 1 - (1 - growth_) * std::abs(x);
+  const double y = rest > 0 ? 1 - std::pow(rest, 1 / (1 - growth_)) : 1;
+  return x < 0 ? -y : y;
+}
+
+}  // namespace softfinger
