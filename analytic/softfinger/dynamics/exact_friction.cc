@@ -11,6 +11,9 @@ namespace {
 /// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
 /// few, because a problem that they do not solve is solved by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
+/// Newton's method may stop short of round-off between contacts that are nearly the same. After
+/// that many paths of an attempt a solution is good enough, because others rarely come closer.
+constexpr int kPathsForGood = 4;
 // The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
 constexpr Attempt with_newton(Attempt path, int passes, int patience) {
@@ -45,6 +48,7 @@ ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
 void ExactFriction::begin(const ContactLcp& problem) {
   forget_best();
   is_still_ = false;
+  newton_.begin_problem();
   system_.set_with_own_vertices(problem, kOwnVertices);
 }
 
@@ -55,6 +59,7 @@ const Attempt& ExactFriction::attempt(int number) const {
 }
 
 void ExactFriction::start(const ContactLcp& problem, int number) {
+  rounds_ = 0;
   newton_passes_ = attempt(number).newton_passes;
   // An iteration costs the cube of the contacts: many of them cannot wait as long.
   const int many = std::max(kFewContacts, system_.contacts());
@@ -64,6 +69,7 @@ void ExactFriction::start(const ContactLcp& problem, int number) {
 }
 
 void ExactFriction::start_warm(const ContactLcp& problem) {
+  rounds_ = 0;
   newton_passes_ = kPassesFromBasis;
   newton_patience_ = kUsualPatience;
   use_first_vertices(problem);
@@ -137,6 +143,7 @@ bool ExactFriction::add_vertices(const Task& task) {
   const int n = 4 * system_.contacts();
   impulse_.head(n) = system_.current().impulse.head(n);
   polish(task);
+  if (++rounds_ >= kPathsForGood && best_residual_ <= kSolved) best_is_good_ = true;
   return !best_is_good_ && add_violated_points();
 }
 

@@ -48,6 +48,7 @@ class ExactFriction final : public FrictionStrategy {
   ExactNewton newton_;
   LeastImpulse least_;
   bool is_still_ = false;  ///< the solution is that of the last problem
+  int rounds_ = 0;         ///< paths of this attempt
   int newton_passes_ = 1, newton_patience_ = 1;
   Eigen::VectorXd impulse_, best_impulse_, velocity_;  ///< scaled
 };
