@@ -3,7 +3,7 @@
 # SOFTFINGER_INSTALL=0 turns installing off: what is missing is then named, and the script stops.
 
 softfinger_packages() { # analytic|fem, run|test
-  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev libpng-dev libtinyxml2-dev
+  echo g++ cmake ninja-build libeigen3-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev libfcl-dev libpng-dev zlib1g-dev libtinyxml2-dev
   command -v npm >/dev/null || echo npm
   # C++ to WebAssembly, for the page of `softfinger explore`.
   echo clang lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc libclang-rt-14-dev-wasm32

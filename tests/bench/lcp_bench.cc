@@ -6,6 +6,7 @@
 //
 //   lcp_bench [seconds]   of Siconos per row at most (default 20)
 //   lcp_bench exact       exact friction alone
+//   lcp_bench coulomb     friction without torque, beside Siconos' NSGS and NSN_AC
 #include <time.h>
 
 #include <algorithm>
@@ -19,10 +20,14 @@
 #include "tests/dynamics/random_scene.h"
 
 #ifdef SOFTFINGER_SICONOS
+#include <siconos/numerics/FrictionContactProblem.h>
+#include <siconos/numerics/Friction_cst.h>
 #include <siconos/numerics/LCP_Solvers.h>
 #include <siconos/numerics/LinearComplementarityProblem.h>
+#include <siconos/numerics/NonSmoothDrivers.h>
 #include <siconos/numerics/NumericsMatrix.h>
 #include <siconos/numerics/SolverOptions.h>
+#include <siconos/numerics/SparseBlockMatrix.h>
 #include <siconos/numerics/lcp_cst.h>
 #endif
 
@@ -315,6 +320,114 @@ void show_exact() {
     }
 }
 
+#ifdef SOFTFINGER_SICONOS
+
+/// Coulomb's friction without torque: three rows per contact.
+struct ThreeRows {
+  explicit ThreeRows(const ContactLcp& problem)
+      : contacts(problem.contacts()),
+        matrix(3 * contacts, 3 * contacts),
+        free_velocity(3 * contacts),
+        friction(problem.friction_coefficient) {
+    for (int i = 0; i < contacts; ++i) {
+      free_velocity.segment<3>(3 * i) = problem.free_velocity.segment<3>(4 * i);
+      for (int j = 0; j < contacts; ++j)
+        matrix.block<3, 3>(3 * i, 3 * j) = problem.delassus.block<3, 3>(4 * i, 4 * j);
+    }
+  }
+  int contacts;
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd free_velocity, friction;
+};
+
+/// Milliseconds and the residual of `exact_contact_residual`.
+struct PeerResult {
+  double took_ms = 0, residual = 0;
+};
+
+PeerResult solve_by_fc3d(const ContactLcp& problem, int solver) {
+  constexpr double kTolerance = 1e-8;
+  // Beyond this many, of sweeps or of Newton's steps, neither converges.
+  const int most_iterations = solver == SICONOS_FRICTION_3D_NSGS ? 20000 : 1000;
+  ThreeRows rows(problem);
+  const int n = 3 * rows.contacts;
+  NumericsMatrix* whole = NM_create_from_data(NM_DENSE, n, n, rows.matrix.data());
+  // Gauss-Seidel only needs the blocks that are not zero.
+  NumericsMatrix* sparse = NM_create(NM_SPARSE, n, n);
+  NM_copy_to_sparse(whole, sparse, 0);
+  NumericsMatrix* blocks = nullptr;
+  if (solver == SICONOS_FRICTION_3D_NSGS) {
+    blocks = NM_create(NM_SPARSE_BLOCK, n, n);
+    SBM_from_csparse(3, NM_csc(sparse), blocks->matrix1);
+  }
+  FrictionContactProblem peer{3, rows.contacts, blocks ? blocks : sparse, rows.free_velocity.data(),
+                              rows.friction.data()};
+  SolverOptions* options = solver_options_create(solver);
+  options->iparam[SICONOS_IPARAM_MAX_ITER] = most_iterations;
+  options->dparam[SICONOS_DPARAM_TOL] = kTolerance;
+  Eigen::VectorXd reaction = Eigen::VectorXd::Zero(n), velocity = Eigen::VectorXd::Zero(n);
+  const double start = cpu_us();
+  fc3d_driver(&peer, reaction.data(), velocity.data(), options);
+  PeerResult result;
+  result.took_ms = 1e-3 * (cpu_us() - start);
+  ContactSolution solution;
+  solution.resize(rows.contacts);
+  for (int i = 0; i < rows.contacts; ++i)
+    solution.impulse.segment<3>(4 * i) = reaction.segment<3>(3 * i);
+  result.residual = exact_contact_residual(problem, solution);
+  solver_options_delete(options);
+  std::free(options);
+  whole->matrix0 = nullptr;  // not its own
+  for (NumericsMatrix* matrix : {whole, sparse, blocks})
+    if (matrix) {
+      NM_clear(matrix);
+      std::free(matrix);
+    }
+  return result;
+}
+
+/// Siconos' solvers of Coulomb's friction and ours, on the same scenes with e_n = 0. Solved means
+/// our residual below 1e-6: theirs is another one.
+void compare_coulomb() {
+  constexpr double kGoodEnough = 1e-6;
+  constexpr int kScenes = 24;
+  std::printf(
+      "\nCold, Coulomb's friction without torque: fc3d of Siconos, tolerance 1e-8; medians over "
+      "all "
+      "scenes\n%8s %-8s %10s %10s %10s %9s %6s\n",
+      "contacts", "solver", "median ms", "p90 ms", "worst ms", "residual", "failed");
+  for (const int contacts : {5, 10, 20, 50, 100}) {
+    std::vector<ContactLcp> problems =
+        make_problems(kScenes, contacts, 16, FrictionRule::ellipsoid);
+    for (ContactLcp& problem : problems) problem.eccentricity_m.setZero();
+    const Row ours = solve_cold(problems, 1);
+    std::printf("%8d %-8s %10.3f %10.3f %10.3f %9.1e %6d\n", contacts, "ours",
+                1e-3 * ours.median_us, 1e-3 * ours.p90_us, 1e-3 * ours.worst_us, ours.residual,
+                ours.failures);
+    for (const int solver : {SICONOS_FRICTION_3D_NSGS, SICONOS_FRICTION_3D_NSN_AC}) {
+      // It takes seconds per scene.
+      if (solver == SICONOS_FRICTION_3D_NSN_AC && contacts > 50) continue;
+      std::vector<double> times_ms;
+      double residual = 0;
+      int failures = 0;
+      for (const ContactLcp& problem : problems) {
+        const PeerResult result = solve_by_fc3d(problem, solver);
+        times_ms.push_back(result.took_ms);
+        if (result.residual <= kGoodEnough)
+          residual = std::max(residual, result.residual);
+        else
+          ++failures;
+      }
+      std::printf("%8d %-8s %10.3f %10.3f %10.3f %9.1e %6d\n", contacts,
+                  solver == SICONOS_FRICTION_3D_NSGS ? "NSGS" : "NSN_AC", quantile(times_ms, 0.5),
+                  quantile(times_ms, 0.9), quantile(times_ms, 1), residual, failures);
+      std::fflush(stdout);
+    }
+  }
+}
+
+#endif
+
 }  // namespace
 }  // namespace softfinger
 
@@ -323,8 +436,17 @@ int main(int argc, char** argv) {
     softfinger::show_exact();
     return 0;
   }
+#ifdef SOFTFINGER_SICONOS
+  if (argc > 1 && std::string(argv[1]) == "coulomb") {
+    softfinger::compare_coulomb();
+    return 0;
+  }
+#endif
   softfinger::compare_cold(argc > 1 ? std::atof(argv[1]) : 20);
   softfinger::compare_warm(true);
   softfinger::compare_warm(false);
   softfinger::show_exact();
+#ifdef SOFTFINGER_SICONOS
+  softfinger::compare_coulomb();
+#endif
 }

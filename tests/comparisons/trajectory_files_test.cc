@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -193,19 +194,30 @@ TEST_F(TrajectoryFiles, AFolderThatDoesNotExistIsNamed) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-/// The array of that name in a VTU file.
+/// The array of that name in a VTU file, as a reader of vtkZLibDataCompressor takes it: the header
+/// and the compressed blocks are two pieces of base64.
 template <typename Number>
 std::vector<Number> vtu_array(const std::string& vtu, const std::string& name) {
+  if (vtu.find("compressor=\"vtkZLibDataCompressor\"") == std::string::npos)
+    throw std::runtime_error("the file names no compressor");
   const std::size_t named = vtu.find("Name=\"" + name + "\"");
   if (named == std::string::npos) throw std::runtime_error("no array " + name);
   const std::size_t from = vtu.find('>', named) + 1;
-  const std::vector<char> bytes = from_base64<char>(vtu.substr(from, vtu.find('<', from) - from));
-  std::uint64_t size = 0;
-  if (bytes.size() < sizeof size) throw std::runtime_error(name + " has no header");
-  std::memcpy(&size, bytes.data(), sizeof size);
-  if (size != bytes.size() - sizeof size) throw std::runtime_error(name + " has another size");
-  std::vector<Number> numbers(size / sizeof(Number));
-  if (size > 0) std::memcpy(numbers.data(), bytes.data() + sizeof size, size);
+  const std::string text = vtu.substr(from, vtu.find('<', from) - from);
+  const auto length = [](std::size_t numbers) { return (8 * numbers + 2) / 3 * 4; };
+  const auto blocks = from_base64<std::uint64_t>(text.substr(0, 32)).at(0);  // of three numbers
+  const auto header = from_base64<std::uint64_t>(text.substr(0, length(3 + blocks)));
+  const auto bytes = from_base64<unsigned char>(text.substr(length(3 + blocks)));
+  std::vector<Number> numbers;
+  if (blocks == 0) return numbers;
+  if (blocks != 1 || header.at(2) != 0 || header.at(3) != bytes.size())
+    throw std::runtime_error(name + " has another header");
+  numbers.resize(header[1] / sizeof(Number));
+  uLongf size = header[1];
+  if (uncompress(reinterpret_cast<Bytef*>(numbers.data()), &size, bytes.data(), bytes.size()) !=
+          Z_OK ||
+      size != header[1])
+    throw std::runtime_error(name + " has another size");
   return numbers;
 }
 

@@ -271,6 +271,7 @@ void ContactLcpSolver::Workspace::follow_paths(const Task& task, FrictionStrateg
     if (friction.is_best_good()) return;
     if (attempt + 1 >= kAttemptsForGood && friction.best_residual() <= kSolved) return;
   }
+  friction.do_without_path(task);
 }
 
 PathEnd ContactLcpSolver::Workspace::follow(const Task& task, FrictionStrategy& friction,

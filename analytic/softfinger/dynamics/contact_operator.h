@@ -22,6 +22,17 @@ class ContactOperator {
   int contacts() const { return contacts_; }
   const Eigen::MatrixXd& delassus() const { return delassus_; }            ///< W
   const Eigen::VectorXd& free_velocity() const { return free_velocity_; }  ///< v_free
+  /// The contacts that this one feels, itself among them.
+  struct Neighbours {
+    const int *first, *last;
+    const int* begin() const { return first; }
+    const int* end() const { return last; }
+    std::ptrdiff_t size() const { return last - first; }
+  };
+  Neighbours neighbours(int contact) const {
+    return {neighbours_.data() + contact * contacts_,
+            neighbours_.data() + neighbour_end_[std::size_t(contact)]};
+  }
   /// velocity = W impulse, by blocks of contacts that feel each other.
   void find_velocity(const Eigen::VectorXd& impulse, Eigen::VectorXd& velocity) const;
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "softfinger/dynamics/contact_residual.h"
+#include "softfinger/dynamics/gauss_seidel.h"
 
 namespace softfinger::internal {
 namespace {
@@ -11,6 +12,11 @@ namespace {
 /// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
 /// few, because a problem that they do not solve is solved by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
+/// Sweeps of Gauss-Seidel before each of Newton's attempts without a path.
+constexpr int kSweeps[] = {20, 40, 80, 160, 320, 640};
+/// Newton's method may stop short of round-off between contacts that are nearly the same. After
+/// that many paths of an attempt a solution is good enough, because others rarely come closer.
+constexpr int kPathsForGood = 4;
 // The attempts. Newton's method finds the last digits, so that no path has to allow smaller pivots.
 
 constexpr Attempt with_newton(Attempt path, int passes, int patience) {
@@ -40,11 +46,13 @@ ExactFriction::ExactFriction(ContactSystem& system, int contact_capacity)
       least_(contact_capacity),
       impulse_(4 * contact_capacity),
       best_impulse_(4 * contact_capacity),
-      velocity_(4 * contact_capacity) {}
+      velocity_(4 * contact_capacity),
+      swept_(4 * contact_capacity) {}
 
 void ExactFriction::begin(const ContactLcp& problem) {
   forget_best();
   is_still_ = false;
+  newton_.begin_problem();
   system_.set_with_own_vertices(problem, kOwnVertices);
 }
 
@@ -55,6 +63,7 @@ const Attempt& ExactFriction::attempt(int number) const {
 }
 
 void ExactFriction::start(const ContactLcp& problem, int number) {
+  rounds_ = 0;
   newton_passes_ = attempt(number).newton_passes;
   // An iteration costs the cube of the contacts: many of them cannot wait as long.
   const int many = std::max(kFewContacts, system_.contacts());
@@ -64,6 +73,7 @@ void ExactFriction::start(const ContactLcp& problem, int number) {
 }
 
 void ExactFriction::start_warm(const ContactLcp& problem) {
+  rounds_ = 0;
   newton_passes_ = kPassesFromBasis;
   newton_patience_ = kUsualPatience;
   use_first_vertices(problem);
@@ -137,7 +147,22 @@ bool ExactFriction::add_vertices(const Task& task) {
   const int n = 4 * system_.contacts();
   impulse_.head(n) = system_.current().impulse.head(n);
   polish(task);
+  if (++rounds_ >= kPathsForGood && best_residual_ <= kSolved) best_is_good_ = true;
   return !best_is_good_ && add_violated_points();
+}
+
+/// Contacts repeated to nine digits can make every path end in a ray or in rounding. Gauss-Seidel's
+/// sweeps come as close as a path does, if slowly.
+void ExactFriction::do_without_path(const Task& task) {
+  newton_passes_ = ExactNewton::kMostPasses;
+  newton_patience_ = kLongPatience;
+  swept_.head(4 * system_.contacts()).setZero();
+  for (const int sweeps : kSweeps) {
+    sweep(system_.contact_operator(), sweeps, swept_, velocity_);
+    impulse_ = swept_;
+    polish(task);
+    if (best_residual_ <= kSolved) return;
+  }
 }
 
 /// Adds vertices to each contact whose lambda = h(-u) the present vertices underestimate: the point

@@ -33,6 +33,7 @@ class ExactFriction final : public FrictionStrategy {
   double read_path(const Task&) override { return best_residual_; }
   double read_zero(const Task& task) override { return complete(task); }
   bool restore_best(const Task& task) override;
+  void do_without_path(const Task& task) override;
   void take_least_impulse(const Task& task) override;
 
  private:
@@ -48,8 +49,9 @@ class ExactFriction final : public FrictionStrategy {
   ExactNewton newton_;
   LeastImpulse least_;
   bool is_still_ = false;  ///< the solution is that of the last problem
+  int rounds_ = 0;         ///< paths of this attempt
   int newton_passes_ = 1, newton_patience_ = 1;
-  Eigen::VectorXd impulse_, best_impulse_, velocity_;  ///< scaled
+  Eigen::VectorXd impulse_, best_impulse_, velocity_, swept_;  ///< scaled
 };
 
 }  // namespace softfinger::internal

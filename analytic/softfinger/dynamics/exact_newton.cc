@@ -7,10 +7,19 @@
 #include "softfinger/dynamics/contact_residual.h"
 
 namespace softfinger::internal {
+namespace {
+
+/// From that many unknowns on the step may be solved in fewer ones: where they are at most this
+/// part of them.
+constexpr int kFewUnknowns = 24;
+constexpr double kReduced = 0.8;
+
+}  // namespace
 
 ExactNewton::ExactNewton(int contact_capacity)
     : contacts_(std::size_t(contact_capacity)),
       first_(std::size_t(contact_capacity)),
+      factor_(contact_capacity),
       velocity_(4 * contact_capacity),
       map_(4 * contact_capacity),
       trial_(4 * contact_capacity),
@@ -18,8 +27,8 @@ ExactNewton::ExactNewton(int contact_capacity)
       right_(4 * contact_capacity),
       start_(4 * contact_capacity),
       point_(4 * contact_capacity),
-      matrix_(4 * contact_capacity, 4 * contact_capacity),
-      pivots_(std::size_t(4 * contact_capacity)) {}
+      common_(4 * contact_capacity),
+      elimination_(4 * contact_capacity) {}
 
 /// F at `impulse`: map_, and in contacts_ what its derivative is made of. Returns its size.
 double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse) {
@@ -63,10 +72,23 @@ bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::Vector
   // Contacts that open lose their impulse. This part of the step is known, and with it the change
   // of the other contacts' velocities.
   contacts.find_velocity(step_, trial_);
-  for (int i = 0; i < contacts.contacts(); ++i)
-    if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal, size);
-  if (!eliminate(size)) return false;
+  elimination_.forget();
+  is_reduced_ = size >= kFewUnknowns && factor(contacts).rank() < kReduced * size;
+  if (!(is_reduced_ ? factorise_reduced(contacts, impulse, proximal)
+                    : factorise(contacts, impulse, proximal, size)))
+    return false;
   factored_contacts_ = contacts.contacts();
+  for (int i = 0; i < contacts.contacts(); ++i) {
+    const int row = first_[std::size_t(i)];
+    if (row < 0) continue;
+    right_[row] = -map_[4 * i] - trial_[4 * i];
+    if (contacts.has_friction(i))
+      right_.segment<3>(row + 1) =
+          -map_.segment<3>(4 * i + 1) -
+          contacts_[std::size_t(i)].sticking * trial_.segment<3>(4 * i + 1);
+  }
+  substitute_all(contacts);
+  if (!right_.head(size).allFinite()) return false;
   for (int i = 0; i < contacts.contacts(); ++i) {
     const int row = first_[std::size_t(i)];
     if (row < 0) continue;
@@ -74,6 +96,14 @@ bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::Vector
     if (contacts.has_friction(i)) step_.segment<3>(4 * i + 1) = right_.segment<3>(row + 1);
   }
   return true;
+}
+
+const VelocityFactor& ExactNewton::factor(const ContactOperator& contacts) {
+  if (!factor_.is_known()) {
+    factor_.factorise(contacts);
+    if (is_reduced_) elimination_.forget();
+  }
+  return factor_;
 }
 
 /// Contacts that touch have one unknown, or four with friction. Those that do not lose their
@@ -94,86 +124,127 @@ int ExactNewton::number_unknowns(const ContactOperator& contacts, const Eigen::V
   return size;
 }
 
-/// Rows of a contact that touches: dF = -F, with du = W ds and, where it slides,
-/// dnu = D (A ds - du - A grad h dP), D = (1 + P A hess h)^-1; D = 0 where it sticks.
+/// du = W ds and, where the contact slides, dnu = D (A ds - du - A grad h dP),
+/// D = (1 + P A hess h)^-1: returns D; zero where it sticks.
+Eigen::Matrix3d ExactNewton::sliding_part(const Contact& contact, double pressure) const {
+  if (!(contact.excess.excess.squaredNorm() > 0)) return Eigen::Matrix3d::Zero();
+  return (Eigen::Matrix3d::Identity() +
+          std::max(pressure, 0.) * (contact.metric.asDiagonal() * contact.excess.hessian))
+      .inverse();
+}
+
+/// The matrix of the touching contacts' impulses, and its decomposition.
+bool ExactNewton::factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
+                            double proximal, int size) {
+  for (int i = 0; i < contacts.contacts(); ++i)
+    if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal, size);
+  return elimination_.factorise(size);
+}
+
+/// The same in the velocities that the contacts have in common.
+bool ExactNewton::factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
+                                    double proximal) {
+  const int rank = factor_.rank();
+  Eigen::MatrixXd& matrix = elimination_.matrix();
+  matrix.topLeftCorner(rank, rank).setZero();
+  matrix.diagonal().head(rank).setOnes();
+  for (int i = 0; i < contacts.contacts(); ++i) {
+    if (first_[std::size_t(i)] < 0) continue;
+    Contact& contact = contacts_[std::size_t(i)];
+    contact.own_inverse.setZero();
+    contact.from_velocity.setZero();
+    contact.own_inverse(0, 0) = 1 / proximal;
+    contact.from_velocity(0, 0) = 1;
+    if (contacts.has_friction(i)) {
+      const auto metric = contact.metric.asDiagonal();
+      const Eigen::Matrix3d sliding = sliding_part(contact, impulse[4 * i]);
+      contact.sticking = Eigen::Matrix3d::Identity() - sliding;
+      Eigen::Matrix3d own = sliding * metric;
+      own.diagonal() += proximal * contact.metric;
+      const Eigen::Matrix3d inverse = own.inverse();
+      contact.own_inverse.bottomRightCorner<3, 3>() = inverse;
+      contact.own_inverse.block<3, 1>(1, 0) =
+          inverse * (sliding * (metric * contact.excess.boundary)) / proximal;
+      contact.from_velocity.bottomRightCorner<3, 3>() =
+          contact.sticking * factor_.unit(i).tail<3>().asDiagonal();
+    }
+    const Eigen::Matrix4d stiffness = contact.own_inverse * contact.from_velocity;
+    const auto own = factor_.rows(i);
+    const int* column = factor_.columns(i);
+    for (int a = 0; a < int(own.cols()); ++a) {
+      const Eigen::Vector4d along = stiffness * own.col(a);
+      for (int b = 0; b < int(own.cols()); ++b)
+        matrix(column[b], column[a]) += own.col(b).dot(along);
+    }
+  }
+  return elimination_.factorise(rank);
+}
+
+/// The step whose change of F is right_, by contacts that touch, from the last decomposition; in
+/// its place.
+void ExactNewton::substitute_all(const ContactOperator& contacts) {
+  if (!is_reduced_) {
+    elimination_.substitute(right_);
+    return;
+  }
+  const auto read = [&](int i) {
+    Eigen::Vector4d own = Eigen::Vector4d::Zero();
+    const int row = first_[std::size_t(i)];
+    if (contacts.has_friction(i))
+      own = right_.segment<4>(row);
+    else
+      own[0] = right_[row];
+    return own;
+  };
+  common_.head(factor_.rank()).setZero();
+  for (int i = 0; i < contacts.contacts(); ++i)
+    if (first_[std::size_t(i)] >= 0)
+      factor_.add_transposed(i, contacts_[std::size_t(i)].own_inverse * read(i), common_);
+  elimination_.substitute(common_);
+  for (int i = 0; i < contacts.contacts(); ++i) {
+    const int row = first_[std::size_t(i)];
+    if (row < 0) continue;
+    const Contact& contact = contacts_[std::size_t(i)];
+    const Eigen::Vector4d change =
+        contact.own_inverse * (read(i) - contact.from_velocity * factor_.multiply(i, common_));
+    if (contacts.has_friction(i))
+      right_.segment<4>(row) = change;
+    else
+      right_[row] = change[0];
+  }
+}
+
+/// Rows of a contact that touches: dF = -F.
 void ExactNewton::assemble_rows(const ContactOperator& contacts, int i,
                                 const Eigen::VectorXd& impulse, double proximal, int size) {
+  Eigen::MatrixXd& matrix = elimination_.matrix();
   const int row = first_[std::size_t(i)];
-  const Contact& contact = contacts_[std::size_t(i)];
+  Contact& contact = contacts_[std::size_t(i)];
   const bool rubs = contacts.has_friction(i);
   const auto metric = contact.metric.asDiagonal();
   Eigen::Matrix3d sliding = Eigen::Matrix3d::Zero();
-  if (rubs && contact.excess.excess.squaredNorm() > 0)
-    sliding = (Eigen::Matrix3d::Identity() +
-               std::max(impulse[4 * i], 0.) * (metric * contact.excess.hessian))
-                  .inverse();
-  const Eigen::Matrix3d sticking = Eigen::Matrix3d::Identity() - sliding;
-  matrix_.block(row, 0, rubs ? 4 : 1, size).setZero();
+  if (rubs) sliding = sliding_part(contact, impulse[4 * i]);
+  contact.sticking = Eigen::Matrix3d::Identity() - sliding;
+  matrix.block(row, 0, rubs ? 4 : 1, size).setZero();
   for (int j = 0; j < contacts.contacts(); ++j) {
     const int column = first_[std::size_t(j)];
     if (column < 0) continue;
     const auto block = contacts.delassus().block<4, 4>(4 * i, 4 * j);
     if (contacts.has_friction(j)) {
-      matrix_.block<1, 4>(row, column) = block.row(0);
-      if (rubs) matrix_.block<3, 4>(row + 1, column).noalias() = sticking * block.bottomRows<3>();
+      matrix.block<1, 4>(row, column) = block.row(0);
+      if (rubs)
+        matrix.block<3, 4>(row + 1, column).noalias() = contact.sticking * block.bottomRows<3>();
     } else {
-      matrix_(row, column) = block(0, 0);
-      if (rubs) matrix_.block<3, 1>(row + 1, column).noalias() = sticking * block.block<3, 1>(1, 0);
+      matrix(row, column) = block(0, 0);
+      if (rubs)
+        matrix.block<3, 1>(row + 1, column).noalias() = contact.sticking * block.block<3, 1>(1, 0);
     }
   }
-  matrix_(row, row) += proximal;
-  right_[row] = -map_[4 * i] - trial_[4 * i];
+  matrix(row, row) += proximal;
   if (!rubs) return;
-  matrix_.block<3, 3>(row + 1, row + 1) += sliding * metric;
-  matrix_.block<3, 3>(row + 1, row + 1).diagonal() += proximal * contact.metric;
-  matrix_.block<3, 1>(row + 1, row) -= sliding * (metric * contact.excess.boundary);
-  right_.segment<3>(row + 1) =
-      -map_.segment<3>(4 * i + 1) - sticking * trial_.segment<3>(4 * i + 1);
-}
-
-/// matrix_ x = right_ by Gauss' elimination with row pivoting, in place; x in right_.
-///
-/// Not Eigen::PartialPivLU: it allocates in every call, two vectors of permutations, and buffers of
-/// its products from 400 unknowns on, which a step of a simulator must not. Up to 20 unknowns it
-/// takes 1.2 to 1.8 times as long as this, at 40 the same, at 80 and 400 0.6 and 0.34 times.
-bool ExactNewton::eliminate(int size) {
-  factored_ = 0;
-  for (int p = 0; p < size; ++p) {
-    int best = p;
-    for (int row = p + 1; row < size; ++row)
-      if (std::abs(matrix_(row, p)) > std::abs(matrix_(best, p))) best = row;
-    const double pivot = matrix_(best, p);
-    if (!(std::abs(pivot) > 0)) return false;
-    pivots_[std::size_t(p)] = best;
-    if (best != p) matrix_.row(best).segment(p, size - p).swap(matrix_.row(p).segment(p, size - p));
-    // Of contacts in the order of their bodies only near ones feel each other: the rest is zero.
-    int last = size - 1;
-    while (last > p && matrix_(last, p) == 0) --last;
-    auto multipliers = matrix_.col(p).segment(p + 1, last - p);
-    multipliers /= pivot;
-    for (int column = p + 1; column < size; ++column) {
-      const double factor = matrix_(p, column);
-      if (factor != 0)
-        matrix_.col(column).segment(p + 1, last - p).noalias() -= factor * multipliers;
-    }
-  }
-  factored_ = size;
-  substitute(size);
-  return right_.head(size).allFinite();
-}
-
-/// The solution by the decomposition in matrix_.
-void ExactNewton::substitute(int size) {
-  for (int p = 0; p < size; ++p) {
-    std::swap(right_[pivots_[std::size_t(p)]], right_[p]);
-    if (right_[p] != 0)
-      right_.segment(p + 1, size - p - 1).noalias() -=
-          right_[p] * matrix_.col(p).segment(p + 1, size - p - 1);
-  }
-  for (int p = size - 1; p >= 0; --p) {
-    right_[p] /= matrix_(p, p);
-    if (right_[p] != 0) right_.head(p).noalias() -= right_[p] * matrix_.col(p).head(p);
-  }
+  matrix.block<3, 3>(row + 1, row + 1) += sliding * metric;
+  matrix.block<3, 3>(row + 1, row + 1).diagonal() += proximal * contact.metric;
+  matrix.block<3, 1>(row + 1, row) -= sliding * (metric * contact.excess.boundary);
 }
 
 bool ExactNewton::correct(const ContactOperator& contacts, Eigen::VectorXd& impulse) {
@@ -181,7 +252,7 @@ bool ExactNewton::correct(const ContactOperator& contacts, Eigen::VectorXd& impu
   constexpr double kRoundOff = 1e-14, kSlow = 0.1;
   const int nc = contacts.contacts(), n = 4 * nc;
   iterations_ = 0;
-  if (factored_ == 0 || factored_contacts_ != nc) return false;
+  if (elimination_.size() == 0 || factored_contacts_ != nc) return false;
   double residual = evaluate(contacts, impulse);
   bool slides = false;
   for (int i = 0; i < nc; ++i) {
@@ -197,7 +268,7 @@ bool ExactNewton::correct(const ContactOperator& contacts, Eigen::VectorXd& impu
       right_[row] = -map_[4 * i];
       if (contacts.has_friction(i)) right_.segment<3>(row + 1) = -map_.segment<3>(4 * i + 1);
     }
-    substitute(factored_);
+    substitute_all(contacts);
     point_.head(n) = impulse.head(n);
     for (int i = 0; i < nc; ++i) {
       const int row = first_[std::size_t(i)];

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "softfinger/dynamics/contact_operator.h"
+#include "softfinger/dynamics/dense_elimination.h"
+#include "softfinger/dynamics/velocity_factor.h"
 #include "softfinger/friction/friction_shape.h"
 
 /// Internal: contact impulses with exact friction, from a point close to them.
@@ -17,6 +19,10 @@ namespace softfinger::internal {
 /// s - proj_{P K}(s - u). A = diag(W_tt), so that a contact alone is solved in one step however
 /// small its e_n. Impulses of redundant contacts are not unique. Each step is therefore a proximal
 /// one: it does not change those parts of the impulses that have no effect on velocities.
+///
+/// Where more contacts touch than the bodies have velocities, the step is solved for these: with
+/// W = C L L^T and dF_i = B_i (W dr)_i + A_i dr_i = -F_i, y = L^T dr follows from
+///   (1 + sum L_i^T A_i^-1 B_i C_i L_i) y = -sum L_i^T A_i^-1 F_i.
 class ExactNewton {
  public:
   explicit ExactNewton(int contact_capacity);
@@ -35,13 +41,20 @@ class ExactNewton {
   /// square of the unknowns instead of their cube. True when the result is as good as that of
   /// `solve`: to round-off, or below kGood where nothing slides, because such a problem is linear.
   bool correct(const ContactOperator& contacts, Eigen::VectorXd& impulse);
-  void forget_matrix() { factored_ = 0; }
+
+  /// Before the first `solve` of a problem.
+  void begin_problem() { factor_.forget(); }
+  /// L of this problem.
+  const VelocityFactor& factor(const ContactOperator& contacts);
 
  private:
   struct Contact {
     bool touches = false;                              ///< P may be positive
     Eigen::Vector3d metric = Eigen::Vector3d::Ones();  ///< A
     FrictionExcess excess;
+    Eigen::Matrix3d sticking;       ///< B_i of friction
+    Eigen::Matrix4d own_inverse;    ///< A_i^-1 of the step in few unknowns
+    Eigen::Matrix4d from_velocity;  ///< B_i C_i
   };
 
   struct Pass {
@@ -56,16 +69,20 @@ class ExactNewton {
   int number_unknowns(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
                      double proximal, int size);
-  bool eliminate(int size);
-  void substitute(int size);
+  bool factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal,
+                 int size);
+  bool factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
+                         double proximal);
+  Eigen::Matrix3d sliding_part(const Contact& contact, double pressure) const;
+  void substitute_all(const ContactOperator& contacts);
 
   std::vector<Contact> contacts_;
   std::vector<int> first_;  ///< of each contact's unknowns; -1: it has none
-  Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_;
-  Eigen::MatrixXd matrix_;
-  std::vector<int> pivots_;  ///< rows that were exchanged
-  int factored_ = 0;         ///< size of the decomposition in matrix_; 0: none
+  VelocityFactor factor_;
+  Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_, common_;
+  DenseElimination elimination_;
   int factored_contacts_ = 0;
+  bool is_reduced_ = false;  ///< the decomposition is the one in few unknowns
   int iterations_ = 0, patience_ = 0;
 };
 

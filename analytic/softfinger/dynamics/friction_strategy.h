@@ -85,6 +85,8 @@ class FrictionStrategy {
   /// Writes the best point so far as a solution. False where it was not kept: then its attempt has
   /// to be made once more.
   virtual bool restore_best(const Task& task) = 0;
+  /// After the last path has failed: looks for the solution in another way.
+  virtual void do_without_path(const Task&) {}
   /// Of all impulses with the same effect takes the least ones, where the rule can tell them.
   virtual void take_least_impulse(const Task&) {}
   double best_residual() const { return best_residual_; }

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "softfinger/dynamics/contact_operator.h"
+
+/// Internal: the velocities that contacts have in common.
+namespace softfinger::internal {
+
+/// W = C L L^T with the columns of L as few as W's rank, at most the velocities of the bodies
+/// that touch: six per body, however many contacts they have. C is diagonal, because the scaled
+/// problem has other units for the velocities of friction than for its impulses. Cholesky's
+/// method, contacts with few neighbours first, so that L stays as sparse as the bodies are
+/// coupled. Rows of friction that do nothing are left out of it.
+///
+/// What W has beyond L is at most 1e-12 of its diagonal.
+class VelocityFactor {
+ public:
+  explicit VelocityFactor(int contact_capacity);
+
+  /// Cost: rank times the square of the rows that feel each other. No allocation.
+  void factorise(const ContactOperator& contacts);
+  /// Of the last problem: the decomposition stays as it is until the next one.
+  void forget() { is_known_ = false; }
+  bool is_known() const { return is_known_; }
+
+  int rank() const { return rank_; }
+  /// C of the contact's rows.
+  Eigen::Map<const Eigen::Vector4d> unit(int contact) const {
+    return Eigen::Map<const Eigen::Vector4d>(units_.data() + 4 * contact);
+  }
+  /// The contact's rows of L: four, of the columns that are not all zero.
+  using Rows = Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic>>;
+  Rows rows(int contact) const {
+    const std::ptrdiff_t first = first_[std::size_t(contact)];
+    return Rows(values_.data() + 4 * first, 4, first_[std::size_t(contact) + 1] - first);
+  }
+  /// Which columns these are.
+  const int* columns(int contact) const { return columns_.data() + first_[std::size_t(contact)]; }
+
+  /// L_i x
+  Eigen::Vector4d multiply(int contact, const Eigen::VectorXd& x) const;
+  /// x += L_i^T y
+  void add_transposed(int contact, const Eigen::Vector4d& y, Eigen::VectorXd& x) const;
+
+ private:
+  bool eliminate(int pivot, double least);
+
+  bool is_known_ = false;
+  int rank_ = 0, size_ = 0;
+  Eigen::VectorXd units_, values_, original_;
+  std::vector<std::ptrdiff_t> first_;
+  std::vector<int> columns_, order_, pattern_;
+  Eigen::MatrixXd rest_;  ///< the Schur complement; in its eliminated columns L
+  std::vector<int> pivots_;
+  std::vector<char> eliminated_;
+};
+
+}  // namespace softfinger::internal
