@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "comparisons/exporting/normal_stiffness.h"
 #include "comparisons/exporting/simulator.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
@@ -128,6 +129,15 @@ std::string simulators_json(const PressureModel& model, const ContactProblem& pr
   contact.load_N = problem.load.normal_force_N;
   contact.eccentricity_m = prediction.torque_arm_exact_m;
   contact.indentation_m = prediction.indentation_m;
+  const auto indentation_at = [&](double load_N) {
+    ContactProblem other = problem;
+    other.load.normal_force_N = load_N;
+    return model.predict(other).indentation_m;
+  };
+  using exporting::kLoadStep;
+  contact.normal_stiffness_N_per_m = exporting::normal_stiffness_N_per_m(
+      contact.load_N, contact.indentation_m, indentation_at(contact.load_N / kLoadStep),
+      indentation_at(contact.load_N * kLoadStep));
   contact.radii = problem.radii;
   contact.origin = fmt::format("explorer, {}, {:.4g} N", model.card().name, contact.load_N);
   List list;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/exporting/normal_stiffness.h"
 #include "comparisons/judgement/assessment.h"
 #include "softfinger/input/errors.h"
 
@@ -110,16 +111,11 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   std::sort(curve.points.begin(), curve.points.end(),
             [](const LoadPoint& one, const LoadPoint& other) { return one.load_N < other.load_N; });
 
-  // A central difference in ln P. The step is large against the unevenness of the models' tables
-  // and small enough for a local exponent.
-  constexpr double kStep = 1.1;
-  const LoadPoint above = at(loads.nominal_N * kStep), below = at(loads.nominal_N / kStep);
-  const double span = 2 * std::log(kStep);
+  const LoadPoint above = at(loads.nominal_N * kLoadStep), below = at(loads.nominal_N / kLoadStep);
+  const double span = 2 * std::log(kLoadStep);
   curve.load_exponent = std::log(above.eccentricity_m / below.eccentricity_m) / span;
-  // P d'/d is exact for a power law, unlike a difference of P over one of d.
-  const double indentation_exponent = std::log(above.indentation_m / below.indentation_m) / span;
-  curve.normal_stiffness_N_per_m =
-      curve.nominal.load_N / (indentation_exponent * curve.nominal.indentation_m);
+  curve.normal_stiffness_N_per_m = normal_stiffness_N_per_m(
+      curve.nominal.load_N, curve.nominal.indentation_m, below.indentation_m, above.indentation_m);
   curve.friction_exponent =
       std::log(above.friction_coefficient / below.friction_coefficient) / span;
   return curve;
