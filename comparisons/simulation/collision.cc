@@ -29,6 +29,9 @@ struct PairMemory {
   int triangle = -1;               ///< of a mesh, the last nearest one
   bool was_outside = false;        ///< the last time, the other shape lay outside the mesh
   std::optional<Vector3d> lowest;  ///< of a mesh over a half-space, the last lowest vertex
+  /// The last time that the shapes were looked at, their gap was at least this, and b lay so in a.
+  double gap_m = 0;
+  Isometry3d b_in_a = Isometry3d::Identity();
   bool known() const { return normal_in_a.squaredNorm() > 0; }
 };
 
@@ -45,6 +48,14 @@ std::vector<const input::ShapeKind*> kinds_of(const std::vector<Part>& parts) {
   std::vector<const input::ShapeKind*> kinds;
   for (const Part& part : parts) kinds.push_back(&part.kind());
   return kinds;
+}
+
+/// A bound on how far a point of `b` has moved in the other shape's frame.
+double farthest_moved_m(const Isometry3d& from, const Isometry3d& to, const Part& b) {
+  if (b.is_half_space()) return kInfinity;
+  // The chord of a turn is |R' - R| in Frobenius' norm over the root of 2.
+  return (to.translation() - from.translation()).norm() +
+         b.radius_m * (to.linear() - from.linear()).norm() / std::sqrt(2.0);
 }
 
 /// A half-space's nearest point lies below the other shape's lowest one. Of a mesh that stands on a
@@ -107,8 +118,8 @@ TriangleTree::Core in_frame(const Part& mesh, TriangleTree::Core core) {
 }
 
 /// Of a mesh (a) and a ball or a capsule (b): from its core's nearest point follows the shape's
-/// own, also where the two overlap. Where the core lies within the mesh, the shortest way out
-/// counts.
+/// own, also where the two overlap. Beyond twice the reach the gap is only a bound. Where the core
+/// lies within the mesh, the shortest way out counts.
 Nearest nearest_to_round(const Part& mesh, const RoundedCore& round, double reach_m,
                          PairMemory& memory) {
   Nearest result;
@@ -120,6 +131,7 @@ Nearest nearest_to_round(const Part& mesh, const RoundedCore& round, double reac
   memory.triangle = at.triangle;
   if (at.triangle < 0) {
     memory.normal_in_a.setZero();
+    result.gap_m = limit_m - round.radius_m;
     return result;
   }
   Vector3d outward = at.distance_m > 0 ? Vector3d((at.on_core - at.on_surface) / at.distance_m)
@@ -274,12 +286,19 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second, double
     const RoundedCore round = *core_of(b);
     const bool is_block = std::holds_alternative<TriangleTree::Block>(round.core);
     if (round.is_exact && !is_block) return nearest_to_round(a, round, reach_m, memory);
-    const bool near =
-        a.tree->nearest(in_frame(a, round.core), round.radius_m + reach_m, memory.triangle)
-            .triangle >= 0;
-    if (!near && !memory.known() && !memory.was_outside)
-      memory.was_outside = !a.tree->contains(a.local_point(b.pose.translation()));
-    if (!near && (memory.known() || memory.was_outside)) return {};
+    // While they touch, that is seen below.
+    if (!memory.known() || memory.gap_m > reach_m) {
+      // How far it is is worth knowing from far away: until then nothing has to be asked.
+      const double limit_m = round.radius_m + reach_m + std::min(a.radius_m, b.radius_m) / 4;
+      const TriangleTree::Nearest at =
+          a.tree->nearest(in_frame(a, round.core), limit_m, memory.triangle);
+      Nearest apart;
+      apart.gap_m = at.distance_m - round.radius_m;
+      const bool near = apart.gap_m <= reach_m;
+      if (!near && !memory.known() && !memory.was_outside)
+        memory.was_outside = !a.tree->contains(a.local_point(b.pose.translation()));
+      if (!near && (memory.known() || memory.was_outside)) return apart;
+    }
   }
   Vector3d normal = a.pose.linear() * memory.normal_in_a;
   const bool known = memory.known();
@@ -334,6 +353,9 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
     }
   if (fresh) return;
   double radius_m = 0.2 * std::min(a.radius_m, b.radius_m);
+  // The contact is most often as large as it was.
+  for (const auto& fit : fits)
+    if (fit) radius_m = fit->region_radius_m;
   constexpr int kMostRounds = 8;
   constexpr double kMargin = 1.01;  // the fit sees all triangles that reach into its region
   for (int round = 0; round < kMostRounds; ++round) {
@@ -383,7 +405,16 @@ void CollisionDetector::Implementation::find_between(int first, int second,
       (a.pose.translation() - b.pose.translation()).norm() > a.radius_m + b.radius_m + pair.reach_m)
     return;
   PairMemory& memory = memories[{one, other}];
+  const Isometry3d b_in_a = a.pose.inverse(Eigen::Isometry) * b.pose;
+  if (memory.gap_m - farthest_moved_m(memory.b_in_a, b_in_a, b) > pair.reach_m) {
+    // On which side they will meet, nothing tells any more.
+    memory.normal_in_a.setZero();
+    memory.was_outside = true;
+    return;
+  }
   const Nearest at = nearest(one, other, pair.reach_m, memory);
+  memory.gap_m = at.gap_m;
+  memory.b_in_a = b_in_a;
   if (at.gap_m > pair.reach_m) return;
   if (a.is_mesh() || b.is_mesh()) fit_meshes(a, b, at, memory.fits);
   const std::size_t before = points.size();

@@ -35,7 +35,13 @@ Geometry geometry(const input::Capsule& capsule) {
 }
 Geometry geometry(const input::Box& box) { return std::make_shared<fcl::Boxd>(box.size_m); }
 Geometry geometry(const input::HalfSpace&) { return nullptr; }
-Geometry geometry(const input::Mesh& mesh) {
+Eigen::AlignedBox3d box_of(const input::Mesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& vertex : mesh.surface->vertices_m) box.extend(vertex);
+  return box;
+}
+
+Geometry triangles_of(const input::Mesh& mesh) {
   auto model = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
   std::vector<fcl::Triangle> triangles;
   for (const auto& t : mesh.surface->triangles)
@@ -46,11 +52,26 @@ Geometry geometry(const input::Mesh& mesh) {
   return model;
 }
 
+/// A mesh is looked for by its box.
+Geometry geometry(const input::Mesh& mesh) {
+  const Eigen::AlignedBox3d box = box_of(mesh);
+  return std::make_shared<fcl::Boxd>(box.sizes());
+}
+
 struct Item {
   int index = -1;
   double radius_m = 0;
-  bool is_mesh = false;
+  const input::Mesh* mesh = nullptr;              ///< null: the shape is none
+  Vector3d centre_m = Vector3d::Zero();           ///< of `object` in the shape's frame
   std::unique_ptr<fcl::CollisionObjectd> object;  ///< null: a half-space
+  Geometry triangles;                             ///< of a mesh, once its distance is asked for
+
+  const fcl::CollisionGeometryd* exact() {
+    if (!mesh) return object->collisionGeometry().get();
+    // Many meshes only ever meet shapes that need no such tree.
+    if (!triangles) triangles = triangles_of(*mesh);
+    return triangles.get();
+  }
 };
 
 int index_of(const fcl::CollisionObjectd* object) {
@@ -72,7 +93,8 @@ ShapeDistances::ShapeDistances(const std::vector<const input::ShapeKind*>& shape
     Item& item = items[i];
     item.index = int(i);
     item.radius_m = bounding_radius_m(*shapes[i]);
-    item.is_mesh = std::holds_alternative<input::Mesh>(*shapes[i]);
+    item.mesh = std::get_if<input::Mesh>(shapes[i]);
+    if (item.mesh) item.centre_m = box_of(*item.mesh).center();
     const Geometry own = std::visit([](const auto& kind) { return geometry(kind); }, *shapes[i]);
     if (!own) continue;
     item.object = std::make_unique<fcl::CollisionObjectd>(own);
@@ -87,7 +109,7 @@ ShapeDistances::~ShapeDistances() = default;
 void ShapeDistances::move(const std::vector<Isometry3d>& poses) {
   for (Item& item : implementation_->items) {
     if (!item.object) continue;
-    item.object->setTransform(poses[std::size_t(item.index)]);
+    item.object->setTransform(poses[std::size_t(item.index)] * Eigen::Translation3d(item.centre_m));
     item.object->computeAABB();
   }
   implementation_->manager.update();
@@ -113,10 +135,10 @@ std::vector<std::pair<int, int>> ShapeDistances::near_pairs(double distance_m) {
 ShapeDistances::Nearest ShapeDistances::nearest(int a, const Isometry3d& pose_a, int b,
                                                 const Isometry3d& pose_b,
                                                 double tolerance_m) const {
-  const Item& one = implementation_->items[std::size_t(a)];
-  const Item& other = implementation_->items[std::size_t(b)];
+  Item& one = implementation_->items[std::size_t(a)];
+  Item& other = implementation_->items[std::size_t(b)];
   // FCL 0.7 names the mesh's point first, whatever the order of the call.
-  if (other.is_mesh && !one.is_mesh) {
+  if (other.mesh && !one.mesh) {
     Nearest turned = nearest(b, pose_b, a, pose_a, tolerance_m);
     std::swap(turned.on_a, turned.on_b);
     return turned;
@@ -125,9 +147,7 @@ ShapeDistances::Nearest ShapeDistances::nearest(int a, const Isometry3d& pose_a,
   request.distance_tolerance = tolerance_m;
   fcl::DistanceResultd found;
   Nearest result;
-  result.distance_m =
-      fcl::distance(one.object->collisionGeometry().get(), pose_a,
-                    other.object->collisionGeometry().get(), pose_b, request, found);
+  result.distance_m = fcl::distance(one.exact(), pose_a, other.exact(), pose_b, request, found);
   result.on_a = found.nearest_points[0];
   result.on_b = found.nearest_points[1];
   // For some pairs FCL 0.7 gives the points in the shapes' own frames: then they are not as far

@@ -101,7 +101,7 @@ class SegmentProbe {
   double distance_m(const Vector3d& point) const {
     return (nearest_on(segment_, point) - point).norm();
   }
-  Points nearest(const Triangle& triangle) const {
+  Points nearest(const Triangle& triangle, double) const {
     Points points;
     take(triangle, segment_, points);
     return points;
@@ -127,9 +127,12 @@ class BlockProbe {
   double distance_m(const Vector3d& point) const {
     return ((into_ * point).cwiseAbs() - half_).cwiseMax(0).norm();
   }
-  Points nearest(const Triangle& in_mesh) const {
+  /// @param limit_m  what is farther away need not be found
+  Points nearest(const Triangle& in_mesh, double limit_m) const {
     Triangle triangle;
     for (std::size_t k = 0; k < 3; ++k) triangle[k] = into_ * in_mesh[k];
+    const Vector3d least = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
+    const Vector3d most = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
     Points points;
     for (std::size_t k = 0; k < 3; ++k) {
       points.take(triangle[k], triangle[k].cwiseMax(-half_).cwiseMin(half_));
@@ -142,6 +145,10 @@ class BlockProbe {
         if (side & 2) start[(axis + 2) % 3] *= -1;
         Vector3d end = start;
         end[axis] *= -1;
+        // Both boxes lie along the axes. Most edges are farther away than the nearest point.
+        const Vector3d apart =
+            (least - start.cwiseMax(end)).cwiseMax(start.cwiseMin(end) - most).cwiseMax(0);
+        if (apart.squaredNorm() > std::min(points.square, limit_m * limit_m)) continue;
         SegmentProbe::take(triangle, {start, end}, points);
       }
     points.first = pose_ * points.first;
@@ -193,6 +200,7 @@ int TriangleTree::build(int first, int count) {
   const int index = int(nodes_.size());
   Node node;
   node.centre = (least + most) / 2;
+  node.half_size_m = (most - least) / 2;
   double square = 0;
   for (int i = first; i < first + count; ++i)
     for (int k = 0; k < 3; ++k)
@@ -236,7 +244,7 @@ TriangleTree::Nearest TriangleTree::search(const Probe& probe, double limit_m, i
     for (const Vector3d& vertex : triangle)
       square = std::max(square, (vertex - centre).squaredNorm());
     if (probe.distance_m(centre) - std::sqrt(square) > result.distance_m) return;
-    const Points points = probe.nearest(triangle);
+    const Points points = probe.nearest(triangle, result.distance_m);
     const double distance_m = std::sqrt(points.square);
     if (!(distance_m < result.distance_m)) return;
     result = {distance_m, points.first, points.second, t};
@@ -285,12 +293,13 @@ bool TriangleTree::contains(const Vector3d& point) const {
 }
 
 Vector3d TriangleTree::support(const Vector3d& direction) const {
-  const double length = direction.norm();
+  // By boxes: balls around the triangles of a flat side reach far beyond it.
+  const Vector3d across = direction.cwiseAbs();
   double farthest = -kInfinity;
   Vector3d result = corner(0, 0);
   const auto most = [&](int node) {
     return direction.dot(nodes_[std::size_t(node)].centre) +
-           length * nodes_[std::size_t(node)].radius_m;
+           across.dot(nodes_[std::size_t(node)].half_size_m);
   };
   std::array<int, 128> waiting;
   int count = 0;
@@ -307,8 +316,7 @@ Vector3d TriangleTree::support(const Vector3d& direction) const {
         result = vertex;
       }
     if (node.count > 0) continue;
-    const bool left_first = direction.dot(nodes_[std::size_t(node.left)].centre) >
-                            direction.dot(nodes_[std::size_t(node.right)].centre);
+    const bool left_first = most(node.left) > most(node.right);
     waiting[std::size_t(count++)] = left_first ? node.right : node.left;
     waiting[std::size_t(count++)] = left_first ? node.left : node.right;
   }

@@ -10,9 +10,9 @@
 
 namespace softfinger::simulation {
 
-/// What is near a triangulated surface, by a tree of balls over its triangles. All in the surface's
-/// frame, in metres. A query costs the logarithm of the number of triangles, more where many are
-/// equally near.
+/// What is near a triangulated surface, by a tree of balls and boxes over its triangles. All in the
+/// surface's frame, in metres. A query costs the logarithm of the number of triangles, more where
+/// many are equally near.
 class TriangleTree {
  public:
   /// @param surface  outlives the tree; has at least one triangle
@@ -54,7 +54,8 @@ class TriangleTree {
  private:
   struct Node {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    double radius_m = 0;
+    double radius_m = 0;                                    ///< of the ball
+    Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();  ///< of the box
     int first = 0, count = 0;  ///< of a leaf's triangles in order_; 0: two children
     int left = -1, right = -1;
   };
