@@ -349,7 +349,8 @@ void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
   for (std::size_t side = 0; side < 2; ++side)
     if (both[side]->is_mesh()) {
       const auto& fit = fits[side];
-      fresh = fresh && fit && (fit->origin_m - points[side]).norm() < 0.1 * fit->region_radius_m;
+      // The region is 1.4 times as large as the contact, which so stays within it.
+      fresh = fresh && fit && (fit->origin_m - points[side]).norm() < 0.25 * fit->region_radius_m;
     }
   if (fresh) return;
   double radius_m = 0.2 * std::min(a.radius_m, b.radius_m);
