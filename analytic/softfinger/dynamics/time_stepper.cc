@@ -428,12 +428,13 @@ LcpResult TimeStepper::solve(Island& island, StepResult& result) {
       island.solver->solve(island.problem, island.laws, options_.time_step_s, island.solution, {},
                            island.solved ? &island.continued : nullptr);
   LcpResult solved = consistent.lcp;
-  // Masses that differ by a billion leave fewer digits than that to their velocities.
-  constexpr double kMostRounding = 1e-5;
-  const double accepted =
-      std::max(options_.accepted_residual,
-               internal::rounding_of(island.problem, island.solution, kMostRounding));
-  if (solved.status == LcpStatus::iteration_limit && solved.residual <= accepted)
+  const auto accepted = [&] {
+    // Masses that differ by a billion leave fewer digits than that to their velocities.
+    constexpr double kMostRounding = 1e-5;
+    return std::max(options_.accepted_residual,
+                    internal::rounding_of(island.problem, island.solution, kMostRounding));
+  };
+  if (solved.status == LcpStatus::iteration_limit && solved.residual <= accepted())
     solved.status = LcpStatus::solved;
   island.solved = solved.status == LcpStatus::solved;
   for (std::size_t i = 0; i < island.continued.size(); ++i) island.continued[i] = int(i);
