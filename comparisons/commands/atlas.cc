@@ -192,7 +192,7 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
   command->add_option("--folder", options->folder,
                       "folder that keeps finished runs: the same command continues after an "
                       "interruption; default: ./softfinger-atlas");
-  CLI::Option* output = command->add_option("--output", options->output,
+  CLI::Option* output = command->add_option("-o,--output", options->output,
                                             "the CSV file to write when all runs are finished");
   command
       ->add_option("--jobs", options->jobs,

@@ -203,7 +203,7 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
                       "first two, and where friction was measured those of the case's shear law");
   command->add_option("--model", options->model,
                       "fingertip_layer (default), bonded_layer, winkler or hertz");
-  command->add_option("--output", options->output,
+  command->add_option("-o,--output", options->output,
                       "file (TOML) for the case with what was found, for the other commands");
   command->add_option("--page", options->page,
                       "file (HTML) with data, fit, residuals, confidence and comparison of models");

@@ -26,7 +26,7 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       "case files (TOML), names of built-in cases, or \"-\" for standard input; default: the whole "
       "built-in suite");
   add_settings(*command, options->settings, "cases");
-  command->add_option("--output", options->output,
+  command->add_option("-o,--output", options->output,
                       "folder for the report, created when missing; default: ./softfinger-report");
   CLI::Option* full = command->add_flag(
       "--full", options->full,

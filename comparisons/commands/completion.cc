@@ -215,7 +215,7 @@ void add_completion(CLI::App& app, Action& action) {
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish"}));
   CLI::Option* output =
-      command->add_option("--output", options->output,
+      command->add_option("-o,--output", options->output,
                           "file to write, its folder created when missing; default: "
                           "standard output");
   command->add_flag("--json", options->json, "the script in one JSON object on standard output");

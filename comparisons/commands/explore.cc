@@ -44,7 +44,7 @@ void add_explore(CLI::App& app, Action& action, const std::string& command_line)
                                          "A page with sliders for a contact: ellipse, pressure, "
                                          "limit surface, error bounds, lines for "
                                          "simulators, at once");
-  command->add_option("--output", *output, "HTML file to write; default: explore.html");
+  command->add_option("-o,--output", *output, "HTML file to write; default: explore.html");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json,
                     "one JSON object on standard output: the page's file, the models in it");

@@ -54,7 +54,7 @@ void add_extremes(CLI::App& app, Action& action, const std::string& command_line
       "All models on random problems far beyond any fingertip: answers, refusals, violated "
       "invariants");
   const CLI::Option* output =
-      command->add_option("--output", options->output,
+      command->add_option("-o,--output", options->output,
                           "folder for a page of the results, extremes.html, and "
                           "extremes.json; default: none is written");
   command

@@ -293,7 +293,7 @@ void add_fem(CLI::App& app, Action& action) {
       ->add_option("--approach-mm", options->approach_mm,
                    "press by this approach in place of the case's loads; the load is then a result")
       ->check(CLI::PositiveNumber);
-  command->add_option("--output", options->output,
+  command->add_option("-o,--output", options->output,
                       "folder for VTU files (ParaView), one sub-folder per load; default: none");
   command->add_flag(
       "--torsion", options->torsion,

@@ -115,7 +115,7 @@ void add_manual(CLI::App& app, Action& action) {
       "manual", "Man pages, made from the same source as --help: of the program, or of a command");
   command->add_option("COMMAND", options->command, "whose page; default: of the program itself");
   CLI::Option* output = command->add_option(
-      "--output", options->output,
+      "-o,--output", options->output,
       "folder, created when missing, for all pages: softfinger.1, softfinger-predict.1, ...");
   command->add_flag("--json", options->json, "one JSON object on standard output: pages by name");
   command->footer(

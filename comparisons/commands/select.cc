@@ -194,7 +194,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
                       "peak_pressure, max_torque; default: all of them");
   options->command_line = command_line;
   const CLI::Option* output = command->add_option(
-      "--output", options->output,
+      "-o,--output", options->output,
       "folder for a page with the choice, the figures of speed and accuracy and the maps of "
       "validity: select.html, and select.json; of a scene, what each pair of bodies needs");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");

@@ -180,7 +180,7 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       ->required();
   add_settings(*command, options->settings, "scene");
   add_robot(*command, options->robot);
-  command->add_option("--output", options->output,
+  command->add_option("-o,--output", options->output,
                       "folder for motion.html, trajectory.csv, contacts.csv, trajectory.json, "
                       "simulation.json and motion.pvd with its VTU files");
   command

@@ -26,7 +26,7 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
                    "for standard input")
       ->required();
   add_settings(*command, options->settings, "sweep");
-  command->add_option("--output", options->output,
+  command->add_option("-o,--output", options->output,
                       "folder for results.csv and sweep.html, created when missing; default: "
                       "./softfinger-sweep");
   command

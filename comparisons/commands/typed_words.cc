@@ -23,6 +23,8 @@ void refuse_unknown_letter(const CLI::App& app, const CLI::App* command, const s
     if (one)
       for (const CLI::Option* option : one->get_options())
         for (const std::string& name : option->get_snames()) known.push_back("-" + name);
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
   if (std::find(known.begin(), known.end(), word) == known.end())
     throw InputError("command line", "unknown option \"" + word + "\"", "", text::joined(known));
 }

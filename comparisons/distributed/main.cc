@@ -215,7 +215,7 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->excludes(atlas);
-  app.add_option("--output", options.output, "folder for the results, created when missing")
+  app.add_option("-o,--output", options.output, "folder for the results, created when missing")
       ->required();
   app.add_flag("--finite-strain", options.finite_strain, "the atlas at finite strain")
       ->needs(atlas);
