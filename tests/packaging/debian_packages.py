@@ -17,10 +17,16 @@ import sys
 import time
 
 PACKAGES = ("softfinger", "softfinger-fem", "libsoftfinger-dev", "python3-softfinger")
+# Where the libraries that read robots' files were there when the build was configured.
+OPTIONAL_PACKAGES = ("softfinger-robot",)
 LARGEST_PYTHON_PACKAGE_BYTES = 3_000_000
 LARGEST_PAGE_BYTES = 3_000_000
 # What finite elements need, and numbers for many processes.
 HEAVY = re.compile(r"deal\.?ii|gmsh|cholmod|blas|lapack|mpi|trilinos|petsc|vtk", re.IGNORECASE)
+
+ROBOT = """<mujoco model="arm"><worldbody><body name="link" pos="0 0 1"><joint axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" mass="1"/></body></worldbody></mujoco>
+"""
 
 SAMPLE = """
 import softfinger
@@ -50,7 +56,7 @@ def make_packages(build, folder):
     """Files of the packages by name."""
     run("cpack", "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder)
     debs = {deb.name.split("_")[0]: deb for deb in folder.glob("*.deb")}
-    assert set(debs) == set(PACKAGES), sorted(debs)
+    assert set(debs) - set(OPTIONAL_PACKAGES) == set(PACKAGES), sorted(debs)
     for name, deb in debs.items():
         print(f"{deb.name}: {deb.stat().st_size} bytes")
     return debs
@@ -66,8 +72,9 @@ def check_dependencies(debs):
         ("softfinger-fem", (f"softfinger (= {version})", "libdeal.ii", "libgmsh", "libcholmod")),
         ("libsoftfinger-dev", ("libeigen3-dev",)),
         ("python3-softfinger", ("python3-numpy", "libstdc++6")),
+        ("softfinger-robot", (f"softfinger (= {version})", "libstdc++6")),
     ):
-        for one in needed:
+        for one in needed if name in depends else ():
             assert one in depends[name], f"{name} does not depend on {one}: {depends[name]}"
     size = debs["python3-softfinger"].stat().st_size
     assert size <= LARGEST_PYTHON_PACKAGE_BYTES, size
@@ -83,8 +90,8 @@ def check_that_apt_agrees(debs):
     )
     if done.returncode == 0:
         configured = re.findall(r"^Conf (\S+)", done.stdout, re.MULTILINE)
-        assert set(PACKAGES) <= set(configured), done.stdout
-        print(f"apt would install them, with {len(configured) - len(PACKAGES)} other packages")
+        assert set(debs) <= set(configured), done.stdout
+        print(f"apt would install them, with {len(configured) - len(debs)} other packages")
     else:
         # Without lists of packages, or where a library stands in for Debian's own.
         print("apt does not resolve the dependencies here:", done.stdout.strip().splitlines()[-1:])
@@ -169,6 +176,22 @@ def check_finite_elements(root):
     return result["a_m"]
 
 
+def check_robots(root, deb):
+    """A robot's file, without and with the package that reads it."""
+    program = root.folder / "usr" / "bin" / "softfinger"
+    (root.folder / "arm.xml").write_text(ROBOT, encoding="utf-8")
+    refused = root.run(program, "simulate", "arm.xml", "--json", check=False)
+    assert refused.returncode == 2 and "softfinger-robot" in refused.stderr, refused.stderr
+    if deb is None:
+        return
+    root.install(deb)
+    told = root.run(program, "simulate", "arm.xml", "--json", check=False)
+    if "libmujoco" in run("dpkg-deb", "--field", deb, "Depends").stdout:
+        assert told.returncode == 0 and json.loads(told.stdout)["lcp_failures"] == 0, told.stderr
+    else:
+        assert told.returncode == 2 and told.stderr, told.stdout
+
+
 def check_consumer(root, consumer, folder, compiler):
     options = ["-D", f"CMAKE_PREFIX_PATH={root.folder / 'usr'}", "-D", "CMAKE_BUILD_TYPE=Release"]
     if compiler:
@@ -187,8 +210,8 @@ def check_python(root, a_m):
     assert float(computed) == a_m, (computed, a_m)
 
 
-def check_copyrights(root):
-    for package in PACKAGES:
+def check_copyrights(root, packages):
+    for package in packages:
         text = root.folder / "usr" / "share" / "doc" / package / "copyright"
         assert "Redistribution" in text.read_text(encoding="utf-8"), package
 
@@ -209,8 +232,9 @@ def main():
     check_consumer(root, consumer, folder / "consumer", compiler)
     root.install(debs["python3-softfinger"])
     check_python(root, a_m)
-    check_copyrights(root)
-    root.remove(*PACKAGES)
+    check_robots(root, debs.get("softfinger-robot"))
+    check_copyrights(root, debs)
+    root.remove(*debs)
     left = [f for f in (root.folder / "usr").rglob("*") if root.as_root and f.is_file()]
     assert not left, left
 
