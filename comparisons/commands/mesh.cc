@@ -11,6 +11,7 @@
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
+#include "comparisons/report/mesh_picture.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "softfinger/input/errors.h"
@@ -24,8 +25,8 @@ using Eigen::Vector3d;
 constexpr double kNarrowestFinger_m = 5e-3, kWidestFinger_m = 40e-3;
 
 struct MeshOptions {
-  std::string file, along, near, unit, page, command_line;
-  bool write_page = false, json = false;
+  std::string file, along, near, unit, page, picture, command_line;
+  bool write_page = false, write_picture = false, json = false;
 };
 
 struct ReadMesh {
@@ -143,7 +144,8 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
           {"degenerate_triangles", read.file.degenerate_triangles},
           {"duplicate_triangles", read.file.duplicate_triangles},
           {"points", list},
-          {"page", options.write_page ? nlohmann::json(options.page) : nlohmann::json()}};
+          {"page", options.write_page ? nlohmann::json(options.page) : nlohmann::json()},
+          {"picture", options.write_picture ? nlohmann::json(options.picture) : nlohmann::json()}};
 }
 
 std::string to_text(const MeshOptions& options, const ReadMesh& read,
@@ -187,6 +189,8 @@ int run_mesh(const MeshOptions& options) {
                      "+x, -x, +y, -y, +z or -z");
   if (options.write_page && options.page.empty())
     throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
+  if (options.write_picture && options.picture.empty())
+    throw InputError("command line", "--picture", "\"\"", "the name of a PNG file");
   const auto path = system::find_mesh_file(options.file, "");
   const ReadMesh read = read_mesh(path.string(), options.unit);
   const std::vector<report::MeshPoint> points = points_of(options, read, path.string());
@@ -204,10 +208,13 @@ int run_mesh(const MeshOptions& options) {
     page.command = options.command_line;
     system::write_file_atomically(options.page, report::mesh_page(read.file.surface, page));
   }
+  if (options.write_picture)
+    system::write_file_atomically(options.picture, report::mesh_picture(read.file.surface, points));
   // Last, so that a refusal stays a single line.
   for (const std::string& doubt : {read.doubt, tolerated})
     if (!doubt.empty()) remark(path.string() + ": " + doubt);
   if (options.write_page) remark("the page is " + options.page);
+  if (options.write_picture) remark("the picture is " + options.picture);
   if (options.json)
     system::write_to_stdout(to_json(options, read, points)
                                 .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
@@ -247,6 +254,10 @@ void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
       "--page", options->page,
       "HTML file to write: the surface in 3-D with the points, the fitted regions and quadrics; a "
       "click on it gives the line of a case, a button a picture (PNG)");
+  const CLI::Option* picture = command->add_option(
+      "--picture", options->picture,
+      "PNG file to write: the surface seen along the six axes, with the points and a bar of "
+      "millimetres");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Radii are those of a quadric fitted to about forty vertices around the point; predict fits\n"
@@ -254,9 +265,11 @@ void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
       "Samples:\n"
       "  softfinger mesh shadow_like_pad.stl\n"
       "  softfinger mesh shadow_like_pad.stl --along +z --page pad.html\n"
+      "  softfinger mesh shadow_like_pad.stl --picture pad.png\n"
       "  softfinger mesh sphere.stl --near 0,-20,1 --json");
-  command->callback([options, page, &action] {
+  command->callback([options, page, picture, &action] {
     options->write_page = page->count() > 0;
+    options->write_picture = picture->count() > 0;
     action = [options] { return run_mesh(*options); };
   });
 }

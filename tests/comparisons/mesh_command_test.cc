@@ -136,8 +136,11 @@ TEST_F(MeshCommand, SaysWhereASurfaceIsOpen) {
 }
 
 TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {
-  const json found = answer_of({"mesh", "tip.stl", "--page", "tip.html", "--json"});
+  const json found =
+      answer_of({"mesh", "tip.stl", "--page", "tip.html", "--picture", "tip.png", "--json"});
   EXPECT_EQ(found["page"], "tip.html");
+  EXPECT_EQ(found["picture"], "tip.png");
+  EXPECT_EQ(file_text(folder.path() / "tip.png").substr(1, 3), "PNG");
   const std::string page = file_text(folder.path() / "tip.html");
   for (const json& point : found["points"]) {
     std::string line = point["toml"];
@@ -188,6 +191,7 @@ TEST_F(MeshCommand, RefusesInOneLine) {
   expect_refusal({"mesh", "tip.stl", "--near", "0,0,0"}, "a point on the surface");
   expect_refusal({"mesh", "tip.stl", "--near", "0,-7,0", "--along", "-y"}, "--along");
   expect_refusal({"mesh", "tip.stl", "--page", ""}, "--page");
+  expect_refusal({"mesh", "tip.stl", "--picture", ""}, "--picture");
   expect_refusal({"mesh", "no.stl"}, "no.stl");
   folder.write("no.stl", "no mesh");
   expect_refusal({"mesh", "no.stl"}, "no.stl");
