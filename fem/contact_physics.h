@@ -114,8 +114,11 @@ class ContactPhysics {
   virtual Measurement measure() = 0;
 
   /// @pre measured
-  /// @param plan  made here when it has none, by the first level, and followed by the next
-  virtual FrictionOfLevel friction(std::optional<FrictionPlan>& plan) = 0;
+  /// @param plan      made here when it has none, by the first level, and followed by the next
+  /// @param has_room  whether the mesh can be made with a larger patch
+  /// @throws EdgeLeftMargin where friction moves the contact's edge out of the patch and the answer
+  /// would suffer; without room only where there is none
+  virtual FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool has_room) = 0;
 
   virtual std::vector<PressurePoint> pressures() const = 0;
 

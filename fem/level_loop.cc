@@ -51,17 +51,29 @@ double misfit(const LayerDiscretisation& mesh, double a, double b) {
 }
 
 /// A bent layer's map ends somewhere: the patch and a cell beside it have to fit.
-void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
-  const double mm = 1e3 * problem.contact.layer.thickness_m;
-  const double needed_x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
-  const double needed_y = mesh.patch * mesh.b + mesh.b / mesh.elements_along_b();
+struct Reach {
+  double x, y;  ///< needed along the surface, in h
+  bool is_there;
+};
+
+Reach reach_of(const LayerDiscretisation& mesh) {
+  Reach reach;
+  reach.x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
+  reach.y = mesh.patch * mesh.b + mesh.b / mesh.elements_along_b();
   constexpr double usable = LayerDiscretisation::usable_reach;
-  if (needed_x < usable * mesh.reach_x && needed_y < usable * mesh.reach_y) return;
+  reach.is_there = reach.x < usable * mesh.reach_x && reach.y < usable * mesh.reach_y;
+  return reach;
+}
+
+void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
+  const Reach reach = reach_of(mesh);
+  if (reach.is_there) return;
+  const double mm = 1e3 * problem.contact.layer.thickness_m;
   throw too_much(problem,
                  formatted("less, or a larger pad: the contact needs the finger's surface up to "
                            "%.3g x %.3g mm from the contact point, and a layer fits on it up to "
                            "%.3g x %.3g mm",
-                           mm * needed_x, mm * needed_y, mm * mesh.reach_x, mm * mesh.reach_y));
+                           mm * reach.x, mm * reach.y, mm * mesh.reach_x, mm * mesh.reach_y));
 }
 
 /// Expected from the level before: cells fourfold, and the factorisation's cost grows a little
@@ -239,15 +251,25 @@ class LevelLoop {
     return true;
   }
 
+  /// Whether a larger patch can still be meshed.
+  bool has_room() const {
+    LayerDiscretisation larger = mesh_;
+    larger.patch *= growth_at_rim;
+    return physics_.shares_meshes() ||
+           (room_ * growth_at_rim <= roomiest_patch && reach_of(larger).is_there);
+  }
+
   /// @returns false where friction moves the contact's edge out of the patch: the next one is
   /// planned larger
   bool solve_friction(int level) {
     try {
-      friction_.push_back(physics_.friction(plan_));
+      friction_.push_back(physics_.friction(plan_, has_room()));
       return true;
     } catch (const EdgeLeftMargin& error) {
       if (!physics_.shares_meshes() && room_ * growth_at_rim > roomiest_patch) throw;
       room_ *= growth_at_rim;
+      // The first level plans anew.
+      if (friction_.empty()) plan_.reset();
       task_.progress(formatted("level %d: %s; once more with %.3g times the room around it", level,
                                error.what(), room_));
       return false;

@@ -152,7 +152,7 @@ class LinearContact : public ContactPhysics {
     return measurement;
   }
 
-  FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+  FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool) override {
     KeptCompliances* kept = keeps_meshes_ ? &meshes_.compliances[place()] : nullptr;
     return friction_on(start_of_friction(), task_.problem, kept, plan, task_.progress,
                        series_.of(level_));

@@ -146,7 +146,7 @@ class FiniteContact : public ContactPhysics {
     return measurement;
   }
 
-  FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+  FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool has_room) override {
     const bool is_first = !plan;
     FrictionOfLevel result;
     SuperposedMotion motion(*pressing_, bound());
@@ -162,7 +162,7 @@ class FiniteContact : public ContactPhysics {
     const bool matters =
         std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile;
     const bool is_written = problem_.friction.torsion && !problem_.output_directory.empty();
-    if (is_first && (matters || is_written)) correct(result);
+    if (is_first && (matters || is_written)) correct(result, has_room);
     return result;
   }
 
@@ -339,7 +339,8 @@ class FiniteContact : public ContactPhysics {
   }
 
   /// Solves the states of the plan on the whole layer, each as far as it goes.
-  void correct(FrictionOfLevel& result) {
+  /// @throws EdgeLeftMargin with room
+  void correct(FrictionOfLevel& result, bool has_room) {
     const Stopwatch watch;
     std::optional<FinitePressing> whole;
     if (!pressing_->layer().whole()) {
@@ -349,16 +350,23 @@ class FiniteContact : public ContactPhysics {
       whole->continue_from(*pressing_);
       whole->press({equilibrium().load, 0});
     }
-    FrictionalPressing solved(whole ? *whole : *pressing_, bound(whole ? *whole : *pressing_));
+    FrictionalPressing solved(whole ? *whole : *pressing_, bound(whole ? *whole : *pressing_),
+                              has_room);
     const double force = largest_force(), torque = result.full_slip;
     FrictionCorrection& correction = result.correction.emplace();
     correction.twist = moved(solved, result.twist, torque, correction.twist_error,
                              [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
     double aim = 1;  // of the slides: less where an earlier one folds
-    if (problem_.friction.torsion)
-      correction.full_slip = slid(solved, {{{}, {}, 1}, {0, 0, result.full_slip}, 1, 0}, force,
-                                  torque, aim, correction.twist_error)
-                                 .wrench.torque;
+    if (problem_.friction.torsion) {
+      // Without symmetry a turn about the centre is opposed by a force as well.
+      const PlaneMotion turn = {{}, {}, 1};
+      const FrictionWrench superposed = pressing_->layer().whole()
+                                            ? slides_->slide(turn).wrench
+                                            : FrictionWrench{0, 0, result.full_slip};
+      correction.full_slip =
+          slid(solved, {turn, superposed, 1, 0}, force, torque, aim, correction.twist_error)
+              .wrench.torque;
+    }
     correction.limit_surface =
         slid(solved, result.limit_surface, force, torque, aim, correction.slide_error);
     for (const std::vector<FrictionState>& path : result.paths)
@@ -413,6 +421,8 @@ class FiniteContact : public ContactPhysics {
     for (const FrictionState& state : superposed) {
       try {
         if (!is_stuck) solved.move_to(state.motion);
+      } catch (const EdgeLeftMargin&) {
+        throw;
       } catch (const ConvergenceError& failure) {
         task_.progress(std::string("friction: not solved to the end: ") + failure.what());
         is_stuck = true;

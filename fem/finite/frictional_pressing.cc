@@ -10,6 +10,7 @@
 #include "fem/coulomb_friction.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/fixed_point.h"
+#include "fem/friction_study.h"
 #include "fem/positive_definite.h"
 #include "fem/surface_frame.h"
 #include "softfinger/input/errors.h"
@@ -110,12 +111,14 @@ struct FrictionalPressing::Tangent {
   }
 };
 
-FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, FrictionBound bound)
+FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, FrictionBound bound,
+                                       bool has_room)
     : layer_(pressed.shared_layer()),
       object_(pressed.object()),
       offset_(pressed.offset()),
       load_(pressed.equilibrium().load),
       bound_(std::move(bound)),
+      has_room_(has_room),
       pressed_state_(layer_->state()),
       pressed_force_(only_normal(pressed.equilibrium().normal_force)),
       pressed_approach_(pressed.equilibrium().approach) {
@@ -260,6 +263,9 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, d
         const SurfaceNode& node = layer_->nodes()[i];
         if (force_(2, static_cast<Index>(i)) > 0 && reaches_rim(mesh, node)) {
           failure_ = "friction moves the contact out of the refined patch";
+          if (has_room_)
+            throw EdgeLeftMargin("size of the frictional contact", iterations_,
+                                 std::hypot(node.x / mesh.a, node.y / mesh.b), failure_);
           return false;
         }
       }
@@ -411,6 +417,8 @@ double FrictionalPressing::advance(double& length, double shortest, double enoug
     try {
       if (earlier) extrapolate(*earlier, (next - done) / (done - before));
       converged = try_share(next);
+    } catch (const EdgeLeftMargin&) {
+      throw;
     } catch (const ConvergenceError& error) {
       failure_ = error.what();
     }

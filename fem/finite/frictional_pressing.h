@@ -28,9 +28,12 @@ namespace softfinger::fem::finite {
 /// turn.
 class FrictionalPressing {
  public:
-  /// @param pressed  of a whole layer, in its equilibrium; friction takes its layer over, and gives
-  ///                 it back as it was
-  FrictionalPressing(const FinitePressing& pressed, FrictionBound bound);
+  /// @param pressed   of a whole layer, in its equilibrium; friction takes its layer over, and
+  /// gives
+  ///                  it back as it was
+  /// @param has_room  whether a larger patch can be meshed: a motion that needs one then ends with
+  ///                  EdgeLeftMargin, otherwise with the last state within the patch
+  FrictionalPressing(const FinitePressing& pressed, FrictionBound bound, bool has_room = false);
   ~FrictionalPressing();
   FrictionalPressing(const FrictionalPressing&) = delete;
   FrictionalPressing& operator=(const FrictionalPressing&) = delete;
@@ -119,6 +122,7 @@ class FrictionalPressing {
   std::shared_ptr<const RigidObject> object_;
   const double offset_, load_;
   const FrictionBound bound_;  ///< per node
+  const bool has_room_;
   const std::shared_ptr<const FiniteLayer::State> pressed_state_;
   const Eigen::Matrix3Xd pressed_force_;
   const double pressed_approach_;
