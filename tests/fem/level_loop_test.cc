@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -68,8 +69,11 @@ class KnownContact : public ContactPhysics {
     result.oversize = oversize;
     return measurement;
   }
-  FrictionOfLevel friction(std::optional<FrictionPlan>& plan) override {
+  FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool has_room) override {
+    planned.push_back(plan.has_value());
     plan.emplace().edge = edge_with_friction;
+    if (has_room && pressed.back().patch < patch_for_friction)
+      throw EdgeLeftMargin("size of the frictional contact", 1, 1.2, "a larger patch");
     return {};
   }
   std::vector<PressurePoint> pressures() const override {
@@ -83,7 +87,8 @@ class KnownContact : public ContactPhysics {
 
   bool shares = false, trial_serves = true, outgrows = false;
   int mesh_outside = 0;
-  double oversize = 1, edge_with_friction = 1;
+  double oversize = 1, edge_with_friction = 1, patch_for_friction = 0;
+  std::vector<bool> planned;  ///< whether there was a plan, each time that friction was asked for
   std::vector<LayerDiscretisation> pressed;
   std::vector<int> levels, walls_clamped_on;
 };
@@ -139,6 +144,26 @@ TEST_F(LevelLoop, MakesRoomForTheEdgeThatFrictionMoves) {
   // A node that touches in the outermost cells would tell that the room is too small.
   EXPECT_NEAR(contact.pressed.back().patch, 1.5 + spare_margin / 8, 1e-12);
   EXPECT_GT(contact.pressed.back().patch, usual);
+}
+
+TEST_F(LevelLoop, PressesAgainWithMoreRoomWhereFrictionNeedsIt) {
+  problem.friction.torsion = true;
+  const double usual = LayerDiscretisation().patch;
+  contact.patch_for_friction = 1.5 * usual;
+  ASSERT_TRUE(solve());
+  // 1.3 times the room does not do, its square does; the second level begins with that.
+  EXPECT_NEAR(contact.pressed.back().patch, 1.3 * 1.3 * usual, 1e-12);
+  EXPECT_EQ(std::count(contact.levels.begin(), contact.levels.end(), 2), 1);
+  // The first level makes a plan each time, the second one follows it.
+  EXPECT_EQ(contact.planned, (std::vector<bool>{false, false, false, true}));
+}
+
+TEST_F(LevelLoop, TakesWhatFrictionToldWhereThereIsNoMoreRoom) {
+  problem.friction.torsion = true;
+  contact.patch_for_friction = 100;
+  ASSERT_TRUE(solve());
+  EXPECT_LE(contact.pressed.back().patch, 2.5 * LayerDiscretisation().patch);
+  EXPECT_TRUE(contact.planned.back());
 }
 
 TEST_F(LevelLoop, AHintOfTheSizeSavesTrialMeshesAndNothingElse) {
