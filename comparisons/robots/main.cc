@@ -7,6 +7,7 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "comparisons/robots/imported_scene.h"
@@ -37,7 +38,15 @@ void give_up(const char* message) {
   std::_Exit(kBadInput);
 }
 
-void note(const char* message) { say(std::string("MuJoCo: ") + message); }
+/// MuJoCo only warns of numbers that are none, once for each, and reads on.
+bool has_nan = false;
+
+void note(const char* message) {
+  if (std::string_view(message).find("'NaN'") != std::string_view::npos)
+    has_nan = true;
+  else
+    say(std::string("MuJoCo: ") + message);
+}
 #endif
 
 using softfinger::InputError;
@@ -59,7 +68,9 @@ ImportedScene import(const std::vector<std::string>& words,
 #ifdef SOFTFINGER_HAS_MUJOCO
   mju_user_error = give_up;
   mju_user_warning = note;
-  return softfinger::robots::import_robot(file, words[1], words[2], layers);
+  ImportedScene scene = softfinger::robots::import_robot(file, words[1], words[2], layers);
+  if (has_nan) throw InputError(words[0], "number", "NaN", "finite numbers");
+  return scene;
 #else
   throw InputError(words[0], "suffix", file.extension().string(),
                    ".sdf: this program was built without libmujoco-dev");

@@ -336,6 +336,11 @@ TEST_F(Robots, AreRefusedInOneLine) {
   EXPECT_NE(refusal("<mujoco><worldbody><body name='a'><freejoint/><geom size='nan'/></body>"
                     "</worldbody></mujoco>"),
             "");
+  // MuJoCo warns of each of them.
+  EXPECT_NE(refusal("<mujoco><worldbody><body name='a' pos='nan 0 0'><freejoint/>"
+                    "<geom size='nan'/></body></worldbody></mujoco>")
+                .find("number = NaN"),
+            std::string::npos);
   EXPECT_NE(refusal("<mujoco><worldbody><body name='a'><freejoint/><geom size='1'/></body>"
                     "</worldbody></mujoco>",
                     {"--finger-layer", "b:2,300,0.49"})
