@@ -68,9 +68,16 @@ ImportedScene import(const std::vector<std::string>& words,
 #ifdef SOFTFINGER_HAS_MUJOCO
   mju_user_error = give_up;
   mju_user_warning = note;
-  ImportedScene scene = softfinger::robots::import_robot(file, words[1], words[2], layers);
-  if (has_nan) throw InputError(words[0], "number", "NaN", "finite numbers");
-  return scene;
+  const InputError no_number(words[0], "number", "NaN", "finite numbers");
+  try {
+    ImportedScene scene = softfinger::robots::import_robot(file, words[1], words[2], layers);
+    if (has_nan) throw no_number;
+    return scene;
+  } catch (const std::exception&) {
+    // Whatever else is wrong with such a file follows from that.
+    if (has_nan) throw no_number;
+    throw;
+  }
 #else
   throw InputError(words[0], "suffix", file.extension().string(),
                    ".sdf: this program was built without libmujoco-dev");
