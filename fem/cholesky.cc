@@ -33,10 +33,17 @@ struct CholeskyFactor::Implementation {
   int size = 0;
   std::vector<int> last;
 
-  /// The factor's trailing block, lower triangle, in the order of elimination.
+  /// Columns of the factor's trailing block, in the order of elimination.
+  /// @param visit  called with their rows, the column's own first, with the entries, and how many
+  template <class Visit>
+  void for_each_trailing_column(const Visit& visit) const;
+  /// That block, lower triangle.
   Eigen::MatrixXd trailing_factor() const;
   /// A symmetric matrix of which the lower triangle is given, from the order of elimination.
   Eigen::MatrixXd in_order_of_last(const Eigen::MatrixXd& lower) const;
+  /// Of each of `last`, in the order of elimination.
+  std::vector<int> place_of_last() const;
+  Eigen::VectorXd solve(int system, const Eigen::VectorXd& right) const;
 };
 
 namespace {
@@ -166,45 +173,63 @@ void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
 
 CholeskyFactor::~CholeskyFactor() = default;
 
-Eigen::MatrixXd CholeskyFactor::Implementation::trailing_factor() const {
+/// A supernode that straddles the first of the last unknowns contributes its trailing columns and
+/// rows only.
+template <class Visit>
+void CholeskyFactor::Implementation::for_each_trailing_column(const Visit& visit) const {
   const auto* super = static_cast<const int*>(factor->super);
   const auto* row_begin = static_cast<const int*>(factor->pi);
   const auto* value_begin = static_cast<const int*>(factor->px);
   const auto* rows = static_cast<const int*>(factor->s);
   const auto* values = static_cast<const double*>(factor->x);
-  const int count = static_cast<int>(last.size()), first = size - count;
-  // A supernode that straddles `first` contributes its trailing columns and rows only.
-  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
+  const int first = size - static_cast<int>(last.size());
   for (std::size_t node = 0; node < factor->nsuper; ++node) {
     if (super[node + 1] <= first) continue;
     const int row_count = row_begin[node + 1] - row_begin[node];
     for (int column = std::max(super[node], first); column < super[node + 1]; ++column) {
-      const double* entries = values + value_begin[node] +
-                              static_cast<std::ptrdiff_t>(column - super[node]) * row_count;
-      for (int i = column - super[node]; i < row_count; ++i)
-        block(rows[row_begin[node] + i] - first, column - first) = entries[i];
+      const int skipped = column - super[node];
+      const double* entries =
+          values + value_begin[node] + static_cast<std::ptrdiff_t>(skipped) * row_count;
+      visit(rows + row_begin[node] + skipped, entries + skipped, row_count - skipped);
     }
   }
+}
+
+Eigen::MatrixXd CholeskyFactor::Implementation::trailing_factor() const {
+  const int count = static_cast<int>(last.size()), first = size - count;
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(count, count);
+  for_each_trailing_column([&](const int* row, const double* entry, int entries) {
+    for (int i = 0; i < entries; ++i) block(row[i] - first, row[0] - first) = entry[i];
+  });
   return block;
+}
+
+std::vector<int> CholeskyFactor::Implementation::place_of_last() const {
+  const auto* permutation = static_cast<const int*>(factor->Perm);
+  const int first = size - static_cast<int>(last.size());
+  std::vector<int> place(static_cast<std::size_t>(size), -1);
+  for (int i = first; i < size; ++i) place[static_cast<std::size_t>(permutation[i])] = i;
+  std::vector<int> result;
+  for (const int unknown : last) {
+    result.push_back(place[static_cast<std::size_t>(unknown)]);
+    if (result.back() < 0)
+      throw ConvergenceError("condensation on the contact surface", unknown, 0,
+                             "the ordering did not keep the contact unknowns last");
+  }
+  return result;
 }
 
 Eigen::MatrixXd CholeskyFactor::Implementation::in_order_of_last(
     const Eigen::MatrixXd& lower) const {
-  const auto* permutation = static_cast<const int*>(factor->Perm);
-  const int count = static_cast<int>(last.size()), first = size - count;
-  std::vector<int> place(static_cast<std::size_t>(size), -1);
-  for (int i = 0; i < count; ++i) place[static_cast<std::size_t>(last[i])] = i;
+  const std::vector<int> place = place_of_last();
+  const int count = static_cast<int>(place.size()), first = size - count;
   Eigen::MatrixXd result(count, count);
-  for (int column = 0; column < count; ++column) {
-    const int j = place[static_cast<std::size_t>(permutation[first + column])];
-    if (j < 0)
-      throw ConvergenceError("condensation on the contact surface", column, 0,
-                             "the ordering did not keep the contact unknowns last");
-    for (int row = column; row < count; ++row) {
-      const int i = place[static_cast<std::size_t>(permutation[first + row])];
-      result(i, j) = result(j, i) = lower(row, column);
+  for (int j = 0; j < count; ++j)
+    for (int i = 0; i < count; ++i) {
+      const int one = place[static_cast<std::size_t>(i)] - first,
+                other = place[static_cast<std::size_t>(j)] - first;
+      result(i, j) = lower(std::max(one, other), std::min(one, other));
     }
-  }
   return result;
 }
 
@@ -221,20 +246,56 @@ Eigen::MatrixXd CholeskyFactor::stiffness_of_last() const {
   return implementation_->in_order_of_last(block);
 }
 
-Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {
+Eigen::VectorXd CholeskyFactor::Implementation::solve(int system,
+                                                      const Eigen::VectorXd& right) const {
   cholmod_dense view{};
-  view.nrow = view.nzmax = view.d = static_cast<std::size_t>(right_hand_side.size());
+  view.nrow = view.nzmax = view.d = static_cast<std::size_t>(right.size());
   view.ncol = 1;
-  view.x = const_cast<double*>(right_hand_side.data());
+  view.x = const_cast<double*>(right.data());
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
-  auto& common = implementation_->common;
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, implementation_->factor, &view, &common);
+  cholmod_dense* solution = cholmod_solve(system, factor, &view, &common);
   if (!solution) throw ConvergenceError("back-substitution", 0, 0, "memory ran out");
-  const Eigen::VectorXd result = Eigen::Map<const Eigen::VectorXd>(
-      static_cast<const double*>(solution->x), right_hand_side.size());
+  const Eigen::VectorXd result =
+      Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(solution->x), right.size());
   cholmod_free_dense(&solution, &common);
   return result;
+}
+
+Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {
+  return implementation_->solve(CHOLMOD_A, right_hand_side);
+}
+
+Eigen::VectorXd CholeskyFactor::forward(const Eigen::VectorXd& right_hand_side) const {
+  return implementation_->solve(CHOLMOD_L, implementation_->solve(CHOLMOD_P, right_hand_side));
+}
+
+Eigen::VectorXd CholeskyFactor::backward(const Eigen::VectorXd& forward) const {
+  return implementation_->solve(CHOLMOD_Pt, implementation_->solve(CHOLMOD_Lt, forward));
+}
+
+Eigen::VectorXd CholeskyFactor::force_on_last(const Eigen::VectorXd& forward) const {
+  Eigen::VectorXd in_order = Eigen::VectorXd::Zero(forward.size());
+  implementation_->for_each_trailing_column([&](const int* row, const double* entry, int entries) {
+    for (int i = 0; i < entries; ++i) in_order[row[i]] += entry[i] * forward[row[0]];
+  });
+  const std::vector<int> place = implementation_->place_of_last();
+  Eigen::VectorXd result(place.size());
+  for (std::size_t i = 0; i < place.size(); ++i)
+    result[static_cast<Eigen::Index>(i)] = in_order[place[i]];
+  return result;
+}
+
+void CholeskyFactor::add_to_last(const Eigen::VectorXd& force, Eigen::VectorXd& forward) const {
+  Eigen::VectorXd left = Eigen::VectorXd::Zero(forward.size());
+  const std::vector<int> place = implementation_->place_of_last();
+  for (std::size_t i = 0; i < place.size(); ++i)
+    left[place[i]] = force[static_cast<Eigen::Index>(i)];
+  implementation_->for_each_trailing_column([&](const int* row, const double* entry, int entries) {
+    const double solution = left[row[0]] / entry[0];
+    for (int i = 1; i < entries; ++i) left[row[i]] -= entry[i] * solution;
+    forward[row[0]] += solution;
+  });
 }
 
 }  // namespace softfinger::fem

@@ -64,6 +64,15 @@ class CholeskyFactor {
 
   Eigen::VectorXd solve(const Eigen::VectorXd& right_hand_side) const;
 
+  /// `solve` in its two halves, where forces on `last` are known only after the first: L^-1 of the
+  /// right-hand side, L the factor, in the order of elimination.
+  Eigen::VectorXd forward(const Eigen::VectorXd& right_hand_side) const;
+  /// @returns the forces that hold `last` at zero displacement, against what `forward` is of
+  Eigen::VectorXd force_on_last(const Eigen::VectorXd& forward) const;
+  /// Makes `forward` that of a right-hand side with these forces on `last` as well.
+  void add_to_last(const Eigen::VectorXd& force, Eigen::VectorXd& forward) const;
+  Eigen::VectorXd backward(const Eigen::VectorXd& forward) const;
+
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;

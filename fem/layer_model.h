@@ -34,6 +34,10 @@ struct LayerDiscretisation {
   /// Finest cells along a and b: n, more where cells would be longer than three times their width.
   int elements_along_a() const;
   int elements_along_b() const;
+
+  /// Of the surface along x and y, for the patch and a cell beside it.
+  Eigen::Vector2d needed_reach() const;
+  bool is_within_reach() const;
 };
 
 /// The layer bent onto a finger: the image of a flat block in the contact's frame. Lengths in h.

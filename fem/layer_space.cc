@@ -535,6 +535,15 @@ int LayerDiscretisation::elements_along_b() const {
   return elements_along(b, a, elements_per_semi_axis);
 }
 
+Eigen::Vector2d LayerDiscretisation::needed_reach() const {
+  return {patch * a + a / elements_along_a(), patch * b + b / elements_along_b()};
+}
+
+bool LayerDiscretisation::is_within_reach() const {
+  const Eigen::Vector2d needed = needed_reach();
+  return needed.x() < usable_reach * reach_x && needed.y() < usable_reach * reach_y;
+}
+
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent,
                        bool all)
     : discretisation(meant),

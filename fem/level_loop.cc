@@ -50,30 +50,15 @@ double misfit(const LayerDiscretisation& mesh, double a, double b) {
   return std::max(std::abs(std::log(a / mesh.a)), std::abs(std::log(b / mesh.b)));
 }
 
-/// A bent layer's map ends somewhere: the patch and a cell beside it have to fit.
-struct Reach {
-  double x, y;  ///< needed along the surface, in h
-  bool is_there;
-};
-
-Reach reach_of(const LayerDiscretisation& mesh) {
-  Reach reach;
-  reach.x = mesh.patch * mesh.a + mesh.a / mesh.elements_along_a();
-  reach.y = mesh.patch * mesh.b + mesh.b / mesh.elements_along_b();
-  constexpr double usable = LayerDiscretisation::usable_reach;
-  reach.is_there = reach.x < usable * mesh.reach_x && reach.y < usable * mesh.reach_y;
-  return reach;
-}
-
 void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
-  const Reach reach = reach_of(mesh);
-  if (reach.is_there) return;
+  if (mesh.is_within_reach()) return;
+  const Eigen::Vector2d reach = mesh.needed_reach();
   const double mm = 1e3 * problem.contact.layer.thickness_m;
   throw too_much(problem,
                  formatted("less, or a larger pad: the contact needs the finger's surface up to "
                            "%.3g x %.3g mm from the contact point, and a layer fits on it up to "
                            "%.3g x %.3g mm",
-                           mm * reach.x, mm * reach.y, mm * mesh.reach_x, mm * mesh.reach_y));
+                           mm * reach.x(), mm * reach.y(), mm * mesh.reach_x, mm * mesh.reach_y));
 }
 
 /// Expected from the level before: cells fourfold, and the factorisation's cost grows a little
@@ -256,7 +241,7 @@ class LevelLoop {
     LayerDiscretisation larger = mesh_;
     larger.patch *= growth_at_rim;
     return physics_.shares_meshes() ||
-           (room_ * growth_at_rim <= roomiest_patch && reach_of(larger).is_there);
+           (room_ * growth_at_rim <= roomiest_patch && larger.is_within_reach());
   }
 
   /// @returns false where friction moves the contact's edge out of the patch: the next one is

@@ -1,6 +1,5 @@
 #include "fem/finite/finite_contact.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,6 +10,7 @@
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
+#include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/formatted.h"
 #include "fem/level_loop.h"
@@ -66,7 +66,8 @@ class FiniteContact : public ContactPhysics {
   /// Level 0 has a mesh made for the size that the trial found: its edge lies on cell edges.
   bool trial_is_level_0() const override { return false; }
 
-  void press(const LayerDiscretisation& mesh, int) override {
+  void press(const LayerDiscretisation& mesh, int level) override {
+    level_ = level;
     if (pressing_) pressing_->release_factor();
     auto pressing = std::make_unique<FinitePressing>(make_layer(mesh), object_);
     // The state on the mesh before is near the one on this mesh.
@@ -149,14 +150,20 @@ class FiniteContact : public ContactPhysics {
   FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool has_room) override {
     const bool is_first = !plan;
     FrictionOfLevel result;
-    SuperposedMotion motion(*pressing_, bound());
+    const bool is_whole = pressing_->layer().whole();
+    const Eigen::MatrixXd tangent =
+        pressing_->superposed_stiffness({/*odd_x=*/!is_whole, /*odd_y=*/!is_whole});
+    SuperposedMotion motion(*pressing_, bound(), tangent);
     result.stiffness = motion.stiffness();
     result.full_slip = slide(*pressing_, bound(), {0, 0, 1}).torque;
     if (is_first)
       plan = plan_friction({result.stiffness, result.full_slip, largest_force(), contact_.shape.b},
                            problem_);
     follow(*plan, motion, result);
-    if (pressing_->layer().whole() || !plan->velocities.empty()) slip(plan->velocities, result);
+    if (is_whole)
+      slip(SuperposedSlide(*pressing_, bound(), tangent), plan->velocities, result);
+    else if (!plan->velocities.empty())
+      slip(SuperposedSlide(*pressing_, bound()), plan->velocities, result);
     // What superposed motions neglect is found on the coarse mesh, where it is worth the work.
     constexpr double worthwhile = 0.002;
     const bool matters =
@@ -252,7 +259,7 @@ class FiniteContact : public ContactPhysics {
           std::hypot(nodes[i].x / contact_.shape.block_a, nodes[i].y / contact_.shape.block_b);
     const Eigen::VectorXd share =
         strength_share(law_, {pressing.equilibrium().force, seen, radius,
-                              1.0 / discretisation().elements_per_semi_axis,
+                              1.0 / layer.discretisation().elements_per_semi_axis,
                               contact_.shape.projected_area / pressing.copies()});
     return {law_, area.cwiseProduct(share)};
   }
@@ -318,9 +325,8 @@ class FiniteContact : public ContactPhysics {
 
   /// Full slip: the limit surface, and on a whole layer that of the twist too, whose turn moves the
   /// torque's own pressure where nothing is odd.
-  void slip(const std::vector<PlaneMotion>& velocities, FrictionOfLevel& result) {
-    slides_.emplace(*pressing_, bound());
-    const SuperposedSlide& slides = *slides_;
+  void slip(const SuperposedSlide& slides, const std::vector<PlaneMotion>& velocities,
+            FrictionOfLevel& result) const {
     const double force = largest_force(), torque = result.full_slip;
     if (pressing_->layer().whole()) result.full_slip = slides.slide({0, 0, 1}).wrench.torque;
     double second_order = 0, moved = 0;
@@ -338,51 +344,120 @@ class FiniteContact : public ContactPhysics {
     result.neglected_of_slide = second_order + moved * moved;
   }
 
+  /// Of solving on the deformed layer.
+  struct Effort {
+    int iterations = 0, factorisations = 0;
+
+    template <class Solved>
+    void add(const Solved& solved) {
+      iterations += solved.iterations();
+      factorisations += solved.factorisations();
+    }
+  };
+
   /// Solves the states of the plan on the whole layer, each as far as it goes.
   /// @throws EdgeLeftMargin with room
   void correct(FrictionOfLevel& result, bool has_room) {
     const Stopwatch watch;
-    std::optional<FinitePressing> whole;
-    if (!pressing_->layer().whole()) {
-      whole.emplace(std::make_shared<FiniteLayer>(pressing_->layer().discretisation(),
-                                                  task_.pressing.bent.shape, true, materials_),
-                    object_);
-      whole->continue_from(*pressing_);
-      whole->press({equilibrium().load, 0});
-    }
-    FrictionalPressing solved(whole ? *whole : *pressing_, bound(whole ? *whole : *pressing_),
-                              has_room);
-    const double force = largest_force(), torque = result.full_slip;
-    FrictionCorrection& correction = result.correction.emplace();
-    correction.twist = moved(solved, result.twist, torque, correction.twist_error,
-                             [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
-    double aim = 1;  // of the slides: less where an earlier one folds
-    if (problem_.friction.torsion) {
-      // Without symmetry a turn about the centre is opposed by a force as well.
-      const PlaneMotion turn = {{}, {}, 1};
-      const FrictionWrench superposed = pressing_->layer().whole()
-                                            ? slides_->slide(turn).wrench
-                                            : FrictionWrench{0, 0, result.full_slip};
-      correction.full_slip =
-          slid(solved, {turn, superposed, 1, 0}, force, torque, aim, correction.twist_error)
-              .wrench.torque;
-    }
-    correction.limit_surface =
-        slid(solved, result.limit_surface, force, torque, aim, correction.slide_error);
-    for (const std::vector<FrictionState>& path : result.paths)
-      correction.paths.push_back(
-          moved(solved, path, torque, correction.slide_error, [](double) {}));
-    const ShearedContact last = correction.twist.empty() || !correction.twist.back().sheared
-                                    ? ShearedContact()
-                                    : *correction.twist.back().sheared;
+    std::unique_ptr<FinitePressing> own_whole;
+    if (!pressing_->layer().whole()) own_whole = press_whole(discretisation());
+    FinitePressing& whole = own_whole ? *own_whole : *pressing_;
+    result.correction.emplace();
+    Effort effort;
+    correct_motions(whole, has_room, result, effort);
+    if (problem_.friction.torsion) correct_turn(whole, has_room, result, effort);
+    if (!result.limit_surface.empty()) correct_limit_surface(whole, has_room, result, effort);
+    const std::vector<FrictionState>& twist = result.correction->twist;
+    const ShearedContact last =
+        twist.empty() ? ShearedContact() : twist.back().sheared.value_or(ShearedContact());
     task_.progress(formatted(
         "friction: solved on the deformed layer, %d iterations, %d factorisations, %.1f s%s",
-        solved.iterations(), solved.factorisations(), watch.seconds(),
-        correction.twist.empty()
-            ? ""
-            : formatted("; after the twist area %+.1f %%, peak pressure %+.1f %%",
-                        100 * (last.area_ratio - 1), 100 * (last.peak_pressure_ratio - 1))
-                  .c_str()));
+        effort.iterations, effort.factorisations, watch.seconds(),
+        twist.empty() ? ""
+                      : formatted("; after the twist area %+.1f %%, peak pressure %+.1f %%",
+                                  100 * (last.area_ratio - 1), 100 * (last.peak_pressure_ratio - 1))
+                            .c_str()));
+  }
+
+  /// The twist, and paths to the points of the limit surface.
+  void correct_motions(const FinitePressing& whole, bool has_room, FrictionOfLevel& result,
+                       Effort& effort) {
+    FrictionCorrection& correction = *result.correction;
+    FrictionalPressing solved(whole, bound(whole), has_room);
+    correction.twist = moved(solved, result.twist, result.full_slip, correction.twist_error,
+                             [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
+    for (const std::vector<FrictionState>& path : result.paths)
+      correction.paths.push_back(
+          moved(solved, path, result.full_slip, correction.slide_error, [](double) {}));
+    effort.add(solved);
+  }
+
+  SolvedSlides slides_on(FinitePressing& pressed, bool has_room, double torque) {
+    return {pressed,  bound(pressed),
+            has_room, largest_force(),
+            torque,   [this](const std::string& why) { task_.progress("friction: " + why); }};
+  }
+
+  /// Full slip of a turn about the centre, which without symmetry a force opposes as well.
+  void correct_turn(FinitePressing& whole, bool has_room, FrictionOfLevel& result, Effort& effort) {
+    FrictionCorrection& correction = *result.correction;
+    SolvedSlides slides = slides_on(whole, has_room, result.full_slip);
+    const SolvedSlides::Neglected neglected = slides.of({0, 0, 1});
+    correction.twist_error =
+        std::max(correction.twist_error, error_of_slide(neglected, result.full_slip));
+    correction.full_slip = neglected.superposed.torque + neglected.wrench.torque - result.full_slip;
+    effort.add(slides);
+  }
+
+  /// What is neglected is a small part of a wrench: a mesh one level coarser tells it.
+  void correct_limit_surface(FinitePressing& whole, bool has_room, FrictionOfLevel& result,
+                             Effort& effort) {
+    const std::unique_ptr<FinitePressing> coarser = press_coarser();
+    SolvedSlides slides = slides_on(coarser ? *coarser : whole, has_room, result.full_slip);
+    std::vector<PlaneMotion> velocities;
+    for (const FrictionState& state : result.limit_surface) velocities.push_back(state.motion);
+    double error = 0, spread = 0;
+    const std::vector<SolvedSlides::Neglected> neglected = slides.of(velocities, spread);
+    FrictionCorrection& correction = *result.correction;
+    for (std::size_t i = 0; i < neglected.size(); ++i) {
+      correction.limit_surface.push_back(
+          {velocities[i], neglected[i].wrench, 1, 0, neglected[i].sheared});
+      error = std::max(error, error_of_slide(neglected[i], result.full_slip));
+    }
+    correction.slide_error = std::max(correction.slide_error, error + spread);
+    effort.add(slides);
+  }
+
+  /// The same contact on another mesh, of the whole layer.
+  std::unique_ptr<FinitePressing> press_whole(const LayerDiscretisation& mesh) {
+    auto whole = std::make_unique<FinitePressing>(
+        std::make_shared<FiniteLayer>(mesh, task_.pressing.bent.shape, true, materials_), object_);
+    whole->continue_from(*pressing_);
+    whole->press({equilibrium().load, 0});
+    return whole;
+  }
+
+  /// On a mesh that is one level coarser, where there is one.
+  std::unique_ptr<FinitePressing> press_coarser() {
+    if (level_ == 0 || task_.pressing.mesh) return nullptr;
+    const LayerDiscretisation& own = discretisation();
+    LayerDiscretisation usual = own, coarser = own;
+    choose_elements(usual, level_);
+    choose_elements(coarser, level_ - 1);
+    coarser.elements_per_semi_axis *= own.elements_per_semi_axis / usual.elements_per_semi_axis;
+    coarser.patch *= own.patch / usual.patch;
+    if (!coarser.is_within_reach()) return nullptr;
+    try {
+      return press_whole(coarser);
+    } catch (const ConvergenceError&) {
+      // What the finer mesh bears the coarser one need not.
+      return nullptr;
+    }
+  }
+
+  double error_of_slide(const SolvedSlides::Neglected& neglected, double torque) const {
+    if (!neglected.is_known) return 1;
+    return error_of(size_of(neglected.wrench, largest_force(), torque)) + neglected.inferred;
   }
 
   /// Difference of wrenches, solved less superposed, and the state that was solved for.
@@ -453,87 +528,6 @@ class FiniteContact : public ContactPhysics {
     return changes;
   }
 
-  /// Some of the states, evenly spread, each followed by the nearest of the others.
-  static std::vector<std::size_t> tour(const std::vector<FrictionState>& states, std::size_t count,
-                                       double force, double torque) {
-    std::vector<std::size_t> result;
-    for (std::size_t k = 0; k < count; ++k) result.push_back(k * states.size() / count);
-    const auto wrench = [&](std::size_t i) { return relative(states[i].wrench, force, torque); };
-    for (auto last = result.begin(); last + 1 < result.end(); ++last)
-      std::iter_swap(last + 1, std::min_element(last + 1, result.end(), [&](auto one, auto other) {
-                       return (wrench(one) - wrench(*last)).norm() <
-                              (wrench(other) - wrench(*last)).norm();
-                     }));
-    return result;
-  }
-
-  /// Up to so many states of full slip, evenly spread, are solved for. The others' corrections are
-  /// linear in the wrench, by least squares: a rough guess, because they turn faster than the
-  /// wrench does. Of a pad with d/h = 0.31 they are up to 0.14, and a guess from eight is off by
-  /// 0.06.
-  std::vector<FrictionState> slid(FrictionalPressing& solved,
-                                  const std::vector<FrictionState>& superposed, double force,
-                                  double torque, double& aim, double& error) {
-    constexpr std::size_t most = 24;
-    const std::size_t count = std::min(most, superposed.size());
-    std::vector<FrictionState> changes;
-    for (const FrictionState& state : superposed) changes.push_back({state.motion, {}, 1, 0});
-    std::vector<bool> is_solved(superposed.size());
-    Eigen::MatrixX3d wrenches(count, 3), corrections(count, 3);
-    const std::vector<std::size_t> chosen = tour(superposed, count, force, torque);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = chosen[k];
-      changes[i] = slid(solved, superposed[i], force, torque, aim, error);
-      is_solved[i] = true;
-      wrenches.row(static_cast<Eigen::Index>(k)) = relative(superposed[i].wrench, force, torque);
-      corrections.row(static_cast<Eigen::Index>(k)) = relative(changes[i].wrench, force, torque);
-    }
-    if (count == superposed.size()) return changes;
-    const Eigen::Matrix3d linear = wrenches.colPivHouseholderQr().solve(corrections);
-    error += (wrenches * linear - corrections).cwiseAbs().maxCoeff();
-    for (std::size_t i = 0; i < superposed.size(); ++i) {
-      if (is_solved[i]) continue;
-      const Eigen::Vector3d change =
-          linear.transpose() * relative(superposed[i].wrench, force, torque);
-      changes[i].wrench = {force * change.x(), force * change.y(), torque * change.z()};
-    }
-    return changes;
-  }
-
-  /// @param aim  share of friction to go to; lowered to the one that was reached
-  FrictionState slid(FrictionalPressing& solved, const FrictionState& superposed, double force,
-                     double torque, double& aim, double& error) {
-    std::vector<SolvedSlide> solutions;
-    const double share = solved.slide(superposed.motion, aim, [&](double at) {
-      solutions.push_back({at, solved.wrench()});
-    });
-    std::sort(
-        solutions.begin(), solutions.end(),
-        [](const SolvedSlide& one, const SolvedSlide& other) { return one.share < other.share; });
-    if (share < aim)
-      task_.progress(formatted("friction: a slide is solved to %.3g of full friction: %s", share,
-                               solved.failure().c_str()));
-    aim = std::clamp(share, FrictionalPressing::telling_share, aim);
-    if (share == 1) {
-      const FrictionState change = difference(solved, superposed);
-      error = std::max(error, error_of(size_of(change.wrench, force, torque)));
-      return change;
-    }
-    FrictionState change = superposed;
-    change.wrench = {};
-    if (solutions.empty()) {
-      error = std::max(error, 1.0);
-      return change;
-    }
-    if (!slides_) slides_.emplace(*pressing_, bound());
-    const FullSlip full = full_slip(*slides_, superposed.motion, solutions, force, torque);
-    error = std::max(error, error_of(full.neglected.cwiseAbs().maxCoeff()) + full.added);
-    change.wrench = {full.wrench.x() * force - superposed.wrench.force_x,
-                     full.wrench.y() * force - superposed.wrench.force_y,
-                     full.wrench.z() * torque - superposed.wrench.torque};
-    return change;
-  }
-
   const ContactTask& task_;
   const Problem& problem_;
   const double h_, E_;
@@ -541,8 +535,8 @@ class FiniteContact : public ContactPhysics {
   const Materials materials_;
   const std::shared_ptr<const RigidObject> object_;
   std::unique_ptr<FinitePressing> pressing_;
-  DeformedContact contact_;                ///< as measured last
-  std::optional<SuperposedSlide> slides_;  ///< on what is pressed, where needed
+  int level_ = 0;            ///< of that mesh
+  DeformedContact contact_;  ///< as measured last
   SurfaceSeries series_;
 };
 

@@ -75,6 +75,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::vector<int> condensed;  ///< unknowns of the surface that the factor eliminates last
   Eigen::VectorXd springs;     ///< that hold these in the factor; on normals only
   Eigen::MatrixXd held;        ///< stiffness of these with the springs
+  Eigen::VectorXd forward;     ///< half of the solution for the residual
   double shift = 0;
   // Of the latest step:
   State start;
@@ -253,12 +254,15 @@ double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen:
                               Along along) {
   const double out_of_balance = implementation_->assemble(frames, force, /*with_stiffness=*/true);
   implementation_->factorise(along);
+  implementation_->forward = implementation_->factor->forward(-implementation_->residual);
   return out_of_balance;
 }
 
 double FiniteLayer::update_residual(const std::vector<NodeFrame>& frames,
                                     const Eigen::Matrix3Xd& force) {
-  return implementation_->assemble(frames, force, /*with_stiffness=*/false);
+  const double out_of_balance = implementation_->assemble(frames, force, /*with_stiffness=*/false);
+  implementation_->forward = implementation_->factor->forward(-implementation_->residual);
+  return out_of_balance;
 }
 
 /// Tangent and residual. @returns the largest nodal force out of balance
@@ -390,8 +394,7 @@ Eigen::VectorXd FiniteLayer::Implementation::surface_sign() const {
 
 Eigen::VectorXd FiniteLayer::surface_force() const {
   const auto& self = *implementation_;
-  const Eigen::VectorXd unloaded = self.factor->solve(-self.residual)(self.condensed);
-  return self.surface_sign().cwiseProduct(self.held * unloaded);
+  return self.surface_sign().cwiseProduct(self.factor->force_on_last(self.forward));
 }
 
 SurfaceResponse FiniteLayer::surface_response() const {
@@ -437,12 +440,10 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
 double FiniteLayer::find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement) {
   auto& self = *implementation_;
   const Eigen::VectorXd sign = self.surface_sign();
-  Eigen::VectorXd right = -self.residual;
-  for (std::size_t i = 0; i < self.condensed.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    right[self.condensed[i]] += sign[row] * (force[row] + self.springs[row] * displacement[row]);
-  }
-  const Eigen::VectorXd solution = self.factor->solve(right);
+  Eigen::VectorXd forward = self.forward;
+  self.factor->add_to_last(sign.cwiseProduct(force + self.springs.cwiseProduct(displacement)),
+                           forward);
+  const Eigen::VectorXd solution = self.factor->backward(forward);
   self.step.reinit(self.dofs.n_dofs());
   for (Dof i = 0; i < self.dofs.n_dofs(); ++i)
     if (self.free.of_dof[i] >= 0) self.step[i] = solution[self.free.of_dof[i]];

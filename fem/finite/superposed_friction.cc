@@ -178,13 +178,21 @@ ApproachResponse::ApproachResponse(const TouchingNodes& nodes, const Eigen::Matr
 }
 
 SuperposedSlide::SuperposedSlide(FinitePressing& pressing, const FrictionBound& bound)
+    : SuperposedSlide(pressing, bound,
+                      [&](Parity parity) { return pressing.superposed_stiffness(parity); }) {}
+
+SuperposedSlide::SuperposedSlide(const FinitePressing& pressing, const FrictionBound& bound,
+                                 const Eigen::MatrixXd& stiffness)
+    : SuperposedSlide(pressing, bound, [&](Parity) { return stiffness; }) {}
+
+SuperposedSlide::SuperposedSlide(const FinitePressing& pressing, const FrictionBound& bound,
+                                 const std::function<Eigen::MatrixXd(Parity)>& stiffness_of)
     : nodes_(pressing.touching_nodes()),
       images_(pressing.copies()),
       spacing_(node_spacing(pressing.layer().discretisation())),
       bound_(bound_of(nodes_, bound)) {
   for (int parity = 0; parity < images_; ++parity) {
-    const Eigen::MatrixXd stiffness =
-        pressing.superposed_stiffness({(parity & 1) != 0, (parity & 2) != 0});
+    const Eigen::MatrixXd stiffness = stiffness_of({(parity & 1) != 0, (parity & 2) != 0});
     responses_.emplace_back(nodes_, stiffness);
     if (parity == 0) approach_ = {nodes_, stiffness, responses_.front()};
   }

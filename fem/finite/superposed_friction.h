@@ -66,6 +66,10 @@ class SuperposedSlide {
   /// y; of a whole layer once.
   /// @throws ConvergenceError where the pressed state is not stable against such motions
   SuperposedSlide(FinitePressing& pressing, const FrictionBound& bound);
+  /// The same of a whole layer whose tangent is known.
+  /// @param stiffness  `pressing.superposed_stiffness`
+  SuperposedSlide(const FinitePressing& pressing, const FrictionBound& bound,
+                  const Eigen::MatrixXd& stiffness);
 
   struct Slid {
     FrictionWrench wrench;
@@ -76,6 +80,9 @@ class SuperposedSlide {
   Slid slide(const PlaneMotion& velocity, double share = 1) const;
 
  private:
+  SuperposedSlide(const FinitePressing& pressing, const FrictionBound& bound,
+                  const std::function<Eigen::MatrixXd(Parity)>& stiffness_of);
+
   TouchingNodes nodes_;
   int images_;  ///< of what is meshed: 4 of a quarter, 1 of a whole layer
   double spacing_;
@@ -102,6 +109,10 @@ class SuperposedMotion {
   /// Factorises the layer's tangent, of a quarter for motions odd in x and y.
   /// @throws ConvergenceError where the pressed state is not stable against a twist
   SuperposedMotion(FinitePressing& pressing, const FrictionBound& bound);
+  /// The same where the tangent is known.
+  /// @param stiffness  `pressing.superposed_stiffness`, of a quarter for motions odd in x and y
+  SuperposedMotion(const FinitePressing& pressing, const FrictionBound& bound,
+                   const Eigen::MatrixXd& stiffness);
 
   /// Goes back to the contact as it was pressed, without friction.
   void restart();
@@ -134,9 +145,6 @@ class SuperposedMotion {
   Eigen::VectorXd frictionless() const { return frictionless_.col(2); }
 
  private:
-  SuperposedMotion(const FinitePressing& pressing, const FrictionBound& bound,
-                   const Eigen::MatrixXd& stiffness);
-
   /// Finds friction and the limits that the pressure has as friction moves it.
   /// @param rub  finds friction from the limits
   void settle(const std::function<void()>& rub);

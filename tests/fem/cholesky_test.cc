@@ -57,6 +57,26 @@ TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
   EXPECT_LT((factor.solve(right) - inverse * right).norm(), 1e-12);
 }
 
+// Forces on the last unknowns that are known only after the first half of the work.
+TEST(CholeskyFactor, SolvesInHalves) {
+  const SparseSymmetricMatrix matrix = laplacian(5);
+  const std::vector<int> last{77, 3, 124, 50, 4};
+  const CholeskyFactor factor(matrix, nested_dissection(matrix), last);
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
+  Eigen::VectorXd forward = factor.forward(right);
+  const Eigen::VectorXd solution = factor.solve(right);
+  EXPECT_LT((factor.backward(forward) - solution).norm(), 1e-13);
+  // What holds them still is the Schur complement times how far they would go.
+  const Eigen::VectorXd force = factor.stiffness_of_last() * solution(last);
+  EXPECT_LT((factor.force_on_last(forward) - force).norm(), 1e-12 * force.norm());
+  const Eigen::VectorXd more = Eigen::VectorXd::LinSpaced(5, 3, -2);
+  Eigen::VectorXd with_more = right;
+  for (std::size_t i = 0; i < last.size(); ++i)
+    with_more[last[i]] += more[static_cast<Eigen::Index>(i)];
+  factor.add_to_last(more, forward);
+  EXPECT_LT((factor.backward(forward) - factor.solve(with_more)).norm(), 1e-13);
+}
+
 TEST(QuotientGraph, OfDoubledUnknownsIsTheGraphOfTheirPairs) {
   const SparseSymmetricMatrix one = laplacian(3);
   const Eigen::MatrixXd pattern = dense(one).cwiseAbs().cwiseMin(1);
