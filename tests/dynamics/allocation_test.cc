@@ -95,11 +95,11 @@ TEST(LcpAllocation, ContactLcpDoesNotAllocateOnceSized) {
 TEST(LcpAllocation, ExactFrictionAndWarmStartsDoNotAllocateOnceSized) {
   tests::RandomScenes scenes(16);
   const SixPatchShape shape(0.5, 0.5);
-  ContactLcpSolver solver(10, 16);
+  ContactLcpSolver solver(20, 16);
   for (const FrictionRule rule :
        {FrictionRule::facets, FrictionRule::ellipsoid, FrictionRule::limit_surface})
     for (int trial = 0; trial < 20; ++trial) {
-      ContactLcp problem = scenes.next(1 + trial % 10, 16);
+      ContactLcp problem = scenes.next(1 + trial, 16);
       problem.friction_rule = rule;
       problem.shapes.assign(std::size_t(problem.contacts()), &shape);
       std::vector<int> continued(std::size_t(problem.contacts()), -1);

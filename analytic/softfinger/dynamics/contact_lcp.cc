@@ -243,7 +243,8 @@ bool ContactLcpSolver::Workspace::use_last_basis(const Task& task, FrictionStrat
 void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy& friction) {
   LcpResult& result = task.result;
   friction.begin_cold();
-  follow_paths(task, friction);
+  last.forget_basis();
+  if (!friction.do_before_path(task)) follow_paths(task, friction);
   result.residual = friction.best_residual();
   if (std::isfinite(result.residual) && !friction.restore_best(task) &&
       result.proof != RayProof::infeasible && friction.best_attempt() != result.attempts - 1) {

@@ -79,10 +79,11 @@ struct ContactSolution {
 /// - Rows of vertices are not stored. The path follows the 4 velocities of each contact. Single
 ///   vertices are looked at only where the slip is so fast that one of them could be violated.
 /// - Only the active part of the basis is factorised, at most 6 nc + 1 columns.
-/// - Under the exact rules each contact has vertices of its own. They are points of its friction
-///   limit, added where the last solution violates the limit. Newton's method (ExactNewton) then
-///   converges from the path's end. `exact_contact_residual` decides whether the result is a
-///   solution.
+/// - Under the exact rules many contacts are first solved without a path, by proximal points
+///   (ExactNewton::approach). On a path each contact has vertices of its own. They are points of
+///   its friction limit, added where the last solution violates the limit. Newton's method
+///   (ExactNewton) then converges from the path's end. `exact_contact_residual` decides whether the
+///   result is a solution.
 ///
 /// M is copositive. Where v_free is the velocity of bodies, J u, a solution exists (Anitescu, Potra
 /// 1997). Prescribed motions can exclude one, such as a body between closing walls. A ray of normal

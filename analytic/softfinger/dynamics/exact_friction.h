@@ -33,6 +33,7 @@ class ExactFriction final : public FrictionStrategy {
   double read_path(const Task&) override { return best_residual_; }
   double read_zero(const Task& task) override { return complete(task); }
   bool restore_best(const Task& task) override;
+  bool do_before_path(const Task& task) override;
   void do_without_path(const Task& task) override;
   void take_least_impulse(const Task& task) override;
 
@@ -40,6 +41,7 @@ class ExactFriction final : public FrictionStrategy {
   void use_first_vertices(const ContactLcp& problem);
   bool correct(const Task& task, const std::vector<int>& continued);
   void polish(const Task& task);
+  void approach(const Task& task, int most_iterations);
   void keep_if_better(const Task& task, double residual);
   double extract(const Task& task);
   double complete(const Task& task);

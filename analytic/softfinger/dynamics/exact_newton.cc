@@ -9,10 +9,8 @@
 namespace softfinger::internal {
 namespace {
 
-/// From that many unknowns on the step may be solved in fewer ones: where they are at most this
-/// part of them.
+/// From that many unknowns on the step may be solved in fewer ones.
 constexpr int kFewUnknowns = 24;
-constexpr double kReduced = 0.8;
 
 }  // namespace
 
@@ -28,6 +26,7 @@ ExactNewton::ExactNewton(int contact_capacity)
       start_(4 * contact_capacity),
       point_(4 * contact_capacity),
       common_(4 * contact_capacity),
+      centre_(4 * contact_capacity),
       elimination_(4 * contact_capacity) {}
 
 /// F at `impulse`: map_, and in contacts_ what its derivative is made of. Returns its size.
@@ -38,6 +37,12 @@ double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::Vecto
   for (int i = 0; i < contacts.contacts(); ++i) {
     Contact& contact = contacts_[std::size_t(i)];
     const double pressure = impulse[4 * i];
+    if (contacts.has_friction(i)) contact.metric = contacts.friction_metric(i);
+    if (compliance_ > 0) {
+      const Eigen::Vector4d shift = impulse.segment<4>(4 * i) - centre_.segment<4>(4 * i);
+      velocity_[4 * i] += compliance_ * shift[0];
+      velocity_.segment<3>(4 * i + 1) += compliance_ * contact.metric.cwiseProduct(shift.tail<3>());
+    }
     const double normal_velocity = velocity_[4 * i];
     contact.touches = pressure > normal_velocity;
     map_[4 * i] = std::min(pressure, normal_velocity);
@@ -45,7 +50,6 @@ double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::Vecto
     if (contacts.has_friction(i)) {
       const Eigen::Vector3d slip = velocity_.segment<3>(4 * i + 1);
       const double limit = std::max(pressure, 0.);
-      contact.metric = contacts.friction_metric(i);
       contact.excess = friction_excess(
           contacts.shape(i), contact.metric.cwiseProduct(impulse.segment<3>(4 * i + 1)) - slip,
           limit, contact.metric);
@@ -73,7 +77,7 @@ bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::Vector
   // of the other contacts' velocities.
   contacts.find_velocity(step_, trial_);
   elimination_.forget();
-  is_reduced_ = size >= kFewUnknowns && factor(contacts).rank() < kReduced * size;
+  is_reduced_ = size >= kFewUnknowns && factor(contacts).rank() < size;
   if (!(is_reduced_ ? factorise_reduced(contacts, impulse, proximal)
                     : factorise(contacts, impulse, proximal, size)))
     return false;
@@ -153,18 +157,18 @@ bool ExactNewton::factorise_reduced(const ContactOperator& contacts, const Eigen
     Contact& contact = contacts_[std::size_t(i)];
     contact.own_inverse.setZero();
     contact.from_velocity.setZero();
-    contact.own_inverse(0, 0) = 1 / proximal;
+    contact.own_inverse(0, 0) = 1 / (compliance_ + proximal);
     contact.from_velocity(0, 0) = 1;
     if (contacts.has_friction(i)) {
       const auto metric = contact.metric.asDiagonal();
       const Eigen::Matrix3d sliding = sliding_part(contact, impulse[4 * i]);
       contact.sticking = Eigen::Matrix3d::Identity() - sliding;
-      Eigen::Matrix3d own = sliding * metric;
+      Eigen::Matrix3d own = sliding * metric + compliance_ * (contact.sticking * metric);
       own.diagonal() += proximal * contact.metric;
       const Eigen::Matrix3d inverse = own.inverse();
       contact.own_inverse.bottomRightCorner<3, 3>() = inverse;
       contact.own_inverse.block<3, 1>(1, 0) =
-          inverse * (sliding * (metric * contact.excess.boundary)) / proximal;
+          inverse * (sliding * (metric * contact.excess.boundary)) / (compliance_ + proximal);
       contact.from_velocity.bottomRightCorner<3, 3>() =
           contact.sticking * factor_.unit(i).tail<3>().asDiagonal();
     }
@@ -240,9 +244,10 @@ void ExactNewton::assemble_rows(const ContactOperator& contacts, int i,
         matrix.block<3, 1>(row + 1, column).noalias() = contact.sticking * block.block<3, 1>(1, 0);
     }
   }
-  matrix(row, row) += proximal;
+  matrix(row, row) += compliance_ + proximal;
   if (!rubs) return;
-  matrix.block<3, 3>(row + 1, row + 1) += sliding * metric;
+  matrix.block<3, 3>(row + 1, row + 1) +=
+      sliding * metric + compliance_ * (contact.sticking * metric);
   matrix.block<3, 3>(row + 1, row + 1).diagonal() += proximal * contact.metric;
   matrix.block<3, 1>(row + 1, row) -= sliding * (metric * contact.excess.boundary);
 }
@@ -341,6 +346,50 @@ double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impu
   double best = evaluate(contacts, impulse);
   for (int pass = 0; pass < passes && best > kGood; ++pass)
     best = descend(contacts, {kProximals[pass / 2], pass % 2 == 1}, best, impulse);
+  return best;
+}
+
+double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& impulse,
+                             int most_iterations) {
+  constexpr int kMostSteps = 5;     // to the next point
+  constexpr double kReached = 0.7;  // of |F|: the next point need not be exact
+  constexpr double kStiffer = 0.5, kSofter = 10;
+  constexpr double kFirst = 1, kLeast = 1e-10, kMost = 1e5;
+  // Close to the solution rounding or kinks of F can stop it. Then |F| is no longer halved.
+  constexpr double kClose = 1e-6;
+  constexpr int kPatience = 80;
+  const int n = 4 * contacts.contacts();
+  iterations_ = 0;
+  compliance_ = kFirst;
+  centre_.head(n) = point_.head(n) = impulse.head(n);
+  double residual = evaluate(contacts, point_), best = residual, halved = residual;
+  int last_halved = 0;
+  while (best > kGood && iterations_ < most_iterations) {
+    if (best < halved / 2) {
+      halved = best;
+      last_halved = iterations_;
+    }
+    if (best < kClose && iterations_ > last_halved + kPatience) break;
+    bool reached = false;
+    for (int step = 0; step < kMostSteps && !reached; ++step) {
+      ++iterations_;
+      if (!find_step(contacts, point_, 0)) break;
+      point_.head(n) += step_.head(n);
+      reached = evaluate(contacts, point_) < kReached * residual;
+    }
+    if (reached) {
+      centre_.head(n) = point_.head(n);
+      compliance_ = std::max(kStiffer * compliance_, kLeast);
+    } else {
+      point_.head(n) = centre_.head(n);
+      compliance_ = std::min(kSofter * compliance_, kMost);
+    }
+    residual = evaluate(contacts, centre_);
+    if (residual >= best) continue;
+    best = residual;
+    impulse.head(n) = centre_.head(n);
+  }
+  compliance_ = 0;
   return best;
 }
 

@@ -34,7 +34,14 @@ class ExactNewton {
   /// @param patience  iterations within which |F| has to be halved
   double solve(const ContactOperator& contacts, Eigen::VectorXd& impulse, int passes, int patience);
 
-  int iterations() const { return iterations_; }  ///< of the last solve
+  /// Improves `impulse` from far away, by proximal points (Rockafellar, SIAM J. Control Optim. 14,
+  /// 1976). The contacts give way, u = W r + v_free + c A (r - r0), around the last point r0: no
+  /// other impulse is as good as one close to it, however redundant the contacts are. Full steps of
+  /// Newton's method find the next r0. Where they succeed, c is halved, else it grows tenfold.
+  /// Not monotone, so that |F| may rise: the best point is kept. Returns its |F|. No allocation.
+  double approach(const ContactOperator& contacts, Eigen::VectorXd& impulse, int most_iterations);
+
+  int iterations() const { return iterations_; }  ///< of the last solve or approach
 
   /// Improves `impulse` by the matrix of the last step of `solve`, for a problem that differs
   /// little from that one: contact by contact the same, of which the same ones touch. Costs the
@@ -80,6 +87,8 @@ class ExactNewton {
   std::vector<int> first_;  ///< of each contact's unknowns; -1: it has none
   VelocityFactor factor_;
   Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_, common_;
+  Eigen::VectorXd centre_;  ///< r0
+  double compliance_ = 0;   ///< c
   DenseElimination elimination_;
   int factored_contacts_ = 0;
   bool is_reduced_ = false;  ///< the decomposition is the one in few unknowns

@@ -85,6 +85,8 @@ class FrictionStrategy {
   /// Writes the best point so far as a solution. False where it was not kept: then its attempt has
   /// to be made once more.
   virtual bool restore_best(const Task& task) = 0;
+  /// Looks for the solution before the first path. True where it is found.
+  virtual bool do_before_path(const Task&) { return false; }
   /// After the last path has failed: looks for the solution in another way.
   virtual void do_without_path(const Task&) {}
   /// Of all impulses with the same effect takes the least ones, where the rule can tell them.

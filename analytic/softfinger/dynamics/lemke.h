@@ -30,7 +30,7 @@ struct LcpResult {
   /// and the result is divided by the largest scaled q or z.
   double residual = 0;
   int pivots = 0;    ///< of all attempts
-  int attempts = 0;  ///< covering vectors tried
+  int attempts = 0;  ///< covering vectors tried; 0: solved without a path
   RayProof proof = RayProof::none;
   // Of contact problems:
   int newton_iterations = 0;  ///< of exact friction
