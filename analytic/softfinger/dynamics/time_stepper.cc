@@ -246,26 +246,30 @@ void TimeStepper::add_tree(std::size_t t) {
   const Eigen::VectorXd velocities = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
   const Eigen::MatrixXd half = factors_[t].half(jacobians_[t].transpose());
   const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t].transpose());
+  // With rows in the order of the memory several at once are multiplied.
+  const Eigen::MatrixXd half_transposed = half.transpose(), taken_transposed = taken.transpose();
   Eigen::MatrixXd& delassus =
       islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
+  Eigen::Matrix<double, Eigen::Dynamic, 4> responses(half.cols(), 4);
   for (std::size_t n = 0; n < list.size(); ++n) {
     problem_.free_velocity.segment<4>(4 * list[n].row) += velocities.segment<4>(4 * int(n));
+    // Of this row and all behind it.
+    const int behind = 4 * int(list.size() - n);
+    auto response = responses.topRows(behind);
+    response = half_transposed.bottomRows(behind).lazyProduct(half.middleCols<4>(4 * int(n)));
+    if (taken.rows() > 0) {
+      const double free_response = response(0, 0);
+      response -= taken_transposed.bottomRows(behind).lazyProduct(taken.middleCols<4>(4 * int(n)));
+      // What loops lock answers to impulses with the rounding of this difference, or less.
+      constexpr double kLocked = 1e-12;
+      response(0, 0) = std::max(response(0, 0), kLocked * free_response);
+    }
     const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
-    for (std::size_t k = 0; k <= n; ++k) {
+    for (std::size_t k = n; k < list.size(); ++k) {
       const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
-      Eigen::Matrix4d block =
-          half.middleCols<4>(4 * int(n)).transpose().lazyProduct(half.middleCols<4>(4 * int(k)));
-      if (taken.rows() > 0) {
-        const double free_response = block(0, 0);
-        block -= taken.middleCols<4>(4 * int(n))
-                     .transpose()
-                     .lazyProduct(taken.middleCols<4>(4 * int(k)));
-        // What loops lock answers to impulses with the rounding of this difference, or less.
-        constexpr double kLocked = 1e-12;
-        if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
-      }
-      delassus.block<4, 4>(i, j) += block;
-      if (k != n) delassus.block<4, 4>(j, i) += block.transpose();
+      const Eigen::Matrix4d block = response.middleRows<4>(4 * int(k - n));
+      delassus.block<4, 4>(j, i) += block;
+      if (k != n) delassus.block<4, 4>(i, j) += block.transpose();
     }
   }
 }
@@ -370,6 +374,7 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
       const Place place = place_of(i);
       if (place.island == from) continue_row(island, i, before, place.position);
     }
+    island.problem.delassus.swap(before.problem.delassus);  // its memory
     island.solver = std::move(before.solver);
     before.solver.reset();  // taken
     island.capacity = before.capacity;
