@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger {
 namespace {
@@ -13,6 +14,21 @@ namespace {
 /// across the memory, for W is stored by columns.
 constexpr int kRowsAtOnce = 64;
 using SomeRows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kRowsAtOnce, 1>;
+
+/// rows += term(W) r for the rows of W from `first` on.
+template <class Term>
+void add_rows(const Eigen::MatrixXd& delassus, const Eigen::VectorXd& impulse, int first,
+              const Term& term, SomeRows& rows) {
+  with_best_instructions([&] {
+    double* to = rows.data();
+    const int count = int(rows.size());
+    for (Eigen::Index column = 0; column < impulse.size(); ++column) {
+      const double* from = delassus.data() + column * delassus.rows() + first;
+      const double factor = term(impulse[column]);
+      for (int row = 0; row < count; ++row) to[row] += factor * term(from[row]);
+    }
+  });
+}
 
 double over(double value, double unit) { return unit > 0 ? value / unit : value; }
 
@@ -76,9 +92,8 @@ double rounding_of(const ContactLcp& problem, const ContactSolution& solution, d
   for (int first = 0; first < rows; first += kRowsAtOnce) {
     const int count = std::min(kRowsAtOnce, rows - first);
     terms.setZero(count);
-    for (int column = 0; column < rows; ++column)
-      terms += std::abs(solution.impulse[column]) *
-               problem.delassus.col(column).segment(first, count).cwiseAbs();
+    add_rows(
+        problem.delassus, solution.impulse, first, [](double x) { return std::abs(x); }, terms);
     for (int row = first; row < first + count; ++row) {
       const double unit = row % 4 == 3 ? problem.eccentricity_m[row / 4] : 1;
       largest = std::max(largest, unit * terms[row - first]);
@@ -120,7 +135,8 @@ double exact_contact_residual(const ContactLcp& problem, const ContactSolution& 
     if (within == 0) {
       const int count = std::min(kRowsAtOnce, 4 * (problem.contacts() - i));
       velocities = problem.free_velocity.segment(4 * i, count);
-      velocities.noalias() += problem.delassus.middleRows(4 * i, count) * solution.impulse;
+      add_rows(
+          problem.delassus, solution.impulse, 4 * i, [](double x) { return x; }, velocities);
     }
     const Eigen::Vector4d velocity = velocities.segment<4>(within);
     if (!internal::all_finite(velocity)) return kInfinity;

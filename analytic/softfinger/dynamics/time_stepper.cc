@@ -7,8 +7,29 @@
 
 #include "softfinger/dynamics/contact_residual.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger {
+namespace {
+
+using FourColumns = Eigen::Matrix<double, Eigen::Dynamic, 4>;
+
+/// result += factor A B for the last rows of A and the result's. A has few columns.
+void add_product(double factor, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int b_column,
+                 int rows, FourColumns& result) {
+  with_best_instructions([&] {
+    for (int column = 0; column < 4; ++column) {
+      double* to = result.data() + column * result.rows();
+      for (Eigen::Index k = 0; k < a.cols(); ++k) {
+        const double share = factor * b(k, b_column + column);
+        const double* from = a.data() + (k + 1) * a.rows() - rows;
+        for (int row = 0; row < rows; ++row) to[row] += share * from[row];
+      }
+    }
+  });
+}
+
+}  // namespace
 
 TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options options)
     : bodies_(std::move(bodies)),
@@ -250,16 +271,15 @@ void TimeStepper::add_tree(std::size_t t) {
   const Eigen::MatrixXd half_transposed = half.transpose(), taken_transposed = taken.transpose();
   Eigen::MatrixXd& delassus =
       islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
-  Eigen::Matrix<double, Eigen::Dynamic, 4> responses(half.cols(), 4);
+  FourColumns response(half.cols(), 4);  // first, of a row and all behind it
   for (std::size_t n = 0; n < list.size(); ++n) {
     problem_.free_velocity.segment<4>(4 * list[n].row) += velocities.segment<4>(4 * int(n));
-    // Of this row and all behind it.
     const int behind = 4 * int(list.size() - n);
-    auto response = responses.topRows(behind);
-    response = half_transposed.bottomRows(behind).lazyProduct(half.middleCols<4>(4 * int(n)));
+    response.topRows(behind).setZero();
+    add_product(1, half_transposed, half, 4 * int(n), behind, response);
     if (taken.rows() > 0) {
       const double free_response = response(0, 0);
-      response -= taken_transposed.bottomRows(behind).lazyProduct(taken.middleCols<4>(4 * int(n)));
+      add_product(-1, taken_transposed, taken, 4 * int(n), behind, response);
       // What loops lock answers to impulses with the rounding of this difference, or less.
       constexpr double kLocked = 1e-12;
       response(0, 0) = std::max(response(0, 0), kLocked * free_response);
