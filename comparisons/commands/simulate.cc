@@ -16,6 +16,7 @@
 #include "comparisons/simulation/control.h"
 #include "comparisons/simulation/frame_json.h"
 #include "comparisons/simulation/trajectory_files.h"
+#include "comparisons/simulation/vtu_files.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
@@ -30,7 +31,7 @@ struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
   std::vector<std::string> settings;
   RobotInput robot;
-  int vtu_every = -1;  ///< -1: about 150 in all; 0: none
+  int vtu_every = -1;  ///< -1: as many as usual; 0: none
   bool json = false, control = false;
 };
 
@@ -95,8 +96,7 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
                    const Simulation& run) {
   const std::filesystem::path folder = options.output;
   write_trajectory(run.recording, folder);
-  const int every = options.vtu_every >= 0 ? options.vtu_every
-                                           : std::max(1, int(run.recording.frames.size() / 150));
+  const int every = options.vtu_every >= 0 ? options.vtu_every : usual_vtu_interval(run.recording);
   if (every > 0) write_vtu(run.recording, folder, every);
   report::MotionPageOptions page;
   page.scene_text = scene.text;
@@ -185,7 +185,8 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
                       "simulation.json and motion.pvd with its VTU files");
   command
       ->add_option("--vtu-every", options->vtu_every,
-                   "VTU files of each N-th step, 1 to 1000000; 0: none; default: about 150 in all")
+                   "VTU files of each N-th step, 1 to 1000000; 0: none; default: about 150 in all, "
+                   "fewer where these would fill more than 64 MB")
       ->check(CLI::Range(0, 1000000));
   command->add_option("--record-lcp", options->record_lcp,
                       "folder for the contact problem of each step, for softfinger lcp");

@@ -26,6 +26,7 @@ using Eigen::Vector3d;
 struct PairMemory {
   Vector3d normal_in_a = Vector3d::Zero();  ///< zero: not yet known
   Fits fits;
+  std::vector<Fits> earlier_fits;  ///< at other places, the last one first
   int triangle = -1;               ///< of a mesh, the last nearest one
   bool was_outside = false;        ///< the last time, the other shape lay outside the mesh
   std::optional<Vector3d> lowest;  ///< of a mesh over a half-space, the last lowest vertex
@@ -189,7 +190,7 @@ struct CollisionDetector::Implementation {
   Nearest nearest(int a, int b, double reach_m, PairMemory& memory) const;
   ShapeDistances::Nearest distance(int a, int b, const Isometry3d& pose_of_b, double tolerance_m,
                                    PairMemory& memory) const;
-  void fit_meshes(const Part& a, const Part& b, const Nearest& nearest, Fits& fits);
+  void fit_meshes(const Part& a, const Part& b, const Nearest& nearest, PairMemory& memory);
 
   const input::Scene& scene;
   std::map<const TriangleSurface*, TriangleTree> trees;  ///< bodies may share a mesh
@@ -337,22 +338,36 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second, double
   return result;
 }
 
-/// Fits quadrics to the meshes of a pair, unless those of the last step are still near. How large a
-/// region is fitted depends on the contact, and the contact on the fit: they are repeated until the
-/// region has twice the area of the contact that is predicted for the scene's nominal load. A mesh
-/// too coarse for that is fitted over as little as it allows.
+/// Fits quadrics to the meshes of a pair, unless those of the last step, or earlier ones, are near:
+/// a body that rocks on its rim comes back to the same places again and again. How large a region
+/// is fitted depends on the contact, and the contact on the fit: they are repeated until the region
+/// has twice the area of the contact that is predicted for the scene's nominal load. A mesh too
+/// coarse for that is fitted over as little as it allows.
 void CollisionDetector::Implementation::fit_meshes(const Part& a, const Part& b,
-                                                   const Nearest& nearest, Fits& fits) {
+                                                   const Nearest& nearest, PairMemory& memory) {
   const std::array<const Part*, 2> both = {&a, &b};
   const std::array<Vector3d, 2> points = {a.local_point(nearest.on_a), b.local_point(nearest.on_b)};
-  bool fresh = true;
-  for (std::size_t side = 0; side < 2; ++side)
-    if (both[side]->is_mesh()) {
+  const auto are_near = [&](const Fits& fits) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!both[side]->is_mesh()) continue;
       const auto& fit = fits[side];
       // The region is 1.4 times as large as the contact, which so stays within it.
-      fresh = fresh && fit && (fit->origin_m - points[side]).norm() < 0.25 * fit->region_radius_m;
+      if (!fit || !((fit->origin_m - points[side]).norm() < 0.25 * fit->region_radius_m))
+        return false;
     }
-  if (fresh) return;
+    return true;
+  };
+  Fits& fits = memory.fits;
+  if (are_near(fits)) return;
+  std::vector<Fits>& earlier = memory.earlier_fits;
+  const auto known = std::find_if(earlier.begin(), earlier.end(), are_near);
+  if (known != earlier.end()) {
+    std::swap(*known, fits);
+    return;
+  }
+  constexpr std::size_t kMostEarlier = 4;
+  earlier.insert(earlier.begin(), fits);
+  if (earlier.size() > kMostEarlier) earlier.pop_back();
   double radius_m = 0.2 * std::min(a.radius_m, b.radius_m);
   // The contact is most often as large as it was.
   for (const auto& fit : fits)
@@ -417,7 +432,7 @@ void CollisionDetector::Implementation::find_between(int first, int second,
   memory.gap_m = at.gap_m;
   memory.b_in_a = b_in_a;
   if (at.gap_m > pair.reach_m) return;
-  if (a.is_mesh() || b.is_mesh()) fit_meshes(a, b, at, memory.fits);
+  if (a.is_mesh() || b.is_mesh()) fit_meshes(a, b, at, memory);
   const std::size_t before = points.size();
   if (const auto point = find_elliptic_contact(pair, memory.fits, at)) {
     memory.normal_in_a = a.local_direction(point->axes.col(2));

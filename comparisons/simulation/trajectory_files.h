@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "comparisons/simulation/recording.h"
@@ -35,18 +34,10 @@ std::string contacts_csv(const Recording& recording);
 ///                     "torque_about_normal_Nm", "friction_coefficient", "eccentricity_m",
 ///                     "pressure_exponent", "utilisation", "slides", "model",
 ///                     "friction_law" } ] } ] }
-nlohmann::json trajectory_json(const Recording& recording);
+std::string trajectory_json(const Recording& recording);
 
 /// trajectory.csv, contacts.csv and trajectory.json in a folder that exists, all or none.
 /// @throws InputError when they cannot be written.
 void write_trajectory(const Recording& recording, const std::filesystem::path& folder);
-
-/// motion.pvd for ParaView and, in the folder `frames` beside it, three files per frame written:
-///   bodies_*.vtu    triangles with their body's index, and the velocity at each vertex
-///   contacts_*.vtu  a point per contact with its forces as vectors and what is said of it
-///   ellipses_*.vtu  contact ellipses as polygons; none for a point contact
-/// @param every_nth  writes each n-th frame, and the last one
-/// @throws InputError when a file cannot be written, std::invalid_argument for every_nth < 1.
-void write_vtu(const Recording& recording, const std::filesystem::path& folder, int every_nth = 1);
 
 }  // namespace softfinger::simulation

@@ -98,11 +98,18 @@ void take_crossing(const Triangle& triangle, const Segment& segment, Points& poi
 class SegmentProbe {
  public:
   explicit SegmentProbe(const Segment& segment) : segment_(segment) {}
-  double distance_m(const Vector3d& point) const {
-    return (nearest_on(segment_, point) - point).norm();
+  /// A bound on the distance of all that lies in a ball and in a box around the same centre.
+  double least_m(const Vector3d& centre, double radius_m, const Vector3d&) const {
+    return (nearest_on(segment_, centre) - centre).norm() - radius_m;
   }
-  Points nearest(const Triangle& triangle, double) const {
+  /// @param limit_m  what is farther away need not be found
+  Points nearest(const Triangle& triangle, double limit_m) const {
+    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    double square = 0;
+    for (const Vector3d& vertex : triangle)
+      square = std::max(square, (vertex - centre).squaredNorm());
     Points points;
+    if (least_m(centre, std::sqrt(square), {}) > limit_m) return points;
     take(triangle, segment_, points);
     return points;
   }
@@ -123,17 +130,26 @@ class SegmentProbe {
 class BlockProbe {
  public:
   explicit BlockProbe(const Block& block)
-      : pose_(block.pose), into_(block.pose.inverse()), half_(block.half_size_m) {}
-  double distance_m(const Vector3d& point) const {
-    return ((into_ * point).cwiseAbs() - half_).cwiseMax(0).norm();
+      : pose_(block.pose),
+        into_(block.pose.inverse(Eigen::Isometry)),
+        across_(into_.linear().cwiseAbs()),
+        half_(block.half_size_m) {}
+  /// By the box, whose extents along the block's axes bound it: the ball around the triangles of a
+  /// flat side reaches far beyond it, so that along a face of the block many would seem near.
+  double least_m(const Vector3d& centre, double radius_m, const Vector3d& half_size_m) const {
+    const Vector3d apart = (into_ * centre).cwiseAbs() - half_;
+    return std::max(apart.cwiseMax(0).norm() - radius_m,
+                    (apart - across_ * half_size_m).cwiseMax(0).norm());
   }
-  /// @param limit_m  what is farther away need not be found
+  /// See SegmentProbe.
   Points nearest(const Triangle& in_mesh, double limit_m) const {
     Triangle triangle;
     for (std::size_t k = 0; k < 3; ++k) triangle[k] = into_ * in_mesh[k];
     const Vector3d least = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
     const Vector3d most = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
     Points points;
+    if ((least - half_).cwiseMax(-half_ - most).cwiseMax(0).squaredNorm() > limit_m * limit_m)
+      return points;
     for (std::size_t k = 0; k < 3; ++k) {
       points.take(triangle[k], triangle[k].cwiseMax(-half_).cwiseMin(half_));
       take_entry({triangle[k], triangle[(k + 1) % 3]}, points);
@@ -177,6 +193,7 @@ class BlockProbe {
   }
 
   Eigen::Isometry3d pose_, into_;
+  Eigen::Matrix3d across_;  ///< from a box's half size to its extent along the block's axes
   Vector3d half_;
 };
 
@@ -239,18 +256,13 @@ TriangleTree::Nearest TriangleTree::search(const Probe& probe, double limit_m, i
   result.distance_m = limit_m;
   const auto look_at = [&](int t) {
     const Triangle triangle = {corner(t, 0), corner(t, 1), corner(t, 2)};
-    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
-    double square = 0;
-    for (const Vector3d& vertex : triangle)
-      square = std::max(square, (vertex - centre).squaredNorm());
-    if (probe.distance_m(centre) - std::sqrt(square) > result.distance_m) return;
     const Points points = probe.nearest(triangle, result.distance_m);
     const double distance_m = std::sqrt(points.square);
     if (!(distance_m < result.distance_m)) return;
     result = {distance_m, points.first, points.second, t};
   };
   const auto least_m = [&](const Node& node) {
-    return probe.distance_m(node.centre) - node.radius_m;
+    return probe.least_m(node.centre, node.radius_m, node.half_size_m);
   };
   if (guess >= 0 && guess < int(surface_.triangles.size())) look_at(guess);
   struct Waiting {
@@ -282,6 +294,8 @@ TriangleTree::Nearest TriangleTree::search(const Probe& probe, double limit_m, i
 /// The solid angles of all triangles sum to 4 pi within and to 0 outside (Van Oosterom, Strackee,
 /// IEEE Trans. Biomed. Eng. 30, 1983).
 bool TriangleTree::contains(const Vector3d& point) const {
+  const Node& all = nodes_.front();
+  if (((point - all.centre).cwiseAbs() - all.half_size_m).maxCoeff() > 0) return false;
   double sum = 0;
   for (int t = 0; t < int(surface_.triangles.size()); ++t) {
     const Vector3d a = corner(t, 0) - point, b = corner(t, 1) - point, c = corner(t, 2) - point;

@@ -39,7 +39,8 @@ class TriangleTree {
   /// @param guess    a triangle that may be near: the search is faster; -1: none is known
   Nearest nearest(const Core& core, double limit_m, int guess = -1) const;
 
-  /// Whether a point lies within the closed surface, by its winding number. Linear cost.
+  /// Whether a point lies within the closed surface, by its winding number. Linear cost, unless it
+  /// lies outside of the box around all.
   bool contains(const Eigen::Vector3d& point) const;
 
   /// The vertex farthest along a direction.

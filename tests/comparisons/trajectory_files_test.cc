@@ -4,18 +4,23 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "comparisons/simulation/vtu_files.h"
 #include "comparisons/system/files.h"
-#include "from_base64.h"
 #include "sample_motion.h"
 #include "softfinger/input/errors.h"
 
@@ -24,7 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using tests::from_base64;
 
 class TrajectoryFiles : public testing::Test {
  protected:
@@ -146,7 +150,7 @@ TEST_F(TrajectoryFiles, JsonSaysTheSameAndNamesTheShapes) {
   EXPECT_EQ(system::read_text_file(folder_ / "trajectory.csv"), trajectory_csv(recording));
   EXPECT_EQ(system::read_text_file(folder_ / "contacts.csv"), contacts_csv(recording));
   const json read = json::parse(system::read_text_file(folder_ / "trajectory.json"));
-  EXPECT_EQ(read, trajectory_json(recording));
+  EXPECT_EQ(system::read_text_file(folder_ / "trajectory.json"), trajectory_json(recording));
   EXPECT_EQ(read["scene"], "box_in_pinch");
   EXPECT_EQ(read["bodies"][0]["shapes"][0]["kind"], "capsule");
   EXPECT_EQ(read["bodies"][2]["shapes"][0]["size_m"], json({0.03, 0.02, 0.07}));
@@ -161,21 +165,52 @@ TEST_F(TrajectoryFiles, JsonSaysTheSameAndNamesTheShapes) {
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_EQ(written["position_m"][body][axis], frame.poses[body].translation()[axis]);
         EXPECT_EQ(written["velocity_m_per_s"][body][axis], frame.velocities_m_per_s[body][axis]);
+        EXPECT_EQ(written["angular_velocity_rad_per_s"][body][axis],
+                  frame.angular_velocities_rad_per_s[body][axis]);
       }
     ASSERT_EQ(written["contacts"].size(), frame.contacts.size());
     for (std::size_t k = 0; k < frame.contacts.size(); ++k) {
-      EXPECT_EQ(written["contacts"][k]["normal_force_N"], frame.contacts[k].normal_force_N);
-      EXPECT_EQ(written["contacts"][k]["semi_axes_m"][1], frame.contacts[k].semi_axis_b_m);
-      EXPECT_EQ(written["contacts"][k]["a"], frame.contacts[k].a);
+      const RecordedContact& contact = frame.contacts[k];
+      const auto numbers = [](const Eigen::Vector3d& vector) {
+        return std::vector<double>(vector.begin(), vector.end());
+      };
+      const json expected = {
+          {"a", contact.a},
+          {"b", contact.b},
+          {"point_m", numbers(contact.point_m)},
+          {"normal", numbers(contact.axes.col(2))},
+          {"long_axis", numbers(contact.axes.col(0))},
+          {"semi_axes_m", {contact.semi_axis_a_m, contact.semi_axis_b_m}},
+          {"normal_force_N", contact.normal_force_N},
+          {"tangential_force_N", numbers(contact.tangent_force_1_N * contact.axes.col(0) +
+                                         contact.tangent_force_2_N * contact.axes.col(1))},
+          {"torque_about_normal_Nm", contact.torque_Nm},
+          {"friction_coefficient", contact.friction_coefficient},
+          {"eccentricity_m", contact.eccentricity_m},
+          {"pressure_exponent", contact.pressure_exponent},
+          {"utilisation", contact.utilisation},
+          {"slides", contact.slides},
+          {"model", contact.model},
+          {"friction_law", std::string(contact.friction->name)}};
+      EXPECT_EQ(written["contacts"][k], expected);
     }
   }
+}
+
+TEST_F(TrajectoryFiles, JsonOfNamesThatAreNotUtf8IsStillRead) {
+  Recording recording = tests::motion_of_one_frame();
+  recording.bodies[0].name = "finger \xff\"\n";
+  recording.frames[0].contacts[0].model = "own \xff";
+  const json read = json::parse(trajectory_json(recording));
+  EXPECT_EQ(read["bodies"][0]["name"], "finger \xef\xbf\xbd\"\n");
+  EXPECT_EQ(read["frames"][0]["contacts"][0]["model"], "own \xef\xbf\xbd");
 }
 
 TEST_F(TrajectoryFiles, EmptyMotionsLeaveHeadersOnly) {
   const Recording nothing = tests::empty_motion();
   EXPECT_TRUE(Table(trajectory_csv(nothing)).rows.empty());
   EXPECT_TRUE(Table(contacts_csv(tests::motion_without_contacts())).rows.empty());
-  EXPECT_EQ(trajectory_json(nothing)["frames"], json::array());
+  EXPECT_EQ(json::parse(trajectory_json(nothing))["frames"], json::array());
 }
 
 TEST_F(TrajectoryFiles, AContactWithAnUnknownBodyIsRefused) {
@@ -194,29 +229,42 @@ TEST_F(TrajectoryFiles, AFolderThatDoesNotExistIsNamed) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-/// The array of that name in a VTU file, as a reader of vtkZLibDataCompressor takes it: the header
-/// and the compressed blocks are two pieces of base64.
+/// The array of that name in a VTU file, as a reader of appended raw data and
+/// vtkZLibDataCompressor takes it.
 template <typename Number>
 std::vector<Number> vtu_array(const std::string& vtu, const std::string& name) {
   if (vtu.find("compressor=\"vtkZLibDataCompressor\"") == std::string::npos)
     throw std::runtime_error("the file names no compressor");
-  const std::size_t named = vtu.find("Name=\"" + name + "\"");
-  if (named == std::string::npos) throw std::runtime_error("no array " + name);
-  const std::size_t from = vtu.find('>', named) + 1;
-  const std::string text = vtu.substr(from, vtu.find('<', from) - from);
-  const auto length = [](std::size_t numbers) { return (8 * numbers + 2) / 3 * 4; };
-  const auto blocks = from_base64<std::uint64_t>(text.substr(0, 32)).at(0);  // of three numbers
-  const auto header = from_base64<std::uint64_t>(text.substr(0, length(3 + blocks)));
-  const auto bytes = from_base64<unsigned char>(text.substr(length(3 + blocks)));
+  const std::string type = std::is_same_v<Number, float>          ? "Float32"
+                           : std::is_same_v<Number, double>       ? "Float64"
+                           : std::is_same_v<Number, std::int32_t> ? "Int32"
+                                                                  : "UInt8";
+  const std::string start = "<AppendedData encoding=\"raw\">\n_";
+  std::size_t at = vtu.find(start);
+  const std::string xml = vtu.substr(0, at);
+  std::smatch found;
+  if (!std::regex_search(xml, found,
+                         std::regex("<DataArray type=\"" + type + "\" Name=\"" + name +
+                                    "\"[^>]* format=\"appended\" offset=\"([0-9]+)\"/>")))
+    throw std::runtime_error("no array " + name + " of " + type);
+  at += start.size() + std::stoul(found[1]);
+  const auto next = [&] {
+    std::uint64_t number = 0;
+    std::memcpy(&number, vtu.substr(at, sizeof number).data(), sizeof number);
+    at += sizeof number;
+    return number;
+  };
+  const std::uint64_t blocks = next(), size = next(), incomplete = next();
   std::vector<Number> numbers;
   if (blocks == 0) return numbers;
-  if (blocks != 1 || header.at(2) != 0 || header.at(3) != bytes.size())
-    throw std::runtime_error(name + " has another header");
-  numbers.resize(header[1] / sizeof(Number));
-  uLongf size = header[1];
-  if (uncompress(reinterpret_cast<Bytef*>(numbers.data()), &size, bytes.data(), bytes.size()) !=
-          Z_OK ||
-      size != header[1])
+  const std::uint64_t compressed = next();
+  const std::string bytes = vtu.substr(at, compressed);
+  if (blocks != 1 || incomplete != 0) throw std::runtime_error(name + " has another header");
+  numbers.resize(size / sizeof(Number));
+  uLongf inflated = size;
+  if (uncompress(reinterpret_cast<Bytef*>(numbers.data()), &inflated,
+                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != Z_OK ||
+      inflated != size)
     throw std::runtime_error(name + " has another size");
   return numbers;
 }
@@ -228,7 +276,8 @@ std::size_t stated(const std::string& vtu, const std::string& attribute) {
   return std::stoul(found[1]);
 }
 
-Eigen::Vector3d third(const std::vector<double>& numbers, std::size_t i) {
+template <typename Number>
+Eigen::Vector3d third(const std::vector<Number>& numbers, std::size_t i) {
   return {numbers.at(3 * i), numbers.at(3 * i + 1), numbers.at(3 * i + 2)};
 }
 
@@ -237,12 +286,12 @@ TEST_F(TrajectoryFiles, VtuHoldsBodiesWhereTheyAre) {
   write_vtu(recording, folder_);
   const Frame& frame = recording.frames[30];
   const std::string vtu = system::read_text_file(folder_ / "frames/bodies_000030.vtu");
-  const auto points_m = vtu_array<double>(vtu, "points");
+  const auto points_m = vtu_array<float>(vtu, "points");
   const auto corners = vtu_array<std::int32_t>(vtu, "connectivity");
   const auto offsets = vtu_array<std::int32_t>(vtu, "offsets");
   const auto types = vtu_array<std::uint8_t>(vtu, "types");
   const auto bodies = vtu_array<std::int32_t>(vtu, "body");
-  const auto velocities = vtu_array<double>(vtu, "velocity_m_per_s");
+  const auto velocities = vtu_array<float>(vtu, "velocity_m_per_s");
   const std::size_t cells = stated(vtu, "NumberOfCells");
   ASSERT_EQ(points_m.size(), 3 * stated(vtu, "NumberOfPoints"));
   ASSERT_EQ(velocities.size(), points_m.size());
@@ -251,6 +300,8 @@ TEST_F(TrajectoryFiles, VtuHoldsBodiesWhereTheyAre) {
   ASSERT_EQ(types.size(), cells);
   ASSERT_EQ(bodies.size(), cells);
   const Eigen::Vector3d half(0.015, 0.01, 0.035);
+  // Single precision of coordinates below half a metre.
+  constexpr double kRounding_m = 0.5 * std::numeric_limits<float>::epsilon();
   int of_box = 0;
   for (std::size_t cell = 0; cell < cells; ++cell) {
     EXPECT_EQ(types[cell], 5) << "a triangle";
@@ -258,12 +309,48 @@ TEST_F(TrajectoryFiles, VtuHoldsBodiesWhereTheyAre) {
     if (bodies[cell] != 2) continue;
     ++of_box;
     for (int corner = 0; corner < 3; ++corner) {
-      const Eigen::Vector3d in_box =
-          frame.poses[2].inverse() * third(points_m, corners[3 * cell + corner]);
-      EXPECT_TRUE(in_box.cwiseAbs().isApprox(half, 1e-12)) << in_box.transpose();
+      const Eigen::Vector3d point_m = third(points_m, corners[3 * cell + corner]);
+      ASSERT_LT(point_m.norm(), 0.5);
+      const Eigen::Vector3d in_box = frame.poses[2].inverse() * point_m;
+      EXPECT_LE((in_box.cwiseAbs() - half).norm(), kRounding_m) << in_box.transpose();
+      const Eigen::Vector3d velocity =
+          frame.velocities_m_per_s[2] +
+          frame.angular_velocities_rad_per_s[2].cross(point_m - frame.poses[2].translation());
+      EXPECT_LE((third(velocities, corners[3 * cell + corner]) - velocity).norm(),
+                std::numeric_limits<float>::epsilon());
     }
   }
   EXPECT_EQ(of_box, 12);
+  EXPECT_EQ(std::count(bodies.begin(), bodies.end(), 3), 0) << "the table is in another file";
+}
+
+TEST_F(TrajectoryFiles, FixedBodiesAreWrittenOnceAndShownAtAllTimes) {
+  const Recording recording = tests::sample_motion(40);
+  write_vtu(recording, folder_, 10);
+  const std::string vtu = system::read_text_file(folder_ / "frames/fixed.vtu");
+  EXPECT_EQ(vtu_array<std::int32_t>(vtu, "body"), std::vector<std::int32_t>({3, 3}));
+  const auto velocities = vtu_array<float>(vtu, "velocity_m_per_s");
+  EXPECT_EQ(std::count(velocities.begin(), velocities.end(), 0.f), 12);
+  const std::string pvd = system::read_text_file(folder_ / "motion.pvd");
+  const std::regex entry("part=\"3\" name=\"fixed\" file=\"frames/fixed.vtu\"/>");
+  EXPECT_EQ(std::distance(std::sregex_iterator(pvd.begin(), pvd.end(), entry), {}), 5);
+}
+
+TEST_F(TrajectoryFiles, UsualVtuFilesStayWithinTheirBytes) {
+  const Recording recording = tests::large_motion();
+  const auto bytes = [&](std::size_t most_bytes) {
+    write_vtu(recording, folder_, usual_vtu_interval(recording, most_bytes));
+    std::size_t sum = 0;
+    for (const auto& file : fs::directory_iterator(folder_ / "frames"))
+      if (file.path().filename().string().find("bodies") == 0) sum += file.file_size();
+    fs::remove_all(folder_ / "frames");
+    return sum;
+  };
+  const std::size_t most = std::size_t(4) << 20;
+  EXPECT_LE(bytes(most), most);
+  EXPECT_GT(bytes(2 * most), most) << "half of what is allowed is used";
+  EXPECT_EQ(usual_vtu_interval(recording, std::size_t(1) << 40), 13) << "at most 150 of 1801";
+  EXPECT_EQ(usual_vtu_interval(tests::motion_of_one_frame()), 1);
 }
 
 TEST_F(TrajectoryFiles, VtuHoldsContactsAndTheirEllipses) {
@@ -302,7 +389,7 @@ TEST_F(TrajectoryFiles, PvdNamesEveryNthFrameAndTheLast) {
   const Recording recording = tests::sample_motion(40);
   write_vtu(recording, folder_, 7);
   const std::string pvd = system::read_text_file(folder_ / "motion.pvd");
-  const std::regex entry("<DataSet timestep=\"([^\"]+)\" part=\"([0-2])\"[^>]*file=\"([^\"]+)\"/>");
+  const std::regex entry("<DataSet timestep=\"([^\"]+)\" part=\"([0-3])\"[^>]*file=\"([^\"]+)\"/>");
   std::vector<double> times;
   std::size_t files = 0;
   for (std::sregex_iterator it(pvd.begin(), pvd.end(), entry), end; it != end; ++it, ++files) {
@@ -312,7 +399,7 @@ TEST_F(TrajectoryFiles, PvdNamesEveryNthFrameAndTheLast) {
   std::vector<double> expected;
   for (const int i : {0, 7, 14, 21, 28, 35, 40}) expected.push_back(recording.frames[i].time_s);
   EXPECT_EQ(times, expected);
-  EXPECT_EQ(files, 3 * expected.size());
+  EXPECT_EQ(files, 4 * expected.size());
   EXPECT_THROW(write_vtu(recording, folder_, 0), std::invalid_argument);
 }
 

@@ -586,7 +586,14 @@ TEST(MeshContact, OfAFineBallIsThatOfTheBall) {
     EXPECT_EQ(detection.detector->fits(), fits) << "a contact that stays keeps its fit";
     detection.move(1, turned(at(0, 0, radius), 1.4, Vector3d(1, 0, 0)));
     detection.find();
-    EXPECT_GT(detection.detector->fits(), fits) << "elsewhere on the mesh";
+    const int fits_of_two = detection.detector->fits();
+    EXPECT_GT(fits_of_two, fits) << "elsewhere on the mesh";
+    for (const bool back : {true, false, true}) {
+      detection.move(1, back ? turned(at(0, 0, radius), 0.4, Vector3d(1, 2, 3))
+                             : turned(at(0, 0, radius), 1.4, Vector3d(1, 0, 0)));
+      EXPECT_EQ(detection.find().size(), 1u);
+    }
+    EXPECT_EQ(detection.detector->fits(), fits_of_two) << "where it was before";
   }
 }
 

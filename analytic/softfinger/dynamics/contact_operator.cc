@@ -25,9 +25,7 @@ void ContactOperator::set(const ContactLcp& problem, double proximal) {
   contacts_ = problem.contacts();
   for (int i = 0; i < contacts_; ++i) scale_contact(problem, i);
   const int n = 4 * contacts_;
-  delassus_.topLeftCorner(n, n) =
-      velocity_scale_.head(n).asDiagonal() * problem.delassus * impulse_scale_.head(n).asDiagonal();
-  if (proximal != 0) delassus_.diagonal().head(n) *= 1 + proximal;
+  set_blocks(problem.delassus, proximal);
   free_velocity_.head(n) = velocity_scale_.head(n).cwiseProduct(problem.free_velocity);
   velocity_unit_ = free_velocity_.head(n).lpNorm<Eigen::Infinity>();
   if (velocity_unit_ > 0) free_velocity_.head(n) /= velocity_unit_;
@@ -35,7 +33,6 @@ void ContactOperator::set(const ContactLcp& problem, double proximal) {
   for (int i = 0; i < contacts_; ++i)
     natural_sizes_[i] =
         std::min(1., velocity_scale_[4 * i + 1] * largest_velocity / velocity_unit_);
-  find_neighbours();
 }
 
 void ContactOperator::scale_contact(const ContactLcp& problem, int i) {
@@ -60,14 +57,22 @@ void ContactOperator::scale_contact(const ContactLcp& problem, int i) {
   shapes_[std::size_t(i)] = has_shape ? problem.shapes[std::size_t(i)] : nullptr;
 }
 
-/// Contacts without a common movable body do not feel each other: their blocks of W are zero.
-void ContactOperator::find_neighbours() {
+/// Contacts without a common movable body do not feel each other: their blocks of W are zero. Of
+/// many contacts most are, so that each block is looked at once.
+void ContactOperator::set_blocks(const Eigen::MatrixXd& delassus, double proximal) {
   for (int j = 0; j < contacts_; ++j) {
     int end = j * contacts_;
     for (int i = 0; i < contacts_; ++i) {
-      const auto block = delassus_.block<4, 4>(4 * i, 4 * j);
-      if (block.isZero(0)) continue;
-      Eigen::Map<Eigen::Matrix4d>(blocks_.data() + 16 * end) = block;
+      const auto given = delassus.block<4, 4>(4 * i, 4 * j);
+      auto scaled = delassus_.block<4, 4>(4 * i, 4 * j);
+      if (given.lpNorm<1>() == 0) {
+        scaled.setZero();
+        continue;
+      }
+      scaled = velocity_scale_.segment<4>(4 * i).asDiagonal() * given *
+               impulse_scale_.segment<4>(4 * j).asDiagonal();
+      if (i == j) scaled.diagonal() *= 1 + proximal;
+      Eigen::Map<Eigen::Matrix4d>(blocks_.data() + 16 * end) = scaled;
       neighbours_[std::size_t(end++)] = i;
     }
     neighbour_end_[std::size_t(j)] = end;

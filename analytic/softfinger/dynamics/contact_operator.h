@@ -62,7 +62,7 @@ class ContactOperator {
 
  private:
   void scale_contact(const ContactLcp& problem, int contact);
-  void find_neighbours();
+  void set_blocks(const Eigen::MatrixXd& delassus, double proximal);
 
   int contacts_ = 0;
   Eigen::MatrixXd delassus_;

@@ -5,9 +5,30 @@
 #include <limits>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger {
 namespace {
+
+/// Rows of W at a time, in a vector that needs no memory of its own. A row alone would be read
+/// across the memory, for W is stored by columns.
+constexpr int kRowsAtOnce = 64;
+using SomeRows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kRowsAtOnce, 1>;
+
+/// rows += term(W) r for the rows of W from `first` on.
+template <class Term>
+void add_rows(const Eigen::MatrixXd& delassus, const Eigen::VectorXd& impulse, int first,
+              const Term& term, SomeRows& rows) {
+  with_best_instructions([&] {
+    double* to = rows.data();
+    const int count = int(rows.size());
+    for (Eigen::Index column = 0; column < impulse.size(); ++column) {
+      const double* from = delassus.data() + column * delassus.rows() + first;
+      const double factor = term(impulse[column]);
+      for (int row = 0; row < count; ++row) to[row] += factor * term(from[row]);
+    }
+  });
+}
 
 double over(double value, double unit) { return unit > 0 ? value / unit : value; }
 
@@ -66,10 +87,17 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
 double rounding_of(const ContactLcp& problem, const ContactSolution& solution, double most) {
   constexpr double kRoundings = 4;
   double largest = 0;
-  for (int row = 0; row < solution.impulse.size(); ++row) {
-    const double unit = row % 4 == 3 ? problem.eccentricity_m[row / 4] : 1;
-    const double terms = problem.delassus.row(row).cwiseAbs().dot(solution.impulse.cwiseAbs());
-    largest = std::max(largest, unit * terms);
+  const int rows = int(solution.impulse.size());
+  SomeRows terms;
+  for (int first = 0; first < rows; first += kRowsAtOnce) {
+    const int count = std::min(kRowsAtOnce, rows - first);
+    terms.setZero(count);
+    add_rows(
+        problem.delassus, solution.impulse, first, [](double x) { return std::abs(x); }, terms);
+    for (int row = first; row < first + count; ++row) {
+      const double unit = row % 4 == 3 ? problem.eccentricity_m[row / 4] : 1;
+      largest = std::max(largest, unit * terms[row - first]);
+    }
   }
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   if (!(velocity_unit > 0)) return 0;
@@ -101,9 +129,16 @@ double exact_contact_residual(const ContactLcp& problem, const ContactSolution& 
   const auto add = [&worst](double value, double unit) {
     worst = std::isnan(value) ? kInfinity : std::max(worst, std::abs(over(value, unit)));
   };
+  SomeRows velocities;
   for (int i = 0; i < problem.contacts(); ++i) {
-    const Eigen::Vector4d velocity = problem.free_velocity.segment<4>(4 * i) +
-                                     problem.delassus.middleRows<4>(4 * i) * solution.impulse;
+    const int within = 4 * i % kRowsAtOnce;
+    if (within == 0) {
+      const int count = std::min(kRowsAtOnce, 4 * (problem.contacts() - i));
+      velocities = problem.free_velocity.segment(4 * i, count);
+      add_rows(
+          problem.delassus, solution.impulse, 4 * i, [](double x) { return x; }, velocities);
+    }
+    const Eigen::Vector4d velocity = velocities.segment<4>(within);
     if (!internal::all_finite(velocity)) return kInfinity;
     // P and v_n
     const double normal = solution.impulse[4 * i], own = problem.delassus(4 * i, 4 * i);

@@ -106,7 +106,7 @@ ConsistentResult ConsistentContactSolver::solve(ContactLcp& problem,
   if (!(time_step_s > 0 && std::isfinite(time_step_s)))
     throw InputError("contact problem", "time step", time_step_s, "> 0");
   ConsistentResult result;
-  double best = std::numeric_limits<double>::infinity(), fraction = 1;
+  double last = std::numeric_limits<double>::infinity(), fraction = 1;
   for (;;) {
     const LcpResult lcp = solver_.solve(problem, solution, continued);
     if (!continued || continued != &itself_) {
@@ -133,8 +133,10 @@ ConsistentResult ConsistentContactSolver::solve(ContactLcp& problem,
     }
     if (result.inconsistency <= options.tolerance || result.iterations >= options.most_iterations)
       return result;
-    fraction = result.inconsistency < best ? 1 : 0.5 * fraction;
-    best = std::min(best, result.inconsistency);
+    // Compared with the last solution, not with the best one: that may have been another one of
+    // several, to which no step leads back.
+    fraction = result.inconsistency < last ? std::min(1., 2 * fraction) : 0.5 * fraction;
+    last = result.inconsistency;
     for (int i = 0; i < nc; ++i) {
       const bool is_first = result.iterations == 1;
       problem.eccentricity_m[i] =

@@ -86,8 +86,8 @@ struct ConsistentResult {
 ///
 /// Each iteration is a fixed-point step or, where that is between a quarter and four times as long,
 /// a step of the contact's own secant through the last two. Steps are halved when the inconsistency
-/// grows. The laws are weak (e_n ~ P^(1/3)), so that two or three solves are usual, all but the
-/// first one warm. No allocation once sized.
+/// grows, and become longer again when it shrinks. The laws are weak (e_n ~ P^(1/3)), so that two
+/// or three solves are usual, all but the first one warm. No allocation once sized.
 class ConsistentContactSolver {
  public:
   struct Options {

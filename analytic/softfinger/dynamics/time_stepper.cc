@@ -7,8 +7,29 @@
 
 #include "softfinger/dynamics/contact_residual.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger {
+namespace {
+
+using FourColumns = Eigen::Matrix<double, Eigen::Dynamic, 4>;
+
+/// result += factor A B for the last rows of A and the result's. A has few columns.
+void add_product(double factor, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int b_column,
+                 int rows, FourColumns& result) {
+  with_best_instructions([&] {
+    for (int column = 0; column < 4; ++column) {
+      double* to = result.data() + column * result.rows();
+      for (Eigen::Index k = 0; k < a.cols(); ++k) {
+        const double share = factor * b(k, b_column + column);
+        const double* from = a.data() + (k + 1) * a.rows() - rows;
+        for (int row = 0; row < rows; ++row) to[row] += share * from[row];
+      }
+    }
+  });
+}
+
+}  // namespace
 
 TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options options)
     : bodies_(std::move(bodies)),
@@ -246,26 +267,29 @@ void TimeStepper::add_tree(std::size_t t) {
   const Eigen::VectorXd velocities = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
   const Eigen::MatrixXd half = factors_[t].half(jacobians_[t].transpose());
   const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t].transpose());
+  // With rows in the order of the memory several at once are multiplied.
+  const Eigen::MatrixXd half_transposed = half.transpose(), taken_transposed = taken.transpose();
   Eigen::MatrixXd& delassus =
       islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
+  FourColumns response(half.cols(), 4);  // first, of a row and all behind it
   for (std::size_t n = 0; n < list.size(); ++n) {
     problem_.free_velocity.segment<4>(4 * list[n].row) += velocities.segment<4>(4 * int(n));
+    const int behind = 4 * int(list.size() - n);
+    response.topRows(behind).setZero();
+    add_product(1, half_transposed, half, 4 * int(n), behind, response);
+    if (taken.rows() > 0) {
+      const double free_response = response(0, 0);
+      add_product(-1, taken_transposed, taken, 4 * int(n), behind, response);
+      // What loops lock answers to impulses with the rounding of this difference, or less.
+      constexpr double kLocked = 1e-12;
+      response(0, 0) = std::max(response(0, 0), kLocked * free_response);
+    }
     const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
-    for (std::size_t k = 0; k <= n; ++k) {
+    for (std::size_t k = n; k < list.size(); ++k) {
       const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
-      Eigen::Matrix4d block =
-          half.middleCols<4>(4 * int(n)).transpose().lazyProduct(half.middleCols<4>(4 * int(k)));
-      if (taken.rows() > 0) {
-        const double free_response = block(0, 0);
-        block -= taken.middleCols<4>(4 * int(n))
-                     .transpose()
-                     .lazyProduct(taken.middleCols<4>(4 * int(k)));
-        // What loops lock answers to impulses with the rounding of this difference, or less.
-        constexpr double kLocked = 1e-12;
-        if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
-      }
-      delassus.block<4, 4>(i, j) += block;
-      if (k != n) delassus.block<4, 4>(j, i) += block.transpose();
+      const Eigen::Matrix4d block = response.middleRows<4>(4 * int(k - n));
+      delassus.block<4, 4>(j, i) += block;
+      if (k != n) delassus.block<4, 4>(i, j) += block.transpose();
     }
   }
 }
@@ -370,6 +394,7 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
       const Place place = place_of(i);
       if (place.island == from) continue_row(island, i, before, place.position);
     }
+    island.problem.delassus.swap(before.problem.delassus);  // its memory
     island.solver = std::move(before.solver);
     before.solver.reset();  // taken
     island.capacity = before.capacity;

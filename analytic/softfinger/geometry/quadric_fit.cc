@@ -41,6 +41,9 @@ double principal_axis(const Quadric& q) {
 
 using Coefficients = Eigen::Matrix<double, kUnknowns, 1>;
 
+constexpr int kMonomials = 10;  // of three coordinates, up to degree 2
+using Monomials = Eigen::Matrix<double, Eigen::Dynamic, kMonomials>;
+
 /// x², y², xy, x, y, 1 per point, in a frame, lengths over `scale`.
 Eigen::MatrixXd quadric_columns(const Eigen::Matrix3d& frame, const Eigen::Matrix3Xd& points,
                                 double scale) {
@@ -57,12 +60,13 @@ Eigen::MatrixXd quadric_columns(const Eigen::Matrix3d& frame, const Eigen::Matri
 }
 
 /// QR with columns of unit length. Its pivots then measure only how well the points are placed.
-std::pair<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>, Eigen::RowVectorXd> scaled_qr(
-    Eigen::MatrixXd columns) {
-  const Eigen::RowVectorXd norms =
+template <class Columns>
+std::pair<Eigen::ColPivHouseholderQR<Columns>, Eigen::Matrix<double, 1, kUnknowns>> scaled_qr(
+    Columns columns) {
+  const Eigen::Matrix<double, 1, kUnknowns> norms =
       columns.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
   columns.array().rowwise() /= norms.array();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  Eigen::ColPivHouseholderQR<Columns> qr(columns);
   // Points on a conic (two lines, a circle) fit infinitely many quadrics. Coordinates from STL
   // files carry seven digits: for such points the pivot that should vanish is near 1e-7, not 1e-16.
   qr.setThreshold(1e-5);
@@ -143,36 +147,28 @@ class Facets {
     return -(frame.col(2).transpose() * vertices_ / scale_).transpose();
   }
 
-  Coefficients solve(const Eigen::Matrix3d& frame) const {
-    const Eigen::VectorXd root_weights = region_.weights_m2.cwiseSqrt();
-    const auto [qr, norms] = scaled_qr(root_weights.asDiagonal() * terms(frame));
-    const Eigen::VectorXd right = root_weights.cwiseProduct(depths(frame));
-    const Eigen::VectorXd scaled = qr.solve(right);
-    return scaled.cwiseQuotient(norms.transpose());
-  }
-
-  /// The same from the normal equations: half the digits, a tenth of the time.
-  Coefficients solve_roughly(const Eigen::Matrix3d& frame) const {
-    const Eigen::MatrixXd columns = terms(frame);
-    const Eigen::VectorXd z = depths(frame);
-    const Eigen::Index rows = columns.rows();
-    const double* weight = region_.weights_m2.data();
-    const auto integral = [&](const double* f, const double* g) {
-      double sum = 0;
-      for (Eigen::Index i = 0; i < rows; ++i) sum += weight[i] * f[i] * g[i];
-      return sum;
+  /// X², Y², Z², XY, XZ, YZ, X, Y, Z, 1 per sample, in the mesh's axes, the products interpolated
+  /// as `terms` are.
+  Monomials monomials() const {
+    Monomials result(points_.cols(), kMonomials);
+    const auto products = [](const Vector3d& p) {
+      Eigen::Matrix<double, 1, 6> row;
+      row << p.x() * p.x(), p.y() * p.y(), p.z() * p.z(), p.x() * p.y(), p.x() * p.z(),
+          p.y() * p.z();
+      return row;
     };
-    Eigen::Matrix<double, kUnknowns, kUnknowns> h;
-    Coefficients right, norms;
-    for (int i = 0; i < kUnknowns; ++i) {
-      const double* column = columns.data() + i * rows;
-      for (int j = 0; j <= i; ++j) h(i, j) = h(j, i) = integral(column, columns.data() + j * rows);
-      norms[i] = std::sqrt(h(i, i));
-      right[i] = integral(column, z.data());
+    Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> of_vertices(vertices_.cols(), 6);
+    for (Eigen::Index v = 0; v < vertices_.cols(); ++v)
+      of_vertices.row(v) = products(vertices_.col(v) / scale_);
+    for (Eigen::Index i = 0; i < points_.cols(); ++i) {
+      const Vector3d point = points_.col(i) / scale_;
+      const Eigen::Matrix<double, 1, 6> own = products(point);
+      Eigen::Matrix<double, 1, 6> chord = Eigen::Matrix<double, 1, 6>::Zero();
+      for (int corner = 0; corner < 3; ++corner)
+        chord += region_.barycentric(corner, i) * of_vertices.row(region_.corners(corner, i));
+      result.row(i) << own + chord_share_ * (chord - own), point.transpose(), 1;
     }
-    h = norms.cwiseInverse().asDiagonal() * h * norms.cwiseInverse().asDiagonal();
-    const Coefficients scaled = h.ldlt().solve(Eigen::MatrixXd(right.cwiseQuotient(norms)));
-    return scaled.cwiseQuotient(norms);
+    return result;
   }
 
  private:
@@ -191,6 +187,69 @@ class Facets {
   double chord_share_ = 1;
 };
 
+/// The least-squares problem of a region, reduced once to ten rows that hold in every frame: terms
+/// and depths in a frame are combinations of the monomials, and of these the triangular factor R of
+/// weights^1/2 monomials = Q R tells all. As accurate as the problem itself.
+class ReducedProblem {
+ public:
+  explicit ReducedProblem(const Facets& facets) {
+    // In blocks that stay in the fastest memory, each below the factor of all before it.
+    constexpr Eigen::Index kBlock = 256;
+    Monomials monomials = facets.monomials();
+    monomials.array().colwise() *= facets.region().weights_m2.array().sqrt();
+    factor_.setZero();
+    for (Eigen::Index first = 0; first < monomials.rows(); first += kBlock)
+      add(monomials.middleRows(first, std::min(kBlock, monomials.rows() - first)));
+  }
+
+  Coefficients solve(const Eigen::Matrix3d& frame) const {
+    const Vector3d x = frame.col(0), y = frame.col(1);
+    Eigen::Matrix<double, kMonomials, kUnknowns> terms;
+    terms.setZero();
+    const auto product = [](const Vector3d& u, const Vector3d& v) {
+      Eigen::Matrix<double, 6, 1> of_monomials;
+      of_monomials << u.x() * v.x(), u.y() * v.y(), u.z() * v.z(), u.x() * v.y() + u.y() * v.x(),
+          u.x() * v.z() + u.z() * v.x(), u.y() * v.z() + u.z() * v.y();
+      return of_monomials;
+    };
+    terms.col(0).head<6>() = product(x, x);
+    terms.col(1).head<6>() = product(y, y);
+    terms.col(2).head<6>() = product(x, y);
+    terms.col(3).segment<3>(6) = x;
+    terms.col(4).segment<3>(6) = y;
+    terms(kMonomials - 1, 5) = 1;
+    const Eigen::Matrix<double, kMonomials, kUnknowns> columns = factor_ * terms;
+    const Eigen::Matrix<double, kMonomials, 1> depths = -(factor_.middleCols<3>(6) * frame.col(2));
+    const auto [qr, norms] = scaled_qr(columns);
+    const Coefficients scaled = qr.solve(depths);
+    return scaled.cwiseQuotient(norms.transpose());
+  }
+
+ private:
+  /// One Householder reflection per column. Its vector has one entry in the factor, which is
+  /// triangular, and those of the rows to be added.
+  void add(Eigen::Ref<Monomials> rows) {
+    for (int k = 0; k < kMonomials; ++k) {
+      auto vector = rows.col(k);
+      const double square = vector.squaredNorm();
+      if (!(square > 0)) continue;
+      const double norm = std::sqrt(square + factor_(k, k) * factor_(k, k));
+      const double reflected = factor_(k, k) > 0 ? -norm : norm;
+      const double head = factor_(k, k) - reflected;
+      const double twice_over_square = 2 / (square + head * head);
+      factor_(k, k) = reflected;
+      for (int j = k + 1; j < kMonomials; ++j) {
+        auto column = rows.col(j);
+        const double along = twice_over_square * (head * factor_(k, j) + vector.dot(column));
+        factor_(k, j) -= along * head;
+        column -= along * vector;
+      }
+    }
+  }
+
+  Eigen::Matrix<double, kMonomials, kMonomials> factor_;
+};
+
 /// The normal for which the fitted tilts vanish, and the coefficients in its frame.
 struct TangentFit {
   Vector3d normal;
@@ -199,20 +258,20 @@ struct TangentFit {
 };
 
 TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
+  const ReducedProblem problem(facets);
   TangentFit fit;
   fit.normal = first_normal;
   double tilt = kInfinity, previous = kInfinity, step = 1;
   Vector3d last_turn = Vector3d::Zero();
   const int max_iterations = 100;
-  bool polishing = false;  // most of the way by the normal equations, the end by QR
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     fit.frame = surface_axes(fit.normal);
-    fit.coefficients = polishing ? facets.solve(fit.frame) : facets.solve_roughly(fit.frame);
+    fit.coefficients = problem.solve(fit.frame);
     const Eigen::Vector2d tilts = fit.coefficients.segment<2>(3);
     tilt = tilts.norm();
     // Below 1e-8 an iteration that has stopped shrinking has arrived at round-off.
     const bool arrived = tilt < 1e-14 || (tilt < 1e-8 && tilt >= 0.5 * previous);
-    if (polishing && arrived) return fit;
+    if (arrived) return fit;
     const Vector3d turn = fit.frame.leftCols<2>() * tilts;
     // Half steps where full ones do not contract: the frame then follows a strongly curved region.
     // Otherwise the last step tells by which one the tilt would have vanished.
@@ -221,8 +280,7 @@ TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
            : std::isfinite(left)                 ? std::clamp(step / (1 - left), 0.5, 1.5)
                                                  : 1.0;
     last_turn = turn;
-    previous = arrived ? kInfinity : tilt;
-    polishing = polishing || arrived;
+    previous = tilt;
     fit.normal = (fit.normal + step * turn).normalized();
   }
   throw ConvergenceError("quadric fit", max_iterations, tilt,
@@ -246,18 +304,21 @@ struct Residuals {
 
 Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
   using Matrix6 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+  using Columns6 = Eigen::Matrix<double, kUnknowns, Eigen::Dynamic>;
   Residuals r;
   const auto& region = facets.region();
-  const Eigen::MatrixXd terms = facets.terms(fit.frame);
-  const Matrix6 h = terms.transpose() * region.weights_m2.asDiagonal() * terms;
+  const Columns6 terms = facets.terms(fit.frame).transpose();
   const Eigen::MatrixXd vertex_terms = facets.vertex_terms(fit.frame);
   const Eigen::Index n = vertex_terms.rows();
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kUnknowns, n);
+  Matrix6 h = Matrix6::Zero();
+  Columns6 sums = Columns6::Zero(kUnknowns, n);
   r.areas = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < terms.rows(); ++i) {
+  for (Eigen::Index i = 0; i < terms.cols(); ++i) {
+    const Coefficients weighted = region.weights_m2[i] * terms.col(i);
+    h.noalias() += weighted * terms.col(i).transpose();
     for (int corner = 0; corner < 3; ++corner) {
       const double share = region.weights_m2[i] * region.barycentric(corner, i);
-      sums.col(region.corners(corner, i)) += share * terms.row(i).transpose();
+      sums.col(region.corners(corner, i)) += region.barycentric(corner, i) * weighted;
       r.areas[region.corners(corner, i)] += share;
     }
   }
