@@ -7,10 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
-#include "fem/finite/frictional_pressing.h"
-#include "fem/finite/full_slip.h"
-#include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/formatted.h"
 #include "fem/level_loop.h"
@@ -169,7 +167,7 @@ class FiniteContact : public ContactPhysics {
     const bool matters =
         std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile;
     const bool is_written = problem_.friction.torsion && !problem_.output_directory.empty();
-    if (is_first && (matters || is_written)) correct(result, has_room);
+    if (is_first && (matters || is_written)) result.correction = correction(result, has_room);
     return result;
   }
 
@@ -344,88 +342,27 @@ class FiniteContact : public ContactPhysics {
     result.neglected_of_slide = second_order + moved * moved;
   }
 
-  /// Of solving on the deformed layer.
-  struct Effort {
-    int iterations = 0, factorisations = 0;
-
-    template <class Solved>
-    void add(const Solved& solved) {
-      iterations += solved.iterations();
-      factorisations += solved.factorisations();
-    }
-  };
-
-  /// Solves the states of the plan on the whole layer, each as far as it goes.
+  /// Solves the states of the plan on the whole layer.
   /// @throws EdgeLeftMargin with room
-  void correct(FrictionOfLevel& result, bool has_room) {
-    const Stopwatch watch;
+  FrictionCorrection correction(const FrictionOfLevel& superposed, bool has_room) {
     std::unique_ptr<FinitePressing> own_whole;
     if (!pressing_->layer().whole()) own_whole = press_whole(discretisation());
     FinitePressing& whole = own_whole ? *own_whole : *pressing_;
-    result.correction.emplace();
-    Effort effort;
-    correct_motions(whole, has_room, result, effort);
-    if (problem_.friction.torsion) correct_turn(whole, has_room, result, effort);
-    if (!result.limit_surface.empty()) correct_limit_surface(whole, has_room, result, effort);
-    const std::vector<FrictionState>& twist = result.correction->twist;
-    const ShearedContact last =
-        twist.empty() ? ShearedContact() : twist.back().sheared.value_or(ShearedContact());
-    task_.progress(formatted(
-        "friction: solved on the deformed layer, %d iterations, %d factorisations, %.1f s%s",
-        effort.iterations, effort.factorisations, watch.seconds(),
-        twist.empty() ? ""
-                      : formatted("; after the twist area %+.1f %%, peak pressure %+.1f %%",
-                                  100 * (last.area_ratio - 1), 100 * (last.peak_pressure_ratio - 1))
-                            .c_str()));
-  }
-
-  /// The twist, and paths to the points of the limit surface.
-  void correct_motions(const FinitePressing& whole, bool has_room, FrictionOfLevel& result,
-                       Effort& effort) {
-    FrictionCorrection& correction = *result.correction;
-    FrictionalPressing solved(whole, bound(whole), has_room);
-    correction.twist = moved(solved, result.twist, result.full_slip, correction.twist_error,
-                             [&](double turn_rad) { series_.add(turn_rad, solved.surface()); });
-    for (const std::vector<FrictionState>& path : result.paths)
-      correction.paths.push_back(
-          moved(solved, path, result.full_slip, correction.slide_error, [](double) {}));
-    effort.add(solved);
-  }
-
-  SolvedSlides slides_on(FinitePressing& pressed, bool has_room, double torque) {
-    return {pressed,  bound(pressed),
-            has_room, largest_force(),
-            torque,   [this](const std::string& why) { task_.progress("friction: " + why); }};
-  }
-
-  /// Full slip of a turn about the centre, which without symmetry a force opposes as well.
-  void correct_turn(FinitePressing& whole, bool has_room, FrictionOfLevel& result, Effort& effort) {
-    FrictionCorrection& correction = *result.correction;
-    SolvedSlides slides = slides_on(whole, has_room, result.full_slip);
-    const SolvedSlides::Neglected neglected = slides.of({0, 0, 1});
-    correction.twist_error =
-        std::max(correction.twist_error, error_of_slide(neglected, result.full_slip));
-    correction.full_slip = neglected.superposed.torque + neglected.wrench.torque - result.full_slip;
-    effort.add(slides);
-  }
-
-  /// What is neglected is a small part of a wrench: a mesh one level coarser tells it.
-  void correct_limit_surface(FinitePressing& whole, bool has_room, FrictionOfLevel& result,
-                             Effort& effort) {
+    FrictionCorrecting correcting{{&whole, bound(whole)}};
     const std::unique_ptr<FinitePressing> coarser = press_coarser();
-    SolvedSlides slides = slides_on(coarser ? *coarser : whole, has_room, result.full_slip);
-    std::vector<PlaneMotion> velocities;
-    for (const FrictionState& state : result.limit_surface) velocities.push_back(state.motion);
-    double error = 0, spread = 0;
-    const std::vector<SolvedSlides::Neglected> neglected = slides.of(velocities, spread);
-    FrictionCorrection& correction = *result.correction;
-    for (std::size_t i = 0; i < neglected.size(); ++i) {
-      correction.limit_surface.push_back(
-          {velocities[i], neglected[i].wrench, 1, 0, neglected[i].sheared});
-      error = std::max(error, error_of_slide(neglected[i], result.full_slip));
+    if (coarser) {
+      correcting.coarser = FrictionMesh{coarser.get(), bound(*coarser)};
+      correcting.refinement = static_cast<double>(discretisation().elements_per_semi_axis) /
+                              coarser->layer().discretisation().elements_per_semi_axis;
     }
-    correction.slide_error = std::max(correction.slide_error, error + spread);
-    effort.add(slides);
+    correcting.has_room = has_room;
+    correcting.with_turn = problem_.friction.torsion;
+    correcting.force = largest_force();
+    correcting.progress = task_.progress;
+    correcting.on_solved = [this](double turn_rad, const RubbedSurface& surface) {
+      series_.add(turn_rad, surface);
+    };
+    return correct_friction(correcting, superposed);
   }
 
   /// The same contact on another mesh, of the whole layer.
@@ -453,79 +390,6 @@ class FiniteContact : public ContactPhysics {
       // What the finer mesh bears the coarser one need not.
       return nullptr;
     }
-  }
-
-  double error_of_slide(const SolvedSlides::Neglected& neglected, double torque) const {
-    if (!neglected.is_known) return 1;
-    return error_of(size_of(neglected.wrench, largest_force(), torque)) + neglected.inferred;
-  }
-
-  /// Difference of wrenches, solved less superposed, and the state that was solved for.
-  static FrictionState difference(const FrictionalPressing& solved,
-                                  const FrictionState& superposed) {
-    const FrictionWrench found = solved.wrench();
-    return {superposed.motion,
-            {found.force_x - superposed.wrench.force_x, found.force_y - superposed.wrench.force_y,
-             found.torque - superposed.wrench.torque},
-            solved.slip_fraction(),
-            0,
-            solved.sheared()};
-  }
-
-  static double size_of(const FrictionWrench& change, double force, double torque) {
-    return relative(change, force, torque).cwiseAbs().maxCoeff();
-  }
-
-  /// What the next finer mesh changes about a correction. Of twists that were solved on both it
-  /// changed 3 % of corrections of 0.023, 0.032 and 0.095, elsewhere 10 % of 0.05, 6 % of 0.14 and
-  /// 24 % of 0.25.
-  static double error_of(double correction) {
-    return std::max(0.1 * correction, correction * correction);
-  }
-
-  /// @param error      raised to the relative error of what is so corrected
-  /// @param on_solved  called with the turn, in radians, of each state that is solved
-  std::vector<FrictionState> moved(FrictionalPressing& solved,
-                                   const std::vector<FrictionState>& superposed, double torque,
-                                   double& error,
-                                   const std::function<void(double)>& on_solved) const {
-    const double force = largest_force();
-    std::vector<FrictionState> changes;
-    solved.restart();
-    bool is_stuck = false;
-    for (const FrictionState& state : superposed) {
-      try {
-        if (!is_stuck) solved.move_to(state.motion);
-      } catch (const EdgeLeftMargin&) {
-        throw;
-      } catch (const ConvergenceError& failure) {
-        task_.progress(std::string("friction: not solved to the end: ") + failure.what());
-        is_stuck = true;
-      }
-      if (!is_stuck) {
-        changes.push_back(difference(solved, state));
-        error = std::max(error, error_of(size_of(changes.back().wrench, force, torque)));
-        on_solved(state.motion.turn_rad);
-        continue;
-      }
-      // Where it does not go on, what is left out grows at most with the square of friction.
-      FrictionState change = state;
-      change.wrench = {};
-      if (!changes.empty()) {
-        const FrictionState& before = superposed[changes.size() - 1];
-        const double growth =
-            size_of(state.wrench, force, torque) / size_of(before.wrench, force, torque);
-        change.wrench = changes.back().wrench;
-        change.wrench.force_x *= growth * growth;
-        change.wrench.force_y *= growth * growth;
-        change.wrench.torque *= growth * growth;
-        error = std::max(error, size_of(change.wrench, force, torque));
-      } else {
-        error = std::max(error, 1.0);
-      }
-      changes.push_back(std::move(change));
-    }
-    return changes;
   }
 
   const ContactTask& task_;

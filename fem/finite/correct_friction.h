@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "fem/finite/finite_pressing.h"
+#include "fem/friction_bound.h"
+#include "fem/friction_levels.h"
+#include "fem/surface_series.h"
+
+namespace softfinger::fem::finite {
+
+/// A contact of a whole layer in its equilibrium, on which friction is solved.
+struct FrictionMesh {
+  FinitePressing* pressed;  ///< never null
+  FrictionBound bound;
+};
+
+/// What superposed motions neglect of friction, by solving its states on the deformed layer.
+struct FrictionCorrecting {
+  FrictionMesh mesh;
+  /// One with fewer cells, where there is one. What is neglected is a small part of a wrench: this
+  /// mesh tells it of the limit surface, and of the twist how much depends on the mesh.
+  std::optional<FrictionMesh> coarser = std::nullopt;
+  double refinement = 1;   ///< cells of `mesh` over those of `coarser`, along a semi-axis
+  bool has_room = false;   ///< whether a larger patch can be meshed
+  bool with_turn = false;  ///< a twist to full slip is asked for
+  double force = 0;        ///< largest one, which wrenches are relative to
+  std::function<void(const std::string&)> progress = nullptr;
+  /// Called with the turn, in radians, of each solved state of the twist.
+  std::function<void(double turn_rad, const RubbedSurface&)> on_solved = nullptr;
+};
+
+/// @param superposed  by superposed motions on `mesh`, or on the quarter of it
+/// @throws EdgeLeftMargin with room
+FrictionCorrection correct_friction(const FrictionCorrecting& correcting,
+                                    const FrictionOfLevel& superposed);
+
+}  // namespace softfinger::fem::finite
