@@ -15,6 +15,16 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 . comparisons/prepare.sh
 
+case "${1:-}" in
+  "" | --fast | --analytic-only) ;;
+  *)
+    sed -n 's/^# \{0,1\}//; 2,8p' "$0"
+    [ "$1" = --help ] && exit 0
+    echo "tests/run.sh: $1: allowed are --fast, --analytic-only and --help" >&2
+    exit 2
+    ;;
+esac
+
 preset=release kind=fem
 if [ "${1:-}" = --analytic-only ]; then preset=analytic-only kind=analytic; fi
 softfinger_prepare "$kind" test

@@ -43,8 +43,7 @@ class Corrector {
   FrictionCorrection run() {
     const Stopwatch watch;
     correct_motions();
-    if (correcting_.with_turn) correct_turn();
-    if (!superposed_.limit_surface.empty()) correct_limit_surface();
+    if (correcting_.with_turn || !superposed_.limit_surface.empty()) correct_slides();
     const std::vector<FrictionState>& twist = result_.twist;
     const ShearedContact last =
         twist.empty() ? ShearedContact() : twist.back().sheared.value_or(ShearedContact());
@@ -118,36 +117,54 @@ class Corrector {
     return wrenches;
   }
 
-  SolvedSlides slides_on(const FrictionMesh& mesh) const {
+  SolvedSlides slides_on(const FrictionMesh& mesh, double aim) const {
     return {*mesh.pressed,
             mesh.bound,
             correcting_.has_room,
             correcting_.force,
             torque_,
+            aim,
             [this](const std::string& why) { correcting_.progress("friction: " + why); }};
   }
 
-  /// Full slip of a turn about the centre, which without symmetry a force opposes as well.
-  void correct_turn() {
+  /// Full slip: of a turn about the centre, and of the limit surface.
+  void correct_slides() {
     constexpr PlaneMotion turn{0, 0, 1};
-    SolvedSlides slides = slides_on(correcting_.mesh);
-    const SolvedSlides::Neglected found = slides.of(turn);
-    result_.full_slip = found.superposed.torque + found.wrench.torque - torque_;
-    count(slides);
-    double error = usual_error_of(found);
-    if (correcting_.coarser && found.is_known) {
-      SolvedSlides rough = slides_on(*correcting_.coarser);
-      const SolvedSlides::Neglected other = rough.of(turn);
-      count(rough);
-      if (other.is_known)
-        error = found.inferred +
-                error_of_difference((of(found.wrench) - of(other.wrench)).cwiseAbs().maxCoeff());
+    std::optional<SolvedSlides::Neglected> of_turn;
+    double aim = 1;
+    if (correcting_.with_turn) {
+      SolvedSlides slides = slides_on(correcting_.mesh, aim);
+      of_turn = slides.of(turn);
+      // Without symmetry a force opposes a turn as well.
+      result_.full_slip = of_turn->superposed.torque + of_turn->wrench.torque - torque_;
+      aim = slides.aim();
+      count(slides);
     }
+    if (correcting_.coarser) {
+      SolvedSlides slides = slides_on(*correcting_.coarser, aim);
+      if (of_turn) state_turn(*of_turn, slides.of(turn));
+      correct_limit_surface(slides);
+      count(slides);
+    } else {
+      if (of_turn) result_.twist_error = std::max(result_.twist_error, usual_error_of(*of_turn));
+      if (superposed_.limit_surface.empty()) return;
+      SolvedSlides slides = slides_on(correcting_.mesh, aim);
+      correct_limit_surface(slides);
+      count(slides);
+    }
+  }
+
+  void state_turn(const SolvedSlides::Neglected& fine, const SolvedSlides::Neglected& rough) {
+    const double error =
+        fine.is_known && rough.is_known
+            ? fine.inferred +
+                  error_of_difference((of(fine.wrench) - of(rough.wrench)).cwiseAbs().maxCoeff())
+            : usual_error_of(fine);
     result_.twist_error = std::max(result_.twist_error, error);
   }
 
-  void correct_limit_surface() {
-    SolvedSlides slides = slides_on(correcting_.coarser ? *correcting_.coarser : correcting_.mesh);
+  void correct_limit_surface(SolvedSlides& slides) {
+    if (superposed_.limit_surface.empty()) return;
     std::vector<PlaneMotion> velocities;
     for (const FrictionState& state : superposed_.limit_surface) velocities.push_back(state.motion);
     double error = 0, spread = 0;
@@ -157,10 +174,9 @@ class Corrector {
       error = std::max(error, usual_error_of(found[i]));
     }
     result_.slide_error = std::max(result_.slide_error, error + spread);
-    count(slides);
   }
 
-  /// @param on      which mesh, for a line of progress
+  /// @param on         which mesh, for a line of progress
   /// @param on_solved  called with the turn of each state that is solved
   Path follow(
       FrictionalPressing& solved, const std::vector<FrictionState>& superposed, const char* on = "",

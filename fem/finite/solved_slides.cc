@@ -9,13 +9,14 @@
 namespace softfinger::fem::finite {
 
 SolvedSlides::SolvedSlides(FinitePressing& pressed, const FrictionBound& bound, bool has_room,
-                           double force, double torque,
+                           double force, double torque, double aim,
                            std::function<void(const std::string&)> on_failure)
     : force_(force),
       torque_(torque),
       on_failure_(std::move(on_failure)),
       superposed_(pressed, bound),
-      solved_(pressed, bound, has_room) {}
+      solved_(pressed, bound, has_room),
+      aim_(aim) {}
 
 SolvedSlides::Neglected SolvedSlides::of(const PlaneMotion& velocity) {
   std::vector<SolvedSlide> solutions;

@@ -23,10 +23,11 @@ class SolvedSlides {
   /// @param pressed   of a whole layer, in its equilibrium; its tangent is factorised anew
   /// @param has_room  as of FrictionalPressing
   /// @param force, torque  largest ones, which wrenches are relative to
+  /// @param aim            share of friction to solve slides to, 0 to 1
   /// @param on_failure     told why a slide was not solved to the end
   /// @throws ConvergenceError where the pressed state is not stable against shear
   SolvedSlides(FinitePressing& pressed, const FrictionBound& bound, bool has_room, double force,
-               double torque, std::function<void(const std::string& why)> on_failure);
+               double torque, double aim, std::function<void(const std::string& why)> on_failure);
 
   struct Neglected {
     FrictionWrench superposed;              ///< what these say
@@ -46,6 +47,8 @@ class SolvedSlides {
   std::vector<Neglected> of(const std::vector<PlaneMotion>& velocities, double& spread);
   static constexpr std::size_t most_solved = 24;
 
+  /// Share of friction that the next slide is solved to: less where an earlier one folded.
+  double aim() const { return aim_; }
   int iterations() const { return solved_.iterations(); }
   int factorisations() const { return solved_.factorisations(); }
 
@@ -54,8 +57,7 @@ class SolvedSlides {
   const std::function<void(const std::string&)> on_failure_;
   const SuperposedSlide superposed_;
   FrictionalPressing solved_;
-  /// Of friction that is asked for: less where an earlier slide folded.
-  double aim_ = 1;
+  double aim_;
 };
 
 }  // namespace softfinger::fem::finite

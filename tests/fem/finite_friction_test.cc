@@ -706,7 +706,7 @@ TEST_F(SolvedFriction, NeglectedOfSlidesIsTheSameOnACoarserMesh) {
   std::vector<std::vector<finite::SolvedSlides::Neglected>> found;
   double spread = 0;
   for (FinitePressing* on : {&pressing, &coarse}) {
-    finite::SolvedSlides slides(*on, kFriction, false, force, torque,
+    finite::SolvedSlides slides(*on, kFriction, false, force, torque, 1,
                                 [](const std::string& why) { ADD_FAILURE() << why; });
     found.push_back(slides.of(velocities, spread));
   }
