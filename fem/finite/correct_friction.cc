@@ -76,9 +76,13 @@ class Corrector {
     }
     std::size_t compared = 0;
     if (correcting_.coarser && correcting_.with_turn) {
-      const auto [largest, states] = compare(twist);
-      result_.twist_error = error_of_difference(largest);
-      compared = states;
+      try {
+        const auto [largest, states] = compare(twist);
+        result_.twist_error = error_of_difference(largest);
+        compared = states;
+      } catch (const ConvergenceError& failure) {
+        tell_of_coarser(failure);
+      }
     }
     result_.twist_error =
         std::max({result_.twist_error, twist.guessed, usual_error_of(twist, compared)});
@@ -129,29 +133,42 @@ class Corrector {
 
   /// Full slip: of a turn about the centre, and of the limit surface.
   void correct_slides() {
-    constexpr PlaneMotion turn{0, 0, 1};
     std::optional<SolvedSlides::Neglected> of_turn;
     double aim = 1;
     if (correcting_.with_turn) {
       SolvedSlides slides = slides_on(correcting_.mesh, aim);
-      of_turn = slides.of(turn);
+      of_turn = slides.of({0, 0, 1});
       // Without symmetry a force opposes a turn as well.
       result_.full_slip = of_turn->superposed.torque + of_turn->wrench.torque - torque_;
       aim = slides.aim();
       count(slides);
     }
-    if (correcting_.coarser) {
+    if (correcting_.coarser && correct_on_coarser(of_turn, aim)) return;
+    if (of_turn) result_.twist_error = std::max(result_.twist_error, usual_error_of(*of_turn));
+    if (superposed_.limit_surface.empty()) return;
+    SolvedSlides slides = slides_on(correcting_.mesh, aim);
+    correct_limit_surface(slides);
+    count(slides);
+  }
+
+  /// @returns false where the coarser mesh does not bear what the finer one does
+  bool correct_on_coarser(const std::optional<SolvedSlides::Neglected>& of_turn, double aim) {
+    try {
       SolvedSlides slides = slides_on(*correcting_.coarser, aim);
-      if (of_turn) state_turn(*of_turn, slides.of(turn));
+      if (of_turn) state_turn(*of_turn, slides.of({0, 0, 1}));
       correct_limit_surface(slides);
       count(slides);
-    } else {
-      if (of_turn) result_.twist_error = std::max(result_.twist_error, usual_error_of(*of_turn));
-      if (superposed_.limit_surface.empty()) return;
-      SolvedSlides slides = slides_on(correcting_.mesh, aim);
-      correct_limit_surface(slides);
-      count(slides);
+      return true;
+    } catch (const EdgeLeftMargin&) {
+      throw;
+    } catch (const ConvergenceError& failure) {
+      tell_of_coarser(failure);
+      return false;
     }
+  }
+
+  void tell_of_coarser(const ConvergenceError& failure) const {
+    correcting_.progress(formatted("friction on the coarser mesh: %s", failure.what()));
   }
 
   void state_turn(const SolvedSlides::Neglected& fine, const SolvedSlides::Neglected& rough) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
@@ -720,6 +721,46 @@ TEST_F(SolvedFriction, NeglectedOfSlidesIsTheSameOnACoarserMesh) {
     EXPECT_LT((fine - rough).cwiseAbs().maxCoeff(), 0.25 * neglected);
     EXPECT_TRUE(found[0][i].sheared);
   }
+}
+
+// The correction is that of the finer mesh; the coarser one tells its error, which is the square of
+// what is neglected otherwise.
+TEST_F(SolvedFriction, StatesTheTwistsErrorByASecondMesh) {
+  constexpr double high = 0.7;
+  LayerDiscretisation fewer = mesh_for(1.2, 1.2);
+  fewer.elements_per_semi_axis = 3;
+  FinitePressing coarse(layer_under(sphere(5), fewer, 0.45, /*whole=*/true));
+  coarse.press({pressing.equilibrium().load, 0});
+  FrictionOfLevel superposed;
+  SuperposedMotion motion(pressing, high);
+  superposed.full_slip = finite::slide(pressing, high, {0, 0, 1}).torque;
+  const double unit = superposed.full_slip / motion.stiffness();
+  for (const double share : {0.3, 1.0, 3.0}) {
+    motion.turn_to(share * unit);
+    superposed.twist.push_back({{0, 0, share * unit}, motion.wrench(), 0, 0});
+  }
+  finite::FrictionCorrecting correcting{{&pressing, high}};
+  correcting.force = high * pressing.equilibrium().load;
+  correcting.with_turn = true;
+  correcting.progress = [](const std::string&) {};
+  int solved = 0;
+  correcting.on_solved = [&](double, const RubbedSurface&) { ++solved; };
+  const FrictionCorrection alone = finite::correct_friction(correcting, superposed);
+  EXPECT_EQ(solved, 3);
+  correcting.coarser = finite::FrictionMesh{&coarse, high};
+  correcting.refinement =
+      static_cast<double>(pressing.layer().discretisation().elements_per_semi_axis) / 3;
+  const FrictionCorrection compared = finite::correct_friction(correcting, superposed);
+  constexpr double newton = 1e-3;  // of its steps, relative to the approach
+  const double full = superposed.full_slip;
+  for (std::size_t i = 0; i < superposed.twist.size(); ++i)
+    EXPECT_NEAR(compared.twist[i].wrench.torque, alone.twist[i].wrench.torque, newton * full);
+  EXPECT_NEAR(compared.full_slip, alone.full_slip, newton * full);
+  // A tenth of what is neglected, or its square: no mesh was asked.
+  EXPECT_GE(alone.twist_error, 0.1 * std::abs(alone.twist.back().wrench.torque) / full);
+  EXPECT_GT(compared.twist_error, 0);
+  EXPECT_LT(compared.twist_error, 2 * alone.twist_error);
+  EXPECT_NE(compared.twist_error, alone.twist_error);
 }
 
 // Under much pressure nodes that are released would be unstable, and the contact on the tangent has
