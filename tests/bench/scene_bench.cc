@@ -9,7 +9,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <memory>
@@ -18,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/benchmark/load_mujoco.h"
 #include "comparisons/input/scene.h"
 #include "comparisons/simulation/simulate.h"
 #include "comparisons/system/program_paths.h"
@@ -270,19 +270,8 @@ Measured mujocos(const Question& question, const std::map<std::pair<int, int>, d
                  bool is_stiff) {
   Measured measured;
   const input::Scene& scene = question.scene;
-  const std::string xml = Mjcf(scene, arms_m, is_stiff).text();
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "scene.xml", int(xml.size()));
-  std::memcpy(files->filedata[0], xml.data(), xml.size());
-  char error[1000] = "";
-  const std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model(
-      mj_loadXML("scene.xml", files.get(), error, sizeof error), mj_deleteModel);
-  mj_deleteVFS(files.get());
-  if (!model) {
-    measured.failure = error;
-    return measured;
-  }
+  const MujocoModel model = load_mujoco(Mjcf(scene, arms_m, is_stiff).text(), measured.failure);
+  if (!model) return measured;
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(model.get()),
                                                                mj_deleteData);
   const auto pose = [&](const std::string& body) {

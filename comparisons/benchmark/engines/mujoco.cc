@@ -6,10 +6,10 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 #include "comparisons/benchmark/engine.h"
+#include "comparisons/benchmark/load_mujoco.h"
 #ifdef SOFTFINGER_MUJOCO_PLUGIN
 #include "comparisons/exporting/mujoco/softfinger_mujoco.h"
 #endif
@@ -91,20 +91,10 @@ Motion run(const Scene& scene, Kind kind) {
   Motion motion;
   // MuJoCo prints warnings on standard output and into a file; they are counted below.
   mju_user_warning = [](const char*) {};
-  const std::string xml = model_text(scene, kind);
-  auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "scene.xml", int(xml.size()));
-  std::memcpy(files->filedata[0], xml.data(), xml.size());
-  char error[1000] = "";
-  const std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model(
-      mj_loadXML("scene.xml", files.get(), error, sizeof error), mj_deleteModel);
-  mj_deleteVFS(files.get());
-  if (!model) {
-    motion.failure = error;
-    return motion;
-  }
+  const MujocoModel model = load_mujoco(model_text(scene, kind), motion.failure);
+  if (!model) return motion;
 #ifdef SOFTFINGER_MUJOCO_PLUGIN
+  char error[1000] = "";
   std::unique_ptr<softfinger_mujoco, decltype(&softfinger_mujoco_free)> plugin(
       nullptr, softfinger_mujoco_free);
   if (kind == Kind::plugin && scene.has_fingertips()) {
