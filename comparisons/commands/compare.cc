@@ -54,6 +54,8 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
   add_fem_limits(*command, options->fem_limits);
   command->footer(
       "A case's [fem] geometry and kinematics come before all of these.\n"
+      "A reference that states a larger error than its limits is solved once more, one level "
+      "finer.\n"
       "Finished results are kept: the same command continues after an interruption.\n"
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
       "Samples:\n"

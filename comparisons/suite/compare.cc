@@ -32,6 +32,7 @@ using Clock = std::chrono::steady_clock;
 using nlohmann::json;
 
 constexpr double kTolerance = 0.10;
+constexpr int kFinestLevel = 3;
 
 /// One load of one case on its way from geometry to reference.
 struct LoadRun {
@@ -136,6 +137,34 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
   return signal;
 }
 
+/// Solves once more, one level finer, what states a larger error than its limits. Where that fails,
+/// the coarser result stays. @returns 0 or the signal that interrupted
+int refine_doubted(std::vector<LoadRun>& runs, const CompareOptions& options,
+                   system::Progress& progress) {
+  std::vector<LoadRun> finer;
+  std::vector<LoadRun*> doubted;
+  for (LoadRun& run : runs) {
+    if (!run.idealised.empty() || !run.reference || run.problem.level == kFinestLevel ||
+        reference::is_trusted(run.reference->error))
+      continue;
+    doubted.push_back(&run);
+    finer.push_back(run);
+    finer.back().reference.reset();
+    finer.back().problem.level++;
+    // Beside the coarser result, so that the same command finds both finished.
+    finer.back().folder += "_finer";
+  }
+  if (finer.empty()) return 0;
+  progress.say(fmt::format(
+      "softfinger: {} FEM result{} less accurate than {}: solved once more, one level "
+      "finer",
+      finer.size(), finer.size() == 1 ? " is" : "s are", reference::trust_limits_in_words()));
+  const int signal = run_pending(finer, options, progress);
+  for (std::size_t i = 0; i < finer.size(); ++i)
+    if (finer[i].reference) *doubted[i] = std::move(finer[i]);
+  return signal;
+}
+
 /// Cases of a report that is there already and that a new one would leave out.
 std::vector<std::string> cases_left_out(const fs::path& report_file,
                                         const std::vector<PlannedCase>& cases) {
@@ -203,7 +232,8 @@ std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const Comp
         run.contact_case = &solved;
         run.idealised = idealised;
         run.problem = reference::fem_problem(
-            solved, run.geometry, load_N, std::min(3, solved.fem_level + (options.full ? 1 : 0)));
+            solved, run.geometry, load_N,
+            std::min(kFinestLevel, solved.fem_level + (options.full ? 1 : 0)));
         run.folder = options.output / "fem" / (reference::load_folder(solved.id, load_N) + suffix);
         runs.push_back(run);
       };
@@ -307,7 +337,9 @@ int compare(const CompareOptions& options) {
   for (const PlannedCase& plan : cases)
     for (const std::string& remark : prediction::power_law_remarks(plan.reference))
       progress.say("softfinger: " + plan.reference.id + ": " + remark);
-  if (const int signal = run_pending(runs, options, progress)) return 128 + signal;
+  int signal = run_pending(runs, options, progress);
+  if (signal == 0) signal = refine_doubted(runs, options, progress);
+  if (signal != 0) return 128 + signal;
 
   SuiteComparison suite = compare_all(cases, std::move(runs));
   suite.command = options.command;

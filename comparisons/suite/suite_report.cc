@@ -74,9 +74,9 @@ json reference_json(const Comparison& load) {
   object["vtu"] = nullptr;
   if (load.reference->vtu_file) {
     // The page lies in the output folder: a link must not depend on where that folder is.
-    const fs::path folder =
-        fs::path("fem") / reference::load_folder(load.contact_case->id, load.load_N);
-    object["vtu"] = (folder / fs::path(*load.reference->vtu_file).filename()).generic_string();
+    const fs::path file(*load.reference->vtu_file);
+    object["vtu"] =
+        (fs::path("fem") / file.parent_path().filename() / file.filename()).generic_string();
   }
   return object;
 }

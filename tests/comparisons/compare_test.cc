@@ -294,6 +294,35 @@ TEST_F(Compare, FallsShortWhenTheReferenceIsNotTrusted) {
   EXPECT_EQ(
       json::parse(file_text(output / "report.json"))["cases"][0]["loads"][0]["fem"]["trusted"],
       false);
+  EXPECT_EQ(solves(), 4) << "the finer level is tried as well";
+}
+
+TEST_F(Compare, SolvesDoubtedReferencesOnceMoreOneLevelFiner) {
+  // 1.5 % in d and torque on level 2 is too much, what the fake states on level 3 is not.
+  start.environment.push_back("FAKE_FEM_ERROR=0.015");
+  const ProgramRun result = compare();
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(solves(), 4);
+  EXPECT_NE(result.err.find("2 FEM results are less accurate than 2 % in a and b"),
+            std::string::npos)
+      << result.err;
+  const json fem = json::parse(file_text(output / "report.json"))["cases"][0]["loads"][1]["fem"];
+  EXPECT_EQ(fem["trusted"], true);
+  EXPECT_EQ(fem["error"]["indentation"], 0.0075);
+  EXPECT_EQ(fem["vtu"], "fem/two_5N_finer/solution.vtu");
+  EXPECT_TRUE(fs::exists(output / fem["vtu"].get<std::string>()));
+
+  EXPECT_EQ(compare().status, 0);
+  EXPECT_EQ(solves(), 4) << "both levels are finished";
+
+  fs::remove_all(output);
+  start.environment.push_back("FAKE_FEM_CRASH_FINER=1");
+  const ProgramRun crashed = compare();
+  EXPECT_EQ(crashed.status, 1);
+  EXPECT_EQ(json::parse(file_text(
+                output / "report.json"))["cases"][0]["loads"][1]["fem"]["error"]["indentation"],
+            0.015)
+      << "the coarser result stays";
 }
 
 TEST_F(Compare, ChecksEveryCaseBeforeItWritesAnything) {

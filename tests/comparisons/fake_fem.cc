@@ -1,8 +1,10 @@
 // Stands in for softfinger-fem in tests. Answers with half-space Hertz numbers at once; the
 // environment asks for other behaviour: FAKE_FEM_LOG=file appends a line "name load pid" per load;
 // FAKE_FEM_LINGER_N=load sleeps a minute at that load; FAKE_FEM_EXIT=status fails; FAKE_FEM_CRASH_N
-// =load dies by a signal at that load; FAKE_FEM_HOARD_N=load takes 200 MB and sleeps a minute at
-// that load; FAKE_FEM_ERROR=rel states that error; FAKE_FEM_SLOW_S=s sleeps so long at each load.
+// =load dies by a signal at that load; FAKE_FEM_CRASH_FINER=1 on each level beyond 2;
+// FAKE_FEM_HOARD_N=load takes 200 MB and sleeps a minute at that load; FAKE_FEM_ERROR=rel states
+// that error on level 2, and half of it on the next finer one; FAKE_FEM_SLOW_S=s sleeps so long at
+// each load.
 
 #include <unistd.h>
 
@@ -40,6 +42,8 @@ nlohmann::json answer(const nlohmann::json& problem) {
     sleep(60 + hoard.back() - 1);
   }
   if (is_load_of("FAKE_FEM_CRASH_N")) std::raise(SIGKILL);
+  if (!option("FAKE_FEM_CRASH_FINER").empty() && problem["level"].get<int>() > 2)
+    std::raise(SIGKILL);
   if (!option("FAKE_FEM_EXIT").empty()) {
     std::fprintf(stderr, "softfinger-fem: error: the fake fails as it was told\n");
     std::exit(std::stoi(option("FAKE_FEM_EXIT")));
@@ -52,7 +56,8 @@ nlohmann::json answer(const nlohmann::json& problem) {
   const double a_m = std::cbrt(0.75 * load_N * radius_m / modulus_Pa);
   const double pi = 3.14159265358979323846, mu = problem["friction_coefficient"];
   const double error =
-      option("FAKE_FEM_ERROR").empty() ? 1e-3 : std::stod(option("FAKE_FEM_ERROR"));
+      std::stod(option("FAKE_FEM_ERROR").empty() ? "1e-3" : option("FAKE_FEM_ERROR")) *
+      std::pow(0.5, problem["level"].get<int>() - 2);
   nlohmann::json vtu;
   if (problem.contains("output_directory")) {
     vtu = problem["output_directory"].get<std::string>() + "/solution.vtu";
