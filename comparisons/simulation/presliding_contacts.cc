@@ -13,6 +13,15 @@ StuckStiffness of_layer(const Prediction& prediction, const ElasticLayer& layer)
                          layer.poisson_ratio);
 }
 
+/// The layer that turns more of the two.
+const ElasticLayer& softer_layer(const Prediction& prediction, const ContactProblem& problem) {
+  if (!problem.has_object_layer()) return problem.layer;
+  return of_layer(prediction, problem.layer).torsional_Nm_per_rad <
+                 of_layer(prediction, problem.object_layer).torsional_Nm_per_rad
+             ? problem.layer
+             : problem.object_layer;
+}
+
 double in_series(double first, double second) { return first * second / (first + second); }
 
 Eigen::Vector3d compliance_of(const PreslidingElements& elements) {
@@ -47,19 +56,21 @@ const PreslidingElements& PreslidingContacts::elements_of(const PressureModel& m
   const Prediction prediction = model.predict(nominal);
   const auto stuck = stuck_stiffness_at(model, problem, load_N),
              grown = stuck_stiffness_at(model, problem, more_N);
-  double growth = 1. / 3, exponent = 0.5, aspect = 1;
+  double growth = 1. / 3, exponent = 0.5, aspect = 1, size = 0;
   if (stuck && grown) {
     growth = std::log(grown->tangential_x_N_per_m / stuck->tangential_x_N_per_m) /
              std::log(more_N / load_N);
     exponent = equivalent_exponent(prediction);
     aspect = prediction.b_m / prediction.a_m;
+    size = prediction.a_m / softer_layer(prediction, problem).thickness_m;
   }
   // To a hundredth: the curves change by less than they are known.
   const auto rounded = [](double value) { return int(std::lround(100 * value)); };
-  const std::tuple key{rounded(growth), rounded(exponent), rounded(aspect)};
+  const std::tuple key{rounded(growth), rounded(exponent), rounded(aspect), rounded(size)};
   const auto known = made_.find(key);
   if (known != made_.end()) return known->second;
-  return made_.emplace(key, PreslidingElements(ShiftCurve(growth), TwistCurve(exponent, aspect)))
+  return made_
+      .emplace(key, PreslidingElements(ShiftCurve(growth), TwistCurve(exponent, aspect, size)))
       .first->second;
 }
 

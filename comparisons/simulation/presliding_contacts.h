@@ -46,7 +46,7 @@ class PreslidingContacts {
 
   std::unordered_map<long, Described> now_;  ///< by the contact's id, like the next one
   std::unordered_map<long, Held> held_;
-  std::map<std::tuple<int, int, int>, PreslidingElements> made_;
+  std::map<std::tuple<int, int, int, int>, PreslidingElements> made_;
 };
 
 /// The stiffness of a stuck contact at a load. Of two layers each gives way by itself; nothing

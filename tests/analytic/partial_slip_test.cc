@@ -41,8 +41,8 @@ TEST(TwistCurve, IsLubkinsOnAHalfSpace) {
   }
 }
 
-// The integral equation of a layer's torsion under its own pressure, of which only T_max is known
-// to the curve.
+// The integral equation of a layer's torsion under the pressure of its own contact, of which only
+// T_max is known to the curve.
 TEST(TwistCurve, HoldsForCirclesOnLayers) {
   for (const auto& layer : fem::verification::layer_twists()) {
     // n from T_max, by bisection: the arm falls with n.
@@ -51,7 +51,7 @@ TEST(TwistCurve, HoldsForCirclesOnLayers) {
       const double middle = (low + high) / 2;
       (torque_arm_exact_m(1, 1, middle) > layer.full_slip ? low : high) = middle;
     }
-    const TwistCurve curve(low);
+    const TwistCurve curve(low, 1, layer.s);
     double worst = 0;
     for (std::size_t i = 0; i < layer.angle.size(); ++i) {
       const double x = 16. / 3 * layer.stiffness_ratio * layer.angle[i] / layer.full_slip;
@@ -59,7 +59,7 @@ TEST(TwistCurve, HoldsForCirclesOnLayers) {
     }
     std::printf("nu %.2f, a/h %.1f: twist within %.2f %% of T_max\n", layer.nu, layer.s,
                 100 * worst);
-    EXPECT_LT(worst, layer.s <= 2 ? 0.017 : 0.03) << "as stated in partial_slip.h";
+    EXPECT_LT(worst, 0.002) << "as stated in partial_slip.h";
   }
 }
 
@@ -73,7 +73,8 @@ TEST(TwistCurve, AgreesWithFiniteElements) {
     ASSERT_TRUE(gradient.known);
     const double max_torque =
         fem.pressed.friction_coefficient * fem.pressed.load_N * prediction.torque_arm_exact_m;
-    const TwistCurve curve(equivalent_exponent(prediction), prediction.b_m / prediction.a_m);
+    const TwistCurve curve(equivalent_exponent(prediction), prediction.b_m / prediction.a_m,
+                           prediction.a_m / fem.pressed.thickness_m);
     // The same scaled by the finite elements' own stiffness and T_max: the shape alone.
     const double arm = torque_arm_exact_m(fem.a_m, fem.b_m, 0) / (2. / 3);
     double low = 0, high = 5;
@@ -81,7 +82,7 @@ TEST(TwistCurve, AgreesWithFiniteElements) {
       const double middle = (low + high) / 2;
       (arm * torque_arm_exact_m(1, 1, middle) > fem.eccentricity_m ? low : high) = middle;
     }
-    const TwistCurve shape(low, fem.b_m / fem.a_m);
+    const TwistCurve shape(low, fem.b_m / fem.a_m, fem.a_m / fem.pressed.thickness_m);
     double worst = 0, worst_shape = 0;
     for (const auto& point : fem.points) {
       const double torque =
@@ -95,8 +96,7 @@ TEST(TwistCurve, AgreesWithFiniteElements) {
     std::printf("%-18s %5g N, a/b %.1f: T(angle) within %.2f %% of T_max, its shape %.2f %%\n",
                 fem.pressed.name, fem.pressed.load_N, fem.a_m / fem.b_m, 100 * worst,
                 100 * worst_shape);
-    // The issue asks for 3 %. Beyond a/b = 3 the ends of the ellipse are not known as well.
-    EXPECT_LT(worst, fem.a_m > 3.1 * fem.b_m ? 0.035 : 0.03) << fem.pressed.name;
+    EXPECT_LT(worst, fem.a_m > 3.1 * fem.b_m ? 0.015 : 0.008) << "as stated in partial_slip.h";
   }
 }
 
@@ -151,8 +151,10 @@ void expect_backbone(const Curve& curve, double near_one) {
 TEST(TwistCurve, RisesConcavelyFromSlopeOneToOne) {
   for (const double exponent : {0.5, 0.55, 0.66, 1., 2., 6.})
     for (const double aspect : {1., 0.9, 0.5, 0.2, 0.05})
-      // What slips is a rim of the depth x^(1/(n + 1/2)) in 1 - r²; the slope is 1 - 3/2 of that.
-      expect_backbone(TwistCurve(exponent, aspect), 3 * std::pow(1e-9, 1 / (exponent + 0.5)));
+      for (const double size : {0., 0.5, 5., 30.})
+        // What slips is a rim of the depth x^(1/(n + 1/2)) in 1 - r²; the slope is 1 - 3/2 of that.
+        expect_backbone(TwistCurve(exponent, aspect, size),
+                        3 * std::pow(1e-9, 1 / (exponent + 0.5)));
 }
 
 TEST(ShiftCurve, RisesConcavelyFromSlopeOneToOne) {

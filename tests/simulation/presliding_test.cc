@@ -63,9 +63,10 @@ Fingertip fingertip() {
   problem.load = {5, 0.8};
   const PressureModel& model = *find_pressure_model("bonded_layer");
   const Prediction prediction = model.predict(problem);
-  return {0.8 * 5 * prediction.torque_arm_exact_m,
-          stuck_stiffness_at(model, problem, 5)->torsional_Nm_per_rad,
-          TwistCurve(equivalent_exponent(prediction))};
+  return {
+      0.8 * 5 * prediction.torque_arm_exact_m,
+      stuck_stiffness_at(model, problem, 5)->torsional_Nm_per_rad,
+      TwistCurve(equivalent_exponent(prediction), 1, prediction.a_m / problem.layer.thickness_m)};
 }
 
 const char* const kPresliding = "presliding = true";

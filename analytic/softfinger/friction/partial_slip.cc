@@ -1,7 +1,9 @@
 #include "softfinger/friction/partial_slip.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/input/constants.h"
@@ -9,6 +11,9 @@
 
 namespace softfinger {
 namespace {
+
+/// a/h: from here on the curves differ by 1.5 % of T_max or less, down to the thin layer's.
+constexpr double kLargestSize = 30;
 
 /// A point of a curve and its slope there.
 struct CurvePoint {
@@ -47,33 +52,120 @@ std::vector<double> stick_radii() {
   return radii;
 }
 
+/// p(r) of a circle under the load 1, a = 1: a share of the load by (1 - r²)^n, the rest by
+/// (1 - r²)^(1/2), which is how every smooth contact ends at its edge.
+struct CirclePressure {
+  double exponent, share;
+
+  /// The one with the largest torque of (1 - r²)^exponent.
+  explicit CirclePressure(double exponent_of_torque)
+      : exponent(std::max(1.5, exponent_of_torque)),
+        share((torque_arm_exact_m(1, 1, 0.5) - torque_arm_exact_m(1, 1, exponent_of_torque)) /
+              (torque_arm_exact_m(1, 1, 0.5) - torque_arm_exact_m(1, 1, exponent))) {}
+
+  /// @param depth  1 - r²
+  double operator()(double depth) const noexcept {
+    return (share * (exponent + 1) * std::pow(depth, exponent) +
+            (1 - share) * 1.5 * std::sqrt(depth)) /
+           kPi;
+  }
+};
+
+/// What has been turned, and the torque, when the disc r < c sticks.
+struct TwistState {
+  double angle_rad, torque;
+};
+
 /// The circle on a half-space. Without units: a = G = mu P = 1.
-std::vector<CurvePoint> half_space_twist(double exponent) {
-  const double max_torque = torque_arm_exact_m(1, 1, exponent);
-  const double stiffness = 16. / 3;
+TwistState half_space_twist(const CirclePressure& pressure, double c) {
   static const QuadratureRule rule = gauss_legendre(40);
+  // r² = c² + (1 - c²) sin² phi takes the roots away, phi = g sinh z the near pole at phi = i g.
+  const double depth = 1 - c * c, root = std::sqrt(depth);
+  const double g = c / root, last = std::asinh(0.5 * kPi / g);
+  TwistState state{0, 0};
+  for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+    const double z = last * rule.nodes[i], phi = g * std::sinh(z);
+    const double weight = rule.weights[i] * last * g * std::cosh(z);
+    const double sine = std::sin(phi), cosine = std::max(0., std::cos(phi));
+    const double r = std::sqrt(c * c + depth * sine * sine);
+    // dr/sqrt(r² - c²) = root cos(phi)/r dphi
+    const double element = weight * pressure(depth * cosine * cosine) * root * cosine / r;
+    const double chord = root * sine;  // sqrt(r² - c²)
+    state.angle_rad += 0.5 * element;
+    state.torque += 8. / 3 *
+                    (element * c * c * c +
+                     1.5 * element * chord * (r * r * std::acos(std::min(1., c / r)) + c * chord));
+  }
+  return state;
+}
+
+/// C(x) = int_0^inf cos(x y)/(e^y + 1) dy = sum over n of (-1)^(n+1) n/(n² + x²): the first terms,
+/// and Boole's sum of the others, Re(z/2 + z²/4 - z⁴/8 + z⁶/4) with z = 1/(7 + i x). Right to 1e-6.
+double fermi_cosine(double x) noexcept {
+  double sum = 0;
+  for (int n = 1; n < 7; n += 2) sum += n / (n * n + x * x) - (n + 1) / ((n + 1) * (n + 1) + x * x);
+  const std::complex<double> z = 1. / std::complex<double>(7, x), z2 = z * z;
+  return sum + (z / 2. + z2 / 4. - z2 * z2 / 8. + z2 * z2 * z2 / 4.).real();
+}
+
+/// The circle on a layer that is bonded to a rigid base, a = G = mu P = 1.
+///
+/// A shear q(r) = -G d/dr int_r^1 f(t)/sqrt(t² - r²) dt turns the disc r < c by theta if
+///   f(s) - int_0^1 K(s, t) f(t) dt = 4/pi theta s for s < c,
+///   K(s, t) = (C(|s - t|/(2 h)) - C((s + t)/(2 h)))/(pi h)
+/// (as Lebedev and Ufliand have it for pressure). Full slip, q = mu p, has
+/// f = 4/pi s theta_0(s), theta_0(c) the half-space's. What a growing twist adds belongs to the
+/// stuck disc alone. So f is the sum of what discs of all sizes add, each by its own increment
+/// dtheta. With cells of s, W(I - K W) = L L^T and z = L^-1 W s, the factors of all smaller discs
+/// are the leading parts of L, and
+///   theta_i = pi/4 (L^T f)_i/z_i,   k_i = 16 (z_1² + ... + z_i²),   dT = k dtheta.
+///
+/// @param size  a/h, 0 to `kLargestSize`
+std::vector<CurvePoint> circle_twist(double exponent, double size) {
+  const CirclePressure pressure(exponent);
+  std::vector<double> radii = stick_radii();
+  std::reverse(radii.begin(), radii.end());
+  const Eigen::Index count = Eigen::Index(radii.size());
+  const Eigen::Map<const Eigen::VectorXd> s(radii.data(), count);
+
+  // Cells around the radii; their weights make int s² ds exact. Cells of a half-space have k =
+  // 16/3.
+  Eigen::VectorXd cubes(count), weights(count), full_slip(count);
+  std::vector<TwistState> half_space;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double edge = i + 1 < count ? 0.5 * (s[i] + s[i + 1]) : 1;
+    cubes[i] = edge * edge * edge;
+    weights[i] = (cubes[i] - (i > 0 ? cubes[i - 1] : 0)) / (3 * s[i] * s[i]);
+    half_space.push_back(half_space_twist(pressure, s[i]));
+    full_slip[i] = 4 / kPi * s[i] * half_space.back().angle_rad;
+  }
+  Eigen::MatrixXd system = weights.asDiagonal();
+  for (Eigen::Index j = 0; j < count; ++j)
+    for (Eigen::Index i = j; i < count; ++i)
+      system(i, j) -=
+          weights[i] * weights[j] * size / kPi *
+          (fermi_cosine(0.5 * size * (s[i] - s[j])) - fermi_cosine(0.5 * size * (s[i] + s[j])));
+  const Eigen::LLT<Eigen::MatrixXd> factor(system);
+  const Eigen::VectorXd z = factor.matrixL().solve(weights.cwiseProduct(s));
+  const Eigen::VectorXd angles_rad = 0.25 * kPi * (factor.matrixU() * full_slip).cwiseQuotient(z);
+
+  const double max_torque = torque_arm_exact_m(1, 1, exponent);
+  double inner = 16 * z.squaredNorm();  // k of the disc within a cell's outer edge
+  const double stiffness = inner;
   std::vector<CurvePoint> points = {{0, 0, 1}};
-  for (const double c : stick_radii()) {
-    // r² = c² + (1 - c²) sin² phi takes the roots away, phi = g sinh z the near pole at phi = i g.
-    const double depth = 1 - c * c, root = std::sqrt(depth);
-    const double scale = (exponent + 1) / kPi;  // p_0
-    const double g = c / root, last = std::asinh(0.5 * kPi / g);
-    double angle = 0, torque = 0;
-    for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
-      const double z = last * rule.nodes[i], phi = g * std::sinh(z);
-      const double weight = rule.weights[i] * last * g * std::cosh(z);
-      const double sine = std::sin(phi), cosine = std::max(0., std::cos(phi));
-      const double r = std::sqrt(c * c + depth * sine * sine);
-      const double pressure = scale * std::pow(depth * cosine * cosine, exponent);
-      // dr/sqrt(r² - c²) = root cos(phi)/r dphi
-      const double element = weight * pressure * root * cosine / r;
-      const double chord = root * sine;  // sqrt(r² - c²)
-      angle += 0.5 * element;
-      torque += 8. / 3 *
-                (element * c * c * c +
-                 1.5 * element * chord * (r * r * std::acos(std::min(1., c / r)) + c * chord));
-    }
-    points.push_back({stiffness * angle / max_torque, torque / max_torque, c * c * c});
+  double angle_rad = 0, half_space_rad = 0, added = 0;
+  for (Eigen::Index i = count - 1; i >= 0; --i) {
+    // To the half-space's exact torque comes what the same sum gives for both.
+    const TwistState& thick = half_space[std::size_t(i)];
+    added += inner * (angles_rad[i] - angle_rad) -
+             16. / 3 * cubes[i] * (thick.angle_rad - half_space_rad);
+    angle_rad = angles_rad[i];
+    half_space_rad = thick.angle_rad;
+    inner -= 16 * z[i] * z[i];
+    const double middle = inner + 16. / 3 * (s[i] * s[i] * s[i] - (i > 0 ? cubes[i - 1] : 0)) *
+                                      z[i] * z[i] / (weights[i] * s[i] * s[i]);
+    points.push_back({stiffness * angle_rad / max_torque, (thick.torque + added) / max_torque,
+                      middle / stiffness});
   }
   finish(points, 1);
   return points;
@@ -130,9 +222,9 @@ class ThinTwist {
 
 }  // namespace
 
-TwistCurve::TwistCurve(double exponent, double aspect) {
+TwistCurve::TwistCurve(double exponent, double aspect, double size) {
   const double n = std::clamp(exponent, 0.5, 50.), b = std::clamp(aspect, 1e-3, 1.);
-  const std::vector<CurvePoint> circle = half_space_twist(n);
+  const std::vector<CurvePoint> circle = circle_twist(n, std::clamp(size, 0., kLargestSize));
   if (b == 1) {
     for (const CurvePoint& point : circle) knots_.push_back({point.x, point.y, point.slope});
     return;

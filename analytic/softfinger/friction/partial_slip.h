@@ -10,28 +10,31 @@
 /// tends to 1.
 namespace softfinger {
 
-/// Torque over rotation of a contact with the pressure p ~ (1 - x²/a² - y²/b²)^n.
+/// Torque over rotation of a contact on a layer.
 ///
-/// Circle on a half-space, exact (Lubkin 1951 for n = 1/2; Jaeger, Arch. Appl. Mech. 65 (1995) for
-/// any pressure): where the disc r < c sticks,
+/// Circle, any layer thickness, the base rigid: what a growing twist adds is what it would add to
+/// the disc r < c that still sticks, dT = k(c) dtheta, since the shear beyond it is mu p already.
+/// On a half-space (Lubkin 1951 for Hertz; Jaeger, Arch. Appl. Mech. 65 (1995) for any pressure)
 ///   theta(c) = mu/(2 G) int_c^a p/sqrt(r² - c²) dr,
-///   T(c) = 8 mu/3 int_c^a p [c³/sqrt(r² - c²) + 3/2 (r² acos(c/r) + c sqrt(r² - c²))] dr,
-/// since a growing twist adds what it would add to the stuck disc alone: dT = 16/3 G c³ dtheta.
-/// The same x, y stand for a layer, whose base changes k, T_max and n most. The ends of an ellipse
-/// slip earlier than a circle does. By how much is taken from a thin layer, of which each point is
-/// sheared by itself: T = int min(G theta r/h, mu p) r dA over the same integral of the circle.
+///   T(c) = 8 mu/3 int_c^a p [c³/sqrt(r² - c²) + 3/2 (r² acos(c/r) + c sqrt(r² - c²))] dr;
+/// on a layer theta(c) and k(c) by the integral equation of a disc in torsion (partial_slip.cc).
+/// The pressure has terms (1 - r²)^(1/2) and (1 - r²)^(3/2), such that T_max is the given one.
+/// The ends of an ellipse slip earlier than a circle does. By how much is taken from a thin layer,
+/// of which each point is sheared by itself: T = int min(G theta r/h, mu p) r dA over the same
+/// integral of the circle.
 ///
-/// Off by, in parts of T_max: 1e-6 for the circle on a half-space; at most 1.7 % for circles on
-/// layers to a/h = 2 and 3.0 % to a/h = 5 (integral equation); with ellipse, k, T_max and n of
-/// `bonded_layer` at most 2.9 % against finite elements of layers to a/b = 3, and 3.4 % at a/b = 6
-/// (partial_slip_test.cc prints them).
+/// Off by, in parts of T_max: 4e-6 for Lubkin's circle; at most 0.2 % for circles on layers to
+/// a/h = 5 (integral equation under the pressure of their own contact); with ellipse, k, T_max and
+/// n of `bonded_layer` at most 0.8 % against finite elements of eleven layers to a/b = 3, and 1.5 %
+/// of one at a/b = 6 (partial_slip_test.cc prints them).
 class TwistCurve {
  public:
-  /// @param exponent  n, 0.5 to 50. equivalent_exponent gives that of a prediction: the curve then
-  ///   has its T_max.
+  /// @param exponent  n of the pressure (1 - x²/a² - y²/b²)^n with the same T_max, 0.5 to 50.
+  ///   equivalent_exponent gives that of a prediction.
   /// @param aspect    b/a, 1e-3 to 1
-  /// Others are taken for the nearest of these. Allocates; 0.2 ms, 1 ms for an ellipse.
-  explicit TwistCurve(double exponent, double aspect = 1);
+  /// @param size      a/h, 0 (a half-space) to 30
+  /// Others are taken for the nearest of these. Allocates; 0.5 ms, 1.3 ms for an ellipse.
+  explicit TwistCurve(double exponent, double aspect = 1, double size = 0);
 
   /// y of x; odd. No allocation, a binary search.
   double operator()(double x) const noexcept;
