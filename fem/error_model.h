@@ -68,10 +68,8 @@ constexpr ErrorTable linear_elasticity{
     /*area*/ {1, 1e-3, 1.5e-3, 4e-3, 4},
     /*peak*/ {1, 2e-3, 2e-3, 5e-3, 4},
     // 95 % of 40 turned ellipses (a/b 1 to 2, nu 0.3 to 0.49, a/h 0.4 to 2.5, flat and on spheres
-    // of
-    // 3 to 20 h) on level 2, against the fit of the same contact's quarter on level 3. Median:
-    // 0.011
-    // and 0.007 cells.
+    // of 3 to 20 h) on level 2, against the fit of the same contact's quarter on level 3. Median:
+    // 0.011 and 0.007 cells.
     /*outline*/ {0.034, 0.021},
     /*unresolved_edge*/ 0.2,
     /*cells_away*/ 6e-4,
@@ -81,9 +79,8 @@ constexpr ErrorTable linear_elasticity{
 
 constexpr ErrorTable finite_strain{
     // As in linear elasticity. Meshes are not shared: no edge lies across cells. Coarse: against
-    // the
-    // axisymmetric references of thin and thick fingers (h/R 0.2 and 0.4, d/h 0.05 to 0.4) a was
-    // 0.3 to 1.0 % large on level 1, the area up to 1.6 %, d and torque 0.07 and 0.2 % off.
+    // the axisymmetric references of thin and thick fingers (h/R 0.2 and 0.4, d/h 0.05 to 0.4) on
+    // level 1 a was 0.3 to 1.0 % large, the area up to 1.6 %, d and torque 0.07 and 0.2 % off.
     /*integral*/ {1.6, 1e-4, 0, 2e-4},
     /*edge*/ {1, 1e-3, 0, 6e-3},
     /*area*/ {1, 2e-3, 0, 1e-2},

@@ -128,8 +128,7 @@ std::vector<CurvePoint> circle_twist(double exponent, double size) {
   const Eigen::Index count = Eigen::Index(radii.size());
   const Eigen::Map<const Eigen::VectorXd> s(radii.data(), count);
 
-  // Cells around the radii; their weights make int s² ds exact. Cells of a half-space have k =
-  // 16/3.
+  // Cells around the radii. Their weights make int s² ds exact, so that a half-space has its k.
   Eigen::VectorXd cubes(count), weights(count), full_slip(count);
   std::vector<TwistState> half_space;
   for (Eigen::Index i = 0; i < count; ++i) {
