@@ -21,6 +21,9 @@ namespace {
 
 /// From here on a contact wraps around the object instead of being pressed on it.
 constexpr double steep_rad = M_PI / 4;
+/// Where it stops beyond this slope, the finger's surface leaves the object: finer cells go no
+/// farther.
+constexpr double wrapped_rad = 80 * M_PI / 180;
 
 using Materials = std::vector<std::shared_ptr<const Material>>;
 
@@ -74,7 +77,9 @@ class FiniteContact : public ContactPhysics {
       pressing->press({task_.pressing.load, task_.pressing.approach});
     } catch (const ConvergenceError& error) {
       const Equilibrium& last = pressing->equilibrium();
-      throw NotReached(not_reached(last, mesh, error), last.moment_a, last.moment_b);
+      const ConvergenceError told = not_reached(last, mesh, error);
+      if (last.steepest_rad > wrapped_rad) throw told;
+      throw NotReached(told, last.moment_a, last.moment_b);
     }
     pressing_ = std::move(pressing);
     refuse_ends();
