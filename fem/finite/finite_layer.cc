@@ -353,8 +353,8 @@ void FiniteLayer::Implementation::factorise(Along along) {
   const Eigen::Index per_node = along == Along::normals ? 1 : 3;
   for (Eigen::Index row = per_node - 1; row < springs.size(); row += per_node)
     springs[row] = hold(matrix, condensed[static_cast<std::size_t>(row)]);
-  // Friction rather goes in shorter steps.
-  const double first_shift = 1e-3, largest_shift = along == Along::all ? 1e-2 : 1;
+  // Friction rather goes from another start or in shorter steps.
+  const double first_shift = 1e-3, largest_shift = along == Along::all ? 0 : 1;
   shift = 0;
   for (;;) {
     try {
