@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "fem/memory.h"
@@ -32,6 +33,12 @@ struct CholeskyFactor::Implementation {
   cholmod_factor* factor = nullptr;
   int size = 0;
   std::vector<int> last;
+  std::vector<int> order;  ///< unknowns in the order of elimination
+  /// The matrix in that order: CHOLMOD would permute it anew, twice, for each factorisation.
+  SparseSymmetricMatrix ordered;
+  std::vector<int> source;  ///< of each entry, in the matrix that is given
+
+  void set_ordered(const SparseSymmetricMatrix& matrix);
 
   /// Columns of the factor's trailing block, in the order of elimination.
   /// @param visit  called with their rows, the column's own first, with the entries, and how many
@@ -82,7 +89,7 @@ std::vector<int> with_last(const std::vector<int>& dissection, const std::vector
 void require_memory(const cholmod_factor& factor, const SparseSymmetricMatrix& matrix,
                     std::size_t last) {
   constexpr double bytes_per_MB = 1024 * 1024;
-  // The factor, CHOLMOD's permuted copies of the matrix, the trailing block and its inverse.
+  // The factor, the matrix in the order of elimination, the trailing block and its inverse.
   const double entries = static_cast<double>(matrix.row.size());
   const double needed_MB = (8.0 * static_cast<double>(factor.xsize) + 2 * 12.0 * entries +
                             2 * 8.0 * static_cast<double>(last) * static_cast<double>(last)) /
@@ -153,13 +160,19 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix,
   cholmod_sparse view = view_of(matrix);
   std::vector<int> ordering = with_last(dissection, last);
   implementation_->factor = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
-  if (implementation_->factor) require_memory(*implementation_->factor, matrix, last.size());
+  if (implementation_->factor) {
+    require_memory(*implementation_->factor, matrix, last.size());
+    implementation_->set_ordered(matrix);
+  }
   factorise(matrix);
 }
 
 void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
   auto& common = implementation_->common;
-  cholmod_sparse view = view_of(matrix);
+  SparseSymmetricMatrix& ordered = implementation_->ordered;
+  for (std::size_t i = 0; i < ordered.value.size(); ++i)
+    ordered.value[i] = matrix.value[static_cast<std::size_t>(implementation_->source[i])];
+  cholmod_sparse view = view_of(ordered);
   if (implementation_->factor) cholmod_factorize(&view, implementation_->factor, &common);
   if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
     throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,
@@ -172,6 +185,52 @@ void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
 }
 
 CholeskyFactor::~CholeskyFactor() = default;
+
+/// Takes the ordering over from the analysis, which then is that of the ordered matrix.
+void CholeskyFactor::Implementation::set_ordered(const SparseSymmetricMatrix& matrix) {
+  auto* permutation = static_cast<int*>(factor->Perm);
+  order.assign(permutation, permutation + size);
+  std::iota(permutation, permutation + size, 0);
+  factor->ordering = CHOLMOD_NATURAL;
+  std::vector<int> place(order.size());
+  for (int i = 0; i < size; ++i)
+    place[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
+  // Entries sorted by their row, then stably by their column: rows ascend in each column.
+  struct Entry {
+    int row, column, source;
+  };
+  const auto for_each_entry = [&](const auto& visit) {
+    for (int column = 0; column < matrix.size; ++column)
+      for (int k = matrix.column_begin[static_cast<std::size_t>(column)];
+           k < matrix.column_begin[static_cast<std::size_t>(column) + 1]; ++k) {
+        const int one = place[static_cast<std::size_t>(column)],
+                  other = place[static_cast<std::size_t>(matrix.row[static_cast<std::size_t>(k)])];
+        visit(Entry{std::max(one, other), std::min(one, other), k});
+      }
+  };
+  std::vector<int> row_begin(order.size() + 1, 0), column_begin(order.size() + 1, 0);
+  for_each_entry([&](const Entry& entry) {
+    ++row_begin[static_cast<std::size_t>(entry.row) + 1];
+    ++column_begin[static_cast<std::size_t>(entry.column) + 1];
+  });
+  std::partial_sum(row_begin.begin(), row_begin.end(), row_begin.begin());
+  std::partial_sum(column_begin.begin(), column_begin.end(), column_begin.begin());
+  std::vector<Entry> by_row(matrix.row.size());
+  for_each_entry([&](const Entry& entry) {
+    by_row[static_cast<std::size_t>(row_begin[static_cast<std::size_t>(entry.row)]++)] = entry;
+  });
+  ordered.size = size;
+  ordered.column_begin = column_begin;
+  ordered.row.resize(by_row.size());
+  ordered.value.resize(by_row.size());
+  source.resize(by_row.size());
+  for (const Entry& entry : by_row) {
+    const auto at =
+        static_cast<std::size_t>(column_begin[static_cast<std::size_t>(entry.column)]++);
+    ordered.row[at] = entry.row;
+    source[at] = entry.source;
+  }
+}
 
 /// A supernode that straddles the first of the last unknowns contributes its trailing columns and
 /// rows only.
@@ -205,10 +264,10 @@ Eigen::MatrixXd CholeskyFactor::Implementation::trailing_factor() const {
 }
 
 std::vector<int> CholeskyFactor::Implementation::place_of_last() const {
-  const auto* permutation = static_cast<const int*>(factor->Perm);
   const int first = size - static_cast<int>(last.size());
   std::vector<int> place(static_cast<std::size_t>(size), -1);
-  for (int i = first; i < size; ++i) place[static_cast<std::size_t>(permutation[i])] = i;
+  for (int i = first; i < size; ++i)
+    place[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
   std::vector<int> result;
   for (const int unknown : last) {
     result.push_back(place[static_cast<std::size_t>(unknown)]);
@@ -263,15 +322,17 @@ Eigen::VectorXd CholeskyFactor::Implementation::solve(int system,
 }
 
 Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {
-  return implementation_->solve(CHOLMOD_A, right_hand_side);
+  return backward(forward(right_hand_side));
 }
 
 Eigen::VectorXd CholeskyFactor::forward(const Eigen::VectorXd& right_hand_side) const {
-  return implementation_->solve(CHOLMOD_L, implementation_->solve(CHOLMOD_P, right_hand_side));
+  return implementation_->solve(CHOLMOD_L, right_hand_side(implementation_->order));
 }
 
 Eigen::VectorXd CholeskyFactor::backward(const Eigen::VectorXd& forward) const {
-  return implementation_->solve(CHOLMOD_Pt, implementation_->solve(CHOLMOD_Lt, forward));
+  Eigen::VectorXd result(forward.size());
+  result(implementation_->order) = implementation_->solve(CHOLMOD_Lt, forward);
+  return result;
 }
 
 Eigen::VectorXd CholeskyFactor::force_on_last(const Eigen::VectorXd& forward) const {

@@ -38,7 +38,12 @@ double usual_error(double correction) {
 class Corrector {
  public:
   Corrector(const FrictionCorrecting& correcting, const FrictionOfLevel& superposed)
-      : correcting_(correcting), superposed_(superposed), torque_(superposed.full_slip) {}
+      : correcting_(correcting),
+        superposed_(superposed),
+        torque_(superposed.full_slip),
+        tangent_(correcting.mesh.tangent) {
+    if (correcting.coarser) coarser_tangent_ = correcting.coarser->tangent;
+  }
 
   FrictionCorrection run() {
     const Stopwatch watch;
@@ -66,6 +71,7 @@ class Corrector {
                                 correcting_.has_room);
       twist = follow(solved, superposed_.twist, "",
                      [&](double turn_rad) { correcting_.on_solved(turn_rad, solved.surface()); });
+      if (twist.solved == twist.changes.size()) end_ = solved.present();
       for (const std::vector<FrictionState>& states : superposed_.paths) {
         Path path = follow(solved, states);
         result_.slide_error =
@@ -94,12 +100,14 @@ class Corrector {
   std::pair<double, std::size_t> compare(const Path& twist) {
     // A quarter's superposed motions leave out what an odd field changes about the limits of
     // friction.
-    const std::vector<FrictionWrench> fine = superposed_twist(correcting_.mesh),
-                                      rough = superposed_twist(*correcting_.coarser);
+    const std::vector<FrictionWrench> fine = superposed_twist(correcting_.mesh, tangent_),
+                                      rough =
+                                          superposed_twist(*correcting_.coarser, coarser_tangent_);
     FrictionalPressing solved(*correcting_.coarser->pressed, correcting_.coarser->bound);
     std::vector<FrictionState> states = superposed_.twist;
     for (std::size_t i = 0; i < states.size(); ++i) states[i].wrench = rough[i];
     const Path path = follow(solved, states, " on the coarser mesh");
+    if (path.solved == path.changes.size()) coarser_end_ = solved.present();
     count(solved);
     const std::size_t compared = std::min(path.solved, twist.solved);
     double largest = 0;
@@ -111,8 +119,10 @@ class Corrector {
     return {largest, compared};
   }
 
-  std::vector<FrictionWrench> superposed_twist(const FrictionMesh& mesh) const {
-    SuperposedMotion motion(*mesh.pressed, mesh.bound);
+  std::vector<FrictionWrench> superposed_twist(const FrictionMesh& mesh,
+                                               Eigen::MatrixXd& tangent) const {
+    find_tangent(mesh, tangent);
+    SuperposedMotion motion(*mesh.pressed, mesh.bound, tangent);
     std::vector<FrictionWrench> wrenches;
     for (const FrictionState& state : superposed_.twist) {
       motion.move_to(state.motion);
@@ -121,14 +131,20 @@ class Corrector {
     return wrenches;
   }
 
-  SolvedSlides slides_on(const FrictionMesh& mesh, double aim) const {
+  static void find_tangent(const FrictionMesh& mesh, Eigen::MatrixXd& tangent) {
+    if (tangent.size() == 0) tangent = mesh.pressed->superposed_stiffness({});
+  }
+
+  SolvedSlides slides_on(const FrictionMesh& mesh, Eigen::MatrixXd& tangent, double aim) const {
+    find_tangent(mesh, tangent);
     return {*mesh.pressed,
             mesh.bound,
             correcting_.has_room,
             correcting_.force,
             torque_,
             aim,
-            [this](const std::string& why) { correcting_.progress("friction: " + why); }};
+            [this](const std::string& why) { correcting_.progress("friction: " + why); },
+            tangent};
   }
 
   /// Full slip: of a turn about the centre, and of the limit surface.
@@ -136,35 +152,45 @@ class Corrector {
     std::optional<SolvedSlides::Neglected> of_turn;
     double aim = 1;
     if (correcting_.with_turn) {
-      SolvedSlides slides = slides_on(correcting_.mesh, aim);
-      of_turn = slides.of({0, 0, 1});
+      SolvedSlides slides = slides_on(correcting_.mesh, tangent_, aim);
+      // Where the twist ended all points slip.
+      of_turn = slides.of({0, 0, 1}, end_ ? &*end_ : nullptr);
       // Without symmetry a force opposes a turn as well.
       result_.full_slip = of_turn->superposed.torque + of_turn->wrench.torque - torque_;
       aim = slides.aim();
       count(slides);
     }
-    if (correcting_.coarser && correct_on_coarser(of_turn, aim)) return;
-    if (of_turn) result_.twist_error = std::max(result_.twist_error, usual_error_of(*of_turn));
-    if (superposed_.limit_surface.empty()) return;
-    SolvedSlides slides = slides_on(correcting_.mesh, aim);
+    bool turn_is_stated = false, surface_is_corrected = superposed_.limit_surface.empty();
+    if (correcting_.coarser) {
+      try {
+        SolvedSlides slides = slides_on(*correcting_.coarser, coarser_tangent_, aim);
+        if (of_turn) {
+          state_turn(*of_turn, slides.of({0, 0, 1}, coarser_end_ ? &*coarser_end_ : nullptr));
+          turn_is_stated = true;
+        }
+        if (!surface_is_corrected && coarser_is_cheaper()) {
+          correct_limit_surface(slides);
+          surface_is_corrected = true;
+        }
+        count(slides);
+      } catch (const EdgeLeftMargin&) {
+        throw;
+      } catch (const ConvergenceError& failure) {
+        tell_of_coarser(failure);
+      }
+    }
+    if (of_turn && !turn_is_stated)
+      result_.twist_error = std::max(result_.twist_error, usual_error_of(*of_turn));
+    if (surface_is_corrected) return;
+    SolvedSlides slides = slides_on(correcting_.mesh, tangent_, aim);
     correct_limit_surface(slides);
     count(slides);
   }
 
-  /// @returns false where the coarser mesh does not bear what the finer one does
-  bool correct_on_coarser(const std::optional<SolvedSlides::Neglected>& of_turn, double aim) {
-    try {
-      SolvedSlides slides = slides_on(*correcting_.coarser, aim);
-      if (of_turn) state_turn(*of_turn, slides.of({0, 0, 1}));
-      correct_limit_surface(slides);
-      count(slides);
-      return true;
-    } catch (const EdgeLeftMargin&) {
-      throw;
-    } catch (const ConvergenceError& failure) {
-      tell_of_coarser(failure);
-      return false;
-    }
+  /// Fewer elements per semi-axis may be more cells, where halving them ends elsewhere.
+  bool coarser_is_cheaper() const {
+    return correcting_.coarser->pressed->layer().unknowns() <
+           correcting_.mesh.pressed->layer().unknowns();
   }
 
   void tell_of_coarser(const ConvergenceError& failure) const {
@@ -265,6 +291,10 @@ class Corrector {
   const FrictionCorrecting& correcting_;
   const FrictionOfLevel& superposed_;
   const double torque_;
+  /// Of the meshes as pressed; empty until one is needed.
+  Eigen::MatrixXd tangent_, coarser_tangent_;
+  /// Of a twist that was solved to its end.
+  std::optional<FrictionalPressing::State> end_, coarser_end_;
   FrictionCorrection result_;
   int iterations_ = 0, factorisations_ = 0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,13 +16,16 @@ namespace softfinger::fem::finite {
 struct FrictionMesh {
   FinitePressing* pressed;  ///< never null
   FrictionBound bound;
+  /// Its `superposed_stiffness`; empty: it is found.
+  Eigen::MatrixXd tangent = {};
 };
 
 /// What superposed motions neglect of friction, by solving its states on the deformed layer.
 struct FrictionCorrecting {
   FrictionMesh mesh;
-  /// One with fewer cells, where there is one. What is neglected is a small part of a wrench: this
-  /// mesh tells it of the limit surface, and of the twist how much depends on the mesh.
+  /// One with fewer elements per semi-axis, where there is one. It tells how much of what is
+  /// neglected of the twist depends on the mesh. What is neglected of the limit surface, a small
+  /// part of a wrench, is told by the one of both that has fewer unknowns.
   std::optional<FrictionMesh> coarser = std::nullopt;
   double refinement = 1;   ///< cells of `mesh` over those of `coarser`, along a semi-axis
   bool has_room = false;   ///< whether a larger patch can be meshed

@@ -18,8 +18,9 @@ Matrix9d cofactor_derivative(const Eigen::Matrix3d& gradient) {
   return result;
 }
 
-Deformation::Deformation(const Eigen::Matrix3d& deformation_gradient)
-    : gradient(deformation_gradient), second(cofactor_derivative(gradient)) {
+Deformation::Deformation(const Eigen::Matrix3d& deformation_gradient, bool with_second)
+    : gradient(deformation_gradient) {
+  if (with_second) second = cofactor_derivative(gradient);
   cofactor.col(0) = gradient.col(1).cross(gradient.col(2));
   cofactor.col(1) = gradient.col(2).cross(gradient.col(0));
   cofactor.col(2) = gradient.col(0).cross(gradient.col(1));

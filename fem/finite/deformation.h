@@ -18,7 +18,8 @@ Matrix9d cofactor_derivative(const Eigen::Matrix3d& gradient);
 
 /// A deformation gradient F = dx/dX with what every material needs of it.
 struct Deformation {
-  explicit Deformation(const Eigen::Matrix3d& deformation_gradient);
+  /// @param with_second  false: `second` is left as it is; no tangent may be asked for
+  explicit Deformation(const Eigen::Matrix3d& deformation_gradient, bool with_second = true);
 
   Eigen::Matrix3d gradient;
   double volume_ratio;       ///< J = det F

@@ -10,13 +10,19 @@ using Eigen::Index;
 
 namespace {
 
-/// F at a point.
-Eigen::Matrix3d gradient_at(const ElementGeometry& geometry, Index point,
-                            const Eigen::VectorXd& displacement) {
-  const Index nodes = geometry.gradients.rows();
-  const Eigen::Map<const Eigen::MatrixXd> by_component(displacement.data(), nodes, 3);
-  return Eigen::Matrix3d::Identity() +
-         by_component.transpose() * geometry.gradients.middleCols<3>(3 * point);
+/// F of all points, transposed: F_iJ of point p at (3 p + J, i).
+Eigen::MatrixX3d gradients_of(const ElementGeometry& geometry,
+                              const Eigen::VectorXd& displacement) {
+  const Eigen::Map<const Eigen::MatrixX3d> by_component(displacement.data(),
+                                                        geometry.gradients.rows(), 3);
+  Eigen::MatrixX3d result = geometry.gradients.transpose() * by_component;
+  for (Index point = 0; point < geometry.weight.size(); ++point)
+    result.middleRows<3>(3 * point).diagonal().array() += 1;
+  return result;
+}
+
+Eigen::Matrix3d at_point(const Eigen::MatrixX3d& gradients, Index point) {
+  return gradients.middleRows<3>(3 * point).transpose();
 }
 
 }  // namespace
@@ -33,8 +39,9 @@ ElementState ElementLinearisation::advanced(const ElementState& from, const Eige
 double smallest_volume_ratio(const ElementGeometry& geometry, const ElementState& state,
                              const Eigen::VectorXd& displacement) {
   double smallest = (geometry.linear.transpose() * state.volume_ratio).minCoeff();
+  const Eigen::MatrixX3d gradients = gradients_of(geometry, displacement);
   for (Index point = 0; point < geometry.weight.size(); ++point)
-    smallest = std::min(smallest, gradient_at(geometry, point, displacement).determinant());
+    smallest = std::min(smallest, at_point(gradients, point).determinant());
   return smallest;
 }
 
@@ -42,62 +49,66 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
                                const ElementState& state, const Eigen::VectorXd& displacement,
                                bool with_stiffness) {
   const Index nodes = geometry.gradients.rows(), points = geometry.weight.size();
-  ElementLinearisation result;
-  result.force = Eigen::VectorXd::Zero(3 * nodes);
-  Eigen::MatrixXd volume_by_displacement = Eigen::MatrixXd::Zero(4, 3 * nodes);  // int phi dJ
+  const Eigen::MatrixX3d deformations = gradients_of(geometry, displacement);
   Eigen::Vector4d volume = Eigen::Vector4d::Zero(), pressure = Eigen::Vector4d::Zero();
   Eigen::Matrix4d stiffness_of_volume = Eigen::Matrix4d::Zero();
-  // Weight x tangent x gradients at all points, for each pair of components. The stiffness then is
-  // one product of matrices per pair.
+  // What the gradients are multiplied by at the points, so that sums over these are products of
+  // large matrices: for forces the stress, and for int phi_k dJ the cofactor times phi_k; for the
+  // stiffness the gradients times the tangent, for each pair of components.
+  Eigen::MatrixXd stresses(3 * points, 15);
   constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-  Eigen::MatrixXd weighted[6];
-  for (auto& of_pair : weighted) of_pair.resize(3 * points, nodes);
+  Eigen::MatrixXd weighted;
+  if (with_stiffness) weighted.resize(6 * nodes, 3 * points);
 
   for (Index point = 0; point < points; ++point) {
     const double weight = geometry.weight[point];
-    const auto gradients = geometry.gradients.middleCols<3>(3 * point);
     const Eigen::Vector4d linear = geometry.linear.col(point);
-    const Deformation deformation(gradient_at(geometry, point, displacement));
+    const Deformation deformation(at_point(deformations, point), with_stiffness);
     const double own_pressure = linear.dot(state.pressure);
     const double own_volume_ratio = linear.dot(state.volume_ratio);
-    Response response = material.respond(deformation);
-    response.stress += own_pressure * deformation.cofactor;
-    response.tangent += own_pressure * deformation.second;
+    const Response response = material.respond(deformation, with_stiffness);
     const VolumetricResponse volumetric = material.respond_to_volume(own_volume_ratio);
 
     volume += weight * (deformation.volume_ratio - own_volume_ratio) * linear;
     pressure += weight * (volumetric.pressure - own_pressure) * linear;
     stiffness_of_volume += weight * volumetric.modulus * linear * linear.transpose();
-    const Eigen::MatrixXd cofactor_gradients = gradients * deformation.cofactor.transpose();
-    const Eigen::MatrixXd stress_gradients = gradients * response.stress.transpose();
-    for (int i = 0; i < 3; ++i) {
-      result.force.segment(i * nodes, nodes) += weight * stress_gradients.col(i);
-      volume_by_displacement.middleCols(i * nodes, nodes) +=
-          weight * linear * cofactor_gradients.col(i).transpose();
-    }
-    for (int pair = 0; with_stiffness && pair < 6; ++pair) {
-      Eigen::Matrix3d tangent;
-      for (int J = 0; J < 3; ++J)
-        for (int L = 0; L < 3; ++L)
-          tangent(J, L) = response.tangent(pairs[pair][0] + 3 * J, pairs[pair][1] + 3 * L);
-      weighted[pair].middleRows<3>(3 * point) = weight * tangent * gradients.transpose();
-    }
+    auto at_this = stresses.middleRows<3>(3 * point);
+    at_this.leftCols<3>() =
+        weight * (response.stress + own_pressure * deformation.cofactor).transpose();
+    for (Index k = 0; k < 4; ++k)
+      at_this.middleCols<3>(3 + 3 * k) = weight * linear[k] * deformation.cofactor.transpose();
+    if (!with_stiffness) continue;
+    const Matrix9d tangent = weight * (response.tangent + own_pressure * deformation.second);
+    const auto gradients = geometry.gradients.middleCols<3>(3 * point);
+    for (Index pair = 0; pair < 6; ++pair)
+      for (Index J = 0; J < 3; ++J) {
+        const auto row = tangent.row(pairs[pair][0] + 3 * J);
+        const Index k = pairs[pair][1];
+        weighted.block(pair * nodes, 3 * point + J, nodes, 1) = row[k] * gradients.col(0) +
+                                                                row[k + 3] * gradients.col(1) +
+                                                                row[k + 6] * gradients.col(2);
+      }
   }
 
+  const Eigen::MatrixXd forces = geometry.gradients * stresses;
+  const Eigen::Map<const Eigen::MatrixX4d> volume_by_displacement(forces.data() + 3 * nodes,
+                                                                  3 * nodes, 4);  // int phi dJ
   const auto mass = geometry.mass.llt();
-  result.volume_rate = mass.solve(volume_by_displacement);
+  ElementLinearisation result;
+  result.force = forces.leftCols<3>().reshaped();
+  result.volume_rate = mass.solve(volume_by_displacement.transpose());
   result.volume_mismatch = mass.solve(volume);
   result.pressure_mismatch = mass.solve(pressure);
   result.bulk = mass.solve(stiffness_of_volume);
-  result.residual =
-      result.force + volume_by_displacement.transpose() *
-                         (result.pressure_mismatch + result.bulk * result.volume_mismatch);
+  result.residual = result.force + volume_by_displacement * (result.pressure_mismatch +
+                                                             result.bulk * result.volume_mismatch);
   if (!with_stiffness) return result;
   result.stiffness.noalias() =
       result.volume_rate.transpose() * (stiffness_of_volume * result.volume_rate);
-  for (int pair = 0; pair < 6; ++pair) {
-    const int i = pairs[pair][0], k = pairs[pair][1];
-    const Eigen::MatrixXd block = geometry.gradients * weighted[pair];
+  const Eigen::MatrixXd blocks = geometry.gradients * weighted.transpose();
+  for (Index pair = 0; pair < 6; ++pair) {
+    const Index i = pairs[pair][0], k = pairs[pair][1];
+    const auto block = blocks.middleCols(pair * nodes, nodes);
     result.stiffness.block(i * nodes, k * nodes, nodes, nodes) += block;
     if (i != k) result.stiffness.block(k * nodes, i * nodes, nodes, nodes) += block.transpose();
   }
@@ -107,10 +118,11 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
 double strain_energy(const ElementGeometry& geometry, const Material& material,
                      const ElementState& state, const Eigen::VectorXd& displacement) {
   double energy = 0;
+  const Eigen::MatrixX3d gradients = gradients_of(geometry, displacement);
   for (Index point = 0; point < geometry.weight.size(); ++point) {
     const double volume_ratio = geometry.linear.col(point).dot(state.volume_ratio);
     energy += geometry.weight[point] *
-              (material.respond(Deformation(gradient_at(geometry, point, displacement))).energy +
+              (material.respond(Deformation(at_point(gradients, point), false), false).energy +
                material.respond_to_volume(volume_ratio).energy);
   }
   return energy;

@@ -172,7 +172,8 @@ class FiniteContact : public ContactPhysics {
     const bool matters =
         std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile;
     const bool is_written = problem_.friction.torsion && !problem_.output_directory.empty();
-    if (is_first && (matters || is_written)) result.correction = correction(result, has_room);
+    if (is_first && (matters || is_written))
+      result.correction = correction(result, tangent, has_room);
     return result;
   }
 
@@ -349,14 +350,16 @@ class FiniteContact : public ContactPhysics {
 
   /// Solves the states of the plan on the whole layer.
   /// @throws EdgeLeftMargin with room
-  FrictionCorrection correction(const FrictionOfLevel& superposed, bool has_room) {
+  /// @param tangent  of a whole layer
+  FrictionCorrection correction(const FrictionOfLevel& superposed, const Eigen::MatrixXd& tangent,
+                                bool has_room) {
     std::unique_ptr<FinitePressing> own_whole;
     if (!pressing_->layer().whole()) own_whole = press_whole(discretisation());
     FinitePressing& whole = own_whole ? *own_whole : *pressing_;
-    FrictionCorrecting correcting{{&whole, bound(whole)}};
+    FrictionCorrecting correcting{{&whole, bound(whole), own_whole ? Eigen::MatrixXd() : tangent}};
     const std::unique_ptr<FinitePressing> coarser = press_coarser();
     if (coarser) {
-      correcting.coarser = FrictionMesh{coarser.get(), bound(*coarser)};
+      correcting.coarser = FrictionMesh{coarser.get(), bound(*coarser), {}};
       correcting.refinement = static_cast<double>(discretisation().elements_per_semi_axis) /
                               coarser->layer().discretisation().elements_per_semi_axis;
     }

@@ -61,7 +61,7 @@ struct FiniteLayer::Implementation : LayerSpace {
 
   std::vector<std::shared_ptr<const Material>> materials;  ///< of the sublayers
   std::vector<ElementGeometry> geometries;                 ///< per cell
-  std::vector<unsigned int> place;  ///< of an element's unknown, ordered by component
+  std::vector<std::vector<Dof>> dofs_of_cells;             ///< ordered by component
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;
   Unknowns free;
@@ -83,8 +83,7 @@ struct FiniteLayer::Implementation : LayerSpace {
 
   void set_up(std::vector<std::shared_ptr<const Material>> of_sublayers);
   void set_geometries();
-  Eigen::VectorXd displacement_of(const std::vector<Dof>& indices,
-                                  const dealii::Vector<double>& field) const;
+  Eigen::VectorXd displacement_of(std::size_t cell, const dealii::Vector<double>& field) const;
   double smallest_volume_ratio() const;
   double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
                   bool with_stiffness);
@@ -95,10 +94,6 @@ struct FiniteLayer::Implementation : LayerSpace {
 
 void FiniteLayer::Implementation::set_geometries() {
   const unsigned int nodes_of_cell = element.n_dofs_per_cell() / dim;
-  for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
-    const auto [of_component, node] = element.system_to_component_index(i);
-    place.push_back(of_component * nodes_of_cell + node);
-  }
   const dealii::QGauss<dim> quadrature(3);
   dealii::FEValues<dim> values(
       *mapping, element, quadrature,
@@ -132,26 +127,31 @@ void FiniteLayer::Implementation::set_geometries() {
     }
     geometry.set_mass();
     geometries.push_back(std::move(geometry));
+    std::vector<Dof> indices(element.n_dofs_per_cell());
+    cell->get_dof_indices(indices);
+    std::vector<Dof>& ordered = dofs_of_cells.emplace_back(indices.size());
+    for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
+      const auto [of_component, node] = element.system_to_component_index(i);
+      ordered[of_component * nodes_of_cell + node] = indices[i];
+    }
   }
 }
 
 Eigen::VectorXd FiniteLayer::Implementation::displacement_of(
-    const std::vector<Dof>& indices, const dealii::Vector<double>& field) const {
+    std::size_t cell, const dealii::Vector<double>& field) const {
+  const std::vector<Dof>& indices = dofs_of_cells[cell];
   Eigen::VectorXd result(indices.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) result[place[i]] = field[indices[i]];
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    result[static_cast<Eigen::Index>(i)] = field[indices[i]];
   return result;
 }
 
 double FiniteLayer::Implementation::smallest_volume_ratio() const {
   double smallest = 1;
-  std::vector<Dof> indices(element.n_dofs_per_cell());
-  for (const auto& cell : dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
-    const std::size_t i = cell->active_cell_index();
-    smallest = std::min(
-        smallest, finite::smallest_volume_ratio(geometries[i], state.elements[i],
-                                                displacement_of(indices, state.displacement)));
-  }
+  for (std::size_t i = 0; i < geometries.size(); ++i)
+    smallest =
+        std::min(smallest, finite::smallest_volume_ratio(geometries[i], state.elements[i],
+                                                         displacement_of(i, state.displacement)));
   return smallest;
 }
 
@@ -224,13 +224,11 @@ double FiniteLayer::smallest_volume_ratio() const {
 double FiniteLayer::strain_energy() const {
   const auto& self = *implementation_;
   double energy = 0;
-  std::vector<Dof> indices(self.element.n_dofs_per_cell());
   for (const auto& cell : self.dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
     const std::size_t i = cell->active_cell_index();
     energy += finite::strain_energy(self.geometries[i], *self.materials[cell->material_id()],
                                     self.state.elements[i],
-                                    self.displacement_of(indices, self.state.displacement));
+                                    self.displacement_of(i, self.state.displacement));
   }
   return energy;
 }
@@ -276,32 +274,29 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
 
   const unsigned int size = element.n_dofs_per_cell();
-  std::vector<Dof> indices(size);
   dealii::FullMatrix<double> of_element(size, size);
-  dealii::Vector<double> residual_of_element(size), internal_of_element(size);
   for (const auto& cell : dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
     const std::size_t cell_index = cell->active_cell_index();
+    const std::vector<Dof>& indices = dofs_of_cells[cell_index];
     ElementLinearisation linear = finite::linearise(
         geometries[cell_index], *materials[cell->material_id()], state.elements[cell_index],
-        displacement_of(indices, state.displacement), with_stiffness);
+        displacement_of(cell_index, state.displacement), with_stiffness);
     bool touches = false;
     for (unsigned int i = 0; i < size; ++i) {
-      residual_of_element[i] = linear.residual[place[i]];
-      internal_of_element[i] = linear.force[place[i]];
+      residual_of_dofs[indices[i]] += linear.residual[i];
+      internal[indices[i]] += linear.force[i];
       touches = touches || surface_node[indices[i]] >= 0;
-      for (unsigned int j = 0; with_stiffness && j < size; ++j)
-        of_element(i, j) = linear.stiffness(place[i], place[j]);
     }
-    linear.stiffness.resize(0, 0);
-    linearisations[cell_index] = std::move(linear);
     if (with_stiffness) {
+      of_element.fill(linear.stiffness.data());  // symmetric: rows may be columns
       if (touches) turn_to_frames(axes, indices, of_element);
       constraints.distribute_local_to_global(of_element, indices, stiffness);
     }
-    constraints.distribute_local_to_global(residual_of_element, indices, residual_of_dofs);
-    constraints.distribute_local_to_global(internal_of_element, indices, internal);
+    linear.stiffness.resize(0, 0);
+    linearisations[cell_index] = std::move(linear);
   }
+  constraints.condense(residual_of_dofs);
+  constraints.condense(internal);
 
   // Surface nodes are no masters of hanging ones: their forces can be turned here, at the end.
   double out_of_balance = 0;
@@ -358,8 +353,8 @@ void FiniteLayer::Implementation::factorise(Along along) {
   const Eigen::Index per_node = along == Along::normals ? 1 : 3;
   for (Eigen::Index row = per_node - 1; row < springs.size(); row += per_node)
     springs[row] = hold(matrix, condensed[static_cast<std::size_t>(row)]);
-  // Friction rather goes in shorter steps.
-  const double first_shift = 1e-3, largest_shift = along == Along::all ? 1e-2 : 1;
+  // Friction rather goes from another start or in shorter steps.
+  const double first_shift = 1e-3, largest_shift = along == Along::all ? 0 : 1;
   shift = 0;
   for (;;) {
     try {
@@ -463,13 +458,9 @@ double FiniteLayer::take_step(double fraction) {
   auto& self = *implementation_;
   self.state.displacement = self.start.displacement;
   self.state.displacement.add(fraction, self.step);
-  std::vector<Dof> indices(self.element.n_dofs_per_cell());
-  for (const auto& cell : self.dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
-    const std::size_t i = cell->active_cell_index();
+  for (std::size_t i = 0; i < self.geometries.size(); ++i)
     self.state.elements[i] = self.linearisations[i].advanced(
-        self.start.elements[i], self.displacement_of(indices, self.step), fraction);
-  }
+        self.start.elements[i], self.displacement_of(i, self.step), fraction);
   return self.smallest_volume_ratio();
 }
 

@@ -127,6 +127,9 @@ FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, FrictionBo
   pressed_position_ = kept_position_;
   pressed_area_ = projected_area();
   pressed_peak_ = peak_pressure();
+  const Eigen::VectorXd limit = bound_.of(pressed_force_.row(2).transpose());
+  arm_ = limit.dot(pressed_position_.topRows<2>().colwise().norm()) / limit.sum();
+  slid_.push_back({Eigen::Vector3d::Zero(), present()});
 }
 
 FrictionalPressing::~FrictionalPressing() {
@@ -208,7 +211,7 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, d
   double previous = std::numeric_limits<double>::infinity(), two_before = previous;
   bool renew = tangent_ == nullptr;
   FixedPoint mixing;
-  std::vector<Mixed> history;  // latest first
+  std::vector<State> history;  // latest first
   int renewed = 0;
   for (int iteration = 1; iteration <= most_iterations; ++iteration) {
     ++iterations_;
@@ -357,7 +360,7 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
 /// Goes on from a combination of the latest iterates: the tangent that is kept alone would converge
 /// linearly.
 void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
-                             std::vector<Mixed>& history) {
+                             std::vector<State>& history) {
   history.insert(history.begin(), {layer_->state(), force_, approach_});
   const Eigen::VectorXd weights = mixing.weights(step);
   history.resize(static_cast<std::size_t>(weights.size()));
@@ -366,17 +369,21 @@ void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
   double approach = 0;
   for (std::size_t i = 0; i < history.size(); ++i) {
     const double weight = weights[static_cast<Index>(i)];
-    states.push_back(history[i].state);
+    states.push_back(history[i].layer);
     force += weight * history[i].force;
     approach += weight * history[i].approach;
   }
   layer_->restore(states, weights);
   if (!(layer_->smallest_volume_ratio() > 0)) {
-    layer_->restore(*history.front().state);
+    layer_->restore(*history.front().layer);
     return;
   }
   force_ = force;
   approach_ = approach;
+}
+
+FrictionalPressing::State FrictionalPressing::present() const {
+  return {layer_->state(), force_, approach_};
 }
 
 void FrictionalPressing::move_to(const PlaneMotion& motion) {
@@ -393,7 +400,7 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
       std::max(1.0, std::ceil(std::abs(motion.turn_rad - start.turn_rad) / longest_turn_rad));
   for (double part = 0; part < parts; ++part) {
     double length = 1;
-    const double reached = advance(length, 1.0 / 8, 1, [&](double share) {
+    const double reached = advance(length, 1.0 / 8, 1, [&](double share, bool) {
       return try_motion(between(start, motion, (part + share) / parts), rub, of_increments);
     });
     if (reached < 1)
@@ -405,24 +412,33 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
 /// Goes from 0 to 1 in steps, in shorter ones where they do not converge.
 /// @param length  of the first step, becomes that of a next one
 /// @param enough  where a step does not converge beyond this and there are two already, it ends
+/// @param try_share  told whether it tries the same step again, then without a tangent
 /// @returns how far it came
 double FrictionalPressing::advance(double& length, double shortest, double enough,
-                                   const std::function<bool(double)>& try_share,
+                                   const std::function<bool(double, bool again)>& try_share,
                                    const std::function<void(double)>& on_share) {
   double done = 0, before = 0;
-  std::optional<Mixed> earlier;  // converged at `before`
+  std::optional<State> earlier;  // converged at `before`
+  bool again = false;
   while (done < 1 && length >= shortest) {
     const double next = std::min(1.0, done + length);
+    const int iterations = iterations_;
+    const bool has_tangent = tangent_ != nullptr;
     bool converged = false;
     try {
       if (earlier) extrapolate(*earlier, (next - done) / (done - before));
-      converged = try_share(next);
+      converged = try_share(next, again);
     } catch (const EdgeLeftMargin&) {
       throw;
     } catch (const ConvergenceError& error) {
       failure_ = error.what();
     }
     if (converged) {
+      // A tangent that took many iterations is renewed where a state is in equilibrium: it is
+      // surely stable there, and the renewed one serves longer than one that is made on the way.
+      constexpr int many_iterations = 7;
+      if (iterations_ - iterations >= many_iterations) tangent_.reset();
+      again = false;
       earlier = {kept_state_, kept_force_, kept_approach_};
       keep();
       before = done;
@@ -436,7 +452,10 @@ double FrictionalPressing::advance(double& length, double shortest, double enoug
     take_back();
     tangent_.reset();
     earlier.reset();
-    length = (next - done) / 2;
+    // A tangent of the last state may do what one from further away did not.
+    again = has_tangent && !again;
+    length = again ? next - done : (next - done) / 2;
+    if (again) continue;
     if (done >= enough && before > 0) break;
   }
   return done;
@@ -444,16 +463,9 @@ double FrictionalPressing::advance(double& length, double shortest, double enoug
 
 /// Starts from where the last two converged states point to: in steps of friction that is far
 /// nearer than the last one.
-void FrictionalPressing::extrapolate(const Mixed& earlier, double share) {
-  layer_->restore({kept_state_, earlier.state}, Eigen::Vector2d(1 + share, -share));
-  if (!(layer_->smallest_volume_ratio() > 0)) {
-    layer_->restore(*kept_state_);
-    return;
-  }
-  force_ = (1 + share) * kept_force_ - share * earlier.force;
-  for (auto force : force_.colwise())
-    if (!(force.z() > 0)) force.setZero();
-  approach_ = (1 + share) * kept_approach_ - share * earlier.approach;
+void FrictionalPressing::extrapolate(const State& earlier, double share) {
+  start_from({{kept_state_, kept_force_, kept_approach_}, earlier},
+             Eigen::Vector2d(1 + share, -share));
 }
 
 FrictionalPressing::Rub FrictionalPressing::rub_of(const Slide& slide) const {
@@ -477,6 +489,67 @@ FrictionalPressing::Rub FrictionalPressing::rub_of(const Slide& slide) const {
   };
 }
 
+/// Relative force and torque of an ellipsoidal limit surface whose semi-axes are those of a shift
+/// and of a turn, times the share of friction.
+Eigen::Vector3d FrictionalPressing::place_of(const Slide& slide) const {
+  const PlaneMotion& velocity = slide.velocity;
+  return slide.share *
+         Eigen::Vector3d(velocity.x, velocity.y, arm_ * velocity.turn_rad).normalized();
+}
+
+/// Starts from what the solved slides and the contact without friction, which is at the origin of
+/// their places, let expect at the place of this one: the best linear combination of states whose
+/// correlation falls with their distance (kriging with an unknown mean).
+void FrictionalPressing::start_near(const Slide& slide) {
+  constexpr double range = 1;
+  constexpr double nugget = 1e-3;  // slides are known to Newton's tolerance
+  const auto count = static_cast<Index>(slid_.size());
+  Eigen::Matrix3Xd places(3, count);
+  for (Index i = 0; i < count; ++i) places.col(i) = slid_[static_cast<std::size_t>(i)].place;
+  const auto correlations = [&](const Eigen::Vector3d& place) -> Eigen::VectorXd {
+    return ((places.colwise() - place).colwise().squaredNorm() / (-2 * range * range))
+        .array()
+        .exp()
+        .transpose();
+  };
+  // The last row and column: weights sum to 1.
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Ones(count + 1, count + 1);
+  Eigen::VectorXd right = Eigen::VectorXd::Ones(count + 1);
+  for (Index i = 0; i < count; ++i) matrix.col(i).head(count) = correlations(places.col(i));
+  matrix.diagonal().array() += nugget;
+  matrix(count, count) = 0;
+  right.head(count) = correlations(place_of(slide));
+  const Eigen::VectorXd weights = matrix.partialPivLu().solve(right).head(count);
+  std::vector<State> states;
+  for (const Slid& slid : slid_) states.push_back(slid.state);
+  if (start_from(states, weights)) tangent_.reset();
+}
+
+/// @returns false where the combination turns an element over; then nothing changes
+bool FrictionalPressing::start_from(const std::vector<State>& states,
+                                    const Eigen::VectorXd& weights) {
+  const auto before = layer_->state();
+  std::vector<std::shared_ptr<const FiniteLayer::State>> of_layer;
+  Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, force_.cols());
+  double approach = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double weight = weights[static_cast<Index>(i)];
+    of_layer.push_back(states[i].layer);
+    force += weight * states[i].force;
+    approach += weight * states[i].approach;
+  }
+  layer_->restore(of_layer, weights);
+  if (!(layer_->smallest_volume_ratio() > 0)) {
+    layer_->restore(*before);
+    return false;
+  }
+  for (auto of_node : force.colwise())
+    if (!(of_node.z() > 0)) of_node.setZero();
+  force_ = force;
+  approach_ = approach;
+  return true;
+}
+
 /// From the present slide to another one. @returns false where the way does not converge
 bool FrictionalPressing::go_on_to(const Slide& next) {
   constexpr double shortest = 1.0 / 2;
@@ -484,25 +557,48 @@ bool FrictionalPressing::go_on_to(const Slide& next) {
   Slide present;
   const Rub rub = rub_of(present);
   double length = 1;
-  const double reached = advance(length, shortest, 1, [&](double part) {
-    present = {between(from.velocity, next.velocity, part),
-               from.share + part * (next.share - from.share)};
-    return try_motion({}, rub, of_slides);
-  });
-  if (reached > 0)
-    slide_ = Slide{between(from.velocity, next.velocity, reached),
-                   from.share + reached * (next.share - from.share)};
+  const auto at = [&](double part) -> Slide {
+    return {between(from.velocity, next.velocity, part),
+            from.share + part * (next.share - from.share)};
+  };
+  const double reached = advance(
+      length, shortest, 1,
+      [&](double part, bool again) {
+        present = at(part);
+        if (!again) start_near(present);
+        return try_motion({}, rub, of_slides);
+      },
+      [&](double) { remember(present); });
+  if (reached > 0) slide_ = at(reached);
   return reached == 1;
 }
 
+bool FrictionalPressing::try_guess(const PlaneMotion& velocity, const State& guess) {
+  const Slide present{velocity, 1};
+  try {
+    if (start_from({guess}, Eigen::VectorXd::Ones(1)) &&
+        try_motion({}, rub_of(present), of_slides)) {
+      keep();
+      slide_ = present;
+      remember(present);
+      return true;
+    }
+  } catch (const EdgeLeftMargin&) {
+    throw;
+  } catch (const ConvergenceError&) {
+    // From no friction it may go.
+  }
+  take_back();
+  tangent_.reset();
+  return false;
+}
+
 double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
-                                 const std::function<void(double)>& on_share) {
+                                 const std::function<void(double)>& on_share, const State* guess) {
   if (slide_) {
     for (double share = aim; share >= telling_share; share *= 0.75) {
-      // The nearer one first.
       std::vector<double> shares = {share};
-      if (share < 1)
-        shares.insert(slide_->share < share ? shares.begin() : shares.end(), share / 2);
+      if (share < 1) shares.insert(shares.begin(), share / 2);
       const bool converges = std::all_of(shares.begin(), shares.end(), [&](double part) {
         if (!go_on_to({velocity, part})) return false;
         on_share(part);
@@ -513,6 +609,10 @@ double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
   }
   restart();
   tangent_.reset();
+  if (guess && aim == 1 && try_guess(velocity, *guess)) {
+    on_share(1);
+    return 1;
+  }
   constexpr double shortest_ramp = 1.0 / 32;
   Slide present{velocity, 0};
   const Rub rub = rub_of(present);
@@ -520,11 +620,14 @@ double FrictionalPressing::slide(const PlaneMotion& velocity, double aim,
   ramp_ = aim < 1 ? 0.5 : std::clamp(2 * ramp_, 4 * shortest_ramp, 1.0);
   const double reached = aim * advance(
                                    ramp_, shortest_ramp, telling_share / aim,
-                                   [&](double part) {
+                                   [&](double part, bool) {
                                      present.share = aim * part;
                                      return try_motion({}, rub, of_slides);
                                    },
-                                   [&](double part) { on_share(aim * part); });
+                                   [&](double part) {
+                                     remember(present);
+                                     on_share(aim * part);
+                                   });
   if (reached > 0) slide_ = {velocity, reached};
   return reached;
 }

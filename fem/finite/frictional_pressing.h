@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/finite/finite_layer.h"
 #include "fem/finite/finite_pressing.h"
 #include "fem/fixed_point.h"
 #include "fem/frictional_contact.h"
@@ -38,23 +39,33 @@ class FrictionalPressing {
   FrictionalPressing(const FrictionalPressing&) = delete;
   FrictionalPressing& operator=(const FrictionalPressing&) = delete;
 
+  /// Of layer and contact: one in equilibrium, or an iterate of Newton's method.
+  struct State {
+    std::shared_ptr<const FiniteLayer::State> layer;
+    Eigen::Matrix3Xd force;  ///< per node: along the tangents of its frame, and into the layer
+    double approach;
+  };
+  State present() const;
+
   /// Moves the object from where it is to `motion`, about the contact plane's origin, in one
   /// increment with the slip law at its end, or in shorter ones where that does not converge.
   /// @throws ConvergenceError; the state is then the last one that converged
   void move_to(const PlaneMotion& motion);
 
   /// Slides from where the contact was pressed with the given velocity until every point slips. The
-  /// object stays where it is. Friction is raised from none, or turned from that of the slide
-  /// before, which leads to the same state: nothing of a slide depends on how it was begun. The
-  /// nearer their velocities are, the less it takes.
+  /// object stays where it is. Friction is raised from none, or the slide starts from what those
+  /// before let expect, which leads to the same state: nothing of a slide depends on how it was
+  /// begun. The nearer their velocities are, the less it takes.
   /// @param aim       share of full friction to stop at. Where it is not all, half of that share is
   ///                  solved too
   /// @param on_share  called with each share that is solved, in its state
+  /// @param guess     a state that may be near, where to start the first slide
   /// @returns the share that was reached, mostly `aim`: soft layers under much friction fold before
   /// it. A share that shows how friction's effects grow is not refined further (`telling_share`).
   double slide(
       const PlaneMotion& velocity, double aim = 1,
-      const std::function<void(double share)>& on_share = [](double) {});
+      const std::function<void(double share)>& on_share = [](double) {},
+      const State* guess = nullptr);
   static constexpr double telling_share = 0.5;
 
   /// Goes back to the contact as it was pressed, without friction.
@@ -85,17 +96,15 @@ class FrictionalPressing {
   };
   using Rub = std::function<void(const Rubbed&, Eigen::VectorXd& friction)>;
 
-  /// An iterate of Newton's method.
-  struct Mixed {
-    std::shared_ptr<const FiniteLayer::State> state;
-    Eigen::Matrix3Xd force;
-    double approach;
-  };
-
   /// Friction opposes this velocity everywhere, with a share of its bound.
   struct Slide {
     PlaneMotion velocity;
     double share = 0;
+  };
+  /// A solved one.
+  struct Slid {
+    Eigen::Vector3d place;
+    State state;
   };
 
   std::vector<Touch> touches() const;
@@ -105,13 +114,19 @@ class FrictionalPressing {
                               const Rub& rub);
   SurfaceStep settle_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
                              const Rub& rub) const;
-  void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<Mixed>& history);
+  void mix(const Eigen::VectorXd& step, FixedPoint& mixing, std::vector<State>& history);
   double advance(
-      double& length, double shortest, double enough, const std::function<bool(double)>& try_share,
+      double& length, double shortest, double enough,
+      const std::function<bool(double, bool again)>& try_share,
       const std::function<void(double)>& on_share = [](double) {});
-  void extrapolate(const Mixed& earlier, double share);
+  void extrapolate(const State& earlier, double share);
   Rub rub_of(const Slide& slide) const;
+  Eigen::Vector3d place_of(const Slide& slide) const;
+  void start_near(const Slide& slide);
+  bool start_from(const std::vector<State>& states, const Eigen::VectorXd& weights);
+  void remember(const Slide& slide) { slid_.push_back({place_of(slide), present()}); }
   bool go_on_to(const Slide& next);
+  bool try_guess(const PlaneMotion& velocity, const State& guess);
   void keep();
   void take_back();
   bool slips(Eigen::Index node) const;
@@ -142,6 +157,8 @@ class FrictionalPressing {
 
   std::unique_ptr<Tangent> tangent_;
   std::optional<Slide> slide_;  ///< that the present state is in
+  std::vector<Slid> slid_;      ///< the first one without friction
+  double arm_ = 0;              ///< lever of a turn's friction, as pressed
   /// Step of friction's share that the last slide ended with: the next one begins with it.
   double ramp_ = 1;
   int iterations_ = 0, factorisations_ = 0;

@@ -14,7 +14,7 @@ struct InvariantResponse {
   double first_first = 0;                    ///< d²w/dI1*²; no material here has others
 };
 
-/// An isochoric invariant with its derivatives by F.
+/// An isochoric invariant with its derivatives by F, the second one where it is asked for.
 struct Invariant {
   double value;
   Vector9d gradient;
@@ -22,7 +22,8 @@ struct Invariant {
 };
 
 /// J^power times an invariant.
-Invariant isochoric(const Invariant& invariant, double power, const Deformation& deformation) {
+Invariant isochoric(const Invariant& invariant, double power, const Deformation& deformation,
+                    bool with_second) {
   const double J = deformation.volume_ratio;
   const double scale = std::pow(J, power);
   const double d1 = power * scale / J, d2 = (power - 1) * d1 / J;
@@ -30,27 +31,31 @@ Invariant isochoric(const Invariant& invariant, double power, const Deformation&
   Invariant result;
   result.value = scale * invariant.value;
   result.gradient = scale * invariant.gradient + d1 * invariant.value * cofactor;
-  const Matrix9d mixed = d1 * invariant.gradient * cofactor.transpose();
-  result.second = scale * invariant.second + mixed + mixed.transpose() +
-                  d2 * invariant.value * cofactor * cofactor.transpose() +
-                  d1 * invariant.value * deformation.second;
+  if (!with_second) return result;
+  const Vector9d mixed = d1 * invariant.gradient + d2 / 2 * invariant.value * cofactor;
+  result.second = scale * invariant.second + d1 * invariant.value * deformation.second;
+  result.second += mixed * cofactor.transpose();
+  result.second += cofactor * mixed.transpose();
   return result;
 }
 
-Invariant first_invariant(const Deformation& deformation) {
-  return {deformation.gradient.squaredNorm(), 2 * as_vector(deformation.gradient),
-          2 * Matrix9d::Identity()};
+Invariant first_invariant(const Deformation& deformation, bool with_second) {
+  Invariant result;
+  result.value = deformation.gradient.squaredNorm();
+  result.gradient = 2 * as_vector(deformation.gradient);
+  if (with_second) result.second = 2 * Matrix9d::Identity();
+  return result;
 }
 
 /// |cof F|²: the cofactor's derivative is linear in F, which gives the second derivative.
-Invariant second_invariant(const Deformation& deformation) {
-  const Matrix9d& derivative = deformation.second;
-  return {deformation.cofactor.squaredNorm(), 2 * derivative * as_vector(deformation.cofactor),
-          2 * derivative * derivative + 2 * cofactor_derivative(deformation.cofactor)};
-}
-
-Response from_vectors(double energy, const Vector9d& stress, const Matrix9d& tangent) {
-  return {energy, Eigen::Map<const Eigen::Matrix3d>(stress.data()), tangent};
+Invariant second_invariant(const Deformation& deformation, bool with_second) {
+  const Matrix9d derivative = cofactor_derivative(deformation.gradient);
+  Invariant result;
+  result.value = deformation.cofactor.squaredNorm();
+  result.gradient = 2 * derivative * as_vector(deformation.cofactor);
+  if (with_second)
+    result.second = 2 * derivative * derivative + 2 * cofactor_derivative(deformation.cofactor);
+  return result;
 }
 
 class IsochoricMaterial : public Material {
@@ -58,19 +63,24 @@ class IsochoricMaterial : public Material {
   IsochoricMaterial(const VolumetricPart& volumetric, bool takes_second)
       : Material(volumetric), takes_second_(takes_second) {}
 
-  Response respond(const Deformation& deformation) const override {
-    const Invariant first = isochoric(first_invariant(deformation), -2.0 / 3, deformation);
-    if (!takes_second_) {
-      const InvariantResponse w = of_invariants(first.value, 3);
-      return from_vectors(
-          w.energy, w.first * first.gradient,
-          w.first * first.second + w.first_first * first.gradient * first.gradient.transpose());
-    }
-    const Invariant second = isochoric(second_invariant(deformation), -4.0 / 3, deformation);
-    const InvariantResponse w = of_invariants(first.value, second.value);
-    return from_vectors(w.energy, w.first * first.gradient + w.second * second.gradient,
-                        w.first * first.second + w.second * second.second +
-                            w.first_first * first.gradient * first.gradient.transpose());
+  Response respond(const Deformation& deformation, bool with_tangent) const override {
+    const Invariant first =
+        isochoric(first_invariant(deformation, with_tangent), -2.0 / 3, deformation, with_tangent);
+    Invariant second;
+    if (takes_second_)
+      second = isochoric(second_invariant(deformation, with_tangent), -4.0 / 3, deformation,
+                         with_tangent);
+    const InvariantResponse w = of_invariants(first.value, takes_second_ ? second.value : 3);
+    Vector9d stress = w.first * first.gradient;
+    if (takes_second_) stress += w.second * second.gradient;
+    Response response;
+    response.energy = w.energy;
+    response.stress = Eigen::Map<const Eigen::Matrix3d>(stress.data());
+    if (!with_tangent) return response;
+    response.tangent =
+        w.first * first.second + w.first_first * first.gradient * first.gradient.transpose();
+    if (takes_second_) response.tangent += w.second * second.second;
+    return response;
   }
 
  protected:
@@ -116,13 +126,16 @@ class CompressibleNeoHookean : public Material {
   CompressibleNeoHookean(double shear_modulus, const VolumetricPart& volumetric)
       : Material(volumetric), shear_modulus_(shear_modulus) {}
 
-  Response respond(const Deformation& deformation) const override {
+  Response respond(const Deformation& deformation, bool with_tangent) const override {
     const double G = shear_modulus_, J = deformation.volume_ratio;
+    Response response;
+    response.energy = G / 2 * (deformation.gradient.squaredNorm() - 3 - 2 * std::log(J));
+    response.stress = G * deformation.gradient - G / J * deformation.cofactor;
+    if (!with_tangent) return response;
     const Vector9d cofactor = as_vector(deformation.cofactor);
-    return {G / 2 * (deformation.gradient.squaredNorm() - 3 - 2 * std::log(J)),
-            G * deformation.gradient - G / J * deformation.cofactor,
-            G * Matrix9d::Identity() - G / J * deformation.second +
-                G / (J * J) * cofactor * cofactor.transpose()};
+    response.tangent = G * Matrix9d::Identity() - G / J * deformation.second +
+                       G / (J * J) * cofactor * cofactor.transpose();
+    return response;
   }
 
  private:

@@ -45,7 +45,8 @@ class Material {
   virtual ~Material() = default;
 
   /// Psi. @pre volume ratio > 0
-  virtual Response respond(const Deformation& deformation) const = 0;
+  /// @param with_tangent  false: the tangent is left as it is
+  virtual Response respond(const Deformation& deformation, bool with_tangent = true) const = 0;
   /// U. @pre volume ratio > 0
   VolumetricResponse respond_to_volume(double volume_ratio) const {
     return volumetric_(volume_ratio);

@@ -10,19 +10,25 @@ namespace softfinger::fem::finite {
 
 SolvedSlides::SolvedSlides(FinitePressing& pressed, const FrictionBound& bound, bool has_room,
                            double force, double torque, double aim,
-                           std::function<void(const std::string&)> on_failure)
+                           std::function<void(const std::string&)> on_failure,
+                           const Eigen::MatrixXd& tangent)
     : force_(force),
       torque_(torque),
       on_failure_(std::move(on_failure)),
-      superposed_(pressed, bound),
+      superposed_(tangent.size() > 0 ? SuperposedSlide(pressed, bound, tangent)
+                                     : SuperposedSlide(pressed, bound)),
       solved_(pressed, bound, has_room),
       aim_(aim) {}
 
-SolvedSlides::Neglected SolvedSlides::of(const PlaneMotion& velocity) {
+SolvedSlides::Neglected SolvedSlides::of(const PlaneMotion& velocity,
+                                         const FrictionalPressing::State* guess) {
   std::vector<SolvedSlide> solutions;
-  const double share = solved_.slide(velocity, aim_, [&](double at) {
-    solutions.push_back({at, solved_.wrench()});
-  });
+  const double share = solved_.slide(
+      velocity, aim_,
+      [&](double at) {
+        solutions.push_back({at, solved_.wrench()});
+      },
+      guess);
   std::sort(
       solutions.begin(), solutions.end(),
       [](const SolvedSlide& one, const SolvedSlide& other) { return one.share < other.share; });

@@ -17,7 +17,7 @@ namespace softfinger::fem::finite {
 /// Full slip of a contact, solved on the deformed layer, less that of superposed motions on the
 /// same mesh: what these neglect. In units of h and E.
 ///
-/// Neighbouring velocities lead to neighbouring states: each slide starts from the one before.
+/// Neighbouring velocities lead to neighbouring states: each slide starts from those before.
 class SolvedSlides {
  public:
   /// @param pressed   of a whole layer, in its equilibrium; its tangent is factorised anew
@@ -25,9 +25,11 @@ class SolvedSlides {
   /// @param force, torque  largest ones, which wrenches are relative to
   /// @param aim            share of friction to solve slides to, 0 to 1
   /// @param on_failure     told why a slide was not solved to the end
+  /// @param tangent        the pressed one's `superposed_stiffness`; empty: it is found
   /// @throws ConvergenceError where the pressed state is not stable against shear
   SolvedSlides(FinitePressing& pressed, const FrictionBound& bound, bool has_room, double force,
-               double torque, double aim, std::function<void(const std::string& why)> on_failure);
+               double torque, double aim, std::function<void(const std::string& why)> on_failure,
+               const Eigen::MatrixXd& tangent = {});
 
   struct Neglected {
     FrictionWrench superposed;              ///< what these say
@@ -37,8 +39,9 @@ class SolvedSlides {
     double inferred = 0;
     bool is_known = true;  ///< false where no share of friction at all was solved
   };
+  /// @param guess  as of FrictionalPressing
   /// @throws EdgeLeftMargin with room
-  Neglected of(const PlaneMotion& velocity);
+  Neglected of(const PlaneMotion& velocity, const FrictionalPressing::State* guess = nullptr);
 
   /// Of many velocities, in an order that makes the way between them short; of more than
   /// `most_solved` these are solved, evenly spread, and the others' is linear in the wrench, by

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 
@@ -75,6 +76,23 @@ TEST(CholeskyFactor, SolvesInHalves) {
     with_more[last[i]] += more[static_cast<Eigen::Index>(i)];
   factor.add_to_last(more, forward);
   EXPECT_LT((factor.backward(forward) - factor.solve(with_more)).norm(), 1e-13);
+}
+
+// The entries that are given are reordered: those of another matrix as well.
+TEST(CholeskyFactor, FactorisesAnotherMatrixOfTheSameGraph) {
+  const SparseSymmetricMatrix matrix = laplacian(5);
+  SparseSymmetricMatrix other = matrix;
+  for (std::size_t i = 0; i < other.value.size(); ++i)
+    other.value[i] *= 1 + 0.1 * std::sin(static_cast<double>(i));
+  const std::vector<int> last{77, 3, 124, 50, 4};
+  CholeskyFactor factor(matrix, nested_dissection(matrix), last);
+  factor.factorise(other);
+  const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
+  const Eigen::VectorXd expected = dense(other).llt().solve(right);
+  EXPECT_LT((factor.solve(right) - expected).norm(), 1e-13 * expected.norm());
+  const Eigen::MatrixXd compliance = dense(other).inverse();
+  EXPECT_LT((factor.compliance_of_last() - compliance(last, last)).norm(),
+            1e-13 * compliance.norm());
 }
 
 TEST(QuotientGraph, OfDoubledUnknownsIsTheGraphOfTheirPairs) {

@@ -774,6 +774,51 @@ TEST_F(SolvedFriction, ReachesFullSlipSoon) {
   }
 }
 
+// Where a long twist ended all points slip. A slide that starts there comes to the same state, in
+// fewer iterations.
+TEST_F(SolvedFriction, SlidesTheSameWayFromAGuess) {
+  finite::FrictionalPressing solved(pressing, kFriction);
+  ASSERT_EQ(solved.slide({0, 0, 1}), 1);
+  const double torque = solved.wrench().torque;
+  const int from_none = solved.iterations();
+  solved.restart();
+  for (const double turn : {0.3, 1.2}) solved.move_to({0, 0, turn});
+  const finite::FrictionalPressing::State guess = solved.present();
+  solved.restart();
+  const int before = solved.iterations();
+  ASSERT_EQ(solved.slide(
+                {0, 0, 1}, 1, [](double) {}, &guess),
+            1);
+  EXPECT_LT(solved.iterations() - before, from_none);
+  EXPECT_NEAR(solved.wrench().torque / torque, 1, 1e-3);
+}
+
+// Slides that start from what those before let expect come to the states that each has alone, in
+// fewer iterations.
+TEST_F(SolvedFriction, SlidesTheSameWayFromThoseBefore) {
+  std::vector<PlaneMotion> velocities;
+  for (const double angle : {0.0, 0.4, 0.8, 1.2})
+    velocities.push_back({std::cos(angle), std::sin(angle), 0.5});
+  const double force = kFriction * pressing.equilibrium().load,
+               torque = finite::slide(pressing, kFriction, {0, 0, 1}).torque;
+  std::vector<Eigen::Vector3d> alone;
+  int iterations_alone = 0;
+  for (const PlaneMotion& velocity : velocities) {
+    finite::FrictionalPressing solved(pressing, kFriction);
+    ASSERT_EQ(solved.slide(velocity), 1);
+    alone.push_back(finite::relative(solved.wrench(), force, torque));
+    iterations_alone += solved.iterations();
+  }
+  finite::FrictionalPressing solved(pressing, kFriction);
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    ASSERT_EQ(solved.slide(velocities[i]), 1);
+    const Eigen::Vector3d found = finite::relative(solved.wrench(), force, torque);
+    constexpr double newton = 1e-3;  // of its steps, relative to the approach
+    EXPECT_LT((found - alone[i]).cwiseAbs().maxCoeff(), newton);
+  }
+  EXPECT_LT(solved.iterations(), iterations_alone);
+}
+
 // However far the object turns in one increment, friction is along the motion under each node at
 // its end: full slip has one torque.
 TEST_F(SolvedFriction, OfALargeTurnIsThatOfASlide) {

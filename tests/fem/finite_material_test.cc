@@ -307,6 +307,23 @@ TEST(Element, LinearisationIsItsForcesDerivativeAlongNewtonsStep) {
   }
 }
 
+TEST(Element, IsTheSameWithoutItsStiffness) {
+  const ElementGeometry geometry = unit_cube();
+  std::srand(6);
+  for (const Sample& sample : samples()) {
+    const auto material = make_material(sample.choice, 1.0, 0.45);
+    const Eigen::VectorXd displacement = 0.05 * Eigen::VectorXd::Random(81);
+    ElementState state;
+    state.pressure = 0.2 * Eigen::Vector4d::Random();
+    const auto all = linearise(geometry, *material, state, displacement);
+    const auto some = linearise(geometry, *material, state, displacement, false);
+    EXPECT_EQ(some.stiffness.size(), 0);
+    EXPECT_LT((some.force - all.force).norm(), round_off * all.force.norm()) << sample.name;
+    EXPECT_LT((some.residual - all.residual).norm(), round_off * all.residual.norm());
+    EXPECT_LT((some.volume_rate - all.volume_rate).norm(), round_off * all.volume_rate.norm());
+  }
+}
+
 TEST(Element, HomogeneousStateHasTheMaterialsOwnStress) {
   const ElementGeometry geometry = unit_cube();
   std::mt19937 generator(5);
