@@ -162,6 +162,7 @@ class LevelLoop {
     choose_elements(mesh_, 0);
     mesh_.elements_per_semi_axis *= trial_refinement_;
     check_reach(mesh_, problem_);
+    tell_unknowns(formatted("mesh %d", trial));
     try {
       physics_.press(mesh_, 0);
     } catch (const NotReached& last) {
@@ -286,12 +287,16 @@ class LevelLoop {
     task_.progress(formatted("level %d: %d elements per semi-axis%s", level,
                              mesh_.elements_per_semi_axis,
                              time_to_go(result_.levels, mesh_.elements_per_semi_axis).c_str()));
-    // Uneven cells of a mesh from outside are halved until the largest is small enough, which may
-    // make far more of them than anybody expects.
-    if (problem_.mesh)
-      task_.progress(formatted("level %d: the mesh from outside makes %ld unknowns", level,
-                               physics_.predicted_unknowns(mesh_)));
+    tell_unknowns(formatted("level %d", level));
     check_reach(mesh_, problem_);
+  }
+
+  /// Cells of a mesh from outside are halved until they are small enough, which may make far more
+  /// of them than anybody expects.
+  void tell_unknowns(const std::string& mesh) const {
+    if (problem_.mesh)
+      task_.progress(formatted("%s: the mesh from outside makes %ld unknowns", mesh.c_str(),
+                               physics_.predicted_unknowns(mesh_)));
   }
 
   void keep(Measurement found, int level, const Stopwatch& watch) {
