@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "meshes/generation/planar_triangulation.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -95,13 +96,26 @@ bool smooth(std::vector<Eigen::Matrix2Xd>& outlines) {
   return edge.has_value();
 }
 
+/// Side of the cells that touch, which have four nodes each; their mean where they differ.
+double mean_cell(const NodalPressure& pressure) {
+  double area = 0;
+  Index touching = 0;
+  for (Index i = 0; i < pressure.force.size(); ++i) {
+    if (!(pressure.force[i] > 0)) continue;
+    area += pressure.nodes[static_cast<std::size_t>(i)].weight;
+    ++touching;
+  }
+  return 2 * std::sqrt(area / static_cast<double>(touching));
+}
+
 ContactShape from_nodes(const NodalContact& contact) {
   const NodalPressure& pressure = contact.pressure;
   const Eigen::VectorXd clearance = contact.clearance();
   ContactShape shape;
-  shape.outlines =
-      touching_outlines({pressure.nodes, pressure.faces, contact.position, contact.nodal_pressure,
-                         clearance, contact.modulus, contact.whole});
+  TouchingState touching{pressure.nodes, pressure.faces,  contact.position, contact.nodal_pressure,
+                         clearance,      contact.modulus, contact.whole};
+  if (!contact.regular) touching.triangles = meshes::triangulate(contact.position);
+  shape.outlines = touching_outlines(touching);
   if (!(shape_of(shape.outlines).area > 0))
     throw ConvergenceError("outline of the contact", 0, 0,
                            "the contact is smaller than a cell: use a higher level");
@@ -109,10 +123,11 @@ ContactShape from_nodes(const NodalContact& contact) {
   if (contact.regular) {
     const SurfaceFace& face = pressure.faces.front();
     shape.cell = std::sqrt(face.size_x * face.size_y);
-    // The same everywhere: taken off as a share of the radius, ellipses would become too round.
-    for (Eigen::Matrix2Xd& points : shape.outlines)
-      points = moved_left(points, contact.outline_outside * shape.cell);
   }
+  const double cell = contact.regular ? shape.cell : mean_cell(pressure);
+  // The same everywhere: taken off as a share of the radius, ellipses would become too round.
+  for (Eigen::Matrix2Xd& points : shape.outlines)
+    points = moved_left(points, contact.outline_outside * cell);
   const OutlineShape outline = shape_of(shape.outlines);
   describe(outline, shape);
   if (is_smooth) shape.outlines.front() = reported(shape.outlines.front());

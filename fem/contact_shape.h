@@ -40,7 +40,7 @@ struct NodalContact {
   std::function<Eigen::VectorXd()> clearance;  ///< of each node from the object
   double modulus = 1;                          ///< E / (1 - nu²) of the surface's material
   bool regular = true;                         ///< faces are a grid of rectangles
-  /// By how many cells the outline of the nodes lies outside the edge, where faces are a grid.
+  /// By how many cells the outline of the nodes lies outside the edge.
   double outline_outside = 0;
 };
 

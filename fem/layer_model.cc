@@ -57,19 +57,21 @@ void LayerModel::Implementation::assemble() {
   std::deque<ElementStiffness> of_sublayer;  // which cannot be moved
   for (const ElasticConstants& constants : sublayers)
     of_sublayer.emplace_back(*mapping, element, constants.poisson_ratio, shape != nullptr);
+  dealii::AffineConstraints<double> turned;
+  if (!frames.empty()) turned = constraints_in(frames);
   std::vector<global_dof_index> indices(element.n_dofs_per_cell());
   for (const auto& cell : dofs.active_cell_iterators()) {
     cell->get_dof_indices(indices);
     dealii::FullMatrix<double> of_element = of_sublayer[cell->material_id()](cell);
     of_element *= sublayers[cell->material_id()].youngs_ratio;
     if (!frames.empty()) turn_to_frames(frames, indices, of_element);
-    constraints.distribute_local_to_global(of_element, indices, stiffness);
+    (frames.empty() ? constraints : turned)
+        .distribute_local_to_global(of_element, indices, stiffness);
   }
 }
 
 void LayerModel::Implementation::set_frames() {
   for (const SurfaceNode& node : nodes) frames.push_back(surface_frame(node.normal));
-  require_unconstrained_surface();
 }
 
 long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,

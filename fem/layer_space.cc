@@ -10,9 +10,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 
+#include "meshes/generation/divide_sheets.h"
 #include "meshes/generation/layer_block.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
@@ -265,10 +268,9 @@ double distance(const Box& one, const Box& other) {
   return std::sqrt(squares);
 }
 
-/// Whether a face reaches into the ellipse where contact is possible, seen along the load.
-template <class Face>
-bool is_in_patch(const Face& face, const LayerDiscretisation& discretisation) {
-  const auto [low, high] = box_of(face);
+/// Whether a box reaches into the ellipse where contact is possible, seen along the load.
+bool is_in_patch(const Box& box, const LayerDiscretisation& discretisation) {
+  const auto& [low, high] = box;
   const double x = std::max({0.0, low[0], -high[0]}) / (discretisation.patch * discretisation.a);
   const double y = std::max({0.0, low[1], -high[1]}) / (discretisation.patch * discretisation.b);
   return x * x + y * y < 1;
@@ -282,44 +284,184 @@ std::vector<Face> patch_faces(const LayerDiscretisation& discretisation,
   for (const auto& cell : triangulation.active_cell_iterators())
     for (const unsigned int f : cell->face_indices())
       if (cell->face(f)->at_boundary() && cell->face(f)->boundary_id() == contact_face &&
-          is_in_patch(cell->face(f), discretisation))
+          is_in_patch(box_of(cell->face(f)), discretisation))
         result.push_back(cell->face(f));
   return result;
 }
 
-double longest_side(const Face& face) {
+/// Longest sides that the contact asks for along x, y and z.
+dealii::Point<dim> wanted_sides(const LayerDiscretisation& mesh) {
+  const double fine_x = mesh.a / mesh.elements_along_a(), fine_y = mesh.b / mesh.elements_along_b();
+  constexpr double depth = 2;  // under the surface stresses vary less than along it
+  return {fine_x, fine_y, depth * std::min(fine_x, fine_y)};
+}
+
+/// How many times an edge is as long as wanted. Sizes that are meant to be equal differ by
+/// round-off.
+double oversize(const dealii::Tensor<1, dim>& edge, const dealii::Point<dim>& wanted) {
+  constexpr double round_off = 1e-6;
+  double largest = 0;
+  for (unsigned int c = 0; c < dim; ++c) largest = std::max(largest, std::abs(edge[c]) / wanted[c]);
+  return largest / (1 + round_off);
+}
+
+/// Of the edges of a cell or a face. (A skewed cell's box would be larger than any of them.)
+template <class Object>
+double largest_oversize(const Object& object, const dealii::Point<dim>& wanted) {
+  double largest = 0;
+  for (unsigned int i = 0; i < object->n_lines(); ++i)
+    largest = std::max(largest,
+                       oversize(object->line(i)->vertex(1) - object->line(i)->vertex(0), wanted));
+  return largest;
+}
+
+template <class Object>
+double longest_edge(const Object& object) {
   double longest = 0;
-  for (unsigned int i = 0; i < 4; ++i) longest = std::max(longest, face->line(i)->diameter());
+  for (unsigned int i = 0; i < object->n_lines(); ++i)
+    longest = std::max(longest, object->line(i)->diameter());
   return longest;
 }
 
-/// Halves the cells near the patch like those of our own block, until its faces are small enough.
-/// @returns cells along b
-int refine_towards_patch(const LayerDiscretisation& discretisation,
-                         dealii::Triangulation<dim>& triangulation) {
+/// Halves the cells near the patch like those of our own block: each while it is too large itself
+/// and nearer to the patch than a share of its longest side. Smaller ones stay as they are, so that
+/// nodes may hang on the surface.
+/// @param most_cells  where to give up
+void refine_towards_patch(const LayerDiscretisation& discretisation, unsigned int most_cells,
+                          dealii::Triangulation<dim>& triangulation) {
   constexpr int most_halvings = 12;  // cells 4096 times too large mean a wrong unit of length
-  for (int step = 0;; ++step) {
-    const std::vector<Face> faces = patch_faces(discretisation, triangulation);
-    double size = 0;
-    for (const Face& face : faces) size = std::max(size, longest_side(face));
-    // Sizes that are meant to be equal differ by round-off.
-    constexpr double round_off = 1e-6;
-    const double cells = size > 0 ? discretisation.b / size * (1 + round_off) : 0;
-    if (size == 0 || step == most_halvings || cells >= discretisation.elements_per_semi_axis)
-      return static_cast<int>(cells);
+  const dealii::Point<dim> wanted = wanted_sides(discretisation);
+  bool is_done = false;
+  for (int step = 0;
+       !is_done && step < most_halvings && triangulation.n_active_cells() < most_cells; ++step) {
     std::vector<Box> patch;
-    for (const Face& face : faces) patch.push_back(box_of(face));
+    for (const Face& face : patch_faces(discretisation, triangulation))
+      patch.push_back(box_of(face));
+    is_done = true;
     for (const auto& cell : triangulation.active_cell_iterators()) {
+      if (largest_oversize(cell, wanted) <= 1) continue;
       const Box box = box_of(cell);
-      const auto sides = box.second - box.first;
-      const double reach = std::max({sides[0], sides[1], sides[2]});
-      if (std::any_of(patch.begin(), patch.end(),
-                      [&](const Box& face) { return distance(face, box) <= reach * (1 + 1e-9); }))
-        cell->set_refine_flag();
+      const double reach = fine_surroundings(discretisation) * longest_edge(cell);
+      const Box around{{box.first[0] - reach, box.first[1] - reach, 0},
+                       {box.second[0] + reach, box.second[1] + reach, 0}};
+      // Faces in the patch may go far beyond it as long as they are large.
+      if (!is_in_patch(around, discretisation) ||
+          std::none_of(patch.begin(), patch.end(),
+                       [&](const Box& face) { return distance(face, box) <= reach * (1 + 1e-9); }))
+        continue;
+      cell->set_refine_flag();
+      is_done = false;
     }
     triangulation.execute_coarsening_and_refinement();
   }
 }
+
+/// Cells along b, of the largest in the patch; 0 where there are none.
+int cells_along_b(const LayerDiscretisation& discretisation,
+                  const dealii::Triangulation<dim>& triangulation) {
+  const dealii::Point<dim> wanted = wanted_sides(discretisation);
+  double largest = 0;
+  for (const Face& face : patch_faces(discretisation, triangulation))
+    largest = std::max(largest, largest_oversize(face, wanted));
+  return largest > 0 ? static_cast<int>(discretisation.elements_per_semi_axis / largest) : 0;
+}
+
+/// A user's mesh that is divided along sheets before its cells are halved.
+class DividedMesh {
+ public:
+  DividedMesh(const meshes::LayerMesh& mesh, double thickness,
+              const LayerDiscretisation& discretisation)
+      : mesh_(mesh), thickness_(thickness), discretisation_(discretisation) {
+    find_edges_in_patch();
+  }
+
+  /// Of all ways to make the patch's cells small enough, the one with the fewest cells: dividing
+  /// sheets makes long cells shorter, halving makes all sides smaller, and leaves what is far away.
+  void triangulate(dealii::Triangulation<dim>& triangulation) const {
+    // Sheets of many more parts only make slivers far away.
+    constexpr double most_parts = 16;
+    double largest = 1;
+    for (const auto& [edge, size] : edges_) largest = std::max(largest, size);
+    double best = 1;
+    unsigned int fewest = std::numeric_limits<unsigned int>::max();
+    for (double halved = 1; halved < 2 * largest; halved *= 2) {
+      if (largest / halved > most_parts) continue;
+      dealii::Triangulation<dim> trial(
+          dealii::Triangulation<dim>::limit_level_difference_at_vertices);
+      triangulate(halved, fewest, trial);
+      if (trial.n_active_cells() >= fewest) continue;
+      fewest = trial.n_active_cells();
+      best = halved;
+    }
+    triangulate(best, std::numeric_limits<unsigned int>::max(), triangulation);
+  }
+
+ private:
+  using Edge = std::pair<int, int>;
+
+  dealii::Point<dim> place(int vertex) const {
+    const Eigen::Vector3d at =
+        mesh_.hexahedra.vertices[static_cast<std::size_t>(vertex)] / thickness_;
+    return {at.x(), at.y(), at.z()};
+  }
+
+  Box box(const std::array<int, 4>& face) const {
+    Box result{place(face[0]), place(face[0])};
+    for (const int vertex : face)
+      for (unsigned int c = 0; c < dim; ++c) {
+        result.first[c] = std::min(result.first[c], place(vertex)[c]);
+        result.second[c] = std::max(result.second[c], place(vertex)[c]);
+      }
+    return result;
+  }
+
+  /// Of the cells whose contact faces lie in the patch, by how many times they are too long.
+  void find_edges_in_patch() {
+    std::set<int> vertices;
+    for (const auto& face : mesh_.contact)
+      if (is_in_patch(box(face), discretisation_)) vertices.insert(face.begin(), face.end());
+    const dealii::Point<dim> wanted = wanted_sides(discretisation_);
+    // From a corner of gmsh's hexahedron to the next one along each direction.
+    constexpr std::array<std::array<std::size_t, 2>, 12> ends{{{0, 1},
+                                                               {1, 2},
+                                                               {3, 2},
+                                                               {0, 3},
+                                                               {4, 5},
+                                                               {5, 6},
+                                                               {7, 6},
+                                                               {4, 7},
+                                                               {0, 4},
+                                                               {1, 5},
+                                                               {2, 6},
+                                                               {3, 7}}};
+    for (const auto& cell : mesh_.hexahedra.cells) {
+      if (std::count_if(cell.begin(), cell.end(),
+                        [&](int vertex) { return vertices.count(vertex) > 0; }) < 4)
+        continue;
+      for (const auto& [from, to] : ends) {
+        const Edge edge = std::minmax({cell[from], cell[to]});
+        edges_[edge] = oversize(place(edge.second) - place(edge.first), wanted);
+      }
+    }
+  }
+
+  /// @param halved  how many times too large cells are still when sheets are divided
+  void triangulate(double halved, unsigned int most_cells,
+                   dealii::Triangulation<dim>& triangulation) const {
+    const auto parts = [&](int from, int to) {
+      const auto found = edges_.find(std::minmax({from, to}));
+      if (found == edges_.end()) return 1;
+      return std::max(1, static_cast<int>(std::ceil(found->second / halved)));
+    };
+    make_triangulation(meshes::divide_sheets(mesh_, parts), thickness_, triangulation);
+    refine_towards_patch(discretisation_, most_cells, triangulation);
+  }
+
+  const meshes::LayerMesh& mesh_;
+  double thickness_;
+  LayerDiscretisation discretisation_;
+  std::map<Edge, double> edges_;
+};
 
 /// Collects the surface where contact is possible: its nodes, with their share of it, and its
 /// faces.
@@ -364,12 +506,13 @@ class SurfaceBuilder {
       for (const unsigned int f : cell->face_indices()) {
         const auto face = cell->face(f);
         if (!face->at_boundary() || face->boundary_id() != contact_face ||
-            !is_in_patch(face, space_.discretisation))
+            !is_in_patch(box_of(face), space_.discretisation))
           continue;
         values.reinit(cell, f);
         cell->get_dof_indices(indices);
         add_quadrilateral(f, values, indices, at_end);
       }
+    find_dofs_of_nodes();
     for (SurfaceNode& node : space_.nodes) {
       node.normal.normalize();
       // As in the block, the weight is an area seen along the load.
@@ -476,18 +619,43 @@ class SurfaceBuilder {
       made.dofs[k][static_cast<std::size_t>(c)] = dof;
       made.places[k] = place_of(dof);
       // Each node once: by its component along the load.
-      if (c != 2 || !is_touchable(dof)) continue;
-      made.face.node[k] = number_of_node(dof, [&] { return meshed_node(dof, at_end[dof] != 0); });
-      add_share_of_face(values, i, node(made.face.node[k]));
+      if (c != 2) continue;
+      for (const auto& [master, share] : masters_of(dof)) {
+        if (!is_touchable(master)) continue;
+        const int touched =
+            number_of_node(master, [&, at = master] { return meshed_node(at, at_end[at] != 0); });
+        if (share == 1) made.face.node[k] = touched;
+        add_share_of_face(values, i, share, node(touched));
+      }
     }
     add(made);
   }
 
-  /// Adds to a node's weight and normal the integrals of its shape function over a face.
+  /// By their numbers, which the component along the load has: a node from which others hang may be
+  /// on none of the faces.
+  void find_dofs_of_nodes() {
+    std::vector<int> number(space_.dofs.n_dofs(), -1);
+    for (global_dof_index i = 0; i < space_.dofs.n_dofs(); ++i)
+      if (space_.surface_node[i] >= 0) number[space_.node_of[i]] = space_.surface_node[i];
+    for (global_dof_index i = 0; i < space_.dofs.n_dofs(); ++i)
+      if (const int node = number[space_.node_of[i]]; node >= 0)
+        space_.node_dofs[static_cast<std::size_t>(node)]
+                        [static_cast<std::size_t>(space_.component[i])] = i;
+  }
+
+  using Masters = std::vector<std::pair<global_dof_index, double>>;
+
+  /// The node itself, or those that it is interpolated from where it hangs, with their shares.
+  Masters masters_of(global_dof_index dof) const {
+    if (!space_.constraints.is_constrained(dof)) return {{dof, 1.0}};
+    return *space_.constraints.get_constraint_entries(dof);
+  }
+
+  /// Adds to a node's weight and normal a share of the integrals of a shape function over a face.
   static void add_share_of_face(const dealii::FEFaceValues<dim>& values,
-                                unsigned int shape_function, SurfaceNode& node) {
+                                unsigned int shape_function, double share, SurfaceNode& node) {
     for (const unsigned int q : values.quadrature_point_indices()) {
-      const double area = values.shape_value(shape_function, q) * values.JxW(q);
+      const double area = share * values.shape_value(shape_function, q) * values.JxW(q);
       const auto& normal = values.normal_vector(q);
       node.weight += area;
       node.normal += area * Eigen::Vector3d(normal[0], normal[1], normal[2]);
@@ -571,9 +739,9 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const L
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh,
                        double thickness_m)
     : discretisation(meant), element(dealii::FE_Q<dim>(2), dim), whole(true), meshed(true) {
-  make_triangulation(mesh, thickness_m, triangulation);
+  DividedMesh(mesh, thickness_m, discretisation).triangulate(triangulation);
   discretisation.elements_per_semi_axis =
-      std::max(meant.elements_per_semi_axis, refine_towards_patch(discretisation, triangulation));
+      std::max(meant.elements_per_semi_axis, cells_along_b(discretisation, triangulation));
   dofs.distribute_dofs(element);
   const std::vector<dealii::Point<dim>> support = support_points();
   bend(support);
@@ -625,13 +793,36 @@ void LayerSpace::number_surface() {
     for (const auto dof : node_dofs[i]) surface_node[dof] = static_cast<int>(i);
 }
 
-void LayerSpace::require_unconstrained_surface() const {
-  for (const auto& line : constraints.get_lines())
-    for (const auto& entry : line.entries)
-      if (surface_node[entry.first] >= 0)
-        throw ConvergenceError(
-            "mesh of the bent layer", static_cast<int>(entry.first), 0,
-            "a hanging node is interpolated from the contact's nodes; change the level");
+dealii::AffineConstraints<double> LayerSpace::constraints_in(
+    const std::vector<Eigen::Matrix3d>& frames) const {
+  dealii::AffineConstraints<double> turned;
+  for (const auto& line : constraints.get_lines()) {
+    turned.add_line(line.index);
+    for (const auto& [dof, share] : line.entries) {
+      const int node = surface_node[dof];
+      if (node < 0) {
+        turned.add_entry(line.index, dof, share);
+        continue;
+      }
+      const auto number = static_cast<std::size_t>(node);
+      for (std::size_t c = 0; c < dim; ++c)
+        turned.add_entry(line.index, node_dofs[number][c],
+                         share * frames[number](component[line.index], static_cast<int>(c)));
+    }
+  }
+  turned.close();
+  return turned;
+}
+
+std::vector<std::pair<int, double>> LayerSpace::node_shares(std::size_t face,
+                                                            std::size_t place) const {
+  const global_dof_index dof = face_dofs[face][place][2];
+  if (surface_node[dof] >= 0) return {{surface_node[dof], 1.0}};
+  std::vector<std::pair<int, double>> shares;
+  if (const auto* masters = constraints.get_constraint_entries(dof))
+    for (const auto& [master, share] : *masters)
+      if (surface_node[master] >= 0) shares.emplace_back(surface_node[master], share);
+  return shares;
 }
 
 /// The layer's shape as a quadratic displacement of the block, continuous across hanging nodes.

@@ -14,6 +14,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "fem/cholesky.h"
@@ -71,10 +72,14 @@ struct LayerSpace {
   std::vector<int> surface_node;  ///< per dof; -1 elsewhere
   std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
 
-  /// @throws ConvergenceError where a hanging node is interpolated from a node of the contact
-  /// surface. The interpolation holds for components along x, y and z, so that the surface node's
-  /// unknowns cannot be turned into its own frame.
-  void require_unconstrained_surface() const;
+  /// The same constraints for unknowns of surface nodes that are the components along their frames:
+  /// a hanging node may be interpolated from nodes of the contact surface.
+  dealii::AffineConstraints<double> constraints_in(
+      const std::vector<Eigen::Matrix3d>& frames) const;
+
+  /// The surface nodes that tell a field at one of a face's nine places, with their shares: the
+  /// node there, or those that it is interpolated from where it hangs.
+  std::vector<std::pair<int, double>> node_shares(std::size_t face, std::size_t place) const;
 
   /// Turns the rows and columns of surface nodes in an element's matrix, so that their unknowns are
   /// the components along their frames: then only the normal ones have to be condensed on.

@@ -45,6 +45,11 @@ double rounded(double semi_axis) {
   return std::exp(step * std::round(std::log(semi_axis) / step));
 }
 
+void keep_guess_sensible(LayerDiscretisation& mesh) {
+  mesh.b = rounded(std::clamp(mesh.b, smallest_guess, largest_guess_b));
+  mesh.a = rounded(std::clamp(mesh.a, smallest_guess, largest_guess_a));
+}
+
 /// How far a contact and the mesh it is on differ in size.
 double misfit(const LayerDiscretisation& mesh, double a, double b) {
   return std::max(std::abs(std::log(a / mesh.a)), std::abs(std::log(b / mesh.b)));
@@ -127,14 +132,9 @@ class LevelLoop {
       physics_.press({}, problem_.level - 1);
     } else {
       mesh_ = first_guess(task_.pressing);
-      if (const auto& hint = problem_.size_hint_m) {
-        mesh_.a = (*hint)[0] / task_.pressing.thickness_m;
-        mesh_.b = (*hint)[1] / task_.pressing.thickness_m;
-      } else {
-        mesh_.a = std::max(mesh_.a, mesh_.b);
-      }
-      mesh_.b = rounded(std::clamp(mesh_.b, smallest_guess, largest_guess_b));
-      mesh_.a = rounded(std::clamp(mesh_.a, smallest_guess, largest_guess_a));
+      mesh_.a = std::max(mesh_.a, mesh_.b);
+      keep_guess_sensible(mesh_);
+      if (problem_.size_hint_m) take_hint(*problem_.size_hint_m);
       for (int trial = 1; !fits_trial(trial); ++trial)
         if (task_.stop()) throw Interrupted();
     }
@@ -147,11 +147,22 @@ class LevelLoop {
           formatted("meshes of an earlier contact, %.3g times as large", trial_.result.oversize));
   }
 
+  /// A hint for which the layer has no room would refuse what may fit.
+  void take_hint(const std::array<double, 2>& size_m) {
+    LayerDiscretisation hinted = mesh_;
+    hinted.a = size_m[0] / task_.pressing.thickness_m;
+    hinted.b = size_m[1] / task_.pressing.thickness_m;
+    keep_guess_sensible(hinted);
+    choose_elements(hinted, 0);
+    if (hinted.is_within_reach()) mesh_ = hinted;
+  }
+
   /// Presses a trial mesh. @returns whether it suits the contact; if not, the next one is planned
   bool fits_trial(int trial) {
     choose_elements(mesh_, 0);
     mesh_.elements_per_semi_axis *= trial_refinement_;
     check_reach(mesh_, problem_);
+    tell_unknowns(formatted("mesh %d", trial));
     try {
       physics_.press(mesh_, 0);
     } catch (const NotReached& last) {
@@ -276,12 +287,16 @@ class LevelLoop {
     task_.progress(formatted("level %d: %d elements per semi-axis%s", level,
                              mesh_.elements_per_semi_axis,
                              time_to_go(result_.levels, mesh_.elements_per_semi_axis).c_str()));
-    // Uneven cells of a mesh from outside are halved until the largest is small enough, which may
-    // make far more of them than anybody expects.
-    if (problem_.mesh)
-      task_.progress(formatted("level %d: the mesh from outside makes %ld unknowns", level,
-                               physics_.predicted_unknowns(mesh_)));
+    tell_unknowns(formatted("level %d", level));
     check_reach(mesh_, problem_);
+  }
+
+  /// Cells of a mesh from outside are halved until they are small enough, which may make far more
+  /// of them than anybody expects.
+  void tell_unknowns(const std::string& mesh) const {
+    if (problem_.mesh)
+      task_.progress(formatted("%s: the mesh from outside makes %ld unknowns", mesh.c_str(),
+                               physics_.predicted_unknowns(mesh_)));
   }
 
   void keep(Measurement found, int level, const Stopwatch& watch) {

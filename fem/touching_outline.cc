@@ -44,6 +44,9 @@ class Tracer {
   explicit Tracer(const TouchingState& state) : state_(state) {}
 
   std::vector<Eigen::Matrix2Xd> trace() {
+    for (const std::array<int, 3>& triangle : state_.triangles)
+      cross({{triangle[0], 0}, {triangle[1], 0}, {triangle[2], 0}});
+    if (!state_.triangles.empty()) return chain();
     for (int image = 0; image < (state_.whole ? 1 : 4); ++image)
       for (const SurfaceFace& face : state_.faces)
         for (const std::size_t corner : {0, 1, 3, 4}) cross_square(face, corner, image);
@@ -82,18 +85,23 @@ class Tracer {
 
   /// Adds the outline's pieces in a quarter of a face, with what touches on their left.
   void cross_square(const SurfaceFace& face, std::size_t corner, int image) {
-    std::array<ImageNode, 4> around;
-    constexpr std::array<std::size_t, 4> steps{0, 1, 4, 3};
-    for (std::size_t i = 0; i < 4; ++i) around[i] = node_of(face, corner + steps[i], image);
+    std::vector<ImageNode> around;
+    for (const std::size_t step : {0, 1, 4, 3})
+      around.push_back(node_of(face, corner + step, image));
     if (std::any_of(around.begin(), around.end(), [](ImageNode at) { return at.node < 0; })) return;
-    // Mirror images run clockwise, and so may faces of meshes from outside.
+    // Mirror images run clockwise.
     const Vector2d one = place(around[2]) - place(around[0]),
                    other = place(around[3]) - place(around[1]);
     if (one.x() * other.y() < one.y() * other.x()) std::swap(around[1], around[3]);
+    cross(around);
+  }
+
+  /// @param around  nodes of a triangle or square, counter-clockwise
+  void cross(const std::vector<ImageNode>& around) {
     // Walking around, the outline enters where a touching node is followed by an open one.
     std::vector<Crossing> leaves, enters;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const ImageNode here = around[i], next = around[(i + 1) % 4];
+    for (std::size_t i = 0; i < around.size(); ++i) {
+      const ImageNode here = around[i], next = around[(i + 1) % around.size()];
       if (touches(here) && !touches(next)) leaves.emplace_back(here, next);
       if (!touches(here) && touches(next)) enters.emplace_back(next, here);
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "fem/layer_model.h"
@@ -17,6 +18,9 @@ struct TouchingState {
   const Eigen::VectorXd& clearance;  ///< of each node from the object, 0 where it touches
   double modulus = 1;                ///< E / (1 - nu²) of the surface's material
   bool whole = false;                ///< not a quarter
+  /// Of the nodes, counter-clockwise, in place of the faces where these do not fit together: on a
+  /// mesh from outside nodes may hang.
+  std::vector<std::array<int, 3>> triangles = {};
 };
 
 /// The contact lies partly beside the nodes that a state describes.

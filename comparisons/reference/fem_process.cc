@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "comparisons/reference/size_hint.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
@@ -79,8 +80,10 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       const auto& problems = batches[batch].problems;
       if (answered[batch] == problems.size()) continue;
       nlohmann::json left = nlohmann::json::array();
-      for (std::size_t i = answered[batch]; i < problems.size(); ++i)
+      for (std::size_t i = answered[batch]; i < problems.size(); ++i) {
         left.push_back(to_json(problems[i]));
+        if (const auto hint = size_hint_m(problems[i])) left.back()["size_hint_m"] = *hint;
+      }
       system::ProcessJob job;
       job.command = {program, "-"};
       job.input = left.dump() + "\n";

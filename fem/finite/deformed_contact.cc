@@ -120,9 +120,9 @@ Eigen::VectorXd nodal_area(const FiniteLayer& layer) {
   for (std::size_t i = 0; i < layer.faces().size(); ++i) {
     const SurfaceFace& face = layer.faces()[i];
     for (std::size_t k = 0; k < 9; ++k)
-      if (face.node[k] >= 0)
-        area[face.node[k]] +=
-            simpson[k % 3] * simpson[k / 3] * face.size_x * face.size_y *
+      for (const auto& [node, share] : layer.node_shares(i, k))
+        area[node] +=
+            share * simpson[k % 3] * simpson[k / 3] * face.size_x * face.size_y *
             surface.at(i, 0.5 * static_cast<double>(k % 3), 0.5 * static_cast<double>(k / 3))
                 .area_ratio;
   }

@@ -171,7 +171,6 @@ FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation, const meshes
 void FiniteLayer::Implementation::set_up(
     std::vector<std::shared_ptr<const Material>> of_sublayers) {
   materials = std::move(of_sublayers);
-  require_unconstrained_surface();
   set_geometries();
   dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
   dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
@@ -215,6 +214,11 @@ std::array<Eigen::Vector3d, 9> FiniteLayer::face_positions(std::size_t face) con
     }
   }
   return result;
+}
+
+std::vector<std::pair<int, double>> FiniteLayer::node_shares(std::size_t face,
+                                                             std::size_t place) const {
+  return implementation_->node_shares(face, place);
 }
 
 double FiniteLayer::smallest_volume_ratio() const {
@@ -272,6 +276,7 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   dealii::Vector<double> residual_of_dofs(dofs.n_dofs()), internal(dofs.n_dofs());
   std::vector<Eigen::Matrix3d> axes;
   for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
+  const dealii::AffineConstraints<double> constraints_of_frames = constraints_in(axes);
 
   const unsigned int size = element.n_dofs_per_cell();
   dealii::FullMatrix<double> of_element(size, size);
@@ -290,7 +295,7 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
     if (with_stiffness) {
       of_element.fill(linear.stiffness.data());  // symmetric: rows may be columns
       if (touches) turn_to_frames(axes, indices, of_element);
-      constraints.distribute_local_to_global(of_element, indices, stiffness);
+      constraints_of_frames.distribute_local_to_global(of_element, indices, stiffness);
     }
     linear.stiffness.resize(0, 0);
     linearisations[cell_index] = std::move(linear);
@@ -298,7 +303,7 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   constraints.condense(residual_of_dofs);
   constraints.condense(internal);
 
-  // Surface nodes are no masters of hanging ones: their forces can be turned here, at the end.
+  // With what hangs on them, surface nodes have their forces turned here, at the end.
   double out_of_balance = 0;
   std::vector<char> is_surface(dofs.n_dofs(), 0);
   for (std::size_t i = 0; i < frames.size(); ++i) {

@@ -58,6 +58,10 @@ class FiniteLayer {
   /// Positions of the nine nodes of a face, also of nodes that cannot be touched.
   std::array<Eigen::Vector3d, 9> face_positions(std::size_t face) const;
 
+  /// The nodes that tell a field at one of a face's nine places, with their shares: one, or several
+  /// where a node hangs.
+  std::vector<std::pair<int, double>> node_shares(std::size_t face, std::size_t place) const;
+
   double strain_energy() const;
 
   /// Volume ratio and principal stretches over all quadrature points, present state.

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "comparisons/reference/size_hint.h"
+
 namespace softfinger {
 namespace {
 
@@ -66,6 +70,35 @@ TEST(FemProblem, HasFrictionFilesAndApproachOnlyWhereTheyAreAskedFor) {
   EXPECT_EQ(object["approach_m"], 1e-4);
   EXPECT_EQ(object["output_directory"], "out");
   EXPECT_FALSE(object.contains("compliance_file"));
+}
+
+TEST(FemProblem, ExpectsTheSizeOfTheContactThatHertzTellsOnAThickLayer) {
+  reference::FemProblem thick;
+  thick.radii = {0.02, 0.02, 0};
+  thick.layer = {1.0, 1e6, 0.3};
+  thick.load_N = 2;
+  const auto size_m = reference::size_hint_m(thick);
+  ASSERT_TRUE(size_m);
+  const double hertz_m = std::cbrt(0.75 * 2 * 0.02 * (1 - 0.3 * 0.3) / 1e6);
+  EXPECT_NEAR((*size_m)[0], hertz_m, 0.01 * hertz_m);
+  EXPECT_NEAR((*size_m)[1], hertz_m, 0.01 * hertz_m);
+  EXPECT_FALSE(to_json(thick).contains("size_hint_m")) << "a finished result outlives the model";
+}
+
+TEST(FemProblem, ExpectsNoSizeWhereNoModelTellsOne) {
+  reference::FemProblem problem;
+  problem.radii = {0.02, 0.02, 0};
+  problem.layer = {2e-3, 1e6, 0.3};
+  problem.load_N = 2;
+  ASSERT_TRUE(reference::size_hint_m(problem));
+  reference::FemProblem layered = problem, pressed = problem, tapered = problem;
+  layered.sublayers.resize(2);
+  EXPECT_FALSE(reference::size_hint_m(layered));
+  pressed.approach_m = 1e-4;
+  EXPECT_FALSE(reference::size_hint_m(pressed));
+  tapered.bodies.emplace().pad.body =
+      input::QuadricBody{0.02, 0.01, input::FingerShape::tapered, 30};
+  EXPECT_FALSE(reference::size_hint_m(tapered));
 }
 
 }  // namespace softfinger

@@ -132,6 +132,39 @@ TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
   EXPECT_LE(ratio, 5) << whole.out;
 }
 
+TEST_F(FemProgram, ExpectsTheClosedFormsSizeWhichSavesATrialMeshAndDecidesNothing) {
+  const std::string deaf = folder.write("deaf",
+                                        "#!/bin/sh\n"
+                                        "sed 's/\"size_hint_m\":\\[[^]]*\\],\\{0,1\\}//' |\n"
+                                        "exec " SOFTFINGER_FEM " -\n");
+  fs::permissions(deaf, fs::perms::owner_all);
+  const std::vector<std::string> arguments{"fem", "elongated_3", "--json"};
+  const ProgramRun hinted = run_softfinger(start, arguments);
+  start.environment = {"SOFTFINGER_FEM_PROGRAM=" + deaf};
+  const ProgramRun guessed = run_softfinger(start, arguments);
+  ASSERT_EQ(hinted.status + guessed.status, 0) << hinted.err << guessed.err;
+  const auto trial_meshes = [](const ProgramRun& run) {
+    const auto said = lines(run.err);
+    return std::count_if(said.begin(), said.end(), [](const std::string& line) {
+      return line.find(": mesh ") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(trial_meshes(hinted), 1) << hinted.err;
+  EXPECT_EQ(trial_meshes(guessed), 2) << guessed.err;
+  const json with = json::parse(hinted.out)["results"][0],
+             without = json::parse(guessed.out)["results"][0];
+  const std::vector<std::pair<const char*, const char*>> quantities{
+      {"a_m", "a"},
+      {"b_m", "b"},
+      {"indentation_m", "indentation"},
+      {"max_torque_Nm", "max_torque"}};
+  // The last trial mesh differs, and with it the two levels' by what it is off.
+  for (const auto& [key, error] : quantities)
+    EXPECT_NEAR(with[key], without[key],
+                without["error"][error].get<double>() * without[key].get<double>())
+        << key;
+}
+
 TEST_F(FemProgram, PressesByApproach) {
   const std::string file = write_case();
   const double approach_m = solve({file})["indentation_m"];

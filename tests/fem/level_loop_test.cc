@@ -180,6 +180,23 @@ TEST_F(LevelLoop, AHintOfTheSizeSavesTrialMeshesAndNothingElse) {
   EXPECT_EQ(hinted.error.a, guessed.error.a);
 }
 
+TEST_F(LevelLoop, AHintForWhichTheLayerHasNoRoomIsNotTaken) {
+  const auto b_of_first_trial = [&] {
+    contact.pressed.clear();
+    contact.levels.clear();
+    solve();
+    return contact.pressed.front().b;
+  };
+  pressing.fingertip.pad = std::shared_ptr<const meshes::PadSurface>(
+      reinterpret_cast<const meshes::PadSurface*>(&problem), [](auto*) {});  // never looked at
+  pressing.bent.reach_x = pressing.bent.reach_y = 10;
+  const double guessed = b_of_first_trial();
+  problem.size_hint_m = {20 * pressing.thickness_m, 20 * pressing.thickness_m};
+  EXPECT_EQ(b_of_first_trial(), guessed);
+  problem.size_hint_m = {1.1 * pressing.thickness_m, 1.1 * pressing.thickness_m};
+  EXPECT_NE(b_of_first_trial(), guessed);
+}
+
 TEST_F(LevelLoop, StatesTheErrorOfItsTwoLevels) {
   const Result result = *solve();
   const RelativeError expected =
