@@ -17,6 +17,7 @@ inline void subtract(double factor, const double* __restrict from, int count,
 
 /// Columns are `stride` apart.
 bool eliminate(double* matrix, std::ptrdiff_t stride, int size, int* pivots) {
+  constexpr double kLeastPivot = 0.1;  // of the largest one
   for (int p = 0; p < size; ++p) {
     double* own = matrix + p * stride;
     // Of contacts in the order of their bodies only near ones feel each other: the rest is zero.
@@ -25,6 +26,8 @@ bool eliminate(double* matrix, std::ptrdiff_t stride, int size, int* pivots) {
       if (own[row] != 0) last = row;
       if (std::abs(own[row]) > std::abs(own[best])) best = row;
     }
+    // Rows stay where they are if they can: exchanged ones fill what was zero.
+    if (std::abs(own[p]) >= kLeastPivot * std::abs(own[best])) best = p;
     const double pivot = own[best];
     if (!(std::abs(pivot) > 0)) return false;
     pivots[p] = best;
