@@ -44,7 +44,7 @@ FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d
   const Eigen::Vector3d radii = radius * metric;
   if (!shape) {
     if (radius > 0 && length_of(target.cwiseQuotient(radii)) <= 1) return result;
-    const double length = excess_length(target, radii);
+    const double length = radius > 0 ? excess_length(target, radii) : length_of(target);
     if (!(length > 0)) return result;
     result.boundary = target.cwiseQuotient((radii.array() + length).matrix());
     result.boundary /= length_of(result.boundary);
