@@ -11,6 +11,30 @@ namespace {
 
 constexpr double kExactRoundOff = 1e-12;
 
+/// The equation that defines it: nu + A P nu/|nu| = target, over twelve decades of A and P.
+TEST(FrictionExcess, ReachesBeyondTheEllipsoidByWhatIsMissing) {
+  tests::RandomScenes random(8);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const auto decades = [&random] { return std::pow(10, random.uniform(-6, 6)); };
+    const Eigen::Vector3d metric(decades(), decades(), decades());
+    const double radius = decades();
+    const Eigen::Vector3d inside = radius * metric;
+    Eigen::Vector3d target;
+    for (int axis = 0; axis < 3; ++axis) target[axis] = random.uniform(-1, 1) * 3 * inside[axis];
+    if (trial % 3 == 0) target[trial % 2] *= decades();
+    const FrictionExcess found = friction_excess(nullptr, target, radius, metric);
+    const double length = found.excess.norm();
+    if (!(length > 0)) {
+      EXPECT_LE(target.cwiseQuotient(inside).norm(), 1) << trial;
+      continue;
+    }
+    const Eigen::Vector3d reached = found.excess + inside.cwiseProduct(found.excess / length);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(reached[axis], target[axis], 16 * 0x1p-52 * std::abs(target[axis]))
+          << trial << ", axis " << axis;
+  }
+}
+
 LcpResult solve_exactly(const ContactLcp& problem, ContactSolution& solution) {
   return ContactLcpSolver(problem.contacts(), 0).solve(problem, solution);
 }

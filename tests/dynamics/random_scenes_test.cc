@@ -142,10 +142,9 @@ TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
   std::printf("at most %d attempts\n", most_attempts);
 }
 
-/// Proximal points solve most of these before a path would begin. So many only because a torque
-/// with a short arm, which Newton's method knows to few digits, is brought within its limit alone:
-/// together with the force 28 of them are solved.
-TEST(RandomScenes, HundredContactsAreMostlySolvedWithoutAPath) {
+/// Proximal points solve nearly all of these before a path would begin. From the first of their
+/// three starts alone 35 of them are solved.
+TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
   constexpr int kContacts = 100, kScenes = 40;
   tests::RandomScenes scenes(11);
   ContactLcpSolver solver(kContacts, 0);
@@ -159,7 +158,7 @@ TEST(RandomScenes, HundredContactsAreMostlySolvedWithoutAPath) {
     EXPECT_LE(exact_contact_residual(problem, solution), 1e-10) << trial;
     without_path += result.attempts == 0;
   }
-  EXPECT_GE(without_path, 4 * kScenes / 5);
+  EXPECT_GE(without_path, kScenes - 2);
 }
 
 }  // namespace

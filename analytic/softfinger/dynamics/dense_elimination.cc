@@ -1,33 +1,55 @@
 #include "softfinger/dynamics/dense_elimination.h"
 
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
+#include "softfinger/math/wide.h"
+
 namespace softfinger::internal {
+namespace {
+
+/// to -= factor * from
+inline void subtract(double factor, const double* __restrict from, int count,
+                     double* __restrict to) {
+  for (int i = 0; i < count; ++i) to[i] -= factor * from[i];
+}
+
+/// Columns are `stride` apart.
+bool eliminate(double* matrix, std::ptrdiff_t stride, int size, int* pivots) {
+  constexpr double kLeastPivot = 0.1;  // of the largest one
+  for (int p = 0; p < size; ++p) {
+    double* own = matrix + p * stride;
+    // Of contacts in the order of their bodies only near ones feel each other: the rest is zero.
+    int best = p, last = p;
+    for (int row = p + 1; row < size; ++row) {
+      if (own[row] != 0) last = row;
+      if (std::abs(own[row]) > std::abs(own[best])) best = row;
+    }
+    // Rows stay where they are if they can: exchanged ones fill what was zero.
+    if (std::abs(own[p]) >= kLeastPivot * std::abs(own[best])) best = p;
+    const double pivot = own[best];
+    if (!(std::abs(pivot) > 0)) return false;
+    pivots[p] = best;
+    if (best != p)
+      for (double* column = own; column < matrix + size * stride; column += stride)
+        std::swap(column[p], column[best]);
+    const int below = last - p;
+    double* multipliers = own + p + 1;
+    for (int i = 0; i < below; ++i) multipliers[i] /= pivot;
+    for (double* column = own + stride; column < matrix + size * stride; column += stride)
+      if (column[p] != 0) subtract(column[p], multipliers, below, column + p + 1);
+  }
+  return true;
+}
+
+}  // namespace
 
 bool DenseElimination::factorise(int size) {
-  size_ = 0;
-  for (int p = 0; p < size; ++p) {
-    int best = p;
-    for (int row = p + 1; row < size; ++row)
-      if (std::abs(matrix_(row, p)) > std::abs(matrix_(best, p))) best = row;
-    const double pivot = matrix_(best, p);
-    if (!(std::abs(pivot) > 0)) return false;
-    pivots_[std::size_t(p)] = best;
-    if (best != p) matrix_.row(best).segment(p, size - p).swap(matrix_.row(p).segment(p, size - p));
-    // Of contacts in the order of their bodies only near ones feel each other: the rest is zero.
-    int last = size - 1;
-    while (last > p && matrix_(last, p) == 0) --last;
-    auto multipliers = matrix_.col(p).segment(p + 1, last - p);
-    multipliers /= pivot;
-    for (int column = p + 1; column < size; ++column) {
-      const double factor = matrix_(p, column);
-      if (factor != 0)
-        matrix_.col(column).segment(p + 1, last - p).noalias() -= factor * multipliers;
-    }
-  }
-  size_ = size;
-  return true;
+  const bool is_regular = with_best_instructions(
+      [&] { return eliminate(matrix_.data(), matrix_.outerStride(), size, pivots_.data()); });
+  size_ = is_regular ? size : 0;
+  return is_regular;
 }
 
 void DenseElimination::substitute(Eigen::VectorXd& right) const {

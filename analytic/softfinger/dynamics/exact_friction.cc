@@ -16,8 +16,11 @@ constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
 constexpr int kSweeps[] = {20, 40, 80, 160, 320, 640};
 /// From that many contacts on, with friction of the ball or of shapes, proximal points are tried
 /// before any path, after a few sweeps: a path would take longer. Shapes cost more per iteration.
-/// Of 100 random contacts 7 in 8 are solved within so many iterations.
 constexpr int kManyContacts = 16, kManyShapes = 40, kFirstSweeps = 10, kMostIterations = 400;
+/// All normal impulses before these sweeps; an impulse of 1 gives its contact the largest free
+/// velocity. Of scenes of 100 random contacts 9 in 10 are solved from the first start, 29 in 30
+/// from the three.
+constexpr double kStarts[] = {0, 10, 100};
 /// Where Newton's method does not converge from a path's end, proximal points may.
 constexpr int kMostIterationsAfterPath = 150;
 /// Proximal points closer than this are close enough for Newton's method.
@@ -170,7 +173,8 @@ int ExactFriction::continue_vertex(const ContactPair& pair, const Eigen::Vector3
 bool ExactFriction::add_vertices(const Task& task) {
   const int n = 4 * system_.contacts();
   impulse_.head(n) = system_.current().impulse.head(n);
-  polish(task);
+  // Of many contacts Newton's method alone converges from hardly any path's end.
+  if (!is_many(task)) polish(task);
   if (best_residual_ > kSolved) {
     impulse_.head(n) = system_.current().impulse.head(n);
     approach(task, kMostIterationsAfterPath);
@@ -179,17 +183,24 @@ bool ExactFriction::add_vertices(const Task& task) {
   return !best_is_good_ && add_violated_points();
 }
 
+bool ExactFriction::is_many(const Task& task) const {
+  const bool has_shapes = task.problem.friction_rule == FrictionRule::limit_surface;
+  return system_.contacts() >= (has_shapes ? kManyShapes : kManyContacts);
+}
+
 bool ExactFriction::do_before_path(const Task& task) {
   const ContactOperator& contacts = system_.contact_operator();
-  const int many =
-      task.problem.friction_rule == FrictionRule::limit_surface ? kManyShapes : kManyContacts;
-  if (contacts.contacts() < many) return false;
-  impulse_.head(4 * contacts.contacts()).setZero();
-  sweep(contacts, kFirstSweeps, impulse_, velocity_);
+  if (!is_many(task)) return false;
   newton_passes_ = kFirst.newton_passes;
   newton_patience_ = kUsualPatience;
-  approach(task, kMostIterations);
-  return best_residual_ <= kSolved;
+  for (const double normal : kStarts) {
+    impulse_.head(4 * contacts.contacts()).setZero();
+    for (int i = 0; i < contacts.contacts(); ++i) impulse_[4 * i] = normal;
+    sweep(contacts, kFirstSweeps, impulse_, velocity_);
+    approach(task, kMostIterations);
+    if (best_residual_ <= kSolved) return true;
+  }
+  return false;
 }
 
 /// Contacts repeated to nine digits can make every path end in a ray or in rounding. Gauss-Seidel's

@@ -38,6 +38,7 @@ class ExactFriction final : public FrictionStrategy {
   void take_least_impulse(const Task& task) override;
 
  private:
+  bool is_many(const Task& task) const;
   void use_first_vertices(const ContactLcp& problem);
   bool correct(const Task& task, const std::vector<int>& continued);
   void polish(const Task& task);

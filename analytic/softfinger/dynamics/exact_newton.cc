@@ -140,8 +140,9 @@ Eigen::Matrix3d ExactNewton::sliding_part(const Contact& contact, double pressur
 /// The matrix of the touching contacts' impulses, and its decomposition.
 bool ExactNewton::factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                             double proximal, int size) {
+  elimination_.matrix().topLeftCorner(size, size).setZero();
   for (int i = 0; i < contacts.contacts(); ++i)
-    if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal, size);
+    if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal);
   return elimination_.factorise(size);
 }
 
@@ -218,9 +219,9 @@ void ExactNewton::substitute_all(const ContactOperator& contacts) {
   }
 }
 
-/// Rows of a contact that touches: dF = -F.
+/// Rows of a contact that touches, where they are not zero: dF = -F.
 void ExactNewton::assemble_rows(const ContactOperator& contacts, int i,
-                                const Eigen::VectorXd& impulse, double proximal, int size) {
+                                const Eigen::VectorXd& impulse, double proximal) {
   Eigen::MatrixXd& matrix = elimination_.matrix();
   const int row = first_[std::size_t(i)];
   Contact& contact = contacts_[std::size_t(i)];
@@ -229,8 +230,7 @@ void ExactNewton::assemble_rows(const ContactOperator& contacts, int i,
   Eigen::Matrix3d sliding = Eigen::Matrix3d::Zero();
   if (rubs) sliding = sliding_part(contact, impulse[4 * i]);
   contact.sticking = Eigen::Matrix3d::Identity() - sliding;
-  matrix.block(row, 0, rubs ? 4 : 1, size).setZero();
-  for (int j = 0; j < contacts.contacts(); ++j) {
+  for (const int j : contacts.neighbours(i)) {
     const int column = first_[std::size_t(j)];
     if (column < 0) continue;
     const auto block = contacts.delassus().block<4, 4>(4 * i, 4 * j);
@@ -355,9 +355,10 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
   constexpr double kReached = 0.7;  // of |F|: the next point need not be exact
   constexpr double kStiffer = 0.5, kSofter = 10;
   constexpr double kFirst = 1, kLeast = 1e-10, kMost = 1e5;
-  // Close to the solution rounding or kinks of F can stop it. Then |F| is no longer halved.
+  // It can go round in circles. Close to the solution rounding or kinks of F can stop it. In both
+  // cases |F| is no longer halved.
   constexpr double kClose = 1e-6;
-  constexpr int kPatience = 80;
+  constexpr int kPatience = 150, kPatienceClose = 80;
   const int n = 4 * contacts.contacts();
   iterations_ = 0;
   compliance_ = kFirst;
@@ -369,7 +370,7 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
       halved = best;
       last_halved = iterations_;
     }
-    if (best < kClose && iterations_ > last_halved + kPatience) break;
+    if (iterations_ > last_halved + (best < kClose ? kPatienceClose : kPatience)) break;
     bool reached = false;
     for (int step = 0; step < kMostSteps && !reached; ++step) {
       ++iterations_;

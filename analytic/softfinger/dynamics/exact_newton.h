@@ -75,7 +75,7 @@ class ExactNewton {
   bool find_step(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal);
   int number_unknowns(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
-                     double proximal, int size);
+                     double proximal);
   bool factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal,
                  int size);
   bool factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,

@@ -207,10 +207,15 @@ double LeastImpulse::gradient() {
 /// Newton's step of y: step_.
 bool LeastImpulse::step() {
   constexpr double kProximal = 1e-12;  // of the diagonal, which may be singular
-  for (const Touching& touching : touching_)
-    turned_.block(touching.row, 0, touching.rows, rank_).noalias() =
-        touching.derivative.topLeftCorner(touching.rows, touching.rows)
-            .lazyProduct(factor_.block(touching.row, 0, touching.rows, rank_));
+  for (int column = 0; column < rank_; ++column)
+    for (const Touching& touching : touching_) {
+      const int row = touching.row;
+      if (touching.rows == 4)
+        turned_.block<4, 1>(row, column).noalias() =
+            touching.derivative * factor_.block<4, 1>(row, column);
+      else
+        turned_(row, column) = touching.derivative(0, 0) * factor_(row, column);
+    }
   matrix_.topLeftCorner(rank_, rank_).setZero();
   add_product(factor_, turned_, rows_, rank_, matrix_);
   const double largest = matrix_.diagonal().head(rank_).maxCoeff();

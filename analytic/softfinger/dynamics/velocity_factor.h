@@ -46,6 +46,7 @@ class VelocityFactor {
 
  private:
   bool eliminate(int pivot, double least);
+  void order_columns(int contacts);
 
   bool is_known_ = false;
   int rank_ = 0, size_ = 0;
@@ -55,6 +56,8 @@ class VelocityFactor {
   Eigen::MatrixXd rest_;  ///< the Schur complement; in its eliminated columns L
   std::vector<int> pivots_;
   std::vector<char> eliminated_;
+  std::vector<char> meet_;  ///< whether two columns have a contact in common
+  std::vector<int> met_;    ///< of a pivot: how many columns its own meets
 };
 
 }  // namespace softfinger::internal

@@ -8,20 +8,29 @@
 namespace softfinger {
 namespace {
 
+/// Euclid's length. Eigen's stable one takes several times as long, and is needed only where
+/// squares leave the range of doubles.
+double length_of(const Eigen::Vector3d& vector) noexcept {
+  const double squares = vector.squaredNorm();
+  return squares > 1e-200 && squares < 1e200 ? std::sqrt(squares) : vector.stableNorm();
+}
+
 /// Largest kappa with sum (target_i/(kappa + radius_i))² = 1, where that sum is above 1 at 0: the
 /// length of the excess of a ball. 1/sqrt of the sum is increasing and concave in kappa, so that
 /// Newton's iteration comes from below and does not overshoot.
 double excess_length(const Eigen::Vector3d& target, const Eigen::Vector3d& radii) noexcept {
   constexpr int kMostIterations = 60;
-  double kappa = std::max(0., target.stableNorm() - radii.maxCoeff());
+  constexpr double kSmall = 1e-8;  // of kappa: the next step is its square
+  double kappa = std::max(0., length_of(target) - radii.maxCoeff());
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    const Eigen::Vector3d sum = radii.array() + kappa;
-    const Eigen::Vector3d ratio = target.cwiseQuotient(sum);
-    const double length = ratio.stableNorm();
-    const double slope = ratio.cwiseAbs2().cwiseQuotient(sum).sum();
+    const Eigen::Array3d inverse = (radii.array() + kappa).inverse();
+    const Eigen::Vector3d ratio = target.array() * inverse;
+    const double length = length_of(ratio);
+    const double slope = (ratio.array().square() * inverse).sum();
     const double step = (length - 1) * length * length / slope;
-    if (!(step > 1e-16 * kappa)) break;
+    if (!(step > 0)) break;
     kappa += step;
+    if (step <= kSmall * kappa) break;
   }
   return kappa;
 }
@@ -34,10 +43,11 @@ FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d
   if (!(target.squaredNorm() > 0)) return result;
   const Eigen::Vector3d radii = radius * metric;
   if (!shape) {
-    if (radius > 0 && target.cwiseQuotient(radii).stableNorm() <= 1) return result;
-    const double length = excess_length(target, radii);
+    if (radius > 0 && length_of(target.cwiseQuotient(radii)) <= 1) return result;
+    const double length = radius > 0 ? excess_length(target, radii) : length_of(target);
     if (!(length > 0)) return result;
-    result.boundary = target.cwiseQuotient((radii.array() + length).matrix()).stableNormalized();
+    result.boundary = target.cwiseQuotient((radii.array() + length).matrix());
+    result.boundary /= length_of(result.boundary);
     result.excess = length * result.boundary;
     result.hessian =
         (Eigen::Matrix3d::Identity() - result.boundary * result.boundary.transpose()) / length;
