@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "comparisons/judgement/assessment.h"
+#include "comparisons/reference/fem_process.h"
 #include "softfinger/input/constants.h"
 
 namespace softfinger::judgement {
@@ -142,6 +143,7 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
   comparison.geometry = geometry;
   comparison.reference = std::move(reference);
   comparison.failure = failure;
+  comparison.folder = reference::load_folder(contact_case.id, load_N);
   for (const PressureModel* model : all_pressure_models())
     if (!model->card().finite_strain || contact_case.fem_finite)
       comparison.models.push_back(compare_model(*model, comparison));

@@ -41,6 +41,7 @@ struct Comparison {
   prediction::LocalGeometry geometry;
   std::optional<reference::ReferenceResult> reference;
   std::string failure;  ///< why there is no reference
+  std::string folder;   ///< of the reference's files, below the report's `fem`
   std::vector<ModelComparison> models;
   /// Of the bodies that are meshes.
   std::optional<prediction::FitPicture> finger_picture, object_picture;

@@ -265,6 +265,7 @@ SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<L
     while (run != runs.end() && run->case_index == i) {
       loads.push_back(judgement::compare(cases[i].reference, run->geometry, run->load_N,
                                          std::move(run->reference), run->failure));
+      loads.back().folder = run->folder.filename().string();
       loads.back().finger_picture = std::move(run->finger_picture);
       loads.back().object_picture = std::move(run->object_picture);
       judgement::IdealisedReferences idealised;

@@ -13,7 +13,6 @@
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/prediction/answer_json.h"
-#include "comparisons/reference/fem_process.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/csv.h"
@@ -74,9 +73,8 @@ json reference_json(const Comparison& load) {
   object["vtu"] = nullptr;
   if (load.reference->vtu_file) {
     // The page lies in the output folder: a link must not depend on where that folder is.
-    const fs::path file(*load.reference->vtu_file);
-    object["vtu"] =
-        (fs::path("fem") / file.parent_path().filename() / file.filename()).generic_string();
+    object["vtu"] = (fs::path("fem") / load.folder / fs::path(*load.reference->vtu_file).filename())
+                        .generic_string();
   }
   return object;
 }
