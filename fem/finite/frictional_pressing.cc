@@ -364,22 +364,7 @@ void FrictionalPressing::mix(const Eigen::VectorXd& step, FixedPoint& mixing,
   history.insert(history.begin(), {layer_->state(), force_, approach_});
   const Eigen::VectorXd weights = mixing.weights(step);
   history.resize(static_cast<std::size_t>(weights.size()));
-  std::vector<std::shared_ptr<const FiniteLayer::State>> states;
-  Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, force_.cols());
-  double approach = 0;
-  for (std::size_t i = 0; i < history.size(); ++i) {
-    const double weight = weights[static_cast<Index>(i)];
-    states.push_back(history[i].layer);
-    force += weight * history[i].force;
-    approach += weight * history[i].approach;
-  }
-  layer_->restore(states, weights);
-  if (!(layer_->smallest_volume_ratio() > 0)) {
-    layer_->restore(*history.front().layer);
-    return;
-  }
-  force_ = force;
-  approach_ = approach;
+  combine(history, weights);
 }
 
 FrictionalPressing::State FrictionalPressing::present() const {
@@ -525,9 +510,9 @@ void FrictionalPressing::start_near(const Slide& slide) {
   if (start_from(states, weights)) tangent_.reset();
 }
 
-/// @returns false where the combination turns an element over; then nothing changes
-bool FrictionalPressing::start_from(const std::vector<State>& states,
-                                    const Eigen::VectorXd& weights) {
+/// Goes to a combination of states. @returns false where it turns an element over; then nothing
+/// changes
+bool FrictionalPressing::combine(const std::vector<State>& states, const Eigen::VectorXd& weights) {
   const auto before = layer_->state();
   std::vector<std::shared_ptr<const FiniteLayer::State>> of_layer;
   Eigen::Matrix3Xd force = Eigen::Matrix3Xd::Zero(3, force_.cols());
@@ -543,10 +528,17 @@ bool FrictionalPressing::start_from(const std::vector<State>& states,
     layer_->restore(*before);
     return false;
   }
-  for (auto of_node : force.colwise())
-    if (!(of_node.z() > 0)) of_node.setZero();
   force_ = force;
   approach_ = approach;
+  return true;
+}
+
+/// Starts from a combination of states, in which no force pulls. @returns as `combine`
+bool FrictionalPressing::start_from(const std::vector<State>& states,
+                                    const Eigen::VectorXd& weights) {
+  if (!combine(states, weights)) return false;
+  for (auto of_node : force_.colwise())
+    if (!(of_node.z() > 0)) of_node.setZero();
   return true;
 }
 

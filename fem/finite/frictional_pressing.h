@@ -123,6 +123,7 @@ class FrictionalPressing {
   Rub rub_of(const Slide& slide) const;
   Eigen::Vector3d place_of(const Slide& slide) const;
   void start_near(const Slide& slide);
+  bool combine(const std::vector<State>& states, const Eigen::VectorXd& weights);
   bool start_from(const std::vector<State>& states, const Eigen::VectorXd& weights);
   void remember(const Slide& slide) { slid_.push_back({place_of(slide), present()}); }
   bool go_on_to(const Slide& next);
