@@ -725,12 +725,15 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const L
     shape->cover(std::hypot(lattice.block.length_x, lattice.block.length_y));
     leave_out_uncovered(block);
   }
-  make_triangulation(block, triangulation);
-  refine_towards_patch(discretisation, lattice.refinements, triangulation);
-  dofs.distribute_dofs(element);
-
-  const std::vector<dealii::Point<dim>> support = support_points();
-  bend(support);
+  std::vector<dealii::Point<dim>> support;
+  for (bool folds = true; folds;) {
+    make_triangulation(block, triangulation);
+    refine_towards_patch(discretisation, lattice.refinements, triangulation);
+    dofs.distribute_dofs(element);
+    support = support_points();
+    bend(support);
+    folds = discretisation.is_scan && leave_out_folded(block);
+  }
   constrain(support);
   collect_surface(support);
   number_surface();
@@ -753,6 +756,16 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh
         "mesh of the layer", "physical surface \"contact\"", "",
         "a surface at the origin of the mesh's coordinates, where the load acts along z");
 }
+
+namespace {
+
+void require_cells(const meshes::HexahedralMesh& block) {
+  if (block.cells.empty())
+    throw InputError("finger", "layer at the contact", "none",
+                     "a thinner layer, or a point farther from edges and thin walls");
+}
+
+}  // namespace
 
 /// Cells where the shape ends are no part of the mesh, nor islands beyond them.
 void LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
@@ -777,9 +790,39 @@ void LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
   if (covered.cells.size() == block.cells.size()) return;
   block = std::move(covered);
   keep_cells_around_contact(block);
-  if (block.cells.empty())
-    throw InputError("finger", "layer at the contact", "none",
-                     "a thinner layer, or a point farther from edges and thin walls");
+  require_cells(block);
+}
+
+/// The shape itself does not fold, but a quadratic cell between a few of its points may.
+/// @returns whether there were such cells; the mesh then has to be made anew from what is left
+bool LayerSpace::leave_out_folded(meshes::HexahedralMesh& block) {
+  constexpr unsigned int points_per_direction = 3;  // where stiffness is integrated
+  dealii::FEValues<dim> values(*mapping, element, dealii::QGauss<dim>(points_per_direction),
+                               dealii::update_JxW_values);
+  std::vector<char> folds(block.cells.size(), 0);
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    values.reinit(cell);
+    const std::vector<double>& volumes = values.get_JxW_values();
+    if (*std::min_element(volumes.begin(), volumes.end()) > 0) continue;
+    auto coarse = static_cast<dealii::Triangulation<dim>::cell_iterator>(cell);
+    while (coarse->level() > 0) coarse = coarse->parent();
+    folds[static_cast<std::size_t>(coarse->index())] = 1;
+  }
+  if (std::find(folds.begin(), folds.end(), 1) == folds.end()) return false;
+  meshes::HexahedralMesh left;
+  left.vertices = block.vertices;
+  for (std::size_t i = 0; i < folds.size(); ++i)
+    if (!folds[i]) {
+      left.cells.push_back(block.cells[i]);
+      left.region.push_back(block.region[i]);
+    }
+  block = std::move(left);
+  keep_cells_around_contact(block);
+  require_cells(block);
+  mapping.reset();
+  dofs.clear();
+  triangulation.clear();
+  return true;
 }
 
 std::vector<dealii::Point<dim>> LayerSpace::support_points() const {

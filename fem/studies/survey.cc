@@ -1,8 +1,8 @@
 // How often finite elements answer on real fingers: presses random points of the pads of generated
 // fingers and of the scans that it is given.
-//   softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--millimetres FILE
-//   X,Y,Z]...
-// DIRECTION is the side that the pad faces, as x,y,z.
+//   softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--scans-only]
+//                         [--millimetres FILE X,Y,Z]...
+// X,Y,Z is the side that the pad of FILE's scan faces.
 
 #include <fmt/core.h>
 
@@ -151,11 +151,12 @@ struct Options {
   int points = 200, level = 2;
   int only = -1;  ///< number of the one point to press, and to be told about; all where negative
   bool finite = false;
-  std::vector<Finger> fingers = generated_fingers();
+  std::vector<Finger> fingers;
 };
 
 Options read_options(int count, char** arguments) {
   Options options;
+  bool scans_only = false;
   const std::vector<std::string> words(arguments + 1, arguments + count);
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto next = [&] {
@@ -165,6 +166,8 @@ Options read_options(int count, char** arguments) {
     };
     if (words[i] == "--finite") {
       options.finite = true;
+    } else if (words[i] == "--scans-only") {
+      scans_only = true;
     } else if (words[i] == "--points") {
       options.points = std::stoi(next());
     } else if (words[i] == "--only") {
@@ -181,9 +184,16 @@ Options read_options(int count, char** arguments) {
     } else {
       throw softfinger::InputError(
           "softfinger-fem-survey", "argument", words[i],
-          "--points N, --only K, --level L, --finite, --millimetres FILE X,Y,Z");
+          "--points N, --only K, --level L, --finite, --scans-only, --millimetres FILE X,Y,Z");
     }
   }
+  if (!scans_only) {
+    const std::vector<Finger> generated = generated_fingers();
+    options.fingers.insert(options.fingers.begin(), generated.begin(), generated.end());
+  }
+  if (options.fingers.empty())
+    throw softfinger::InputError("softfinger-fem-survey", "--scans-only", "",
+                                 "--millimetres FILE X,Y,Z beside it");
   return options;
 }
 
