@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "softfinger/dynamics/time_stepper.h"
 #include "tests/dynamics/random_scene.h"
@@ -142,8 +143,8 @@ TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
   std::printf("at most %d attempts\n", most_attempts);
 }
 
-/// Proximal points solve nearly all of these before a path would begin. From the first of their
-/// three starts alone 35 of them are solved.
+/// Proximal points solve nearly all of these before a path would begin. From their first start
+/// alone 35 of them are solved, from the first three 38.
 TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
   constexpr int kContacts = 100, kScenes = 40;
   tests::RandomScenes scenes(11);
@@ -158,7 +159,24 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
     EXPECT_LE(exact_contact_residual(problem, solution), 1e-10) << trial;
     without_path += result.attempts == 0;
   }
-  EXPECT_GE(without_path, kScenes - 2);
+  EXPECT_GE(without_path, kScenes - 1);
+}
+
+/// From the usual starts proximal points end at impulses up to a thousand times larger than needed,
+/// whose rounding hides the solution. Paths needed 5 to 14 s for the first two, and ended
+/// at 1.1e-10 and 5.5e-10.
+TEST(RandomScenes, WedgedHundredContactsAreEased) {
+  constexpr int kContacts = 100;
+  ContactLcpSolver solver(kContacts, 0);
+  ContactSolution solution;
+  for (const auto& [seed, number] : {std::pair(11u, 57), {12u, 68}, {13u, 60}}) {
+    tests::RandomScenes scenes(seed);
+    ContactLcp problem;
+    for (int trial = 0; trial <= number; ++trial) problem = scenes.next(kContacts, 16);
+    problem.friction_rule = FrictionRule::ellipsoid;
+    EXPECT_EQ(solver.solve(problem, solution).status, LcpStatus::solved) << seed;
+    EXPECT_LE(exact_contact_residual(problem, solution), 1e-10) << seed;
+  }
 }
 
 }  // namespace

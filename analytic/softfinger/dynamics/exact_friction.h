@@ -43,6 +43,7 @@ class ExactFriction final : public FrictionStrategy {
   bool correct(const Task& task, const std::vector<int>& continued);
   void polish(const Task& task);
   void approach(const Task& task, int most_iterations);
+  void ease(const Task& task);
   void keep_if_better(const Task& task, double residual);
   double extract(const Task& task);
   double complete(const Task& task);
@@ -54,7 +55,7 @@ class ExactFriction final : public FrictionStrategy {
   bool is_still_ = false;  ///< the solution is that of the last problem
   int rounds_ = 0;         ///< paths of this attempt
   int newton_passes_ = 1, newton_patience_ = 1;
-  Eigen::VectorXd impulse_, best_impulse_, velocity_, swept_;  ///< scaled
+  Eigen::VectorXd impulse_, best_impulse_, velocity_, swept_, wedged_;  ///< scaled
 };
 
 }  // namespace softfinger::internal

@@ -358,7 +358,7 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
   // It can go round in circles. Close to the solution rounding or kinks of F can stop it. In both
   // cases |F| is no longer halved.
   constexpr double kClose = 1e-6;
-  constexpr int kPatience = 150, kPatienceClose = 80;
+  constexpr int kPatience = 250, kPatienceClose = 80;
   const int n = 4 * contacts.contacts();
   iterations_ = 0;
   compliance_ = kFirst;

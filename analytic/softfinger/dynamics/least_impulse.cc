@@ -13,9 +13,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-/// Below this part of its natural size a velocity is none.
-constexpr double kStill = 1e-9;
-
 /// The point of the cone |s| <= P nearest to (P, s), and its derivative.
 Vector4d project_onto_cone(const Vector4d& point, Matrix4d& derivative) {
   const double normal = point[0], length = point.tail<3>().norm();
@@ -103,11 +100,12 @@ LeastImpulse::LeastImpulse(int contact_capacity)
 }
 
 /// What each contact does. False where all that touch could not share their impulses anyhow.
-bool LeastImpulse::classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity) {
+bool LeastImpulse::classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity,
+                            double none) {
   touching_.clear();
   rows_ = 0;
   for (int i = 0; i < contacts.contacts(); ++i) {
-    const double still = kStill * contacts.natural_size(i);
+    const double still = none * contacts.natural_size(i);
     if (velocity[4 * i] > still) continue;
     Touching touching{i, Mode::normal, Vector3d::Zero(), rows_, 1, Matrix4d::Zero(), true};
     if (contacts.has_friction(i)) {
@@ -280,9 +278,9 @@ bool LeastImpulse::follow(const ContactOperator& contacts, Eigen::VectorXd& impu
 }
 
 bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contacts,
-                        const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse) {
+                        const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse, double none) {
   followed_ = -1;
-  if (!classify(contacts, velocity)) return false;
+  if (!classify(contacts, velocity, none)) return false;
   factorise(problem, contacts);
   if (rank_ == rows_) return false;  // the impulses are unique
   for (const Touching& touching : touching_) {

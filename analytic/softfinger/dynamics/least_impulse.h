@@ -25,9 +25,10 @@ class LeastImpulse {
 
   /// @param velocity  of the solution, scaled, 4 per contact
   /// @param impulse   scaled; replaced where the answer is found
+  /// @param none      velocities below this part of their natural size are none
   /// @returns whether it is
   bool find(const ContactLcp& problem, const ContactOperator& contacts,
-            const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse);
+            const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse, double none = 1e-9);
 
   /// Follows bodies at rest: for a problem that differs little from the last one of `find`, contact
   /// by contact the same, in which nothing slides or opens and no bound is met. Changes the least
@@ -41,7 +42,7 @@ class LeastImpulse {
 
   void read_velocity(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   bool is_within_bounds(const ContactOperator& contacts, const Eigen::VectorXd& impulse) const;
-  bool classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity);
+  bool classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity, double none);
   void factorise(const ContactLcp& problem, const ContactOperator& contacts);
   void project(bool as_if_free);
   double gradient();
