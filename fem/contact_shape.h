@@ -31,9 +31,9 @@ struct NodalContact {
   explicit NodalContact(const NodalPressure& nodal) : pressure(nodal) {}
 
   NodalPressure pressure;
-  MirrorPlanes planes = both_planes;  ///< the nodes are those of one image
-  double rough_a = 0, rough_b = 0;    ///< semi-axes along the surface
-  Eigen::VectorXd nodal_pressure;     ///< force over the node's area
+  MirrorPlanes planes;              ///< the nodes are those of one image
+  double rough_a = 0, rough_b = 0;  ///< semi-axes along the surface
+  Eigen::VectorXd nodal_pressure;   ///< force over the node's area
   /// Where a point of the surface is seen along the load.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> place;
   Eigen::Matrix2Xd position;                   ///< of each node, seen along the load

@@ -112,8 +112,8 @@ void LayerModel::Implementation::factorise(Along along) {
     for (std::size_t c = along == Along::normals ? 2 : 0; c < dim; ++c)
       last.push_back(even.of_dof[dof[c]]);
   const SparseSymmetricMatrix matrix = lower_triangle(stiffness, even);
-  // Other parities need it again. A whole layer has none, and needs the memory.
-  if (!planes.any()) {
+  // A quarter's other parities need it again. The larger ones rather need the memory.
+  if (!planes.both()) {
     stiffness.clear();
     pattern.reinit(0, 0, 0);
   }

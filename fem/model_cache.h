@@ -17,7 +17,7 @@ struct LayerIdentity {
   std::vector<ElasticConstants> sublayers;
   std::vector<double> interfaces;
   std::string fingertip;  ///< a different text for each shape of bent layer over h; empty: flat
-  MirrorPlanes planes = both_planes;
+  MirrorPlanes planes;
   int level = 2;  ///< as in `Problem`
 
   bool operator==(const LayerIdentity& other) const {

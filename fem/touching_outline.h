@@ -17,7 +17,7 @@ struct TouchingState {
   const Eigen::VectorXd& pressure;   ///< of each node, > 0 where it touches
   const Eigen::VectorXd& clearance;  ///< of each node from the object, 0 where it touches
   double modulus = 1;                ///< E / (1 - nu²) of the surface's material
-  MirrorPlanes planes = no_plane;    ///< the nodes are those of one image
+  MirrorPlanes planes;               ///< the nodes are those of one image
   /// Of the nodes, counter-clockwise, in place of the faces where these do not fit together: on a
   /// mesh from outside nodes may hang.
   std::vector<std::array<int, 3>> triangles = {};

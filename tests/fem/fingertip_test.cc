@@ -117,6 +117,9 @@ TEST(Fingertip, WithOneMirrorPlaneIsTheWholeByHalfOfIt) {
   problem.fingertip.pad = meshes::tapered_pad(16e-3, 8e-3, 20);
   problem.fingertip.pad_name = "tapered";
   problem.fingertip.object = meshes::sphere_object(10e-3);
+  // A strength that mu p passes in the middle: torque and force are sums over the nodes' areas.
+  problem.shear_law = ShearLaw::Kind::limited;
+  problem.shear_strength_Pa = 5e4;
   for (const bool is_finite : {false, true}) {
     if (is_finite) problem.finite_strain = finite::MaterialChoice();
     problem.fingertip.symmetric_object = true;
