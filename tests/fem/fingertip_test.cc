@@ -113,10 +113,10 @@ constexpr double same_discretisation = 1e-7;
 TEST(Fingertip, WithOneMirrorPlaneIsTheWholeByHalfOfIt) {
   Problem problem;
   problem.level = 1;
-  problem.contact = {{6.2e-3, 4.4e-3, 0}, {2e-3, 3e5, 0.45}, {1, 0.7}};
+  problem.contact = {{10.4e-3, 6.3e-3, 0}, {1.5e-3, 3e5, 0.45}, {1.5, 0.7}};
   problem.fingertip.pad = meshes::tapered_pad(16e-3, 8e-3, 20);
   problem.fingertip.pad_name = "tapered";
-  problem.fingertip.object = meshes::sphere_object(10e-3);
+  problem.fingertip.object = meshes::sphere_object(30e-3);
   // A strength that mu p passes in the middle: torque and force are sums over the nodes' areas.
   problem.shear_law = ShearLaw::Kind::limited;
   problem.shear_strength_Pa = 5e4;
