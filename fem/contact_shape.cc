@@ -17,7 +17,7 @@ namespace {
 
 /// An ellipse along x and y with the second moments of the nodes that touch, in the block.
 ContactEdge touching_ellipse(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
-                             bool whole) {
+                             MirrorPlanes planes) {
   double area = 0;
   Vector2d first = Vector2d::Zero(), second = Vector2d::Zero();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -28,7 +28,7 @@ ContactEdge touching_ellipse(const std::vector<SurfaceNode>& nodes, const Eigen:
     second += nodes[i].weight * at.cwiseAbs2();
   }
   ContactEdge edge;
-  if (whole) edge.centre = first / area;
+  edge.centre = planes.middle(first / area);
   const Vector2d axes = 2 * (second / area - edge.centre.cwiseAbs2()).cwiseSqrt();
   edge.a = axes.x();
   edge.b = axes.y();
@@ -113,7 +113,7 @@ ContactShape from_nodes(const NodalContact& contact) {
   const Eigen::VectorXd clearance = contact.clearance();
   ContactShape shape;
   TouchingState touching{pressure.nodes, pressure.faces,  contact.position, contact.nodal_pressure,
-                         clearance,      contact.modulus, contact.whole};
+                         clearance,      contact.modulus, contact.planes};
   if (!contact.regular) touching.triangles = meshes::triangulate(contact.position);
   shape.outlines = touching_outlines(touching);
   if (!(shape_of(shape.outlines).area > 0))
@@ -135,18 +135,22 @@ ContactShape from_nodes(const NodalContact& contact) {
             [](const auto& left, const auto& right) { return left.cols() > right.cols(); });
   shape.block_a = contact.rough_a;
   shape.block_b = contact.rough_b;
-  if (contact.whole && contact.regular) {
-    const Vector2d axes = holding_axes(pressure.nodes, pressure.force);
+  if (!contact.planes.both() && contact.regular) {
+    const Vector2d axes = holding_axes(pressure.nodes, pressure.force, contact.planes);
     shape.block_a = axes.x();
     shape.block_b = axes.y();
   }
-  if (!contact.whole) {
-    // The long axis may be any where the contact is round.
-    if (std::abs(shape.turn_rad) > M_PI / 4) std::swap(shape.a, shape.b);
+  if (contact.planes.any()) {
+    // The long axis lies along x or y, though where the contact is round it may be any.
+    const bool along_y = std::abs(shape.turn_rad) > M_PI / 4;
+    shape.turn_rad = along_y ? M_PI / 2 : 0;
+  }
+  if (contact.planes.both() && shape.turn_rad > 0) {
+    std::swap(shape.a, shape.b);
     shape.turn_rad = 0;
   }
   shape.peak = contact.nodal_pressure.maxCoeff();
-  const Vector2d centre = contact.whole ? outline.centre : Vector2d::Zero();
+  const Vector2d centre = contact.planes.middle(outline.centre);
   Index nearest = 0;
   (contact.position.colwise() - centre).colwise().squaredNorm().minCoeff(&nearest);
   shape.centre_pressure = contact.nodal_pressure[nearest];
@@ -178,8 +182,9 @@ Vector2d axes_of_moments(const std::vector<SurfaceNode>& nodes, const Eigen::Vec
   return (square_per_moment * second).cwiseSqrt();
 }
 
-Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force) {
-  const ContactEdge ellipse = touching_ellipse(nodes, force, true);
+Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
+                      MirrorPlanes planes) {
+  const ContactEdge ellipse = touching_ellipse(nodes, force, planes);
   double reach = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (force[static_cast<Index>(i)] > 0)
@@ -215,11 +220,12 @@ double mean_secant(const std::vector<Eigen::Matrix2Xd>& outlines, const RigidObj
 
 ContactShape measure_shape(const NodalContact& contact) {
   ContactShape by_nodes = from_nodes(contact);
-  // Without symmetry the pressure may have any shape, and fits of it scatter more than the nodes.
-  if (contact.whole || !contact.regular) return by_nodes;
-  if (std::optional<PressureFit> fit =
-          fit_pressure(contact.pressure,
-                       touching_ellipse(contact.pressure.nodes, contact.pressure.force, false)))
+  // Without both planes the pressure may have any shape, and fits of it scatter more than the
+  // nodes.
+  if (!contact.planes.both() || !contact.regular) return by_nodes;
+  if (std::optional<PressureFit> fit = fit_pressure(
+          contact.pressure,
+          touching_ellipse(contact.pressure.nodes, contact.pressure.force, contact.planes)))
     return from_fit(contact, std::move(*fit), std::move(by_nodes));
   return by_nodes;
 }

@@ -14,7 +14,7 @@ namespace softfinger::fem {
 struct ContactShape {
   double a = 0, b = 0;              ///< of the best ellipse, seen along the load
   double block_a = 0, block_b = 0;  ///< along the surface's x and y, for the next mesh
-  double turn_rad = 0;              ///< of the long axis from x; 0 where symmetry holds it
+  double turn_rad = 0;              ///< of the long axis from x; 0 with both mirror planes
   double projected_area = 0;        ///< seen along the load
   double departure = 0;             ///< largest distance of the outline from the ellipse, over b
   std::vector<Eigen::Matrix2Xd> outlines;  ///< seen along the load, the largest first
@@ -31,7 +31,7 @@ struct NodalContact {
   explicit NodalContact(const NodalPressure& nodal) : pressure(nodal) {}
 
   NodalPressure pressure;
-  bool whole = false;               ///< not a quarter of a symmetric contact
+  MirrorPlanes planes;              ///< the nodes are those of one image
   double rough_a = 0, rough_b = 0;  ///< semi-axes along the surface
   Eigen::VectorXd nodal_pressure;   ///< force over the node's area
   /// Where a point of the surface is seen along the load.
@@ -52,14 +52,15 @@ Eigen::Vector2d axes_of_moments(const std::vector<SurfaceNode>& nodes,
 
 /// Semi-axes of the ellipse along x and y about the block's origin that holds all nodes that touch,
 /// as long as the ellipse of their second moments.
-Eigen::Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force);
+Eigen::Vector2d holding_axes(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
+                             MirrorPlanes planes);
 
 /// Area of an object's surface within outlines seen along the load, over their own area: what
 /// touches has the object's slope.
 double mean_secant(const std::vector<Eigen::Matrix2Xd>& outlines, const RigidObject& object);
 
-/// A symmetric contact's shape is that of a fitted pressure, if there is one. Others, and contacts
-/// without symmetry, have the outline that the nodes tell, as a smooth curve where one follows it.
+/// With both mirror planes the shape is that of a fitted pressure, if there is one. Otherwise it is
+/// the outline that the nodes and their images tell, as a smooth curve where one follows it.
 ContactShape measure_shape(const NodalContact& contact);
 
 }  // namespace softfinger::fem

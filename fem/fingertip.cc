@@ -31,7 +31,7 @@ class BentLayer : public LayerShape {
     const Eigen::Matrix3d gradient = layer_.gradient(h() * x, h() * y, 0);
     return gradient.col(0).cross(gradient.col(1)).norm();
   }
-  bool symmetric() const override { return layer_.symmetric(); }
+  MirrorPlanes planes() const override { return {layer_.symmetric_x(), layer_.symmetric_y()}; }
 
  private:
   double h() const { return layer_.thickness(); }
@@ -56,7 +56,7 @@ class ScanShape : public LayerShape {
   double area_ratio(double x, double y) const override {
     return layer_->area_ratio(h_ * x, h_ * y);
   }
-  bool symmetric() const override { return false; }
+  MirrorPlanes planes() const override { return no_plane; }
 
   void cover(double radius) const override {
     if (radius <= radius_) return;

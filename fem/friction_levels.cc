@@ -87,7 +87,7 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   const FrictionRequest& request = problem.friction;
   FrictionOfLevel result;
   const bool central = turns_about_centre(request);
-  const bool symmetric = !contact.model.whole();
+  const bool symmetric = contact.model.planes().both();
   const Invariance of_twist = symmetric && central ? Invariance::half_turn : Invariance::none;
   const QuarterCompliances quarters =
       friction_compliances(contact, request.limit_surface == 0 ? of_twist : Invariance::none, kept);

@@ -75,7 +75,7 @@ QuarterCompliances friction_compliances(const PressedContact& contact, Invarianc
 
 double stuck_torsional_stiffness(const PressedContact& contact,
                                  const QuarterCompliances& quarters) {
-  // A turn is odd in x and in y: one quarter problem has its stiffness. The object also holds the
+  // A turn is odd about each mirror plane: one problem has its stiffness. The object also holds the
   // normal displacements of the nodes that touch.
   const Eigen::MatrixXd& odd = quarters.of_turn();
   std::vector<Index> stuck;

@@ -30,7 +30,7 @@ struct PressedContact {
 };
 
 /// Sums over the model's nodes times this are sums over the contact.
-inline int copies(const PressedContact& contact) { return contact.model.whole() ? 1 : 4; }
+inline int copies(const PressedContact& contact) { return contact.model.planes().images(); }
 
 /// The largest force of friction on each node of the model without friction's own effect.
 Eigen::VectorXd largest_friction(const PressedContact& contact);

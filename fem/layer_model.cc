@@ -80,14 +80,14 @@ long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes:
 }
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
-                       std::shared_ptr<const LayerShape> shape, bool whole)
+                       std::shared_ptr<const LayerShape> shape, MirrorPlanes planes)
     : LayerModel(discretisation, std::vector<ElasticConstants>{{1, poisson_ratio}},
-                 std::move(shape), whole) {}
+                 std::move(shape), planes) {}
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation,
                        std::vector<ElasticConstants> sublayers,
-                       std::shared_ptr<const LayerShape> shape, bool whole, Along along)
-    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
+                       std::shared_ptr<const LayerShape> shape, MirrorPlanes planes, Along along)
+    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), planes)) {
   implementation_->sublayers = std::move(sublayers);
   if (implementation_->shape) implementation_->set_frames();
   implementation_->factorise(along);
@@ -112,8 +112,8 @@ void LayerModel::Implementation::factorise(Along along) {
     for (std::size_t c = along == Along::normals ? 2 : 0; c < dim; ++c)
       last.push_back(even.of_dof[dof[c]]);
   const SparseSymmetricMatrix matrix = lower_triangle(stiffness, even);
-  // A quarter's other parities need it again. A whole layer has none, and needs the memory.
-  if (whole) {
+  // A quarter's other parities need it again. The larger ones rather need the memory.
+  if (!planes.both()) {
     stiffness.clear();
     pattern.reinit(0, 0, 0);
   }
@@ -164,7 +164,7 @@ const LayerDiscretisation& LayerModel::discretisation() const {
 const std::vector<SurfaceNode>& LayerModel::nodes() const { return implementation_->nodes; }
 const std::vector<SurfaceFace>& LayerModel::faces() const { return implementation_->faces; }
 long LayerModel::unknowns() const { return implementation_->even.count; }
-bool LayerModel::whole() const { return implementation_->whole; }
+MirrorPlanes LayerModel::planes() const { return implementation_->planes; }
 const Eigen::MatrixXd& LayerModel::compliance() const { return implementation_->compliance; }
 
 void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force,

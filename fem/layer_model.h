@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "fem/mirror_planes.h"
+
 namespace softfinger::meshes {
 struct LayerMesh;
 }
@@ -51,9 +53,9 @@ class LayerShape {
   virtual Eigen::Vector3d normal(double x, double y) const = 0;
   /// Surface area per area of the block.
   virtual double area_ratio(double x, double y) const = 0;
-  /// Whether position(-x, y) and position(x, -y) are mirror images: a quarter then is enough, if
-  /// the object is symmetric as well.
-  virtual bool symmetric() const = 0;
+  /// Of the shape alone: x where position(-x, y) is the mirror image of position(x, y), and y
+  /// likewise.
+  virtual MirrorPlanes planes() const = 0;
 
   /// Makes sure that the shape is known up to this distance from the contact, where the surface
   /// goes that far.
@@ -95,7 +97,8 @@ struct SurfaceFace {
 
 /// Symmetry of a displacement field under the mirrors x -> -x and y -> -y: an even one is its own
 /// mirror image (no normal displacement on the plane), an odd one its negative (normal displacement
-/// only). Every field on the whole layer is a sum of four such fields, each known from a quarter.
+/// only). Every field on the whole layer is a sum of four such fields, each known from a quarter;
+/// or of two that are even and odd about one plane, each known from a half.
 struct Parity {
   bool odd_x = false, odd_y = false;
 };
@@ -121,10 +124,10 @@ enum class Along {
 long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
                         double thickness_m);
 
-/// Elastic layer bonded to a rigid base, condensed on the displacements of its surface nodes: a
-/// quarter of it where layer and load are symmetric about x = 0 and y = 0, else the whole. Lengths
-/// / h, stresses / E: one model serves every load, radius, modulus and coefficient of friction for
-/// which the contact stays inside the patch.
+/// Elastic layer bonded to a rigid base, condensed on the displacements of its surface nodes: one
+/// side of it of each mirror plane, so that it is a quarter, a half or the whole. Lengths / h,
+/// stresses / E: one model serves every load, radius, modulus and coefficient of friction for which
+/// the contact stays inside the patch.
 ///
 /// Q2 displacements; the volumetric strain is projected on discontinuous linear functions per
 /// element (Q2/P1disc with the pressure condensed), which neither locks nor oscillates as nu ->
@@ -133,16 +136,16 @@ class LayerModel {
  public:
   /// @param sublayers  from the surface inwards, one more than interfaces
   /// @param shape      null: flat
-  /// @param whole      all of the layer instead of a quarter
+  /// @param planes     of layer, object and load
   /// @param along      `all`, of a whole layer only, is what friction needs: one factorisation then
   ///                   serves pressing and friction
   /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation.
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
-             std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false,
+             std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes,
              Along along = Along::normals);
   /// A homogeneous one with E = 1.
   LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
-             std::shared_ptr<const LayerShape> shape = nullptr, bool whole = false);
+             std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes);
   /// The whole layer, from a coarse mesh from outside: its cells near the contact are halved
   /// until `elements_per_semi_axis` of them lie along b.
   /// @param sublayers  of the mesh's regions
@@ -156,21 +159,20 @@ class LayerModel {
   const std::vector<SurfaceNode>& nodes() const;
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
-  /// Whether the model is the whole layer instead of a quarter.
-  bool whole() const;
+  MirrorPlanes planes() const;
 
-  /// Displacement into the layer along the surface's normal per unit force along it, n x n; of a
-  /// quarter, for fields even in x and y.
+  /// Displacement into the layer along the surface's normal per unit force along it, n x n, for
+  /// fields that are even about the mirror planes.
   const Eigen::MatrixXd& compliance() const;
 
-  /// Displacement per unit force on the quarter model, fields of the given parity, for some of the
+  /// Displacement per unit force on what is meshed, fields of the given parity, for some of the
   /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. On a bent layer they
   /// are along each node's normal and the tangents that the smallest rotation makes of x and y.
-  /// Rows and columns of components that the parity fixes are zero; a whole layer has no planes
-  /// that would fix any. Each call factorises, unless the model is condensed to all displacements.
+  /// Rows and columns of components that the parity fixes on the mirror planes are zero. Each call
+  /// factorises, unless the model is condensed to all displacements.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
 
-  /// Displacement, stress and contact pressure of the quarter in SI units, atomically.
+  /// Displacement, stress and contact pressure of what is meshed in SI units, atomically.
   /// @param force  per surface node, in units of E h²
   /// @throws InputError when the file cannot be written
   void write_vtu(const std::string& path, const Eigen::VectorXd& force, double thickness_m,

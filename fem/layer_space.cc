@@ -118,26 +118,27 @@ void make_triangulation(const meshes::HexahedralMesh& mesh,
   triangulation.create_triangulation(vertices, cells, none);
 }
 
-/// The whole mesh, from its quarter x, y >= 0.
-meshes::HexahedralMesh with_mirror_images(const meshes::HexahedralMesh& quarter) {
-  meshes::HexahedralMesh whole;
+/// The mesh from its quarter x, y >= 0, on one side of mirror planes.
+meshes::HexahedralMesh with_images(const meshes::HexahedralMesh& quarter, MirrorPlanes planes) {
+  meshes::HexahedralMesh mesh;
   for (const double sign_x : {1.0, -1.0})
     for (const double sign_y : {1.0, -1.0}) {
+      if ((sign_x < 0 && planes.x) || (sign_y < 0 && planes.y)) continue;
       std::vector<int> index;
       for (const Eigen::Vector3d& vertex : quarter.vertices) {
-        index.push_back(static_cast<int>(whole.vertices.size()));
-        whole.vertices.emplace_back(sign_x * vertex.x(), sign_y * vertex.y(), vertex.z());
+        index.push_back(static_cast<int>(mesh.vertices.size()));
+        mesh.vertices.emplace_back(sign_x * vertex.x(), sign_y * vertex.y(), vertex.z());
       }
       for (auto cell : quarter.cells) {
         for (int& vertex : cell) vertex = index[static_cast<std::size_t>(vertex)];
         // A mirror image lists its faces clockwise.
         if (sign_x * sign_y < 0)
           for (const std::size_t face : {0, 4}) std::swap(cell[face + 1], cell[face + 3]);
-        whole.cells.push_back(cell);
+        mesh.cells.push_back(cell);
       }
-      whole.region.insert(whole.region.end(), quarter.region.begin(), quarter.region.end());
+      mesh.region.insert(mesh.region.end(), quarter.region.begin(), quarter.region.end());
     }
-  return whole;
+  return mesh;
 }
 
 /// Drops cells that are not connected by vertices with those at the origin.
@@ -713,14 +714,13 @@ bool LayerDiscretisation::is_within_reach() const {
 }
 
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent,
-                       bool all)
+                       MirrorPlanes mirrored)
     : discretisation(meant),
       element(dealii::FE_Q<dim>(2), dim),
       shape(std::move(bent)),
-      whole(all) {
+      planes(mirrored) {
   const Lattice lattice = plan_lattice(discretisation);
-  meshes::HexahedralMesh block = meshes::mesh_layer_block(lattice.block);
-  if (whole) block = with_mirror_images(block);
+  meshes::HexahedralMesh block = with_images(meshes::mesh_layer_block(lattice.block), planes);
   if (discretisation.is_scan) {
     shape->cover(std::hypot(lattice.block.length_x, lattice.block.length_y));
     leave_out_uncovered(block);
@@ -741,7 +741,7 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const L
 
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh,
                        double thickness_m)
-    : discretisation(meant), element(dealii::FE_Q<dim>(2), dim), whole(true), meshed(true) {
+    : discretisation(meant), element(dealii::FE_Q<dim>(2), dim), meshed(true) {
   DividedMesh(mesh, thickness_m, discretisation).triangulate(triangulation);
   discretisation.elements_per_semi_axis =
       std::max(meant.elements_per_semi_axis, cells_along_b(discretisation, triangulation));
@@ -907,8 +907,8 @@ void LayerSpace::constrain(const std::vector<dealii::Point<dim>>& support) {
       const auto [component_of_dof, node] = element.system_to_component_index(i);
       component[dof] = static_cast<char>(component_of_dof);
       node_of[dof] = indices[element.component_to_system_index(0, node)];
-      on_plane[dof] = static_cast<char>((!whole && at(support[dof][0], 0) ? 1 : 0) +
-                                        (!whole && at(support[dof][1], 0) ? 2 : 0));
+      on_plane[dof] = static_cast<char>((planes.x && at(support[dof][0], 0) ? 1 : 0) +
+                                        (planes.y && at(support[dof][1], 0) ? 2 : 0));
       bonded[dof] = at(support[dof][2], -1);
     }
   }
@@ -939,7 +939,7 @@ std::vector<char> LayerSpace::dofs_on_walls(bool rims) const {
       const auto face = cell->face(f);
       if (!face->at_boundary()) continue;
       const auto centre = face->center();
-      const bool on_mirror = !whole && (at(centre[0], 0) || at(centre[1], 0));
+      const bool on_mirror = (planes.x && at(centre[0], 0)) || (planes.y && at(centre[1], 0));
       if (on_mirror || at(centre[2], 0) || at(centre[2], -1)) continue;
       // Where the finger ends, its layer ends freely.
       if (!rims && is_at_rim(centre, cell->center())) continue;

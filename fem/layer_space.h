@@ -34,15 +34,16 @@ struct Unknowns {
   int count = 0;
 };
 
-/// A layer's mesh with quadratic displacements on it, its bond, its symmetries and its contact
+/// A layer's mesh with quadratic displacements on it, its bond, its mirror planes and its contact
 /// surface: what linear and finite strain share. Lengths in h. Internal to `fem`: only the files
 /// that include this header see types of the finite-element library.
 struct LayerSpace {
   using Dof = dealii::types::global_dof_index;
 
-  /// @param bent  null: flat
-  /// @param all   whether to mesh the whole layer instead of a quarter
-  LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent, bool all);
+  /// @param bent      null: flat
+  /// @param mirrored  at these planes only one side is meshed
+  LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent,
+             MirrorPlanes mirrored);
   /// The whole layer, from a coarse mesh that the user supplies ("from outside").
   LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
 
@@ -54,15 +55,15 @@ struct LayerSpace {
   dealii::FESystem<dim> element;
   dealii::DoFHandler<dim> dofs{triangulation};
   std::shared_ptr<const LayerShape> shape;
-  bool whole = false;
+  MirrorPlanes planes;
   bool meshed = false;             ///< from outside
   dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
   std::unique_ptr<dealii::Mapping<dim>> mapping;
   dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
-  std::vector<char> on_plane;                     ///< per dof: bit 0 on x = 0, bit 1 on y = 0
-  std::vector<char> component;                    ///< per dof: 0 to 2
-  std::vector<Dof> node_of;                       ///< per dof: the first dof of its node
-  std::vector<std::array<Dof, 3>> node_dofs;      ///< of each surface node
+  std::vector<char> on_plane;   ///< per dof: bit 0 on the mirror plane x = 0, bit 1 on y = 0
+  std::vector<char> component;  ///< per dof: 0 to 2
+  std::vector<Dof> node_of;     ///< per dof: the first dof of its node
+  std::vector<std::array<Dof, 3>> node_dofs;  ///< of each surface node
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
   /// Dofs and places of all nine nodes of each face, also of nodes that cannot be touched. Places
@@ -92,7 +93,7 @@ struct LayerSpace {
   SparseSymmetricMatrix lower_triangle(const dealii::SparseMatrix<double>& stiffness,
                                        const Unknowns& free) const;
 
-  /// Finds `dissection`, an order of elimination with little fill. The problems of the four
+  /// Finds `dissection`, an order of elimination with little fill. The problems of all
   /// parities differ only in components on the mirror planes: an order of the nodes that is good
   /// for one of them is good for all.
   /// Three unknowns of a node have the same neighbours: nodes are ordered, in a ninth of the graph.

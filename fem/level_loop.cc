@@ -501,10 +501,11 @@ class LevelLoop {
     if (result_.torsion)
       result_.torsion->stiffness_error +=
           stuck_edge_error(physics_.error_table(), fine().elements_per_semi_axis,
-                           !task_.pressing.whole(), problem_.mesh == nullptr, misfit_);
+                           task_.pressing.planes().both(), problem_.mesh == nullptr, misfit_);
   }
 
   void describe() {
+    result_.planes = task_.pressing.planes();
     for (std::size_t c = 0; c < 3; ++c)
       result_.first_touch_m[c] = task_.pressing.thickness_m *
                                  task_.pressing.bent.first_touch[static_cast<Eigen::Index>(c)];

@@ -194,12 +194,12 @@ class LinearContact : public ContactPhysics {
         refuse_end_of_object(node.position.x(), node.position.y(), task_.pressing.thickness_m);
   }
 
-  /// What the present level's mesh is condensed to. A quarter's friction has other parities, which
-  /// are factorised by themselves; trial meshes are only pressed.
+  /// What the present level's mesh is condensed to. With mirror planes friction has other parities,
+  /// which are factorised by themselves; trial meshes are only pressed.
   Along along() const {
     const Problem& problem = task_.problem;
     const bool rubs = problem.friction.any() || !problem.compliance_file.empty();
-    return rubs && is_kept_level() && task_.pressing.whole() ? Along::all : Along::normals;
+    return rubs && is_kept_level() && !task_.pressing.planes().any() ? Along::all : Along::normals;
   }
 
   /// Index of the present level in a pair of meshes.
@@ -217,8 +217,8 @@ class LinearContact : public ContactPhysics {
       return;
     }
     const Eigen::VectorXd friction = largest_friction(start_of_friction());
-    result.max_force_N = pressed_.copies * friction.sum() * unit_of_force_N;
-    result.max_torque_Nm = pressed_.copies * pressed_.moment_of(friction) * unit_of_force_N * h;
+    result.max_force_N = pressed_.copies() * friction.sum() * unit_of_force_N;
+    result.max_torque_Nm = pressed_.copies() * pressed_.moment_of(friction) * unit_of_force_N * h;
   }
 
   PressedContact start_of_friction() const {
@@ -239,9 +239,9 @@ class LinearContact : public ContactPhysics {
       }
       start.strength_share = strength_share(
           start.law, {start.force, area, radius, 1.0 / discretisation().elements_per_semi_axis,
-                      shape_.projected_area / pressed_.copies});
+                      shape_.projected_area / pressed_.copies()});
     }
-    if (!pressed_.model->whole()) return start;
+    if (pressed_.model->planes().both()) return start;
     // Without symmetry nodes beyond the ellipse of the moments may touch.
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (start.force[static_cast<Eigen::Index>(i)] > 0)
@@ -263,7 +263,7 @@ class LinearContact : public ContactPhysics {
 LayerIdentity identity_of(const ContactTask& task) {
   const Problem& problem = task.problem;
   const Pressing& pressing = task.pressing;
-  LayerIdentity identity{pressing.materials(), pressing.interfaces, "", pressing.whole(),
+  LayerIdentity identity{pressing.materials(), pressing.interfaces, "", pressing.planes(),
                          problem.level};
   const std::string scale = formatted(", h %.17g", pressing.thickness_m);
   if (problem.mesh) identity.fingertip = problem.mesh_name + scale;

@@ -17,12 +17,12 @@ struct LayerIdentity {
   std::vector<ElasticConstants> sublayers;
   std::vector<double> interfaces;
   std::string fingertip;  ///< a different text for each shape of bent layer over h; empty: flat
-  bool whole = false;
+  MirrorPlanes planes;
   int level = 2;  ///< as in `Problem`
 
   bool operator==(const LayerIdentity& other) const {
     return sublayers == other.sublayers && interfaces == other.interfaces &&
-           fingertip == other.fingertip && whole == other.whole && level == other.level;
+           fingertip == other.fingertip && planes == other.planes && level == other.level;
   }
 };
 

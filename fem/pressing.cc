@@ -23,9 +23,11 @@ double Pressing::surface_modulus() const {
   return surface.youngs_ratio / (1 - surface.poisson_ratio * surface.poisson_ratio);
 }
 
-bool Pressing::whole() const {
-  return mesh || moves_off_centre ||
-         (fingertip && !(fingertip.symmetric_object && bent.shape->symmetric()));
+MirrorPlanes Pressing::planes() const {
+  if (mesh || moves_off_centre) return no_plane;
+  if (!fingertip) return both_planes;
+  const MirrorPlanes planes = fingertip.symmetric_object ? bent.shape->planes() : no_plane;
+  return rubs_deformed && !planes.both() ? no_plane : planes;
 }
 
 double Pressing::gap(const SurfaceNode& node) const {
@@ -56,8 +58,9 @@ double Pressed::moment_of(const Eigen::VectorXd& force) const {
     return model->nodes()[static_cast<std::size_t>(i)].position.head<2>();
   };
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  for (Index i = 0; copies == 1 && i < contact.force.size(); ++i)
+  for (Index i = 0; i < contact.force.size(); ++i)
     centre += contact.force[i] / contact.force.sum() * position(i);
+  centre = model->planes().middle(centre);
   double moment = 0;
   for (Index i = 0; i < contact.force.size(); ++i)
     moment += force[i] * (position(i) - centre).norm();
@@ -97,6 +100,7 @@ Pressing pressing_of(const Problem& problem) {
   pressing.unit_of_force_N = layer.youngs_modulus_Pa * h * h;
   pressing.mesh = problem.mesh;
   const FrictionRequest& friction = problem.friction;
+  pressing.rubs_deformed = problem.finite_strain && friction.any();
   pressing.moves_off_centre =
       problem.finite_strain &&
       ((friction.limit_surface > 0 && friction.increments_to_slip > 0) ||
@@ -171,7 +175,7 @@ std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discreti
     return std::make_shared<const LayerModel>(discretisation, pressing.materials(), *pressing.mesh,
                                               pressing.thickness_m, along);
   return std::make_shared<const LayerModel>(discretisation, pressing.materials(),
-                                            pressing.bent.shape, pressing.whole(), along);
+                                            pressing.bent.shape, pressing.planes(), along);
 }
 
 namespace {
@@ -248,7 +252,6 @@ void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::Vecto
 
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {
   Pressed pressed;
-  pressed.copies = pressing.whole() ? 1 : 4;
   pressed.model = std::move(model);
   const LayerDiscretisation& discretisation = pressed.model->discretisation();
   const auto& nodes = pressed.model->nodes();
@@ -275,7 +278,7 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
     return pressing.approach > 0
                ? solve_normal_contact_at(compliance, pressed.gap, share * pressing.approach)
                : solve_normal_contact(compliance, pressed.gap,
-                                      share * pressing.load / pressed.copies);
+                                      share * pressing.load / pressed.copies());
   };
   if (pressing.fingertip || pressing.mesh)
     pressed.contact = solve(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
@@ -306,7 +309,7 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
       pressed.reaches_rim = true;
   }
   const Eigen::Vector2d axes = discretisation.is_scan
-                                   ? holding_axes(nodes, pressed.contact.force)
+                                   ? holding_axes(nodes, pressed.contact.force, no_plane)
                                    : axes_of_moments(nodes, pressed.contact.force);
   // A row of nodes is as wide as they are apart: no less can be seen.
   pressed.moment_a = std::max(axes.x(), spacing_a * discretisation.a);
@@ -353,7 +356,7 @@ ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
   const auto count = static_cast<Index>(nodes.size());
   NodalContact contact(
       {nodes, pressed.model->faces(), pressed.normal_force, !pressing.interfaces.empty(), nullptr});
-  contact.whole = pressing.whole();
+  contact.planes = pressed.model->planes();
   contact.rough_a = pressed.moment_a;
   contact.rough_b = pressed.moment_b;
   contact.nodal_pressure.resize(count);

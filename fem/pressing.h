@@ -31,7 +31,8 @@ struct Pressing {
   FingertipShape bent;
   std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
   bool moves_off_centre =
-      false;  ///< at finite strain: friction follows motions that no mirror keeps
+      false;                   ///< at finite strain: friction follows motions that no mirror keeps
+  bool rubs_deformed = false;  ///< friction follows at finite strain
 
   /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
@@ -42,9 +43,9 @@ struct Pressing {
   /// E / (1 - nu²) of the material at the surface.
   double surface_modulus() const;
 
-  /// Whether the whole layer has to be meshed, because finger, object or motion is not symmetric
-  /// about x = 0 and y = 0.
-  bool whole() const;
+  /// The mirror planes of finger, object and motion. Friction at finite strain is solved with both
+  /// or none.
+  MirrorPlanes planes() const;
 
   /// From a surface point to the object above it, along the load; `beside_object` where there is
   /// none.
@@ -62,14 +63,15 @@ struct Pressed {
   NormalContact contact;              ///< its forces are the components along the load
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
   Eigen::VectorXd cosine;             ///< of each node's normal with the load
-  int copies = 4;                     ///< sums over the nodes times this are sums over the contact
   double moment_a = 0, moment_b = 0;  ///< semi-axes from moments, rough but robust; on a
                                       ///< scan those of `holding_axes`
   bool reaches_rim = false;           ///< of the region where contact is possible
 
   double pressure(Eigen::Index node) const;
+  /// Sums over the nodes times this are sums over the contact.
+  int copies() const { return model->planes().images(); }
   /// P / (E h²)
-  double load() const { return copies * contact.force.sum(); }
+  double load() const { return copies() * contact.force.sum(); }
   /// int p r dA / P over the contact seen along the load, r the distance from the pressure's
   /// centre: the deformed surface has the object's slope, not the finger's.
   double torque_arm() const;

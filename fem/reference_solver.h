@@ -11,6 +11,7 @@
 
 #include "fem/fingertip.h"
 #include "fem/finite/material.h"
+#include "fem/mirror_planes.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
 
@@ -87,7 +88,7 @@ struct LevelResult {
   int level = 0;
   int elements_per_semi_axis = 0;
   long unknowns = 0;
-  int active_nodes = 0;  ///< nodes that touch, of the quarter where a quarter is solved
+  int active_nodes = 0;  ///< nodes that touch, of what is meshed (see `Result::planes`)
   int iterations = 0;    ///< of the active set; at finite strain of Newton's method
   double turn_rad = 0;   ///< from the relative radii's long axis to the contact's; 0 by symmetry
   double load_N = 0;     ///< as given, or what the given approach takes
@@ -173,6 +174,8 @@ struct Profile {
 };
 
 struct Result {
+  /// The layer is meshed on one side of these: a quarter of it with both, a half with one of them.
+  MirrorPlanes planes;
   LevelResult finest;
   std::vector<LevelResult> levels;  ///< coarse to fine, `finest` included
   RelativeError error;

@@ -23,6 +23,13 @@ json profile(const Profile& values) {
   return {{"position_m", values.position_m}, {"pressure_Pa", values.pressure_Pa}};
 }
 
+json mirror_planes(MirrorPlanes planes) {
+  json result = json::array();
+  if (planes.x) result.push_back("x");
+  if (planes.y) result.push_back("y");
+  return result;
+}
+
 json points(const Eigen::Matrix2Xd& outline) {
   json result = json::array();
   for (Eigen::Index i = 0; i < outline.cols(); ++i)
@@ -121,6 +128,7 @@ json to_json(const Problem& problem, const Result& result) {
                  {"error", relative(result.error)},
                  {"level", problem.level},
                  {"levels", levels},
+                 {"mirror_planes", mirror_planes(result.planes)},
                  {"unknowns", finest.unknowns},
                  {"active_nodes", finest.active_nodes},
                  {"iterations", finest.iterations},

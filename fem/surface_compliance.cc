@@ -1,7 +1,6 @@
 #include "fem/surface_compliance.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -12,25 +11,22 @@
 namespace softfinger::fem {
 namespace {
 
-/// One of the four images of a quarter: itself, mirrored at x = 0, at y = 0, at both.
-struct Image {
-  bool mirror_x = false, mirror_y = false;
-};
-constexpr std::array<Image, 4> images{{{false, false}, {true, false}, {false, true}, {true, true}}};
-constexpr std::array<Parity, 4> parities{
-    {{false, false}, {true, true}, {true, false}, {false, true}}};
-
-/// A point of the contact: an image of a quarter node.
+/// A point of the contact: an image of a node.
 struct Point {
   int index;  ///< among the chosen nodes
   Image image;
 };
 
-std::size_t problems_for(const LayerModel& model, Invariance fewest) {
-  return model.whole() ? 1 : fewest == Invariance::half_turn ? 2 : 4;
+/// Of each problem, in the order of QuarterCompliances. Only about a mirror plane a field is odd.
+std::vector<Parity> parities_for(MirrorPlanes planes, Invariance fewest) {
+  std::vector<Parity> parities{{false, false}};
+  if (planes.any()) parities.push_back({planes.x, planes.y});
+  if (planes.both() && fewest == Invariance::none)
+    parities.insert(parities.end(), {{true, false}, {false, true}});
+  return parities;
 }
 
-/// Signs of the displacement components of an image against those of its quarter node.
+/// Signs of the displacement components of an image against those of the node itself.
 Eigen::Vector3d signs(Image image, Parity parity) {
   Eigen::Vector3d result = Eigen::Vector3d::Ones();
   if (image.mirror_x) {
@@ -62,7 +58,7 @@ void require_memory(std::size_t points) {
 
 std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
                                           const std::vector<int>& nodes, Invariance fewest) {
-  const std::size_t problems = problems_for(kept.model, fewest);
+  const std::size_t problems = parities_for(kept.model.planes(), fewest).size();
   if (kept.by_parity.size() < problems ||
       !std::includes(kept.nodes.begin(), kept.nodes.end(), nodes.begin(), nodes.end()))
     return std::nullopt;
@@ -80,8 +76,8 @@ std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest) {
   QuarterCompliances result{model, std::move(nodes), {}};
-  for (std::size_t problem = 0; problem < problems_for(model, fewest); ++problem)
-    result.by_parity.push_back(model.vector_compliance(parities[problem], result.nodes));
+  for (const Parity parity : parities_for(model.planes(), fewest))
+    result.by_parity.push_back(model.vector_compliance(parity, result.nodes));
   return result;
 }
 
@@ -89,19 +85,18 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
                                      Blocks blocks) {
   const LayerModel& model = quarters.model;
   const std::vector<int>& nodes = quarters.nodes;
-  const bool half_turn = invariance == Invariance::half_turn, whole = model.whole();
+  const MirrorPlanes planes = model.planes();
+  const bool half_turn = invariance == Invariance::half_turn;
+  constexpr double on_plane = 1e-9;
+  const auto is_on_x = [&](const SurfaceNode& node) { return planes.x && node.x < on_plane; };
+  const auto is_on_y = [&](const SurfaceNode& node) { return planes.y && node.y < on_plane; };
   std::vector<Point> points;
   std::vector<double> share;  // 1 / number of the group's rotations that leave the point in place
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const SurfaceNode& node = model.nodes()[static_cast<std::size_t>(nodes[i])];
-    if (whole) {
-      points.push_back({static_cast<int>(i), {}});
-      share.push_back(1);
-      continue;
-    }
-    constexpr double on_plane = 1e-9;
-    const bool on_x = node.x < on_plane, on_y = node.y < on_plane;
-    for (const Image image : images) {
+    const bool on_x = is_on_x(node), on_y = is_on_y(node);
+    for (int number = 0; number < planes.images(); ++number) {
+      const Image image = planes.image(number);
       // A mirror plane's own points have no second image; after a half turn the upper half serves
       // for the lower, and half of the line y = 0 for the other half.
       if ((image.mirror_x && on_x) || (image.mirror_y && on_y)) continue;
@@ -126,13 +121,13 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
     const int index = nodes[static_cast<std::size_t>(point.index)];
     const SurfaceNode& node = model.nodes()[static_cast<std::size_t>(index)];
     result.model_node[static_cast<std::size_t>(p)] = index;
-    const Eigen::Vector2d mirror(point.image.mirror_x ? -1 : 1, point.image.mirror_y ? -1 : 1);
+    const Eigen::Vector2d mirror = point.image.signs().head<2>();
     result.position.col(p) = mirror.cwiseProduct(node.position.head<2>());
     result.height[p] = node.position.z();
     result.in_block.col(p) = mirror.cwiseProduct(Eigen::Vector2d(node.x, node.y));
     cosine[p] = node.normal.z();
-    // A node on a mirror plane has half of its weight in the quarter, the centre a quarter.
-    const double parts = whole ? 1 : (node.x < 1e-9 ? 2 : 1) * (node.y < 1e-9 ? 2 : 1);
+    // A node on a mirror plane has half of its weight in what is meshed, on two planes a quarter.
+    const double parts = (is_on_x(node) ? 2 : 1) * (is_on_y(node) ? 2 : 1);
     result.area[p] =
         node.weight * node.area_ratio * cosine[p] * parts * share[static_cast<std::size_t>(p)];
   }
@@ -141,18 +136,19 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   if (tangential) result.tangential = Eigen::MatrixXd::Zero(2 * count, 2 * count);
   result.normal = Eigen::MatrixXd::Zero(count, count);
   result.normal_tangential = Eigen::MatrixXd::Zero(count, 2 * count);
-  // In each parity, a force on a point and its copies is copies / 4 of it on the quarter.
-  const double scale = whole ? 1 : result.copies / 4.0;
-  for (std::size_t problem = 0; problem < problems_for(model, invariance); ++problem) {
+  // In each parity, a force on a point and its copies is copies / images of it on what is meshed.
+  const double scale = static_cast<double>(result.copies) / planes.images();
+  const std::vector<Parity> parities = parities_for(planes, invariance);
+  for (std::size_t problem = 0; problem < parities.size(); ++problem) {
     const Parity parity = parities[problem];
-    const Eigen::MatrixXd& quarter = quarters.by_parity[problem];
+    const Eigen::MatrixXd& meshed = quarters.by_parity[problem];
     for (Eigen::Index q = 0; q < count; ++q) {
       const Point& at = points[static_cast<std::size_t>(q)];
       const Eigen::Vector3d column_sign = scale * signs(at.image, parity);
       for (Eigen::Index p = 0; p < count; ++p) {
         const Point& of = points[static_cast<std::size_t>(p)];
         const Eigen::Matrix3d block = signs(of.image, parity).asDiagonal() *
-                                      quarter.block<3, 3>(3 * of.index, 3 * at.index) *
+                                      meshed.block<3, 3>(3 * of.index, 3 * at.index) *
                                       column_sign.asDiagonal();
         if (tangential) result.tangential.block<2, 2>(2 * p, 2 * q) += block.topLeftCorner<2, 2>();
         result.normal(p, q) += block(2, 2);

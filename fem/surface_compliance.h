@@ -14,16 +14,16 @@ enum class Invariance {
   half_turn  ///< rotation by pi about the normal: load and twist; half of the contact
 };
 
-/// Compliances of the quarter problems among some nodes, by parity.
+/// Compliances among some nodes of what is meshed, a quarter of the layer or more, by parity.
 struct QuarterCompliances {
   const LayerModel& model;
   std::vector<int> nodes;  ///< of the model, ascending
-  /// Even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in y. Of a whole
-  /// layer there is one, of all fields.
+  /// Of a quarter: even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in
+  /// y. Of a half: even and odd about its plane. Of a whole layer there is one, of all fields.
   std::vector<Eigen::MatrixXd> by_parity;
 
-  /// That of a turn about the normal: odd in x and in y.
-  const Eigen::MatrixXd& of_turn() const { return by_parity[model.whole() ? 0 : 1]; }
+  /// That of a turn about the normal: odd about each plane.
+  const Eigen::MatrixXd& of_turn() const { return by_parity[model.planes().any() ? 1 : 0]; }
 };
 
 /// The part of kept compliances that belongs to some of the nodes, with the parities that `fewest`
@@ -32,14 +32,15 @@ std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
                                           const std::vector<int>& nodes, Invariance fewest);
 
 /// @param nodes  those that may come into contact, ascending
-/// Factorises two problems if only a half turn's are needed, else four; on a whole layer one.
+/// Factorises one problem for each image; of a quarter two if only a half turn's are needed.
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest);
 
 /// Which of the blocks to compose: the tangential one is the largest.
 enum class Blocks { all, without_tangential };
 
-/// The surface's compliance among the points of a whole contact, composed of quarter problems.
+/// The surface's compliance among the points of a whole contact, composed of the problems of what
+/// is meshed.
 ///
 /// On a bent layer the contact lies in the object's plane, square to the load, as the pressed layer
 /// does: a point's normal force is the component along the load, its displacement what its surface
@@ -64,7 +65,7 @@ struct SurfaceCompliance {
   Eigen::Index size() const { return position.cols(); }
 };
 
-/// @param invariance  of a whole layer's contact: none
+/// @param invariance  none unless a quarter is meshed
 /// @throws NotEnoughMemory
 SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invariance invariance,
                                      Blocks blocks = Blocks::all);

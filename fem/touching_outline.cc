@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace softfinger::fem {
@@ -29,13 +30,14 @@ double edge_between(double pressure, double clearance, double distance, double m
   return std::min(1.0, std::pow(pressure / high, 2) / distance);
 }
 
-/// A node of one of a quarter's images; of a whole contact there is one.
+/// A node of one of the images.
 struct ImageNode {
   int node = -1;
-  int image = 0;  ///< bit 0: mirrored at x = 0, bit 1: at y = 0
+  Image image;
 
   bool operator<(const ImageNode& other) const {
-    return std::make_pair(node, image) < std::make_pair(other.node, other.image);
+    return std::tie(node, image.mirror_y, image.mirror_x) <
+           std::tie(other.node, other.image.mirror_y, other.image.mirror_x);
   }
 };
 
@@ -45,11 +47,12 @@ class Tracer {
 
   std::vector<Eigen::Matrix2Xd> trace() {
     for (const std::array<int, 3>& triangle : state_.triangles)
-      cross({{triangle[0], 0}, {triangle[1], 0}, {triangle[2], 0}});
+      cross({{triangle[0], {}}, {triangle[1], {}}, {triangle[2], {}}});
     if (!state_.triangles.empty()) return chain();
-    for (int image = 0; image < (state_.whole ? 1 : 4); ++image)
+    for (int image = 0; image < state_.planes.images(); ++image)
       for (const SurfaceFace& face : state_.faces)
-        for (const std::size_t corner : {0, 1, 3, 4}) cross_square(face, corner, image);
+        for (const std::size_t corner : {0, 1, 3, 4})
+          cross_square(face, corner, state_.planes.image(image));
     return chain();
   }
 
@@ -57,22 +60,21 @@ class Tracer {
   /// The lattice's edge that an outline crosses: from a touching node to an open one.
   using Crossing = std::pair<ImageNode, ImageNode>;
 
-  ImageNode node_of(const SurfaceFace& face, std::size_t k, int image) const {
+  ImageNode node_of(const SurfaceFace& face, std::size_t k, Image image) const {
     const int node = face.node[k];
     if (node < 0) return {};
     const SurfaceNode& at = state_.nodes[static_cast<std::size_t>(node)];
     constexpr double on_plane = 1e-9;
     // A mirror plane's own nodes have no second image.
-    if (std::abs(at.x) < on_plane) image &= ~1;
-    if (std::abs(at.y) < on_plane) image &= ~2;
+    if (std::abs(at.x) < on_plane) image.mirror_x = false;
+    if (std::abs(at.y) < on_plane) image.mirror_y = false;
     return {node, image};
   }
 
   bool touches(ImageNode at) const { return at.node >= 0 && state_.pressure[at.node] > 0; }
 
   Vector2d place(ImageNode at) const {
-    const Vector2d here = state_.position.col(at.node);
-    return {at.image & 1 ? -here.x() : here.x(), at.image & 2 ? -here.y() : here.y()};
+    return at.image.signs().head<2>().cwiseProduct(state_.position.col(at.node));
   }
 
   Vector2d place(const Crossing& crossing) const {
@@ -84,7 +86,7 @@ class Tracer {
   }
 
   /// Adds the outline's pieces in a quarter of a face, with what touches on their left.
-  void cross_square(const SurfaceFace& face, std::size_t corner, int image) {
+  void cross_square(const SurfaceFace& face, std::size_t corner, Image image) {
     std::vector<ImageNode> around;
     for (const std::size_t step : {0, 1, 4, 3})
       around.push_back(node_of(face, corner + step, image));

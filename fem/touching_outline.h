@@ -17,7 +17,7 @@ struct TouchingState {
   const Eigen::VectorXd& pressure;   ///< of each node, > 0 where it touches
   const Eigen::VectorXd& clearance;  ///< of each node from the object, 0 where it touches
   double modulus = 1;                ///< E / (1 - nu²) of the surface's material
-  bool whole = false;                ///< not a quarter
+  MirrorPlanes planes;               ///< the nodes are those of one image
   /// Of the nodes, counter-clockwise, in place of the faces where these do not fit together: on a
   /// mesh from outside nodes may hang.
   std::vector<std::array<int, 3>> triangles = {};
@@ -29,7 +29,8 @@ class OutgrownPatch : public ConvergenceError {
   using ConvergenceError::ConvergenceError;
 };
 
-/// Outlines of what touches, counter-clockwise, holes clockwise; of a quarter's whole contact.
+/// Outlines of what touches, counter-clockwise, holes clockwise; of the whole contact with the
+/// images of its nodes.
 ///
 /// Between a node that touches and an open one, the edge is where both agree: at a distance s
 /// inside a smooth edge the pressure is A sqrt(s), outside it the gap is 4 A/(3 E*) s^(3/2)

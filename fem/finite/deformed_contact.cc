@@ -80,7 +80,7 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
   const DeformedSurface surface(layer);
   NodalContact nodal(
       {nodes, layer.faces(), equilibrium.normal_force, layer.sublayers() > 1, &surface});
-  nodal.whole = layer.whole();
+  nodal.planes = layer.planes();
   nodal.rough_a = equilibrium.moment_a;
   nodal.rough_b = equilibrium.moment_b;
   nodal.nodal_pressure = nodal_pressure(pressing);
@@ -98,8 +98,8 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
   contact.shape = measure_shape(nodal);
   contact.area =
       contact.shape.projected_area * mean_secant(contact.shape.outlines, *pressing.object());
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  if (layer.whole()) centre = nodal.position * equilibrium.force / equilibrium.force.sum();
+  const Eigen::Vector2d centre =
+      layer.planes().middle(nodal.position * equilibrium.force / equilibrium.force.sum());
   double moment = 0, projected = 0;
   for (Eigen::Index row = 0; row < equilibrium.force.size(); ++row) {
     const double radius = (nodal.position.col(row) - centre).norm();

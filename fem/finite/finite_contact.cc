@@ -153,7 +153,7 @@ class FiniteContact : public ContactPhysics {
   FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool has_room) override {
     const bool is_first = !plan;
     FrictionOfLevel result;
-    const bool is_whole = pressing_->layer().whole();
+    const bool is_whole = !pressing_->layer().planes().any();
     const Eigen::MatrixXd tangent =
         pressing_->superposed_stiffness({/*odd_x=*/!is_whole, /*odd_y=*/!is_whole});
     SuperposedMotion motion(*pressing_, bound(), tangent);
@@ -204,7 +204,7 @@ class FiniteContact : public ContactPhysics {
   std::shared_ptr<FiniteLayer> make_layer(const LayerDiscretisation& mesh) const {
     const Pressing& pressing = task_.pressing;
     if (pressing.mesh) return std::make_shared<FiniteLayer>(mesh, *pressing.mesh, h_, materials_);
-    return std::make_shared<FiniteLayer>(mesh, pressing.bent.shape, pressing.whole(), materials_);
+    return std::make_shared<FiniteLayer>(mesh, pressing.bent.shape, pressing.planes(), materials_);
   }
 
   /// @throws InputError where the contact reaches the end of the layer
@@ -318,7 +318,7 @@ class FiniteContact : public ContactPhysics {
     constexpr double unseen_by_quarter = 0.1;
     const double moved = twist.pressure_change();
     result.neglected_of_twist = twist.stored_energy() / reference_work() + moved * moved +
-                                (pressing_->layer().whole() ? 0 : unseen_by_quarter * moved);
+                                (pressing_->layer().planes().any() ? unseen_by_quarter * moved : 0);
     if (!problem_.friction.torsion) return;
     task_.progress(formatted(
         "friction: twist of %zu increments to %.3g rad, slip on %.0f %% of the area, surface moved "
@@ -332,7 +332,8 @@ class FiniteContact : public ContactPhysics {
   void slip(const SuperposedSlide& slides, const std::vector<PlaneMotion>& velocities,
             FrictionOfLevel& result) const {
     const double force = largest_force(), torque = result.full_slip;
-    if (pressing_->layer().whole()) result.full_slip = slides.slide({0, 0, 1}).wrench.torque;
+    if (!pressing_->layer().planes().any())
+      result.full_slip = slides.slide({0, 0, 1}).wrench.torque;
     double second_order = 0, moved = 0;
     for (const PlaneMotion& velocity : velocities) {
       const auto [found, energy] = slides.slide(velocity);
@@ -354,7 +355,7 @@ class FiniteContact : public ContactPhysics {
   FrictionCorrection correction(const FrictionOfLevel& superposed, const Eigen::MatrixXd& tangent,
                                 bool has_room) {
     std::unique_ptr<FinitePressing> own_whole;
-    if (!pressing_->layer().whole()) own_whole = press_whole(discretisation());
+    if (pressing_->layer().planes().any()) own_whole = press_whole(discretisation());
     FinitePressing& whole = own_whole ? *own_whole : *pressing_;
     FrictionCorrecting correcting{{&whole, bound(whole), own_whole ? Eigen::MatrixXd() : tangent}};
     const std::unique_ptr<FinitePressing> coarser = press_coarser();
@@ -376,7 +377,8 @@ class FiniteContact : public ContactPhysics {
   /// The same contact on another mesh, of the whole layer.
   std::unique_ptr<FinitePressing> press_whole(const LayerDiscretisation& mesh) {
     auto whole = std::make_unique<FinitePressing>(
-        std::make_shared<FiniteLayer>(mesh, task_.pressing.bent.shape, true, materials_), object_);
+        std::make_shared<FiniteLayer>(mesh, task_.pressing.bent.shape, no_plane, materials_),
+        object_);
     whole->continue_from(*pressing_);
     whole->press({equilibrium().load, 0});
     return whole;

@@ -156,9 +156,9 @@ double FiniteLayer::Implementation::smallest_volume_ratio() const {
 }
 
 FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
-                         std::shared_ptr<const LayerShape> shape, bool whole,
+                         std::shared_ptr<const LayerShape> shape, MirrorPlanes planes,
                          std::vector<std::shared_ptr<const Material>> materials)
-    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), whole)) {
+    : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), planes)) {
   implementation_->set_up(std::move(materials));
 }
 
@@ -189,7 +189,7 @@ const LayerDiscretisation& FiniteLayer::discretisation() const {
 const std::vector<SurfaceNode>& FiniteLayer::nodes() const { return implementation_->nodes; }
 const std::vector<SurfaceFace>& FiniteLayer::faces() const { return implementation_->faces; }
 long FiniteLayer::unknowns() const { return implementation_->free.count; }
-bool FiniteLayer::whole() const { return implementation_->whole; }
+MirrorPlanes FiniteLayer::planes() const { return implementation_->planes; }
 bool FiniteLayer::has_grid() const { return !implementation_->meshed; }
 std::size_t FiniteLayer::sublayers() const { return implementation_->materials.size(); }
 double FiniteLayer::shift() const { return implementation_->shift; }
@@ -540,11 +540,14 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
   auto& self = *implementation_;
   const auto& from = *other.implementation_;
   const CellFinder finder(from.dofs);
-  // What is meshed of the other layer may be a quarter of this one: its fields are even in x and y,
-  // and a displacement across a mirror plane is odd.
-  const bool is_quarter = self.whole && !from.whole;
-  const auto folded = [&](const dealii::Point<dim>& at) {
-    return is_quarter ? dealii::Point<dim>(std::abs(at[0]), std::abs(at[1]), at[2]) : at;
+  // What is meshed of the other layer may be one image of this one: its fields are even about the
+  // mirror planes, and a displacement across a plane is odd.
+  const std::array<bool, dim> folds{from.planes.x && !self.planes.x,
+                                    from.planes.y && !self.planes.y, false};
+  const auto folded = [&](dealii::Point<dim> at) {
+    for (unsigned int c = 0; c < dim; ++c)
+      if (folds[c]) at[c] = std::abs(at[c]);
+    return at;
   };
   const unsigned int count = self.element.n_dofs_per_cell();
   std::vector<Dof> indices(count), their_indices(count);
@@ -568,7 +571,7 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
               from.state.displacement[their_indices[k]] * from.element.shape_value(k, found->unit);
       const auto of_component = static_cast<unsigned int>(self.component[indices[i]]);
       const bool is_mirrored =
-          is_quarter && of_component < 2 &&
+          folds[of_component] &&
           CellFinder::point_of(cell, self.element.unit_support_point(i))[of_component] < 0;
       self.state.displacement[indices[i]] = is_mirrored ? -value : value;
     }
@@ -580,7 +583,8 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
     Eigen::Matrix4Xd their_linear(4, geometry.weight.size());
     their_linear.row(0).setOnes();
     Eigen::Matrix3Xd points = self.points_of_cells[here];
-    if (is_quarter) points.topRows<2>() = points.topRows<2>().cwiseAbs();
+    for (Eigen::Index c = 0; c < dim; ++c)
+      if (folds[static_cast<std::size_t>(c)]) points.row(c) = points.row(c).cwiseAbs();
     their_linear.bottomRows<3>() = (points.colwise() - frame.center) / frame.size;
     // The other cell's linear fields, in this one's functions.
     const Eigen::Matrix4d change = geometry.mass.ldlt().solve(

@@ -27,14 +27,14 @@ struct NodeFrame {
 class FiniteLayer {
  public:
   /// @param shape  null: flat
-  /// @param whole  all of the layer instead of a quarter
+  /// @param planes  of layer, object and load, as of `LayerModel`
   /// @param materials  of the sublayers, from the surface inwards
   FiniteLayer(const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
-              bool whole, std::vector<std::shared_ptr<const Material>> materials);
+              MirrorPlanes planes, std::vector<std::shared_ptr<const Material>> materials);
   /// A homogeneous one.
   FiniteLayer(const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
-              bool whole, std::shared_ptr<const Material> material)
-      : FiniteLayer(discretisation, std::move(shape), whole,
+              MirrorPlanes planes, std::shared_ptr<const Material> material)
+      : FiniteLayer(discretisation, std::move(shape), planes,
                     std::vector<std::shared_ptr<const Material>>{std::move(material)}) {}
   /// The whole layer, from a coarse mesh from outside, refined as by `LayerModel`.
   FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
@@ -47,7 +47,7 @@ class FiniteLayer {
   const std::vector<SurfaceNode>& nodes() const;
   const std::vector<SurfaceFace>& faces() const;
   long unknowns() const;
-  bool whole() const;
+  MirrorPlanes planes() const;
   /// Whether the faces are a grid of rectangles in the block, and no mesh from outside.
   bool has_grid() const;
   std::size_t sublayers() const;
@@ -121,7 +121,7 @@ class FiniteLayer {
                  double youngs_modulus_Pa) const;
 
   /// Takes over the state of the same layer on another mesh, interpolated: where Newton's method
-  /// can go on from. A whole layer may take over that of its quarter. What the other mesh does not
+  /// can go on from. It may have mirror planes that this one has not. What the other mesh does not
   /// cover stays as it was.
   void continue_from(const FiniteLayer& other);
 

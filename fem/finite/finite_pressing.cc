@@ -226,8 +226,9 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
         equilibrium.reaches_rim || finite::reaches_rim(discretisation, nodes[i]);
   }
   equilibrium.complementarity_residual = penetration / equilibrium.approach;
-  const Eigen::Vector2d axes = discretisation.is_scan ? holding_axes(nodes, equilibrium.force)
-                                                      : axes_of_moments(nodes, equilibrium.force);
+  const Eigen::Vector2d axes = discretisation.is_scan
+                                   ? holding_axes(nodes, equilibrium.force, no_plane)
+                                   : axes_of_moments(nodes, equilibrium.force);
   equilibrium.moment_a = axes.x();
   equilibrium.moment_b = axes.y();
 }

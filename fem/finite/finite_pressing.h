@@ -109,7 +109,7 @@ class FinitePressing {
   Eigen::MatrixXd superposed_stiffness(Parity parity);
 
   /// Sums over the layer's nodes times this are sums over the contact.
-  int copies() const { return layer_->whole() ? 1 : 4; }
+  int copies() const { return layer_->planes().images(); }
 
  private:
   struct Touch;

@@ -132,10 +132,11 @@ FrictionWrench slide(const FinitePressing& pressing, const FrictionBound& of_lay
   const FrictionBound bound = bound_of(nodes, of_layer);
   FrictionWrench result;
   for (int image = 0; image < pressing.copies(); ++image) {
+    const Eigen::Vector3d signs = pressing.layer().planes().image(image).signs();
     for (Index i = 0; i < nodes.size(); ++i) {
-      const Eigen::Vector3d position = mirror(image).cwiseProduct(nodes.position.col(i));
+      const Eigen::Vector3d position = signs.cwiseProduct(nodes.position.col(i));
       const Eigen::Vector3d normal =
-          mirror(image).cwiseProduct(nodes.axes[static_cast<std::size_t>(i)].col(2));
+          signs.cwiseProduct(nodes.axes[static_cast<std::size_t>(i)].col(2));
       Eigen::Vector3d along =
           Eigen::Vector3d(velocity.x, velocity.y, 0) + velocity.turn_rad * turned(position);
       along -= normal.dot(along) * normal;

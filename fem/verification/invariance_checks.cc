@@ -76,6 +76,16 @@ Problem with_turned_quadric(double angle_rad) {
   return problem;
 }
 
+/// A finger with one mirror plane on a plane.
+Problem with_tapered_finger() {
+  Problem problem = oblong();
+  const RelativeRadii& radii = problem.contact.radii;
+  problem.fingertip.pad = meshes::tapered_pad(radii.major_m, radii.minor_m, 0.2 / radii.major_m);
+  problem.fingertip.object = meshes::plane_object();
+  problem.fingertip.symmetric_object = true;
+  return problem;
+}
+
 Checks check_turned_quadric() {
   const Result straight = solve_quietly(oblong());
   const Result turned = solve_quietly(with_turned_quadric(0.5));
@@ -112,6 +122,13 @@ Checks check_mirrors() {
                      whole.contact.approach),
                 same("whole layer against a quarter, same mesh", "torque arm / h",
                      quarter.torque_arm(), whole.torque_arm())};
+  Problem half_problem = with_tapered_finger();
+  const Pressed half = press_at_level(half_problem, a, b, 1);
+  half_problem.fingertip.symmetric_object = false;
+  const Pressed all = press_at_level(half_problem, a, b, 1);
+  const char* const halves = "half a layer against the whole, same mesh";
+  checks.push_back(same(halves, "d / h", all.contact.approach, half.contact.approach));
+  checks.push_back(same(halves, "torque arm / h", all.torque_arm(), half.torque_arm()));
   const auto largest_difference = [](const Pressed& pressed, auto image) {
     const auto& nodes = pressed.model->nodes();
     double difference = 0;

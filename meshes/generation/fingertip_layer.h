@@ -79,7 +79,6 @@ class FingertipLayer {
   double thickness() const { return thickness_; }
   bool symmetric_x() const { return pad_->symmetric_x(); }
   bool symmetric_y() const { return pad_->symmetric_y(); }
-  bool symmetric() const { return symmetric_x() && symmetric_y(); }
 
  private:
   struct Sample;

@@ -80,6 +80,7 @@ TEST(MovedLeft, MakesAnEllipseNarrowerByAsMuchAsShorter) {
 /// A regular grid of biquadratic faces with nodes that touch inside a circle as at the edge of a
 /// Hertz contact.
 struct HertzGrid {
+  MirrorPlanes planes;  ///< the grid ends there
   std::vector<SurfaceNode> nodes;
   std::vector<SurfaceFace> faces;
   Eigen::Matrix2Xd position;
@@ -87,16 +88,18 @@ struct HertzGrid {
 
   /// p = (2 E* / (pi R)) sqrt(a² - r²), gap of the half-space outside (K. L. Johnson, 1985, eq.
   /// 3.42a for the displacement).
-  HertzGrid(double a, const Eigen::Vector2d& centre, double extent, int cells, bool quarter) {
+  /// @param cells  from the origin to the extent
+  HertzGrid(double a, const Eigen::Vector2d& centre, double extent, int cells, MirrorPlanes about)
+      : planes(about) {
     std::map<std::pair<int, int>, int> index;
-    const double low = quarter ? 0 : -extent, size = (extent - low) / cells;
-    for (int j = 0; j < cells; ++j)
-      for (int i = 0; i < cells; ++i) {
-        SurfaceFace face{low + i * size, low + j * size, size, size, {}};
+    const double size = extent / cells;
+    for (int j = planes.y ? 0 : -cells; j < cells; ++j)
+      for (int i = planes.x ? 0 : -cells; i < cells; ++i) {
+        SurfaceFace face{i * size, j * size, size, size, {}};
         for (int k = 0; k < 9; ++k) {
           const std::pair<int, int> at(2 * i + k % 3, 2 * j + k / 3);
           const auto [entry, is_new] = index.emplace(at, static_cast<int>(nodes.size()));
-          if (is_new) nodes.push_back({low + at.first * size / 2, low + at.second * size / 2, 1});
+          if (is_new) nodes.push_back({at.first * size / 2, at.second * size / 2, 1});
           face.node[static_cast<std::size_t>(k)] = entry->second;
         }
         faces.push_back(face);
@@ -118,40 +121,38 @@ struct HertzGrid {
     }
   }
 
-  OutlineShape shape(bool whole) const {
-    return shape_of(touching_outlines({nodes, faces, position, pressure, clearance, 1, whole}));
+  std::vector<Eigen::Matrix2Xd> outlines() const {
+    return touching_outlines({nodes, faces, position, pressure, clearance, 1, planes});
   }
+  OutlineShape shape() const { return shape_of(outlines()); }
 };
 
 TEST(TouchingOutline, FindsTheEdgeBetweenNodes) {
   // Nodes are half a cell apart. The edge's law is exact near the edge only: the next term is of
   // the relative order of their distance over the radius.
   constexpr double cells = 8, a = 1, of_law = 0.5 / cells * 0.5 / cells;
-  for (const double shift : {0.0, 0.03, 0.06}) {
-    const HertzGrid grid(a, {shift, -shift}, 1.3, static_cast<int>(2.6 * cells), false);
-    const OutlineShape shape = grid.shape(true);
-    EXPECT_NEAR(shape.area / M_PI, 1, 2 * of_law) << shift;
-    EXPECT_NEAR(shape.centre.x(), shift, of_law);
-    EXPECT_LT(shape.departure, 4 * of_law);
-  }
-  const HertzGrid quarter(a, {0, 0}, 1.3, static_cast<int>(1.3 * cells), true);
-  const auto outlines = touching_outlines({quarter.nodes, quarter.faces, quarter.position,
-                                           quarter.pressure, quarter.clearance, 1, false});
-  ASSERT_EQ(outlines.size(), 1u) << "the four images join";
-  EXPECT_NEAR(quarter.shape(false).area / M_PI, 1, 2 * of_law);
+  for (const MirrorPlanes planes :
+       {no_plane, MirrorPlanes{false, true}, MirrorPlanes{true, false}, both_planes})
+    for (const double shift : {0.0, 0.03, 0.06}) {
+      const Eigen::Vector2d centre = planes.middle({shift, -shift});
+      const HertzGrid grid(a, centre, 1.3, static_cast<int>(1.3 * cells), planes);
+      ASSERT_EQ(grid.outlines().size(), 1u) << "the images join";
+      const OutlineShape shape = grid.shape();
+      EXPECT_NEAR(shape.area / M_PI, 1, 2 * of_law) << shift;
+      EXPECT_NEAR((shape.centre - centre).norm(), 0, std::sqrt(2) * of_law);
+      EXPECT_LT(shape.departure, 4 * of_law);
+    }
 }
 
 TEST(TouchingOutline, OfARingHasAHole) {
-  HertzGrid grid(1, {0, 0}, 1.3, 21, false);
+  HertzGrid grid(1, {0, 0}, 1.3, 10, no_plane);
   for (Eigen::Index n = 0; n < grid.pressure.size(); ++n)
     if (grid.position.col(n).norm() < 0.4) {
       grid.pressure[n] = 0;
       grid.clearance[n] = 1e-9;  // open, and as good as touching
     }
-  const auto outlines = touching_outlines(
-      {grid.nodes, grid.faces, grid.position, grid.pressure, grid.clearance, 1, true});
-  EXPECT_EQ(outlines.size(), 2u);
-  EXPECT_LT(grid.shape(true).area, M_PI * (1 - 0.3 * 0.3));
+  EXPECT_EQ(grid.outlines().size(), 2u);
+  EXPECT_LT(grid.shape().area, M_PI * (1 - 0.3 * 0.3));
 }
 
 }  // namespace

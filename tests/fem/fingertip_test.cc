@@ -82,6 +82,91 @@ TEST(Fingertip, UnderATurnedObjectIsTheQuarterWithinOnePercent) {
   EXPECT_LT(whole.error.max_torque, 0.003);
 }
 
+/// Largest relative difference of what two results say of a contact.
+double largest_difference(const Result& one, const Result& other) {
+  double largest = 0;
+  const auto compare = [&](double left, double right) {
+    largest = std::max(largest, std::abs(left / right - 1));
+  };
+  for (const auto quantity :
+       {&LevelResult::a_m, &LevelResult::b_m, &LevelResult::indentation_m, &LevelResult::load_N,
+        &LevelResult::peak_pressure_Pa, &LevelResult::centre_pressure_Pa,
+        &LevelResult::max_torque_Nm, &LevelResult::max_force_N, &LevelResult::area_m2,
+        &LevelResult::area_projected_m2})
+    compare(one.finest.*quantity, other.finest.*quantity);
+  for (const auto error :
+       {&RelativeError::a, &RelativeError::b, &RelativeError::area, &RelativeError::indentation,
+        &RelativeError::peak_pressure, &RelativeError::max_torque})
+    largest = std::max(largest, std::abs(one.error.*error - other.error.*error));
+  const Eigen::Matrix2Xd &outline = one.finest.outlines_m.at(0),
+                         &of_other = other.finest.outlines_m.at(0);
+  for (Eigen::Index i = 0; i < outline.cols(); ++i)
+    largest = std::max(largest, (of_other.colwise() - outline.col(i)).colwise().norm().minCoeff() /
+                                    other.finest.b_m);
+  return largest;
+}
+
+/// Round-off through a condition of about 1e5; at finite strain Newton's method ends at 1e-9, and
+/// the springs that hold its surface cost two digits.
+constexpr double same_discretisation = 1e-7;
+
+TEST(Fingertip, WithOneMirrorPlaneIsTheWholeByHalfOfIt) {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{10.4e-3, 6.3e-3, 0}, {1.5e-3, 3e5, 0.45}, {1.5, 0.7}};
+  problem.fingertip.pad = meshes::tapered_pad(16e-3, 8e-3, 20);
+  problem.fingertip.pad_name = "tapered";
+  problem.fingertip.object = meshes::sphere_object(30e-3);
+  // A strength that mu p passes in the middle: torque and force are sums over the nodes' areas.
+  problem.shear_law = ShearLaw::Kind::limited;
+  problem.shear_strength_Pa = 5e4;
+  for (const bool is_finite : {false, true}) {
+    if (is_finite) problem.finite_strain = finite::MaterialChoice();
+    problem.fingertip.symmetric_object = true;
+    const Result half = solve(problem, quiet);
+    problem.fingertip.symmetric_object = false;
+    const Result whole = solve(problem, quiet);
+    EXPECT_EQ(half.planes, (MirrorPlanes{false, true}));
+    EXPECT_EQ(whole.planes, no_plane);
+    EXPECT_LT(half.finest.unknowns, 0.55 * static_cast<double>(whole.finest.unknowns));
+    EXPECT_EQ(half.finest.turn_rad, 0);
+    EXPECT_NEAR(whole.finest.turn_rad, 0, same_discretisation);
+    EXPECT_LT(largest_difference(half, whole), same_discretisation) << is_finite;
+  }
+}
+
+TEST(Fingertip, WithOneMirrorPlaneRubsAsTheWhole) {
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{16e-3, 8e-3, 0}, {2e-3, 3e5, 0.45}, {1, 0.7}};
+  problem.fingertip.pad = meshes::tapered_pad(16e-3, 8e-3, 20);
+  problem.fingertip.pad_name = "tapered";
+  problem.fingertip.object = meshes::plane_object();
+  problem.friction.torsion = true;
+  problem.friction.increments = 3;
+  problem.friction.limit_surface = 4;
+  problem.fingertip.symmetric_object = true;
+  const Result half = solve(problem, quiet);
+  problem.fingertip.symmetric_object = false;
+  const Result whole = solve(problem, quiet);
+  EXPECT_EQ(half.planes, (MirrorPlanes{false, true}));
+  EXPECT_LT(largest_difference(half, whole), same_discretisation);
+  EXPECT_NEAR(half.torsion->stiffness_Nm_per_rad / whole.torsion->stiffness_Nm_per_rad, 1,
+              same_discretisation);
+  const double force = whole.finest.max_force_N, torque = whole.finest.max_torque_Nm;
+  const auto expect_same = [&](const Wrench& one, const Wrench& other) {
+    // Friction and pressure are found in turn until neither changes by more.
+    constexpr double enough = 1e-6;
+    EXPECT_NEAR(one.force_x_N, other.force_x_N, enough * force);
+    EXPECT_NEAR(one.force_y_N, other.force_y_N, enough * force);
+    EXPECT_NEAR(one.torque_Nm, other.torque_Nm, enough * torque);
+  };
+  for (std::size_t i = 0; i < whole.torsion->increments.size(); ++i)
+    expect_same(half.torsion->increments[i].wrench, whole.torsion->increments[i].wrench);
+  for (std::size_t i = 0; i < whole.limit_surface.size(); ++i)
+    expect_same(half.limit_surface[i].wrench, whole.limit_surface[i].wrench);
+}
+
 TEST(Fingertip, RefusesALayerThickerThanItsCurvatureBears) {
   Fingertip fingertip;
   fingertip.pad = meshes::sphere_pad(0.005);

@@ -117,7 +117,7 @@ finite::FinitePressing layer_under(std::shared_ptr<const RigidObject> object, do
   mesh.b = b;
   mesh.elements_per_semi_axis = 4;
   mesh.patch = 1.6;
-  return {std::make_shared<finite::FiniteLayer>(mesh, nullptr, false,
+  return {std::make_shared<finite::FiniteLayer>(mesh, nullptr, both_planes,
                                                 finite::make_material(choice, 1.0, poisson_ratio)),
           std::move(object)};
 }

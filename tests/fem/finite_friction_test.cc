@@ -44,8 +44,8 @@ LayerDiscretisation mesh_for(double a, double b) {
 
 FinitePressing layer_under(std::shared_ptr<const RigidObject> object,
                            const LayerDiscretisation& mesh, double poisson_ratio,
-                           bool whole = false, const MaterialChoice& choice = {}) {
-  return {std::make_shared<finite::FiniteLayer>(mesh, nullptr, whole,
+                           MirrorPlanes planes = both_planes, const MaterialChoice& choice = {}) {
+  return {std::make_shared<finite::FiniteLayer>(mesh, nullptr, planes,
                                                 finite::make_material(choice, 1.0, poisson_ratio)),
           std::move(object)};
 }
@@ -86,12 +86,12 @@ TEST(SuperposedMotion, FollowsPressingsUnderTheTurnedObject) {
   std::vector<Eigen::Vector3d> turned[2];
   for (const int side : {0, 1}) {
     auto pressing = layer_under(std::make_shared<TurnedQuadric>(8, 3, side == 0 ? -angle : angle),
-                                mesh, 0.45, true);
+                                mesh, 0.45, no_plane);
     pressing.press({0, 0.15});
     for (std::size_t i = 0; i < pressing.layer().nodes().size(); ++i)
       turned[side].push_back(pressing.layer().position(i));
   }
-  auto pressing = layer_under(std::make_shared<TurnedQuadric>(8, 3, 0), mesh, 0.45, true);
+  auto pressing = layer_under(std::make_shared<TurnedQuadric>(8, 3, 0), mesh, 0.45, no_plane);
   pressing.press({0, 0.15});
   const finite::TouchingNodes nodes = pressing.touching_nodes();
   const SuperposedMotion twist(pressing, kFriction);
@@ -112,7 +112,7 @@ TEST(SuperposedMotion, IsTheSameByAQuarterAndAsAWhole) {
   for (const bool whole : {false, true}) {
     LayerDiscretisation mesh = mesh_for(1.1, 0.8);
     mesh.elements_per_semi_axis = 3;
-    auto pressing = layer_under(quadric(8, 4), mesh, 0.49, whole);
+    auto pressing = layer_under(quadric(8, 4), mesh, 0.49, whole ? no_plane : both_planes);
     pressing.press({0, 0.12});
     SuperposedMotion twist(pressing, kFriction);
     stiffness[whole] = twist.stiffness();
@@ -195,9 +195,8 @@ struct SmallContact {
     // other one the volumetric strain that the pressures do not resolve is softer.
     MaterialChoice choice;
     choice.volumetric = finite::VolumetricLaw::logarithmic;
-    pressing = std::make_unique<FinitePressing>(layer_under(quadric(linear.major, linear.minor),
-                                                            mesh, poisson_ratio,
-                                                            /*whole=*/false, choice));
+    pressing = std::make_unique<FinitePressing>(
+        layer_under(quadric(linear.major, linear.minor), mesh, poisson_ratio, both_planes, choice));
     pressing->press({0, approach});
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(contact(), Invariance::none));
@@ -317,7 +316,7 @@ TEST(SuperposedSlide, IsTheSameByAQuarterAndAsAWhole) {
     LayerDiscretisation mesh = mesh_for(1.1, 0.8);
     mesh.elements_per_semi_axis = 3;
     mesh.extent = 2;
-    auto pressing = layer_under(quadric(8, 4), mesh, 0.49, whole);
+    auto pressing = layer_under(quadric(8, 4), mesh, 0.49, whole ? no_plane : both_planes);
     pressing.press({0, 0.12});
     load = pressing.equilibrium().load;
     const finite::SuperposedSlide slides(pressing, kFriction);
@@ -350,7 +349,7 @@ struct SmallContactWithoutSymmetry {
     MaterialChoice choice;
     choice.volumetric = finite::VolumetricLaw::logarithmic;
     pressing = std::make_unique<FinitePressing>(
-        std::make_shared<finite::FiniteLayer>(mesh, linear.bent.shape, /*whole=*/true,
+        std::make_shared<finite::FiniteLayer>(mesh, linear.bent.shape, no_plane,
                                               finite::make_material(choice, 1.0, 0.45)),
         sampled(
             [object = linear.fingertip.object](double x, double y) { return object->height(x, y); },
@@ -539,7 +538,7 @@ TEST(FiniteFriction, OfADeeplyPressedSphereIsSolvedFor) {
 /// Pressed by a sphere, all of the layer.
 class SolvedFriction : public testing::Test {
  protected:
-  SolvedFriction() : pressing(layer_under(sphere(5), mesh_for(1.2, 1.2), 0.45, /*whole=*/true)) {
+  SolvedFriction() : pressing(layer_under(sphere(5), mesh_for(1.2, 1.2), 0.45, no_plane)) {
     pressing.press({0, 0.25});
   }
   FinitePressing pressing;
@@ -699,7 +698,7 @@ TEST_F(SolvedFriction, InfersFullSlipFromSlidesWithLess) {
 TEST_F(SolvedFriction, NeglectedOfSlidesIsTheSameOnACoarserMesh) {
   LayerDiscretisation coarser = mesh_for(1.2, 1.2);
   coarser.elements_per_semi_axis = 3;
-  FinitePressing coarse(layer_under(sphere(5), coarser, 0.45, /*whole=*/true));
+  FinitePressing coarse(layer_under(sphere(5), coarser, 0.45, no_plane));
   coarse.press({pressing.equilibrium().load, 0});
   const double force = kFriction * pressing.equilibrium().load,
                torque = finite::slide(pressing, kFriction, {0, 0, 1}).torque;
@@ -729,7 +728,7 @@ TEST_F(SolvedFriction, StatesTheTwistsErrorByASecondMesh) {
   constexpr double high = 0.7;
   LayerDiscretisation fewer = mesh_for(1.2, 1.2);
   fewer.elements_per_semi_axis = 3;
-  FinitePressing coarse(layer_under(sphere(5), fewer, 0.45, /*whole=*/true));
+  FinitePressing coarse(layer_under(sphere(5), fewer, 0.45, no_plane));
   coarse.press({pressing.equilibrium().load, 0});
   FrictionOfLevel superposed;
   SuperposedMotion motion(pressing, high);

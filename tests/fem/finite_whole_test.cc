@@ -45,9 +45,9 @@ LayerDiscretisation mesh_for(double a, double b) {
 
 FinitePressing layer_under(std::shared_ptr<const RigidObject> object,
                            const LayerDiscretisation& mesh, std::shared_ptr<const LayerShape> shape,
-                           double poisson_ratio, bool whole = true,
+                           double poisson_ratio, MirrorPlanes planes = no_plane,
                            const MaterialChoice& choice = {}) {
-  return {std::make_shared<finite::FiniteLayer>(mesh, std::move(shape), whole,
+  return {std::make_shared<finite::FiniteLayer>(mesh, std::move(shape), planes,
                                                 finite::make_material(choice, 1.0, poisson_ratio)),
           std::move(object)};
 }
@@ -95,14 +95,64 @@ void expect_the_same(FinitePressing& quarter, FinitePressing& whole, double appr
 
 TEST(FiniteWhole, IsTheQuarterOfASymmetricContact) {
   LayerDiscretisation mesh = mesh_for(1.4, 0.9);
-  auto quarter = layer_under(quadric(8, 4), mesh, nullptr, 0.49, false);
+  auto quarter = layer_under(quadric(8, 4), mesh, nullptr, 0.49, both_planes);
   auto whole = layer_under(quadric(8, 4), mesh, nullptr, 0.49);
   expect_the_same(quarter, whole, 0.2);
   mesh = mesh_for(1.3, 1.2);
   const auto shape = bent_onto(meshes::ellipsoid_pad(6, 5), mesh);
-  auto bent_quarter = layer_under(sphere(20), mesh, shape, 0.3, false);
+  auto bent_quarter = layer_under(sphere(20), mesh, shape, 0.3, both_planes);
   auto bent_whole = layer_under(sphere(20), mesh, shape, 0.3);
   expect_the_same(bent_quarter, bent_whole, 0.2);
+}
+
+/// A half has the whole's nodes and measurement: nothing but round-off is between them.
+void expect_the_same_measured(FinitePressing& half, FinitePressing& whole, double approach) {
+  for (FinitePressing* pressing : {&half, &whole}) pressing->press({0, approach});
+  const finite::Equilibrium &expected = whole.equilibrium(), &found = half.equilibrium();
+  EXPECT_NEAR(found.load / expected.load, 1, kSameDiscretisation);
+  EXPECT_NEAR(found.energy / expected.energy, 1, kSameDiscretisation);
+  const DeformedContact of_whole = measure(whole, 1), of_half = measure(half, 1);
+  EXPECT_NEAR(of_half.torque_arm / of_whole.torque_arm, 1, kSameDiscretisation);
+  EXPECT_NEAR(of_half.projected_arm / of_whole.projected_arm, 1, kSameDiscretisation);
+  EXPECT_NEAR(of_half.area / of_whole.area, 1, kSameDiscretisation);
+  for (const auto quantity :
+       {&ContactShape::a, &ContactShape::b, &ContactShape::block_a, &ContactShape::block_b,
+        &ContactShape::peak, &ContactShape::centre_pressure, &ContactShape::projected_area})
+    EXPECT_NEAR(of_half.shape.*quantity / of_whole.shape.*quantity, 1, kSameDiscretisation);
+  EXPECT_NEAR(of_half.shape.departure, of_whole.shape.departure, kSameDiscretisation);
+  // An ellipse's long axis has no sense.
+  EXPECT_NEAR(std::sin(of_half.shape.turn_rad - of_whole.shape.turn_rad), 0, kSameDiscretisation);
+}
+
+TEST(FiniteHalf, IsTheWholeOfAContactWithOneMirrorPlane) {
+  LayerDiscretisation mesh = mesh_for(1.3, 1.0);
+  const auto tapered = bent_onto(meshes::tapered_pad(8, 4, 0.1), mesh);
+  const MirrorPlanes across_y{false, true}, across_x{true, false};
+  auto half = layer_under(sphere(20), mesh, tapered, 0.45, across_y);
+  auto whole = layer_under(sphere(20), mesh, tapered, 0.45);
+  expect_the_same_measured(half, whole, 0.2);
+  // Longer along y, by halves about either plane.
+  mesh = mesh_for(1.0, 1.3);
+  const auto ellipsoid = bent_onto(meshes::ellipsoid_pad(4, 8), mesh);
+  auto whole_ellipse = layer_under(sphere(20), mesh, ellipsoid, 0.3);
+  for (const MirrorPlanes planes : {across_x, across_y}) {
+    auto half_ellipse = layer_under(sphere(20), mesh, ellipsoid, 0.3, planes);
+    expect_the_same_measured(half_ellipse, whole_ellipse, 0.2);
+    EXPECT_EQ(measure(half_ellipse, 1).shape.turn_rad, M_PI / 2);
+  }
+}
+
+TEST(FiniteHalf, IsWhereTheWholeGoesOnFrom) {
+  LayerDiscretisation mesh = mesh_for(1.3, 1.0);
+  const auto shape = bent_onto(meshes::tapered_pad(8, 4, 0.1), mesh);
+  auto half = layer_under(sphere(20), mesh, shape, 0.45, {false, true});
+  half.press({0, 0.2});
+  auto whole = layer_under(sphere(20), mesh, shape, 0.45);
+  whole.continue_from(half);
+  whole.press({0, 0.2});
+  EXPECT_EQ(whole.history().steps, 1);
+  EXPECT_EQ(whole.history().cuts, 0);
+  EXPECT_NEAR(whole.equilibrium().load / half.equilibrium().load, 1, kSameDiscretisation);
 }
 
 TEST(FiniteWhole, TurnsWithFingerAndObject) {
@@ -434,7 +484,7 @@ Departure departure(double approach) {
   MaterialChoice choice;
   choice.volumetric = finite::VolumetricLaw::logarithmic;
   auto finite_strain = layer_under(sampled_object(pressing.fingertip.object), mesh,
-                                   pressing.bent.shape, nu, true, choice);
+                                   pressing.bent.shape, nu, no_plane, choice);
   finite_strain.press({0, approach});
   const DeformedContact contact = measure(finite_strain, 1 / (1 - nu * nu), choice);
   return {finite_strain.equilibrium().load / linear.load() - 1,

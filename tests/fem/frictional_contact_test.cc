@@ -184,15 +184,14 @@ TEST(FrictionalContact, KeepsItsLoadAndSlidesAgainstTheFullForce) {
   EXPECT_NEAR(back.wrench().force_x, -force, settled * force);
 }
 
-/// An ellipsoidal fingertip on a plane, by a quarter and as a whole, on one mesh.
+/// An ellipsoidal fingertip on a plane, by a quarter, by halves and as a whole, on one mesh.
 struct BentContact {
-  explicit BentContact(bool whole, double radius_x = 8, double radius_y = 5) {
+  explicit BentContact(MirrorPlanes planes, double radius_x = 8, double radius_y = 5) {
     Pressing pressing;
     pressing.load = load;
     pressing.poisson_ratio = 0.4;
     pressing.fingertip.pad = meshes::ellipsoid_pad(radius_x, radius_y);
     pressing.fingertip.object = meshes::plane_object();
-    pressing.fingertip.symmetric_object = !whole;
     pressing.bent = shape_fingertip(pressing.fingertip, 1);
     LayerDiscretisation mesh;
     mesh.a = 1.3;
@@ -201,7 +200,9 @@ struct BentContact {
     mesh.patch = 1.4;
     mesh.reach_x = pressing.bent.reach_x;
     mesh.reach_y = pressing.bent.reach_y;
-    pressed = press_on(make_layer(mesh, pressing), pressing);
+    pressed = press_on(
+        std::make_shared<const LayerModel>(mesh, pressing.materials(), pressing.bent.shape, planes),
+        pressing);
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
     surface = surface_compliance(*quarters, Invariance::none);
@@ -223,28 +224,34 @@ struct BentContact {
   SurfaceCompliance surface;
 };
 
-TEST(BentFrictionalContact, IsTheSameByAQuarterAndAsAWhole) {
-  const BentContact quarter(false), whole(true);
-  ASSERT_EQ(quarter.surface.size(), whole.surface.size());
-  EXPECT_NEAR(quarter.surface.area.sum() / whole.surface.area.sum(), 1, round_off);
-  EXPECT_NEAR(stuck_torsional_stiffness(quarter.start(), *quarter.quarters) /
-                  stuck_torsional_stiffness(whole.start(), *whole.quarters),
-              1, 1e-8);
-  FrictionalContact one = quarter.contact(), other = whole.contact();
-  EXPECT_NEAR(one.approach() / quarter.pressed.contact.approach, 1, 1e-8)
-      << "the composed compliance is the one that it was pressed on";
-  const double force = quarter.mu * quarter.load;
-  for (const PlaneMotion motion : {PlaneMotion{0.02, 0.01, 0.005}, PlaneMotion{0.1, 0.05, 0.3}}) {
-    one.move_to(motion);
-    other.move_to(motion);
-    EXPECT_NEAR(one.wrench().force_x, other.wrench().force_x, settled * force);
-    EXPECT_NEAR(one.wrench().force_y, other.wrench().force_y, settled * force);
-    EXPECT_NEAR(one.wrench().torque, other.wrench().torque, settled * force);
+TEST(BentFrictionalContact, IsTheSameByAQuarterByHalvesAndAsAWhole) {
+  const BentContact whole(no_plane);
+  for (const MirrorPlanes planes :
+       {both_planes, MirrorPlanes{true, false}, MirrorPlanes{false, true}}) {
+    const BentContact part(planes);
+    ASSERT_EQ(part.surface.size(), whole.surface.size());
+    EXPECT_NEAR(part.pressed.contact.approach / whole.pressed.contact.approach, 1, 1e-8);
+    EXPECT_NEAR(part.pressed.torque_arm() / whole.pressed.torque_arm(), 1, 1e-8);
+    EXPECT_NEAR(part.surface.area.sum() / whole.surface.area.sum(), 1, round_off);
+    EXPECT_NEAR(stuck_torsional_stiffness(part.start(), *part.quarters) /
+                    stuck_torsional_stiffness(whole.start(), *whole.quarters),
+                1, 1e-8);
+    FrictionalContact one = part.contact(), other = whole.contact();
+    EXPECT_NEAR(one.approach() / part.pressed.contact.approach, 1, 1e-8)
+        << "the composed compliance is the one that it was pressed on";
+    const double force = part.mu * part.load;
+    for (const PlaneMotion motion : {PlaneMotion{0.02, 0.01, 0.005}, PlaneMotion{0.1, 0.05, 0.3}}) {
+      one.move_to(motion);
+      other.move_to(motion);
+      EXPECT_NEAR(one.wrench().force_x, other.wrench().force_x, settled * force);
+      EXPECT_NEAR(one.wrench().force_y, other.wrench().force_y, settled * force);
+      EXPECT_NEAR(one.wrench().torque, other.wrench().torque, settled * force);
+    }
   }
 }
 
 TEST(BentFrictionalContact, HoldsMuPAndTheTorqueOfItsPressureAtFullSlip) {
-  const BentContact bent(false);
+  const BentContact bent(both_planes);
   FrictionalContact state = bent.contact();
   const double force = bent.mu * bent.load;
   for (const double angle : {0.0, 0.7, M_PI / 2}) {
@@ -257,7 +264,7 @@ TEST(BentFrictionalContact, HoldsMuPAndTheTorqueOfItsPressureAtFullSlip) {
 }
 
 TEST(BentFrictionalContact, OnASphereKnowsNoDirection) {
-  const BentContact bent(true, 6, 6);
+  const BentContact bent(no_plane, 6, 6);
   FrictionalContact along_x = bent.contact(), along_y = bent.contact();
   along_x.move_to({0.02, 0, 0});
   along_y.move_to({0, 0.02, 0});
@@ -267,7 +274,7 @@ TEST(BentFrictionalContact, OnASphereKnowsNoDirection) {
 }
 
 TEST(BentFrictionalContact, DissipatesAndStores) {
-  const BentContact bent(false);
+  const BentContact bent(both_planes);
   FrictionalContact state = bent.contact();
   double work = 0, dissipated = 0, turn = 0, torque = 0;
   Eigen::VectorXd slip = state.slip();

@@ -191,7 +191,7 @@ TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
   finite::FinitePressing on_uneven(
       std::make_shared<finite::FiniteLayer>(mesh, *uneven, h_m, std::vector{material}), ball);
   finite::FinitePressing on_own(
-      std::make_shared<finite::FiniteLayer>(mesh, nullptr, /*whole=*/true, material), ball);
+      std::make_shared<finite::FiniteLayer>(mesh, nullptr, no_plane, material), ball);
 
   const finite::FiniteLayer& layer = on_uneven.layer();
   int hanging = 0;

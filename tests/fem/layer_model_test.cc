@@ -32,8 +32,8 @@ TEST(LayerModel, CondensedToAllDisplacementsServesPressingAndFriction) {
   LayerDiscretisation discretisation = coarse();
   discretisation.elements_per_semi_axis = 3;
   const std::vector<ElasticConstants> layer{{1, 0.45}};
-  const LayerModel all(discretisation, layer, nullptr, /*whole=*/true, Along::all);
-  const LayerModel normals(discretisation, layer, nullptr, /*whole=*/true);
+  const LayerModel all(discretisation, layer, nullptr, no_plane, Along::all);
+  const LayerModel normals(discretisation, layer, nullptr, no_plane);
   // Round-off of another order of elimination.
   constexpr double round_off = 1e-10;
   EXPECT_LT((all.compliance() - normals.compliance()).norm(),
@@ -51,7 +51,7 @@ class FlatShape : public LayerShape {
   Eigen::Vector3d position(double x, double y, double z) const override { return {x, y, z}; }
   Eigen::Vector3d normal(double, double) const override { return Eigen::Vector3d::UnitZ(); }
   double area_ratio(double, double) const override { return 1; }
-  bool symmetric() const override { return true; }
+  MirrorPlanes planes() const override { return both_planes; }
 };
 
 TEST(LayerModel, SpendsFewerCellsUnderTheFlatOnesOfAScan) {

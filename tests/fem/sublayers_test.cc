@@ -225,7 +225,7 @@ TEST(Sublayers, AtFiniteStrainAreThoseOfSmallStrainForSmallLoads) {
     for (const auto& [youngs_ratio, poisson_ratio] : materials)
       of_sublayers.push_back(finite::make_material({}, youngs_ratio, poisson_ratio));
     finite::FinitePressing pressing(
-        std::make_shared<finite::FiniteLayer>(mesh, nullptr, false, of_sublayers),
+        std::make_shared<finite::FiniteLayer>(mesh, nullptr, both_planes, of_sublayers),
         quadric(radius, radius));
     pressing.press({0, approach});
     const NormalContact contact = solve_normal_contact_at(linear.compliance(), gap, approach);
@@ -296,7 +296,7 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
   mesh.interfaces = {0.25};
   const auto own = [&](int elements) {
     mesh.elements_per_semi_axis = elements;
-    return pressed(std::make_shared<finite::FiniteLayer>(mesh, nullptr, false, materials));
+    return pressed(std::make_shared<finite::FiniteLayer>(mesh, nullptr, both_planes, materials));
   };
   const finite::FinitePressing coarse = own(3), fine = own(6);
   const auto compare = [&](double one, double coarse_one, double fine_one, const char* what) {
