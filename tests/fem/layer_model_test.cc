@@ -89,8 +89,8 @@ TEST(LayerModel, LeavesOutCellsThatFold) {
   discretisation.a = discretisation.b = 1;
   discretisation.elements_per_semi_axis = 4;
   discretisation.is_scan = true;
-  const LayerModel even(discretisation, 0.45, std::make_shared<FlatShape>(), /*whole=*/true),
-      uneven(discretisation, 0.45, std::make_shared<UnevenlyCountedShape>(), /*whole=*/true);
+  const LayerModel even(discretisation, 0.45, std::make_shared<FlatShape>(), no_plane),
+      uneven(discretisation, 0.45, std::make_shared<UnevenlyCountedShape>(), no_plane);
   EXPECT_LT(uneven.unknowns(), even.unknowns());
   ASSERT_EQ(uneven.nodes().size(), even.nodes().size());
   // What is left goes on for two thicknesses beside the contact. A free side wall there changes the
