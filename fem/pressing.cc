@@ -240,14 +240,21 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
 void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
                        const Pressing& pressing) {
   if (!pressing.bent.is_scan) return;
-  for (const double around : {0.1, 0.2, 0.4, 0.8, 1.6})
+  const auto covers_around = [&](const SurfaceNode& at, double distance) {
+    return pressing.bent.shape->covers(at.x - distance, at.x + distance, at.y - distance,
+                                       at.y + distance) == LayerShape::Cover::whole;
+  };
+  // A cell of the mesh is lost where the layer ends in any part of it.
+  for (const double around : {0.1, 0.2, 0.4, 0.8, 1.6, 3.2}) {
+    const SurfaceNode* farthest = nullptr;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const SurfaceNode& at = nodes[i];
-      if (force[static_cast<Index>(i)] > 0 &&
-          pressing.bent.shape->covers(at.x - around, at.x + around, at.y - around, at.y + around) !=
-              LayerShape::Cover::whole)
-        refuse_end_of_layer(at, pressing, std::nullopt);
+      if (!(force[static_cast<Index>(i)] > 0) || covers_around(at, around)) continue;
+      if (!farthest || at.position.head<2>().norm() > farthest->position.head<2>().norm())
+        farthest = &at;
     }
+    if (farthest) refuse_end_of_layer(*farthest, pressing, std::nullopt);
+  }
 }
 
 Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {
