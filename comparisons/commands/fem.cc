@@ -83,21 +83,28 @@ std::string friction_table(const reference::ReferenceResult& result) {
 }
 
 std::string table_row(const reference::ReferenceResult& result) {
-  const auto within = [](const std::optional<double>& error) {
-    return error ? fmt::format("± {:.2g} %", 100 * *error) : "";
+  using reference::ReferenceErrors;
+  const auto within = [&](std::optional<double> ReferenceErrors::*quantity) {
+    const std::optional<double>& elements = result.error.*quantity;
+    std::string text = elements ? fmt::format("± {:.2g} %", 100 * *elements) : "";
+    if (const auto& facets = result.geometry_error; facets && (*facets).*quantity)
+      text += fmt::format("{}± {:.2g} % by the scan's facets", text.empty() ? "" : ", ",
+                          100 * *((*facets).*quantity));
+    return text;
   };
-  const reference::ReferenceErrors& error = result.error;
   return fmt::format(
              "  a           {:>10.5g} mm    {}\n"
              "  b           {:>10.5g} mm    {}\n"
              "  indentation {:>10.5g} mm    {}\n"
              "  peak        {:>10.5g} kPa   {}\n"
-             "  area        {:>10.5g} mm²   {} seen along the load; {:.5g} mm² on the surface\n"
+             "  area        {:>10.5g} mm²   {}, seen along the load; {:.5g} mm² on the surface\n"
              "  torque      {:>10.5g} mN·m  {}\n",
-             result.a_m * 1e3, within(error.a), result.b_m * 1e3, within(error.b),
-             result.indentation_m * 1e3, within(error.indentation), result.peak_pressure_Pa * 1e-3,
-             within(error.peak_pressure), result.area_projected_m2 * 1e6, within(error.area),
-             result.area_m2 * 1e6, result.max_torque_Nm * 1e3, within(error.max_torque)) +
+             result.a_m * 1e3, within(&ReferenceErrors::a), result.b_m * 1e3,
+             within(&ReferenceErrors::b), result.indentation_m * 1e3,
+             within(&ReferenceErrors::indentation), result.peak_pressure_Pa * 1e-3,
+             within(&ReferenceErrors::peak_pressure), result.area_projected_m2 * 1e6,
+             within(&ReferenceErrors::area), result.area_m2 * 1e6, result.max_torque_Nm * 1e3,
+             within(&ReferenceErrors::max_torque)) +
          (result.projected_torque_Nm
               ? fmt::format("  projected   {:>10.5g} mN·m  int tau n_z r dA, without the slope\n",
                             *result.projected_torque_Nm * 1e3)

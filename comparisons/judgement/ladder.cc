@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -54,23 +55,14 @@ void add_doubts(const Comparison& comparison, Ladder& ladder) {
                              {of(Quantity::a), of(Quantity::b), of(Quantity::area),
                               of(Quantity::indentation), of(Quantity::max_torque)}});
   }
-  const nlohmann::json& document = comparison.reference->document;
-  if (const auto facets = document.find("geometry_error");
-      facets != document.end() && facets->is_object()) {
-    LadderStep doubt{"facets", "facets of the mesh", {}};
-    for (std::size_t q = 0; q < doubt.departure.size(); ++q) {
-      const auto entry = facets->find(kLadderQuantities[q]);
-      doubt.departure[q] =
-          entry != facets->end() && entry->is_number() ? entry->get<double>() : kNaN;
-    }
-    ladder.doubts.push_back(doubt);
-  }
-  const reference::ReferenceErrors& stated = comparison.reference->error;
-  ladder.doubts.push_back(
-      {"elements",
-       "elements",
-       {stated.a.value_or(kNaN), stated.b.value_or(kNaN), stated.area.value_or(kNaN),
-        stated.indentation.value_or(kNaN), stated.max_torque.value_or(kNaN)}});
+  const auto departure = [](const reference::ReferenceErrors& stated) {
+    return std::array<double, kLadderQuantities.size()>{
+        stated.a.value_or(kNaN), stated.b.value_or(kNaN), stated.area.value_or(kNaN),
+        stated.indentation.value_or(kNaN), stated.max_torque.value_or(kNaN)};
+  };
+  if (const auto& facets = comparison.reference->geometry_error)
+    ladder.doubts.push_back({"facets", "facets of the mesh", departure(*facets)});
+  ladder.doubts.push_back({"elements", "elements", departure(comparison.reference->error)});
 }
 
 /// "from Hertz to Bonded layer: -12 % in area". Of area, indentation and torque: a and b follow the

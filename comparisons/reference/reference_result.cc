@@ -44,6 +44,21 @@ std::optional<double> stated_error(const json& error, const char* key) {
   return stated;
 }
 
+ReferenceErrors stated_errors(const json& error) {
+  ReferenceErrors errors;
+  errors.a = stated_error(error, "a");
+  errors.b = stated_error(error, "b");
+  errors.indentation = stated_error(error, "indentation");
+  errors.area = stated_error(error, "area");
+  errors.peak_pressure = stated_error(error, "peak_pressure");
+  errors.max_torque = stated_error(error, "max_torque");
+  errors.torsional_stiffness = stated_error(error, "torsional_stiffness");
+  errors.full_slip_torque = stated_error(error, "torque_full_slip");
+  errors.torsion_curve = stated_error(error, "torsion");
+  errors.limit_surface = stated_error(error, "limit_surface");
+  return errors;
+}
+
 ReferenceErrors read_errors(const json& document) {
   const auto error = document.find("error");
   if (error == document.end() || !error->is_object()) throw Flaw{"error is missing"};
@@ -53,18 +68,13 @@ ReferenceErrors read_errors(const json& document) {
     if (stated == error->end() || !(stated->is_number() || stated->is_null()))
       throw Flaw{std::string("the error of ") + key + " is missing"};
   }
-  ReferenceErrors errors;
-  errors.a = stated_error(*error, "a");
-  errors.b = stated_error(*error, "b");
-  errors.indentation = stated_error(*error, "indentation");
-  errors.area = stated_error(*error, "area");
-  errors.peak_pressure = stated_error(*error, "peak_pressure");
-  errors.max_torque = stated_error(*error, "max_torque");
-  errors.torsional_stiffness = stated_error(*error, "torsional_stiffness");
-  errors.full_slip_torque = stated_error(*error, "torque_full_slip");
-  errors.torsion_curve = stated_error(*error, "torsion");
-  errors.limit_surface = stated_error(*error, "limit_surface");
-  return errors;
+  return stated_errors(*error);
+}
+
+std::optional<ReferenceErrors> read_geometry_errors(const json& document) {
+  const auto error = document.find("geometry_error");
+  if (error == document.end() || !error->is_object()) return std::nullopt;
+  return stated_errors(*error);
 }
 
 std::vector<ReferenceLevel> read_levels(const json& document) {
@@ -153,6 +163,7 @@ ReferenceResult read(const json& document) {
   result.coarse = coarse != document.end() && coarse->is_boolean() && coarse->get<bool>();
   result.levels = read_levels(document);
   result.error = read_errors(document);
+  result.geometry_error = read_geometry_errors(document);
   result.along_x = read_profile(document, "profile_x");
   result.along_y = read_profile(document, "profile_y");
   const auto vtu = document.find("vtu");

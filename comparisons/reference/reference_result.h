@@ -55,10 +55,11 @@ struct ReferenceResult {
   double eccentricity_m = 0;                  ///< e_n = torque / (mu P)
   std::optional<double> projected_torque_Nm;  ///< at finite strain: int mu p n_z r dA
   std::optional<double> peak_memory_MB, unknowns;
-  double wall_s = 0, cpu_s = 0;  ///< NaN: not said
-  bool coarse = false;           ///< stopped before the level that was asked for
-  ReferenceErrors error;
-  std::vector<ReferenceLevel> levels;  ///< at least one
+  double wall_s = 0, cpu_s = 0;                   ///< NaN: not said
+  bool coarse = false;                            ///< stopped before the level that was asked for
+  ReferenceErrors error;                          ///< of the elements
+  std::optional<ReferenceErrors> geometry_error;  ///< what a scan's facets and noise leave open
+  std::vector<ReferenceLevel> levels;             ///< at least one
   PressureProfile along_x, along_y;
   std::optional<std::string> vtu_file;
   std::optional<TwistedContact> twist;
