@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "fem/memory.h"
 #include "fem/positive_definite.h"
@@ -23,7 +24,7 @@ struct CholeskyFactor::Implementation {
     cholmod_start(&common);
   }
   ~Implementation() {
-    cholmod_free_factor(&factor, &common);
+    free_factor();
     cholmod_finish(&common);
   }
   Implementation(const Implementation&) = delete;
@@ -39,6 +40,7 @@ struct CholeskyFactor::Implementation {
   std::vector<int> source;  ///< of each entry, in the matrix that is given
 
   void set_ordered(const SparseSymmetricMatrix& matrix);
+  void free_factor() { cholmod_free_factor(&factor, &common); }
 
   /// Columns of the factor's trailing block, in the order of elimination.
   /// @param visit  called with their rows, the column's own first, with the entries, and how many
@@ -46,6 +48,7 @@ struct CholeskyFactor::Implementation {
   void for_each_trailing_column(const Visit& visit) const;
   /// That block, lower triangle.
   Eigen::MatrixXd trailing_factor() const;
+  Eigen::MatrixXd inverse_of_trailing(Eigen::MatrixXd block) const;
   /// A symmetric matrix of which the lower triangle is given, from the order of elimination.
   Eigen::MatrixXd in_order_of_last(const Eigen::MatrixXd& lower) const;
   /// Of each of `last`, in the order of elimination.
@@ -292,11 +295,20 @@ Eigen::MatrixXd CholeskyFactor::Implementation::in_order_of_last(
   return result;
 }
 
-Eigen::MatrixXd CholeskyFactor::compliance_of_last() const {
-  Eigen::MatrixXd block = implementation_->trailing_factor();
+Eigen::MatrixXd CholeskyFactor::Implementation::inverse_of_trailing(Eigen::MatrixXd block) const {
   if (!invert_by_factor(block))
     throw ConvergenceError("condensation on the contact surface", 0, 0, "the factor is singular");
-  return implementation_->in_order_of_last(block);
+  return in_order_of_last(block);
+}
+
+Eigen::MatrixXd CholeskyFactor::compliance_of_last() const& {
+  return implementation_->inverse_of_trailing(implementation_->trailing_factor());
+}
+
+Eigen::MatrixXd CholeskyFactor::compliance_of_last() && {
+  Eigen::MatrixXd block = implementation_->trailing_factor();
+  implementation_->free_factor();
+  return implementation_->inverse_of_trailing(std::move(block));
 }
 
 Eigen::MatrixXd CholeskyFactor::stiffness_of_last() const {

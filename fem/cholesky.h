@@ -56,7 +56,9 @@ class CholeskyFactor {
 
   /// Inverse of the Schur complement on `last`, in the order of `last`: the displacements of these
   /// unknowns per unit force on one of them. Dense, symmetric.
-  Eigen::MatrixXd compliance_of_last() const;
+  Eigen::MatrixXd compliance_of_last() const&;
+  /// The same, for which the factor's memory is given back: nothing else may be asked of it then.
+  Eigen::MatrixXd compliance_of_last() &&;
 
   /// The Schur complement on `last` itself, in the order of `last`: forces on these unknowns per
   /// displacement of one of them, all others of them held. Dense, symmetric.

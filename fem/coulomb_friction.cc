@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "fem/positive_definite.h"
@@ -43,11 +45,9 @@ class FrictionProblem {
   FrictionProblem(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
                   const Eigen::VectorXd& target, Eigen::VectorXd& force)
       : compliance_(compliance), limit_(limit), target_(target), force_(force) {
-    const double largest = compliance.diagonal().maxCoeff();
     for (Index i = 0; i < limit.size(); ++i) {
       auto q = force_.segment<2>(2 * i);
-      const bool can_move = compliance.diagonal().segment<2>(2 * i).minCoeff() > 1e-12 * largest;
-      if (!can_move || limit[i] <= 0)
+      if (limit[i] <= 0)
         q.setZero();
       else
         movable_.push_back(i);
@@ -165,7 +165,10 @@ class FrictionProblem {
     return result;
   }
 
-  void update_residual() { residual_ = target_ - compliance_ * force_; }
+  void update_residual() {
+    residual_ = target_;
+    residual_.noalias() -= compliance_.selfadjointView<Eigen::Lower>() * force_;
+  }
   double energy() const { return -0.5 * force_.dot(target_ + residual_); }
 
   const Eigen::MatrixXd& compliance_;
@@ -177,19 +180,34 @@ class FrictionProblem {
   std::vector<bool> slips_;
 };
 
-}  // namespace
+/// Rows of points in vectors and matrices of two components per point.
+std::vector<Index> rows_of(const std::vector<Index>& points) {
+  std::vector<Index> rows;
+  for (const Index i : points) rows.insert(rows.end(), {2 * i, 2 * i + 1});
+  return rows;
+}
 
-FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
-                                const Eigen::VectorXd& target, Eigen::VectorXd& force,
-                                StickSlipFactor* kept) {
-  FrictionProblem problem(compliance, limit, target, force);
-  StickSlipFactor own;
-  StickSlipFactor& factor = kept ? *kept : own;
-  const double scale = target.cwiseAbs().maxCoeff();
+/// Makes sure that what is kept has all points with a limit that can move.
+void cover(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit, StickSlipFactor& kept) {
+  const double largest = compliance.diagonal().maxCoeff();
+  std::vector<Index> movable, all;
+  for (Index i = 0; i < limit.size(); ++i)
+    if (limit[i] > 0 && compliance.diagonal().segment<2>(2 * i).minCoeff() > 1e-12 * largest)
+      movable.push_back(i);
+  std::set_union(kept.points.begin(), kept.points.end(), movable.begin(), movable.end(),
+                 std::back_inserter(all));
+  if (all == kept.points) return;
+  kept.points = std::move(all);
+  const std::vector<Index> rows = rows_of(kept.points);
+  kept.compliance = compliance(rows, rows);
+  kept.movable.clear();
+}
+
+FrictionSolution solve(FrictionProblem& problem, double scale, StickSlipFactor& factor,
+                       bool renew) {
   constexpr double tolerance = 1e-9;
   constexpr int iteration_limit = 200;
   constexpr double slow = 0.1;  // a factor that leaves more of the violation is renewed
-  bool renew = kept == nullptr;
   FrictionSolution solution;
   for (solution.iterations = 1; solution.iterations <= iteration_limit; ++solution.iterations) {
     problem.sweep();
@@ -210,6 +228,26 @@ FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::
   }
   throw ConvergenceError("friction on the contact", iteration_limit, solution.residual,
                          "stick and slip keep changing; take smaller increments");
+}
+
+}  // namespace
+
+FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
+                                const Eigen::VectorXd& target, Eigen::VectorXd& force,
+                                StickSlipFactor* kept) {
+  StickSlipFactor own;
+  StickSlipFactor& factor = kept ? *kept : own;
+  cover(compliance, limit, factor);
+  const std::vector<Index> rows = rows_of(factor.points);
+  const Eigen::VectorXd limit_of_points = limit(factor.points), target_of_points = target(rows);
+  Eigen::VectorXd force_of_points = force(rows);
+  FrictionProblem problem(factor.compliance, limit_of_points, target_of_points, force_of_points);
+  const FrictionSolution solution =
+      solve(problem, target.cwiseAbs().maxCoeff(), factor, kept == nullptr);
+  force.setZero();
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    force[rows[k]] = force_of_points[static_cast<Index>(k)];
+  return solution;
 }
 
 }  // namespace softfinger::fem

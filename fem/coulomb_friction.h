@@ -12,10 +12,13 @@ struct FrictionSolution {
       0;  ///< worst violation of stick or of the slip's direction, over the largest target
 };
 
-/// The factor of Newton's method for one state of stick and slip. Kept between problems with one
-/// compliance: while the same points stick and slip, and their limits change little, it still leads
-/// to the solution, at a tenth of the cost of another factor.
+/// What problems with one compliance share. Of all points, those with a limit are far fewer: their
+/// compliance is copied, so that the others' is not read in each iteration. Newton's factor is that
+/// of one state of stick and slip: while the same points stick and slip, and their limits change
+/// little, it still leads to the solution, at a tenth of the cost of another factor.
 struct StickSlipFactor {
+  std::vector<Eigen::Index> points;  ///< that have had a limit; the following are among these
+  Eigen::MatrixXd compliance;
   std::vector<Eigen::Index> movable;  ///< points with a limit
   std::vector<bool> slips;            ///< per point
   /// Lower triangle. A step of Newton's method need not be exact: single precision.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
 #include <utility>
 
 #include "fem/positive_definite.h"
@@ -47,6 +49,25 @@ double edge_of(const PressedContact& contact, const SurfaceCompliance& surface,
                            "refined patch; use a lower friction coefficient");
   }
   return edge;
+}
+
+/// The first of the velocities, then always the one whose direction is nearest to the last.
+/// @param arm  a length that makes a turn comparable with a shift
+std::vector<std::size_t> short_way(const std::vector<PlaneMotion>& velocities, double arm) {
+  const auto distance = [&](std::size_t one, std::size_t other) {
+    const auto direction = [&](std::size_t i) {
+      const PlaneMotion& velocity = velocities[i];
+      return Eigen::Vector3d(velocity.x, velocity.y, arm * velocity.turn_rad).normalized();
+    };
+    return (direction(one) - direction(other)).norm();
+  };
+  std::vector<std::size_t> way(velocities.size());
+  std::iota(way.begin(), way.end(), 0);
+  for (auto last = way.begin(); last < way.end() && last + 1 < way.end(); ++last)
+    std::iter_swap(last + 1, std::min_element(last + 1, way.end(), [&](auto one, auto other) {
+                     return distance(one, *last) < distance(other, *last);
+                   }));
+  return way;
 }
 
 }  // namespace
@@ -115,11 +136,12 @@ std::vector<FrictionState> slide_through(const PressedContact& contact,
                                          const SurfaceCompliance& surface,
                                          const std::vector<PlaneMotion>& velocities) {
   FrictionalContact state = press(contact, surface);
-  std::vector<FrictionState> states;
-  for (const PlaneMotion& velocity : velocities) {
-    state.slide(velocity);
+  std::vector<FrictionState> states(velocities.size());
+  // Each slide starts from the one before.
+  for (const std::size_t i : short_way(velocities, contact.b)) {
+    state.slide(velocities[i]);
     const double edge = edge_of(contact, surface, state);
-    states.push_back({velocity, state.wrench(), 1, edge});
+    states[i] = {velocities[i], state.wrench(), 1, edge};
   }
   return states;
 }

@@ -5,6 +5,7 @@
 
 #include "fem/coulomb_friction.h"
 #include "fem/fixed_point.h"
+#include "fem/positive_definite.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -48,7 +49,7 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
   for (int iteration = 1; iteration <= limit; ++iteration) {
     limit_ = bound_.of(normal_.force);
     solve_tangential();
-    const Eigen::VectorXd lift = surface_.normal_tangential * tangential_;
+    const Eigen::VectorXd lift = product_with_zeros(surface_.normal_tangential, tangential_);
     found = solve_normal_contact(surface_.normal, gap_ + lift, load_, &found, &touching_);
     change = (found.force - normal_.force).cwiseAbs().sum() / load_;
     if (change <= tolerance) {
@@ -69,7 +70,7 @@ void FrictionalContact::move_to(const PlaneMotion& motion) {
     by_pressure = surface_.normal_tangential.transpose() * (normal_.force - pressed_);
     solve_friction(surface_.tangential, limit_, target - by_pressure, tangential_, &stick_slip_);
   });
-  slip_ += target - by_pressure - surface_.tangential * tangential_;
+  slip_ += target - by_pressure - product_with_zeros(surface_.tangential, tangential_);
 }
 
 void FrictionalContact::slide(const PlaneMotion& velocity) {

@@ -26,8 +26,8 @@ struct LayerModel::Implementation : LayerSpace {
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;  ///< without the symmetries
   std::vector<Eigen::Matrix3d> frames;     ///< of a bent layer's surface nodes
-  Unknowns even;                           ///< of the problem whose factor is kept
-  std::unique_ptr<CholeskyFactor> factor;
+  Unknowns even;                           ///< of the problem that pressing solves
+  std::unique_ptr<CholeskyFactor> factor;  ///< none where it is condensed to all displacements
   Eigen::MatrixXd compliance;
   Eigen::MatrixXd of_all;  ///< 3 x 3 blocks for all surface nodes; empty unless condensed to them
 
@@ -119,9 +119,13 @@ void LayerModel::Implementation::factorise(Along along) {
   }
   dissect(matrix, even);
   factor = std::make_unique<CholeskyFactor>(matrix, dissection_of(even), last);
-  compliance = factor->compliance_of_last();
-  if (along == Along::normals) return;
-  of_all = std::move(compliance);
+  if (along == Along::normals) {
+    compliance = factor->compliance_of_last();
+    return;
+  }
+  // With its rows of all displacements it is the largest of what is held. Only files need it again.
+  of_all = std::move(*factor).compliance_of_last();
+  factor.reset();
   const auto normals = Eigen::seq(2, Eigen::last, 3);
   compliance = of_all(normals, normals);
   turn_normals_inwards(of_all);
@@ -173,6 +177,12 @@ void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force
   Eigen::VectorXd load = Eigen::VectorXd::Zero(self.even.count);
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
     load[self.even.of_dof[self.node_dofs[i][2]]] = -force[static_cast<Eigen::Index>(i)];
+  if (!self.factor) {
+    self.assemble();
+    self.factor =
+        std::make_unique<CholeskyFactor>(self.lower_triangle(self.stiffness, self.even),
+                                         self.dissection_of(self.even), std::vector<int>());
+  }
   const Eigen::VectorXd solution = self.factor->solve(load);
   dealii::Vector<double> displacement_m(self.dofs.n_dofs()), pressure_Pa(self.dofs.n_dofs());
   for (global_dof_index i = 0; i < self.dofs.n_dofs(); ++i)

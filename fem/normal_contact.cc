@@ -32,7 +32,8 @@ NormalContact solve_active_set(const Eigen::MatrixXd& compliance, const Eigen::V
     const Eigen::VectorXd force = contact.approach * per_approach - from_gap;
     contact.force = Eigen::VectorXd::Zero(gap.size());
     contact.force(touching) = force;
-    const Eigen::VectorXd clearance = (compliance * contact.force + gap).array() - contact.approach;
+    const Eigen::VectorXd clearance =
+        (product_with_zeros(compliance, contact.force) + gap).array() - contact.approach;
     if (!set.improve(contact.force, clearance, force.cwiseAbs().maxCoeff(),
                      std::abs(contact.approach) + gap.cwiseAbs().maxCoeff()))
       continue;

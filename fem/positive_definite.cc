@@ -79,6 +79,19 @@ Eigen::MatrixXd inverse_of_positive_definite(const Eigen::MatrixXd& matrix) {
   return result;
 }
 
+Eigen::VectorXd product_with_zeros(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& vector) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(matrix.rows());
+  const Eigen::Index size = vector.size();
+  for (Eigen::Index begin = 0, end = 0; begin < size; begin = end) {
+    for (; begin < size && vector[begin] == 0;) ++begin;
+    for (end = begin; end < size && vector[end] != 0;) ++end;
+    if (begin < end)
+      result.noalias() +=
+          matrix.middleCols(begin, end - begin) * vector.segment(begin, end - begin);
+  }
+  return result;
+}
+
 Eigen::VectorXd solve_positive_definite(const Eigen::MatrixXd& matrix,
                                         const Eigen::VectorXd& right_hand_side) {
   Eigen::MatrixXd factor = matrix;

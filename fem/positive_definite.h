@@ -28,6 +28,9 @@ void multiply_factor(Eigen::MatrixXd& factor);
 /// @returns A^-1; empty (0 x 0) where A is not positive definite
 Eigen::MatrixXd inverse_of_positive_definite(const Eigen::MatrixXd& matrix);
 
+/// @returns A b, of which columns that b has zeros for are not read: forces act where it touches
+Eigen::VectorXd product_with_zeros(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& vector);
+
 /// @returns A^-1 b. @pre A is positive definite
 Eigen::VectorXd solve_positive_definite(const Eigen::MatrixXd& matrix,
                                         const Eigen::VectorXd& right_hand_side);

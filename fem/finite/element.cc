@@ -15,7 +15,8 @@ Eigen::MatrixX3d gradients_of(const ElementGeometry& geometry,
                               const Eigen::VectorXd& displacement) {
   const Eigen::Map<const Eigen::MatrixX3d> by_component(displacement.data(),
                                                         geometry.gradients.rows(), 3);
-  Eigen::MatrixX3d result = geometry.gradients.transpose() * by_component;
+  // For three columns a library's product of matrices mostly copies the gradients.
+  Eigen::MatrixX3d result = geometry.gradients.transpose().lazyProduct(by_component);
   for (Index point = 0; point < geometry.weight.size(); ++point)
     result.middleRows<3>(3 * point).diagonal().array() += 1;
   return result;

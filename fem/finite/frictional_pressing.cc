@@ -205,8 +205,8 @@ Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touch
 
 bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, double tolerance) {
   constexpr int most_iterations = 60, most_tangents = 6;
-  constexpr double slow = 0.6;  // a tangent that shortens steps by less is renewed
-  constexpr double far = 0.25;  // h: the tangent is of no use beyond
+  constexpr double slow = 0.85;  // a tangent that shortens two steps by less is renewed
+  constexpr double far = 0.25;   // h: the tangent is of no use beyond
   motion_ = motion;
   double previous = std::numeric_limits<double>::infinity(), two_before = previous;
   bool renew = tangent_ == nullptr;

@@ -106,6 +106,24 @@ TEST(CoulombFriction, KeepsItsFactorWhileTheSamePointsStickAndSlip) {
   EXPECT_LT((force - kept_force).norm(), 1e-7 * target.norm());
 }
 
+TEST(CoulombFriction, FollowsPointsThatComeIntoContactAndLeaveIt) {
+  std::mt19937_64 random(6);
+  const Eigen::MatrixXd compliance = random_plane_compliance(12, random);
+  const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(24, -1, 3);
+  Eigen::VectorXd kept_force = Eigen::VectorXd::Zero(24);
+  StickSlipFactor kept;
+  for (const Eigen::Index first : {4, 6, 0, 3}) {
+    Eigen::VectorXd limit = Eigen::VectorXd::Zero(12);
+    limit.segment(first, 6).setLinSpaced(0.01, 0.2);
+    solve_friction(compliance, limit, target, kept_force, &kept);
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(24);
+    solve_friction(compliance, limit, target, force);
+    EXPECT_LT((force - kept_force).norm(), 1e-7 * target.norm()) << first;
+    EXPECT_EQ(kept_force.head(2 * first).norm(), 0);
+    EXPECT_EQ(kept_force.tail(24 - 2 * (first + 6)).norm(), 0);
+  }
+}
+
 TEST(CoulombFriction, HasNoForceWhereNothingPresses) {
   std::mt19937_64 random(4);
   Eigen::VectorXd limit = Eigen::VectorXd::Constant(4, 0.1);

@@ -117,8 +117,7 @@ TEST(LayerModel, YieldsAtLeastAsMuchUnderAPointAsBesideIt) {
                 compliance(i, i) * compliance(j, j) * (1 + 1e-12));
 }
 
-TEST(LayerModel, WritesAFileForParaView) {
-  const LayerModel model(coarse(), 0.3);
+void expect_written_by(const LayerModel& model) {
   const auto folder = std::filesystem::temp_directory_path() / "softfinger_layer_model_test";
   const auto path = folder / "solution.vtu";
   std::filesystem::remove_all(folder);
@@ -130,6 +129,15 @@ TEST(LayerModel, WritesAFileForParaView) {
     EXPECT_NE(content.find(field), std::string::npos) << field;
   EXPECT_NE(content.find("</VTKFile>"), std::string::npos);
   std::filesystem::remove_all(folder);
+}
+
+TEST(LayerModel, WritesAFileForParaView) { expect_written_by(LayerModel(coarse(), 0.3)); }
+
+TEST(LayerModel, WritesAFileWhenItsFactorIsNoLongerKept) {
+  LayerDiscretisation discretisation = coarse();
+  discretisation.elements_per_semi_axis = 3;
+  expect_written_by(LayerModel(discretisation, std::vector<ElasticConstants>{{1, 0.3}}, nullptr,
+                               /*whole=*/true, Along::all));
 }
 
 TEST(LayerModel, RefusesAFolderThatCannotBeWritten) {
