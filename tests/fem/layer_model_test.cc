@@ -137,7 +137,7 @@ TEST(LayerModel, WritesAFileWhenItsFactorIsNoLongerKept) {
   LayerDiscretisation discretisation = coarse();
   discretisation.elements_per_semi_axis = 3;
   expect_written_by(LayerModel(discretisation, std::vector<ElasticConstants>{{1, 0.3}}, nullptr,
-                               /*whole=*/true, Along::all));
+                               no_plane, Along::all));
 }
 
 TEST(LayerModel, RefusesAFolderThatCannotBeWritten) {
