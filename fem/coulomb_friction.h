@@ -35,7 +35,9 @@ struct StickSlipFactor {
 /// @param limit       n, >= 0
 /// @param target      2n: displacement that full stick would need
 /// @param force       2n: first guess and result
-/// @param kept        of an earlier problem with the same compliance, replaced; may be null
+/// @param kept        of an earlier problem with the same compliance, whose copy it holds: made
+/// anew
+///                    for another one; replaced; may be null
 /// @throws ConvergenceError
 FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
                                 const Eigen::VectorXd& target, Eigen::VectorXd& force,

@@ -139,7 +139,8 @@ class LayerModel {
   /// @param planes     of layer, object and load
   /// @param along      `all`, of a whole layer only, is what friction needs: one factorisation then
   ///                   serves pressing and friction
-  /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation.
+  /// @throws InputError where the shape folds an element (a scan's are left out),
+  ///         ConvergenceError from the factorisation
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes,
              Along along = Along::normals);

@@ -14,6 +14,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "meshes/generation/divide_sheets.h"
 #include "meshes/generation/layer_block.h"
@@ -759,6 +760,12 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh
 
 namespace {
 
+/// The same for all cells of a column, whatever rounding does.
+std::pair<long, long> column_at(double x, double y) {
+  constexpr double fine = 1e6;
+  return {std::lround(fine * x), std::lround(fine * y)};
+}
+
 void require_cells(const meshes::HexahedralMesh& block) {
   if (block.cells.empty())
     throw InputError("finger", "layer at the contact", "none",
@@ -793,29 +800,40 @@ void LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
   require_cells(block);
 }
 
-/// The shape itself does not fold, but a quadratic cell between a few of its points may.
-/// @returns whether there were such cells; the mesh then has to be made anew from what is left
-bool LayerSpace::leave_out_folded(meshes::HexahedralMesh& block) {
+/// Places in the block's plane over which a cell folds: the shape itself does not, but a quadratic
+/// cell between a few of its points may. By the lowest corner of its coarse cell.
+std::set<std::pair<long, long>> LayerSpace::folded_columns() const {
   constexpr unsigned int points_per_direction = 3;  // where stiffness is integrated
   dealii::FEValues<dim> values(*mapping, element, dealii::QGauss<dim>(points_per_direction),
                                dealii::update_JxW_values);
-  std::vector<char> folds(block.cells.size(), 0);
+  std::set<std::pair<long, long>> folded;
   for (const auto& cell : dofs.active_cell_iterators()) {
     values.reinit(cell);
     const std::vector<double>& volumes = values.get_JxW_values();
     if (*std::min_element(volumes.begin(), volumes.end()) > 0) continue;
     auto coarse = static_cast<dealii::Triangulation<dim>::cell_iterator>(cell);
     while (coarse->level() > 0) coarse = coarse->parent();
-    folds[static_cast<std::size_t>(coarse->index())] = 1;
+    const dealii::Point<dim> low = coarse->bounding_box().get_boundary_points().first;
+    folded.insert(column_at(low[0], low[1]));
   }
-  if (std::find(folds.begin(), folds.end(), 1) == folds.end()) return false;
+  return folded;
+}
+
+/// A cell that folds is left out with all above and below it: no contact shall lie over a hole.
+/// @returns whether there were such cells; the mesh then has to be made anew from what is left
+bool LayerSpace::leave_out_folded(meshes::HexahedralMesh& block) {
+  const std::set<std::pair<long, long>> folded = folded_columns();
+  if (folded.empty()) return false;
   meshes::HexahedralMesh left;
   left.vertices = block.vertices;
-  for (std::size_t i = 0; i < folds.size(); ++i)
-    if (!folds[i]) {
-      left.cells.push_back(block.cells[i]);
-      left.region.push_back(block.region[i]);
-    }
+  for (std::size_t i = 0; i < block.cells.size(); ++i) {
+    Eigen::Vector3d low = block.vertices[static_cast<std::size_t>(block.cells[i][0])];
+    for (const int vertex : block.cells[i])
+      low = low.cwiseMin(block.vertices[static_cast<std::size_t>(vertex)]);
+    if (folded.count(column_at(low.x(), low.y()))) continue;
+    left.cells.push_back(block.cells[i]);
+    left.region.push_back(block.region[i]);
+  }
   block = std::move(left);
   keep_cells_around_contact(block);
   require_cells(block);

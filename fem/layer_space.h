@@ -14,6 +14,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -109,6 +110,7 @@ struct LayerSpace {
   std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
   bool is_at_rim(const dealii::Point<dim>& face, const dealii::Point<dim>& cell) const;
   void leave_out_uncovered(meshes::HexahedralMesh& block) const;
+  std::set<std::pair<long, long>> folded_columns() const;
   bool leave_out_folded(meshes::HexahedralMesh& block);
   std::vector<char> dofs_on_walls(bool rims) const;
   void number_surface();

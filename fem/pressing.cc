@@ -210,11 +210,10 @@ void require_surface(const Pressed& pressed, const Pressing& pressing, const Sol
 }  // namespace
 
 void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
-                         std::optional<double> fits) {
+                         std::optional<double> fits, double around) {
   const double mm = 1e3 * pressing.thickness_m;
   // Around the node, for what is missing there lies on one side of it.
   bool is_rim = false;
-  constexpr double around = 0.3;
   for (const double x : {-around, around})
     for (const double y : {-around, around})
       is_rim = is_rim || pressing.bent.shape->covers(end.x + x, end.x + x, end.y + y, end.y + y) ==
@@ -253,7 +252,7 @@ void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::Vecto
       if (!farthest || at.position.head<2>().norm() > farthest->position.head<2>().norm())
         farthest = &at;
     }
-    if (farthest) refuse_end_of_layer(*farthest, pressing, std::nullopt);
+    if (farthest) refuse_end_of_layer(*farthest, pressing, std::nullopt, around);
   }
 }
 

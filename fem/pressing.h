@@ -90,13 +90,15 @@ struct Pressed {
 [[noreturn]] void refuse_end_of_object(double x, double y, double thickness_m);
 
 /// Refuses a contact that reaches the end of a scan's layer.
-/// @param fits  largest share of the load or approach that does not reach it; 0 where nothing fits,
-/// none where it is not known
+/// @param end     touches there, or nearest to it
+/// @param fits    largest share of the load or approach that does not reach it; 0 where nothing
+///                fits, none where it is not known
+/// @param around  how far from the node the layer ends at most, in h
 /// @throws InputError
 [[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
-                                      std::optional<double> fits);
+                                      std::optional<double> fits, double around = 0.3);
 
-/// The same where the layer ends within a cell or two of what touches, as seen from there.
+/// The same where the layer ends within three thicknesses of what touches, as seen from there.
 /// @throws InputError where it does
 void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
                        const Pressing& pressing);

@@ -181,7 +181,8 @@ Fingertip read_fingertip(const Entry& input, const MeshReaders& readers) {
   const std::string shape = object.at("shape").choice({"paraboloid", "sphere", "cylinder", "mesh"});
   const std::vector<Entry> radii = object.at("radii_m").list(2, 2);
   const double x = radii[0].radius(), y = radii[1].radius(), turn_rad = turn_of(object);
-  fingertip.symmetric_object = shape != "mesh" && (turn_rad == 0 || x == y);
+  const bool is_round = shape == "sphere" || (shape == "paraboloid" && x == y);
+  fingertip.symmetric_object = shape != "mesh" && (turn_rad == 0 || is_round);
   if (shape == "paraboloid")
     fingertip.object = meshes::quadric_object(x, y, turn_rad);
   else if (shape == "sphere")

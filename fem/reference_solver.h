@@ -90,7 +90,7 @@ struct LevelResult {
   long unknowns = 0;
   int active_nodes = 0;  ///< nodes that touch, of what is meshed (see `Result::planes`)
   int iterations = 0;    ///< of the active set; at finite strain of Newton's method
-  double turn_rad = 0;   ///< from the relative radii's long axis to the contact's; 0 by symmetry
+  double turn_rad = 0;   ///< from the relative radii's long axis to the contact's
   double load_N = 0;     ///< as given, or what the given approach takes
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0;
   /// int tau r dA and int tau dA of the frictionless pressure, tau the shear law's stress.

@@ -97,7 +97,7 @@ std::string table_row(const reference::ReferenceResult& result) {
              "  b           {:>10.5g} mm    {}\n"
              "  indentation {:>10.5g} mm    {}\n"
              "  peak        {:>10.5g} kPa   {}\n"
-             "  area        {:>10.5g} mm²   {}, seen along the load; {:.5g} mm² on the surface\n"
+             "  area        {:>10.5g} mm²   {} (seen along the load; {:.5g} mm² on the surface)\n"
              "  torque      {:>10.5g} mN·m  {}\n",
              result.a_m * 1e3, within(&ReferenceErrors::a), result.b_m * 1e3,
              within(&ReferenceErrors::b), result.indentation_m * 1e3,

@@ -37,25 +37,25 @@ void require_positive(const json& object, const char* of, std::initializer_list<
   }
 }
 
-std::optional<double> stated_error(const json& error, const char* key) {
-  const std::optional<double> stated = optional_number(error, key);
-  if (stated && !(*stated >= 0))
-    throw Flaw{fmt::format("the error of {} = {}", key, error.at(key).dump())};
-  return stated;
-}
-
-ReferenceErrors stated_errors(const json& error) {
+/// @param block  the name of what holds the errors
+ReferenceErrors stated_errors(const json& error, const char* block) {
+  const auto stated = [&](const char* key) {
+    const std::optional<double> value = optional_number(error, key);
+    if (value && !(*value >= 0))
+      throw Flaw{fmt::format("the {} of {} = {}", block, key, error.at(key).dump())};
+    return value;
+  };
   ReferenceErrors errors;
-  errors.a = stated_error(error, "a");
-  errors.b = stated_error(error, "b");
-  errors.indentation = stated_error(error, "indentation");
-  errors.area = stated_error(error, "area");
-  errors.peak_pressure = stated_error(error, "peak_pressure");
-  errors.max_torque = stated_error(error, "max_torque");
-  errors.torsional_stiffness = stated_error(error, "torsional_stiffness");
-  errors.full_slip_torque = stated_error(error, "torque_full_slip");
-  errors.torsion_curve = stated_error(error, "torsion");
-  errors.limit_surface = stated_error(error, "limit_surface");
+  errors.a = stated("a");
+  errors.b = stated("b");
+  errors.indentation = stated("indentation");
+  errors.area = stated("area");
+  errors.peak_pressure = stated("peak_pressure");
+  errors.max_torque = stated("max_torque");
+  errors.torsional_stiffness = stated("torsional_stiffness");
+  errors.full_slip_torque = stated("torque_full_slip");
+  errors.torsion_curve = stated("torsion");
+  errors.limit_surface = stated("limit_surface");
   return errors;
 }
 
@@ -68,13 +68,13 @@ ReferenceErrors read_errors(const json& document) {
     if (stated == error->end() || !(stated->is_number() || stated->is_null()))
       throw Flaw{std::string("the error of ") + key + " is missing"};
   }
-  return stated_errors(*error);
+  return stated_errors(*error, "error");
 }
 
 std::optional<ReferenceErrors> read_geometry_errors(const json& document) {
   const auto error = document.find("geometry_error");
   if (error == document.end() || !error->is_object()) return std::nullopt;
-  return stated_errors(*error);
+  return stated_errors(*error, "geometry_error");
 }
 
 std::vector<ReferenceLevel> read_levels(const json& document) {

@@ -63,7 +63,7 @@ FrictionWrench slide(const FinitePressing& pressing, const FrictionBound& bound,
 class SuperposedSlide {
  public:
   /// Factorises the layer's tangent: of a quarter four times, for motions odd or even in x and in
-  /// y; of a whole layer once.
+  /// y; of a whole layer once. Not of a half.
   /// @throws ConvergenceError where the pressed state is not stable against such motions
   SuperposedSlide(FinitePressing& pressing, const FrictionBound& bound);
   /// The same of a whole layer whose tangent is known.

@@ -71,8 +71,12 @@ TEST(LayerModel, SpendsFewerCellsUnderTheFlatOnesOfAScan) {
 /// quadratic cell between a few of its points folds there, though the map does not.
 class UnevenlyCountedShape : public FlatShape {
  public:
+  /// @param from  depth where it becomes uneven, at the core it is; negative: everywhere
+  explicit UnevenlyCountedShape(double from = -1) : from_(from) {}
+
   Eigen::Vector3d position(double x, double y, double z) const override {
-    return {std::copysign(counted(std::abs(x)), x), y, z};
+    const double share = from_ < 0 ? 1 : std::max(0.0, (-z - from_) / (1 - from_));
+    return {x + share * (std::copysign(counted(std::abs(x)), x) - x), y, z};
   }
 
  private:
@@ -82,12 +86,14 @@ class UnevenlyCountedShape : public FlatShape {
     const double share = std::fmod(x - even, period) / period;
     return x - period * (1 - slow) * std::min(share, 1 - share);
   }
+
+  double from_;
 };
 
 TEST(LayerModel, LeavesOutCellsThatFold) {
   LayerDiscretisation discretisation;
   discretisation.a = discretisation.b = 1;
-  discretisation.elements_per_semi_axis = 4;
+  discretisation.elements_per_semi_axis = 3;
   discretisation.is_scan = true;
   const LayerModel even(discretisation, 0.45, std::make_shared<FlatShape>(), no_plane),
       uneven(discretisation, 0.45, std::make_shared<UnevenlyCountedShape>(), no_plane);
@@ -97,6 +103,21 @@ TEST(LayerModel, LeavesOutCellsThatFold) {
   // mean deflection under an even pressure by 1.9 %.
   EXPECT_LT((uneven.compliance() - even.compliance()).cwiseAbs().maxCoeff(),
             0.02 * even.compliance().cwiseAbs().maxCoeff());
+}
+
+TEST(LayerModel, LeavesNoHoleUnderTheSurfaceWhereDeepCellsFold) {
+  LayerDiscretisation discretisation;
+  discretisation.a = discretisation.b = 1;
+  discretisation.elements_per_semi_axis = 4;
+  discretisation.is_scan = true;
+  discretisation.interfaces = {0.5};
+  const std::vector<ElasticConstants> sublayers{{1, 0.45}, {1, 0.45}};
+  const auto unknowns = [&](std::shared_ptr<const LayerShape> shape) {
+    return LayerModel(discretisation, sublayers, std::move(shape), no_plane).unknowns();
+  };
+  // The deep cells that fold are those that fold where all of the layer is uneven.
+  EXPECT_EQ(unknowns(std::make_shared<UnevenlyCountedShape>(0.5)),
+            unknowns(std::make_shared<UnevenlyCountedShape>()));
 }
 
 TEST(LayerModel, WeighsFacesWithPositiveNodes) {

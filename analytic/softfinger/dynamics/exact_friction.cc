@@ -25,10 +25,12 @@ constexpr int kManyContacts = 16, kManyShapes = 40, kFirstSweeps = 10;
 constexpr double kStarts[] = {0, 10, 100};
 constexpr int kMostIterations = 400;
 /// Then each contact has an impulse of its own, drawn between these, evenly in its logarithm. Where
-/// the three failed, 1 in 1,200 iterations ends in a solution, whichever start they belong to. So
-/// these go on longer, until paths promise as much.
+/// the three failed, 1 in 1,200 iterations ends in a solution, whichever start they belong to: a
+/// path costs as much as thousands. Of more contacts than the hundred that this was measured with
+/// an iteration may cost the square of their number more.
 constexpr double kLeastDrawn = 0.1, kMostDrawn = 1000;
-constexpr int kMostIterationsOfDrawn = 1000, kMostIterationsInAll = 6000;
+constexpr int kMostIterationsOfDrawn = 1000, kMostIterationsInAll = 6000, kMostDraws = 60;
+constexpr double kMeasuredContacts = 100;
 /// Where Newton's method does not converge from a path's end, proximal points may.
 constexpr int kMostIterationsAfterPath = 150;
 /// Proximal points closer than this are close enough for Newton's method.
@@ -219,7 +221,9 @@ bool ExactFriction::do_before_path(const Task& task) {
     iterations += approach_from([&](int) { return normal; }, kMostIterations);
     if (best_residual_ <= kSolved) return true;
   }
-  for (int start = 0; iterations < kMostIterationsInAll; ++start) {
+  const double larger = std::max(1., contacts.contacts() / kMeasuredContacts);
+  for (int start = 0; start < kMostDraws && iterations * larger * larger < kMostIterationsInAll;
+       ++start) {
     const auto drawn = [&](int contact) {
       return kLeastDrawn * std::pow(kMostDrawn / kLeastDrawn, hash_to_unit(start, contact));
     };
@@ -277,9 +281,9 @@ void ExactFriction::approach(const Task& task, int most_iterations) {
   if (best_residual_ > kSolved) ease(task);
 }
 
-/// Bodies that are wedged by impulses a hundred times larger than needed hide the solution in the
-/// rounding of W r. From the least impulses that make the same velocities proximal points come
-/// closer. What is still and what slides cannot be told for certain before.
+/// Bodies that are wedged by impulses up to a thousand times larger than needed hide the solution
+/// in the rounding of W r. From the least impulses that make the same velocities proximal points
+/// come closer. What is still and what slides cannot be told for certain before.
 void ExactFriction::ease(const Task& task) {
   const ContactOperator& contacts = system_.contact_operator();
   const int n = 4 * contacts.contacts();
