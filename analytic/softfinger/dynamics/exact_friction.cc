@@ -204,8 +204,12 @@ bool ExactFriction::is_many(const Task& task) const {
 }
 
 bool ExactFriction::do_before_path(const Task& task) {
+  return is_many(task) && approach_from_starts(task);
+}
+
+/// By proximal points, from one start after another. Returns whether one led to a solution.
+bool ExactFriction::approach_from_starts(const Task& task) {
   const ContactOperator& contacts = system_.contact_operator();
-  if (!is_many(task)) return false;
   newton_passes_ = kFirst.newton_passes;
   newton_patience_ = kUsualPatience;
   const auto approach_from = [&](const auto& normal_impulse, int most_iterations) {
@@ -245,6 +249,7 @@ void ExactFriction::do_without_path(const Task& task) {
     polish(task);
     if (best_residual_ <= kSolved) return;
   }
+  if (!is_many(task)) approach_from_starts(task);
 }
 
 /// Adds vertices to each contact whose lambda = h(-u) the present vertices underestimate: the point

@@ -39,6 +39,7 @@ class ExactFriction final : public FrictionStrategy {
 
  private:
   bool is_many(const Task& task) const;
+  bool approach_from_starts(const Task& task);
   void use_first_vertices(const ContactLcp& problem);
   bool correct(const Task& task, const std::vector<int>& continued);
   void polish(const Task& task);
