@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <utility>
 
 #include "fem/reference_solver.h"
 #include "meshes/generation/object_surface.h"
@@ -110,6 +111,14 @@ double largest_difference(const Result& one, const Result& other) {
 /// the springs that hold its surface cost two digits.
 constexpr double same_discretisation = 1e-7;
 
+/// Of a finger with one mirror plane, which an object without any hides.
+std::pair<Result, Result> by_half_and_whole(Problem problem) {
+  problem.fingertip.symmetric_object = true;
+  Result half = solve(problem, quiet);
+  problem.fingertip.symmetric_object = false;
+  return {std::move(half), solve(problem, quiet)};
+}
+
 TEST(Fingertip, WithOneMirrorPlaneIsTheWholeByHalfOfIt) {
   Problem problem;
   problem.level = 1;
@@ -122,10 +131,7 @@ TEST(Fingertip, WithOneMirrorPlaneIsTheWholeByHalfOfIt) {
   problem.shear_strength_Pa = 5e4;
   for (const bool is_finite : {false, true}) {
     if (is_finite) problem.finite_strain = finite::MaterialChoice();
-    problem.fingertip.symmetric_object = true;
-    const Result half = solve(problem, quiet);
-    problem.fingertip.symmetric_object = false;
-    const Result whole = solve(problem, quiet);
+    const auto [half, whole] = by_half_and_whole(problem);
     EXPECT_EQ(half.planes, (MirrorPlanes{false, true}));
     EXPECT_EQ(whole.planes, no_plane);
     EXPECT_LT(half.finest.unknowns, 0.55 * static_cast<double>(whole.finest.unknowns));
@@ -145,10 +151,7 @@ TEST(Fingertip, WithOneMirrorPlaneRubsAsTheWhole) {
   problem.friction.torsion = true;
   problem.friction.increments = 3;
   problem.friction.limit_surface = 4;
-  problem.fingertip.symmetric_object = true;
-  const Result half = solve(problem, quiet);
-  problem.fingertip.symmetric_object = false;
-  const Result whole = solve(problem, quiet);
+  const auto [half, whole] = by_half_and_whole(problem);
   EXPECT_EQ(half.planes, (MirrorPlanes{false, true}));
   EXPECT_LT(largest_difference(half, whole), same_discretisation);
   EXPECT_NEAR(half.torsion->stiffness_Nm_per_rad / whole.torsion->stiffness_Nm_per_rad, 1,
