@@ -14,6 +14,7 @@ ContactOperator::ContactOperator(int contact_capacity)
       natural_sizes_(contact_capacity),
       impulse_scale_(4 * contact_capacity),
       velocity_scale_(4 * contact_capacity),
+      metrics_(3 * contact_capacity),
       has_friction_(std::size_t(contact_capacity)),
       kept_friction_(std::size_t(contact_capacity)),
       shapes_(std::size_t(contact_capacity)),
@@ -76,6 +77,8 @@ void ContactOperator::set_blocks(const Eigen::MatrixXd& delassus, double proxima
       neighbours_[std::size_t(end++)] = i;
     }
     neighbour_end_[std::size_t(j)] = end;
+    const Eigen::Vector3d own = delassus_.block<3, 3>(4 * j + 1, 4 * j + 1).diagonal();
+    metrics_.segment<3>(3 * j) = (own.array() > 0).select(own, 1);
   }
 }
 
@@ -101,11 +104,6 @@ Eigen::Vector3d ContactOperator::boundary_point(int contact,
                                                 const Eigen::Vector3d& direction) const {
   const FrictionShape* own = shape(contact);
   return own ? own->boundary(direction, nullptr) : direction.stableNormalized();
-}
-
-Eigen::Vector3d ContactOperator::friction_metric(int contact) const {
-  const Eigen::Vector3d own = delassus_.block<3, 3>(4 * contact + 1, 4 * contact + 1).diagonal();
-  return (own.array() > 0).select(own, 1);
 }
 
 }  // namespace softfinger::internal

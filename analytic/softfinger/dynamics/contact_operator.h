@@ -51,7 +51,7 @@ class ContactOperator {
   /// The point of K farthest along `direction`.
   Eigen::Vector3d boundary_point(int contact, const Eigen::Vector3d& direction) const;
   /// How much slip a unit impulse along each axis makes; 1 along an axis that cannot move.
-  Eigen::Vector3d friction_metric(int contact) const;
+  Eigen::Vector3d friction_metric(int contact) const { return metrics_.segment<3>(3 * contact); }
 
   /// From scaled to the problem's units, row by row:
   /// impulse = impulse_scale * velocity_unit * scaled impulse,
@@ -66,7 +66,7 @@ class ContactOperator {
 
   int contacts_ = 0;
   Eigen::MatrixXd delassus_;
-  Eigen::VectorXd free_velocity_, natural_sizes_, impulse_scale_, velocity_scale_;
+  Eigen::VectorXd free_velocity_, natural_sizes_, impulse_scale_, velocity_scale_, metrics_;
   double velocity_unit_ = 1;
   std::vector<char> has_friction_, kept_friction_;
   std::vector<const FrictionShape*> shapes_;

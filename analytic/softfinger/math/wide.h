@@ -1,6 +1,18 @@
 #pragma once
 
+#include <cstring>
+
 namespace softfinger {
+
+/// Four doubles whose arithmetic is that of each: one instruction where the processor has it.
+/// Short loops the compiler takes apart before it sees what they are.
+constexpr int kFour = 4;
+using Four [[gnu::vector_size(kFour * sizeof(double))]] = double;
+
+/// From and to memory of any alignment. By reference, because what would return them depends on the
+/// instructions.
+inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
+inline void store(const Four& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
 /// Whether the processor has instructions for four doubles at once (AVX2). Tests set it to false,
 /// to reach what other processors do.
