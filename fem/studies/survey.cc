@@ -1,18 +1,18 @@
 // How often finite elements answer on real fingers: presses random points of the pads of generated
 // fingers and of the scans that it is given.
-//   softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--scans-only]
-//                         [--millimetres FILE X,Y,Z]...
-// X,Y,Z is the side that the pad of FILE's scan faces.
 
 #include <fmt/core.h>
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fem/reference_solver.h"
@@ -154,45 +154,46 @@ struct Options {
   std::vector<Finger> fingers;
 };
 
-Options read_options(int count, char** arguments) {
+/// @param pad  X,Y,Z
+Finger read_finger(const std::string& path, const std::string& pad) {
+  std::istringstream text(pad);
+  Vector3d side;
+  char comma = 0, second = 0;
+  if (!(text >> side.x() >> comma >> side.y() >> second >> side.z()) || comma != ',' ||
+      second != ',' || !(text >> std::ws).eof() || !(side.norm() > 0))
+    throw softfinger::InputError("arguments", "--millimetres", pad,
+                                 "X,Y,Z, the side that the pad faces, as in 0,-1,0");
+  return {path, meshes::read_surface(path, 1e-3).surface, side};
+}
+
+/// None where only help was asked for.
+std::optional<Options> read_options(int count, char** arguments) {
   Options options;
   bool scans_only = false;
-  const std::vector<std::string> words(arguments + 1, arguments + count);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const auto next = [&] {
-      if (++i == words.size())
-        throw softfinger::InputError("softfinger-fem-survey", words.back(), "", "a value after it");
-      return words[i];
-    };
-    if (words[i] == "--finite") {
-      options.finite = true;
-    } else if (words[i] == "--scans-only") {
-      scans_only = true;
-    } else if (words[i] == "--points") {
-      options.points = std::stoi(next());
-    } else if (words[i] == "--only") {
-      options.only = std::stoi(next());
-    } else if (words[i] == "--level") {
-      options.level = std::stoi(next());
-    } else if (words[i] == "--millimetres") {
-      const std::string path = next();
-      std::istringstream text(next());
-      Vector3d pad = Vector3d::Zero();
-      char comma = 0;
-      text >> pad.x() >> comma >> pad.y() >> comma >> pad.z();
-      options.fingers.push_back({path, meshes::read_surface(path, 1e-3).surface, pad});
-    } else {
-      throw softfinger::InputError(
-          "softfinger-fem-survey", "argument", words[i],
-          "--points N, --only K, --level L, --finite, --scans-only, --millimetres FILE X,Y,Z");
-    }
+  std::vector<std::pair<std::string, std::string>> scans;
+  CLI::App app("Presses random points of the pads of ten generated fingers and of scans.",
+               "softfinger-fem-survey");
+  app.add_option("--points", options.points, "how many")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--only", options.only, "the one of these to press, and to be told about")
+      ->check(CLI::Range(0, 999999));
+  app.add_option("--level", options.level, "of the mesh")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 4));
+  app.add_flag("--finite", options.finite, "at finite strain");
+  app.add_option("--millimetres", scans, "scans: each its file and the side X,Y,Z of its pad");
+  app.add_flag("--scans-only", scans_only, "no generated fingers");
+  try {
+    app.parse(count, arguments);
+  } catch (const CLI::CallForHelp& request) {
+    app.exit(request);
+    return std::nullopt;
   }
-  if (!scans_only) {
-    const std::vector<Finger> generated = generated_fingers();
-    options.fingers.insert(options.fingers.begin(), generated.begin(), generated.end());
-  }
+  if (!scans_only) options.fingers = generated_fingers();
+  for (const auto& [path, pad] : scans) options.fingers.push_back(read_finger(path, pad));
   if (options.fingers.empty())
-    throw softfinger::InputError("softfinger-fem-survey", "--scans-only", "",
+    throw softfinger::InputError("arguments", "--scans-only", "",
                                  "--millimetres FILE X,Y,Z beside it");
   return options;
 }
@@ -261,7 +262,7 @@ void survey(const Options& options) {
 
 int main(int count, char** arguments) {
   try {
-    survey(read_options(count, arguments));
+    if (const auto options = read_options(count, arguments)) survey(*options);
   } catch (const std::exception& error) {
     fmt::print(stderr, "softfinger-fem-survey: {}\n", error.what());
     return 2;
