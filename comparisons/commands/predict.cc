@@ -108,6 +108,22 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
                   resolver.surface(mesh), points, options.command_line);
 }
 
+/// What the contact bears about its tangents, beside the limit surface: the other two moments.
+std::string tilting_text(const nlohmann::json& result) {
+  const auto& limit = result["tilt_limit_Nm"];
+  const auto& rolling = result["rolling_stiffness_Nm_per_rad"];
+  if (limit.is_null()) return "";
+  const auto rolls = [&](int axis) {
+    return rolling[axis].is_null()
+               ? "does not roll"
+               : fmt::format("{:.4g} mN·m/rad by rolling", 1e3 * rolling[axis].get<double>());
+  };
+  return fmt::format(
+      "  tilting about the long axis: {}, at most {:.4g} mN·m; about the short one: {}, at most "
+      "{:.4g} mN·m\n",
+      rolls(0), 1e3 * limit[0].get<double>(), rolls(1), 1e3 * limit[1].get<double>());
+}
+
 int run_predict(const PredictOptions& options) {
   refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
   const auto models = chosen_models(options);
@@ -196,6 +212,7 @@ int run_predict(const PredictOptions& options) {
         for (const auto& point : result["limit_surface"])
           text += fmt::format("  {:>12.5g}{:>12.5g}{:>13.5g}\n", point["fx_N"].get<double>(),
                               point["fy_N"].get<double>(), point["torque_Nm"].get<double>() * 1e3);
+        text += tilting_text(result);
       }
     }
     system::write_text_to_stdout(text + experiments::noise_remark());

@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "comparisons/text/json_text.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/shear_surface.h"
+#include "softfinger/friction/tilt_limit.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/pressure/gradient.h"
 
@@ -50,6 +52,16 @@ void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
   for (const LimitWrench& point : wrenches)
     points.push_back(
         {{"fx_N", point.force_x_N}, {"fy_N", point.force_y_N}, {"torque_Nm", point.torque_Nm}});
+}
+
+/// Of a pressure that moves to one side of the contact without exceeding the model's peak.
+std::optional<TiltLimit> tilt_limit_of(const ModelAnswer& answer) {
+  const Prediction& prediction = answer.prediction;
+  const double load_N = answer.problem.load.normal_force_N;
+  const double mean_Pa = load_N / prediction.area_m2();
+  const double peak_ratio = prediction.peak_pressure_Pa / mean_Pa;
+  if (!prediction.has_answer || !(mean_Pa > 0) || !std::isfinite(peak_ratio)) return std::nullopt;
+  return tilt_limit(prediction.a_m, prediction.b_m, load_N, peak_ratio);
 }
 
 nlohmann::json vector_json(const Eigen::Vector3d& vector) {
@@ -118,6 +130,14 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
   result["torsional_stiffness_Nm_per_rad"] = known(gradient.stuck.torsional_Nm_per_rad);
   result["tangential_stiffness_N_per_m"] = {known(gradient.stuck.tangential_x_N_per_m),
                                             known(gradient.stuck.tangential_y_N_per_m)};
+  const std::optional<TiltLimit> tilt = tilt_limit_of(answer);
+  result["tilt_limit_Nm"] = nullptr;
+  if (tilt) result["tilt_limit_Nm"] = {tilt->about_x_Nm, tilt->about_y_Nm};
+  // About the long axis bodies roll along the short one.
+  const double load_N = answer.problem.load.normal_force_N;
+  result["rolling_stiffness_Nm_per_rad"] = {
+      text::finite_or_null(load_N * answer.problem.radii.minor_m),
+      text::finite_or_null(load_N * answer.problem.radii.major_m)};
   if (answer.assessment) {
     result["usable"] = answer.assessment->usable;
     result["error_bound"] = to_json(answer.assessment->bound);

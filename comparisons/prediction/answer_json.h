@@ -17,6 +17,10 @@ nlohmann::json to_json(const std::optional<QuantityErrors>& bound);
 /// along the long axis): the exact surface for the equivalent exponent, or for the paper's torque
 /// rule its friction ellipsoid. With the exact one also how far the friction ellipsoid is from it:
 /// lowest and highest of worst_ellipsoid_deviation.
+///
+/// `tilt_limit_Nm`: the largest moments about the long and the short axis, see `tilt_limit`, with
+/// the model's peak pressure. `rolling_stiffness_Nm_per_rad`: P R'', P R', the moments about where
+/// the contact was, per angle by which curved bodies roll on each other.
 nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points);
 
 /// Validity as data: check, value, limit, holds, message.

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <utility>
 
+#include "softfinger/input/constants.h"
 #include "tests/comparisons/run_program.h"
 
 namespace softfinger::tests {
@@ -159,7 +160,8 @@ TEST_F(Program, PredictsForceTorqueAndLimitSurfaceOfEachShearLaw) {
   // r = a cos t; mu p = tau_0 where sin t = tau_0 / (mu p_0).
   const double t = std::asin(tau / (0.8 * peak)), c = a * std::cos(t);
   const double torque =
-      2 * M_PI * (tau * c * c * c / 3 + 0.8 * peak * a * a * a * (t / 8 - std::sin(4 * t) / 32));
+      2 * softfinger::kPi *
+      (tau * c * c * c / 3 + 0.8 * peak * a * a * a * (t / 8 - std::sin(4 * t) / 32));
   EXPECT_NEAR(circle["max_torque_Nm"].get<double>() / torque, 1, 1e-12);
 
   for (const json& answer : {strength, circle}) {
@@ -213,6 +215,27 @@ TEST_F(Program, TorqueRulesDifferForAnEllipseOnly) {
         .get<double>();
   };
   EXPECT_GT(torque("exact"), torque("paper") * 1.01);
+}
+
+/// Hertz' pressure has a peak of 3/2 of its mean: at the limit that peak is on two thirds of the
+/// ellipse, on one side of a chord.
+TEST_F(Program, SaysWhatAContactBearsAgainstTilting) {
+  const auto file = folder.write("case.toml", case_text());
+  const json answer =
+      json::parse(run({"predict", file.string(), "--model", "hertz", "--json"}).out)["results"][0];
+  const double load_N = answer["load_N"], a_m = answer["a_m"], b_m = answer["b_m"];
+  // Two thirds of the circle pressed: the half angle of its chord, by bisection.
+  double low = 0, high = softfinger::kPi;
+  for (int i = 0; i < 60; ++i) {
+    const double angle = (low + high) / 2;
+    (angle - std::sin(angle) * std::cos(angle) < 2 * softfinger::kPi / 3 ? low : high) = angle;
+  }
+  const double arm = std::pow(std::sin(low), 3) / softfinger::kPi;
+  EXPECT_NEAR(answer["tilt_limit_Nm"][0].get<double>(), load_N * b_m * arm, 1e-9 * load_N * b_m);
+  EXPECT_NEAR(answer["tilt_limit_Nm"][1].get<double>(), load_N * a_m * arm, 1e-9 * load_N * a_m);
+  const ProgramRun text =
+      run({"predict", file.string(), "--model", "hertz", "--limit-surface", "2"});
+  EXPECT_NE(text.out.find("tilting about the long axis"), std::string::npos) << text.out;
 }
 
 TEST_F(Program, SamplesTheExactLimitSurfaceInsideTheEllipsoid) {

@@ -313,6 +313,42 @@ double object_turn_rad(const Frame& frame) {
   return Eigen::AngleAxisd(frame.poses[1].linear()).angle();
 }
 
+/// A soft ellipsoid stands tilted on the floor and is let go. It rolls, so that the contact bears
+/// the moment m g d about where it would stand upright, d = |dh/dphi| of its height
+/// h = sqrt(across² sin² phi + up² cos² phi): m g (R - up) phi with R = across²/up for small
+/// angles. Across the longer axis that turns it upright, across the shorter one over.
+TEST(RollingContact, BearsTheMomentOfItsRelativeRadius) {
+  constexpr double kAlong_m = 0.03, kAcross_m = 0.02, kUp_m = 0.025, kMass_kg = 0.1, kTilt = 0.1;
+  constexpr double kStep_s = 1e-5;
+  constexpr int kSteps = 100;
+  for (const bool about_y : {true, false}) {
+    const double across = about_y ? kAlong_m : kAcross_m;
+    const double s = across * std::sin(kTilt), c = kUp_m * std::cos(kTilt);
+    const double height = std::hypot(s, c);
+    const double arm =
+        (across * across - kUp_m * kUp_m) * std::sin(kTilt) * std::cos(kTilt) / height;
+    const Simulation fall = run(
+        fmt::format("id = \"egg\"\n[simulation]\ntime_step_ms = {}\nduration_s = {}\n"
+                    "[[layer]]\nname = \"silicone\"\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
+                    "poisson_ratio = 0.49\n"
+                    "[[body]]\nname = \"floor\"\nfixed = true\nshapes = [{{ half_space = true }}]\n"
+                    "[[body]]\nname = \"egg\"\nmass_g = 100\nposition_mm = [0, 0, {:.17g}]\n"
+                    "rotation_deg = [{:.17g}, {:.17g}, 0]\nlayer = \"silicone\"\n"
+                    "shapes = [{{ ellipsoid_semi_axes_mm = [30, 20, 25] }}]\n"
+                    "[[contact]]\nbodies = [\"floor\", \"egg\"]\nfriction_coefficient = 1\n",
+                    1e3 * kStep_s, kStep_s * kSteps, 1e3 * height, about_y ? 0 : kTilt * 180 / kPi,
+                    about_y ? kTilt * 180 / kPi : 0));
+    ASSERT_EQ(fall.failure, "");
+    const double inertia =
+        kMass_kg * ((across * across + kUp_m * kUp_m) / 5 + height * height + arm * arm);
+    const double turned = kMass_kg * 9.81 * arm / inertia * kStep_s * kSteps;
+    const Vector3d spin = fall.recording.frames.back().angular_velocities_rad_per_s[1];
+    // The part by which the tilt, and with it the arm, changes until the end.
+    const double change = std::abs(turned) * kStep_s * kSteps / kTilt;
+    EXPECT_NEAR(-spin[about_y ? 1 : 0] / turned, 1, change) << (about_y ? "y" : "x");
+  }
+}
+
 TEST(BuiltinScenes, CarryTheBoxWithoutSlip) {
   const Simulation drag = simulate(input::read_scene(SOFTFINGER_SCENES "/drag_box.toml"));
   ASSERT_EQ(drag.failure, "");
