@@ -108,6 +108,23 @@ double mean_cell(const NodalPressure& pressure) {
   return 2 * std::sqrt(area / static_cast<double>(touching));
 }
 
+/// Whether a contact reaches the finger's edge.
+bool is_cut_off(const NodalPressure& pressure) {
+  for (std::size_t i = 0; i < pressure.nodes.size(); ++i)
+    if (pressure.nodes[i].on_edge && pressure.force[static_cast<Index>(i)] > 0) return true;
+  return false;
+}
+
+/// @param moved  of these points, those on the finger's edge go back
+void keep_on_edge(const NodalContact& contact, const Eigen::Matrix2Xd& points,
+                  Eigen::Matrix2Xd& moved) {
+  const auto& nodes = contact.pressure.nodes;
+  for (Index i = 0; i < points.cols(); ++i)
+    for (std::size_t node = 0; node < nodes.size(); ++node)
+      if (nodes[node].on_edge && contact.position.col(static_cast<Index>(node)) == points.col(i))
+        moved.col(i) = points.col(i);
+}
+
 ContactShape from_nodes(const NodalContact& contact) {
   const NodalPressure& pressure = contact.pressure;
   const Eigen::VectorXd clearance = contact.clearance();
@@ -119,15 +136,20 @@ ContactShape from_nodes(const NodalContact& contact) {
   if (!(shape_of(shape.outlines).area > 0))
     throw ConvergenceError("outline of the contact", 0, 0,
                            "the contact is smaller than a cell: use a higher level");
-  const bool is_smooth = smooth(shape.outlines);
+  // At the finger's edge a contact is cut off: its outline has corners, and lies where it does.
+  const bool is_cut = is_cut_off(pressure);
+  const bool is_smooth = !is_cut && smooth(shape.outlines);
   if (contact.regular) {
     const SurfaceFace& face = pressure.faces.front();
     shape.cell = std::sqrt(face.size_x * face.size_y);
   }
   const double cell = contact.regular ? shape.cell : mean_cell(pressure);
   // The same everywhere: taken off as a share of the radius, ellipses would become too round.
-  for (Eigen::Matrix2Xd& points : shape.outlines)
-    points = moved_left(points, contact.outline_outside * cell);
+  for (Eigen::Matrix2Xd& points : shape.outlines) {
+    Eigen::Matrix2Xd moved = moved_left(points, contact.outline_outside * cell);
+    if (is_cut) keep_on_edge(contact, points, moved);
+    points = std::move(moved);
+  }
   const OutlineShape outline = shape_of(shape.outlines);
   describe(outline, shape);
   if (is_smooth) shape.outlines.front() = reported(shape.outlines.front());

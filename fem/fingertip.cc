@@ -38,6 +38,9 @@ class BentLayer : public LayerShape {
   meshes::FingertipLayer layer_;
 };
 
+/// Sharp edges farther from the first touch, in thicknesses, do not matter.
+constexpr double farthest_edge = 15;
+
 /// A scan's layer, with the first touch as its origin. It is laid as far as it is asked for.
 class ScanShape : public LayerShape {
  public:
@@ -47,7 +50,8 @@ class ScanShape : public LayerShape {
       : surface_(std::move(surface)),
         core_(std::move(core)),
         first_touch_(first_touch),
-        h_(thickness_m) {}
+        h_(thickness_m),
+        has_edges_(surface_->edge_near(first_touch, farthest_edge * thickness_m).has_value()) {}
 
   Vector3d position(double x, double y, double z) const override {
     return (layer_->position(h_ * x, h_ * y, z) - first_touch_.position) / h_;
@@ -63,12 +67,14 @@ class ScanShape : public LayerShape {
     // Levels that differ a little in size share a layer.
     constexpr double spare = 1.2;
     radius_ = spare * radius;
-    layer_.emplace(*surface_, first_touch_, Vector3d::UnitX(), h_, radius_ * h_, core_.get());
+    layer_.emplace(*surface_, first_touch_, x_axis(), h_, radius_ * h_, core_.get());
   }
   Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
     switch (layer_->end_in(h_ * low_x, h_ * high_x, h_ * low_y, h_ * high_y)) {
       case meshes::ClothEnd::none:
         return Cover::whole;
+      case meshes::ClothEnd::edge:
+        return Cover::edge;
       case meshes::ClothEnd::rim:
         return Cover::rim;
       default:
@@ -76,10 +82,28 @@ class ScanShape : public LayerShape {
     }
   }
 
+  bool has_edges() const override { return has_edges_; }
+  double beyond_edge(double x, double y) const override {
+    const auto beyond = surface_->beyond_edge(
+        {layer_->position(h_ * x, h_ * y, 0), layer_->normal(h_ * x, h_ * y)});
+    return beyond ? *beyond / h_ : -std::numeric_limits<double>::infinity();
+  }
+
  private:
+  /// Along the nearest sharp edge, so that rows of cells can end at it; of its four directions, the
+  /// one nearest to the frame's own x.
+  Vector3d x_axis() const {
+    const std::optional<Vector3d> edge = surface_->edge_near(first_touch_, farthest_edge * h_);
+    if (!edge) return Vector3d::UnitX();
+    const Vector3d across = first_touch_.normal.cross(*edge);
+    const Vector3d& nearer = std::abs(edge->x()) > std::abs(across.x()) ? *edge : across;
+    return std::copysign(1.0, nearer.x()) * nearer;
+  }
+
   std::shared_ptr<const meshes::SmoothSurface> surface_, core_;
   meshes::SmoothSurface::Point first_touch_;
   double h_;
+  bool has_edges_ = false;
   mutable double radius_ = 0;
   mutable std::optional<meshes::ScannedLayer> layer_;
 };
@@ -92,6 +116,9 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   const auto gap = [&](const meshes::SmoothSurface::Point& point) {
     const auto height = object.height(point.position.x(), point.position.y());
     return height ? *height - point.position.z() : std::numeric_limits<double>::infinity();
+  };
+  const auto is_beyond_edge = [&](const meshes::SmoothSurface::Point& point) {
+    return surface.beyond_edge(point).value_or(-1) > 0;
   };
   const auto start = surface.project(Vector3d::Zero(), Vector3d::UnitZ());
   if (!start)
@@ -107,7 +134,7 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
       const auto next = surface.project(
           start->position + radius * thickness_m * Vector3d(std::cos(angle), std::sin(angle), 0),
           start->normal);
-      if (!next || next->to_sample > surface.spacing()) continue;
+      if (!next || next->to_sample > surface.spacing() || is_beyond_edge(*next)) continue;
       if (const double found = gap(*next); found < lowest) {
         at = *next;
         lowest = found;
@@ -122,7 +149,7 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
       const double angle = 2 * M_PI * k / directions;
       const auto next = surface.project(
           at.position + step * (std::cos(angle) * x + std::sin(angle) * y), at.normal);
-      if (!next || next->to_sample > surface.spacing()) continue;
+      if (!next || next->to_sample > surface.spacing() || is_beyond_edge(*next)) continue;
       if (const double found = gap(*next); found < best_gap) {
         best = *next;
         best_gap = found;

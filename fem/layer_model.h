@@ -65,12 +65,25 @@ class LayerShape {
     whole,
     cut,  ///< the shape cannot go on, though the finger does
     rim,  ///< the finger ends
+    /// The finger ends in it, at a sharp edge or a little beside it; the shape goes on.
+    edge,
   };
   virtual Cover covers(double /*low_x*/, double /*high_x*/, double /*low_y*/,
                        double /*high_y*/) const {
     return Cover::whole;
   }
+  /// Whether the finger has sharp edges nearby: beyond them it ends.
+  virtual bool has_edges() const { return false; }
+  /// How far a point of the surface lies beyond a sharp edge, negative on this side of it. The
+  /// shape goes on a little beyond, so that cells can be fitted to the edge.
+  virtual double beyond_edge(double /*x*/, double /*y*/) const {
+    return -std::numeric_limits<double>::infinity();
+  }
 };
+
+inline bool ends_finger(LayerShape::Cover cover) {
+  return cover == LayerShape::Cover::rim || cover == LayerShape::Cover::edge;
+}
 
 /// A node where the surface can be touched.
 struct SurfaceNode {
@@ -79,7 +92,8 @@ struct SurfaceNode {
   double area_ratio = 1;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in space
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< outward
-  bool at_end = false;  ///< of the surface that can be touched, on a mesh from outside
+  bool at_end = false;   ///< of the surface that can be touched, beside what is not meshed
+  bool on_edge = false;  ///< on the finger's sharp edge, at which its layer ends
 };
 
 /// Of a node, seen along the load.

@@ -16,6 +16,7 @@
 #include <set>
 #include <utility>
 
+#include "fem/edge_shape.h"
 #include "meshes/generation/divide_sheets.h"
 #include "meshes/generation/layer_block.h"
 #include "meshes/generation/layer_mesh.h"
@@ -43,7 +44,8 @@ struct Lattice {
   int refinements = 0;
 };
 
-Lattice plan_lattice(const LayerDiscretisation& discretisation) {
+/// @param coarsest  longest cells, in thicknesses
+Lattice plan_lattice(const LayerDiscretisation& discretisation, double coarsest) {
   const double fine_x = discretisation.a / discretisation.elements_along_a();
   const double fine_y = discretisation.b / discretisation.elements_along_b();
   Lattice lattice;
@@ -52,7 +54,7 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation) {
   constexpr double tolerated = 0.1;
   // Thin sublayers bend over lengths of their own.
   constexpr double longest_in_sublayer = 1.5;
-  double coarsest = 1, thinnest = 1, above = 0;
+  double thinnest = 1, above = 0;
   for (const double interface : discretisation.interfaces) {
     thinnest = std::min({thinnest, interface - above, 1 - interface});
     above = interface;
@@ -254,6 +256,7 @@ void make_triangulation(const meshes::LayerMesh& mesh, double thickness,
 }
 
 using Box = std::pair<dealii::Point<dim>, dealii::Point<dim>>;
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 template <class Object>
 Box box_of(const Object& object) {
@@ -477,8 +480,9 @@ class SurfaceBuilder {
 
   /// Adds the faces of our own block: only the finest ones, which form a regular grid of
   /// rectangles.
-  /// @param at_end  per dof: where the surface ends
-  void add_finest_faces(const std::vector<char>& at_end) {
+  /// @param at_end   per dof: where the surface ends
+  /// @param on_edge  per dof: where the finger does, at a sharp edge
+  void add_finest_faces(const std::vector<char>& at_end, const std::vector<char>& on_edge) {
     constexpr double equal = 1.01;  // the next coarser faces are twice as large
     const LayerDiscretisation& mesh = space_.discretisation;
     const double fine_x = mesh.a / mesh.elements_along_a();
@@ -492,7 +496,7 @@ class SurfaceBuilder {
         const SurfaceFace rectangle{low[0], low[1], high[0] - low[0], high[1] - low[1], {}};
         if (rectangle.size_x > equal * fine_x || rectangle.size_y > equal * fine_y) continue;
         face->get_dof_indices(indices);
-        add_rectangle(rectangle, indices, at_end);
+        add_rectangle(rectangle, indices, at_end, on_edge);
       }
   }
 
@@ -535,9 +539,9 @@ class SurfaceBuilder {
 
   bool is_touchable(global_dof_index dof) const {
     const LayerDiscretisation& mesh = space_.discretisation;
-    const double x = support_[dof][0] / (mesh.patch * mesh.a);
-    const double y = support_[dof][1] / (mesh.patch * mesh.b);
-    return x * x + y * y <= 1 && !space_.constraints.is_constrained(dof);
+    const Eigen::Vector2d at = place_along_surface(support_[dof][0], support_[dof][1]);
+    return std::hypot(at.x() / (mesh.patch * mesh.a), at.y() / (mesh.patch * mesh.b)) <= 1 &&
+           !space_.constraints.is_constrained(dof);
   }
 
   /// @param dof        that tells the node from others
@@ -552,11 +556,17 @@ class SurfaceBuilder {
     return number;
   }
 
+  /// The block may be stretched to the finger's edges: contacts are measured as if it were not.
+  Eigen::Vector2d place_along_surface(double x, double y) const {
+    return space_.to_edges ? space_.to_edges->place(x, y) : Eigen::Vector2d(x, y);
+  }
+
   SurfaceNode& node(int number) { return space_.nodes[static_cast<std::size_t>(number)]; }
 
   SurfaceNode block_node(global_dof_index dof) const {
     const double x = support_[dof][0], y = support_[dof][1];
-    SurfaceNode result{x, y};
+    const Eigen::Vector2d along = place_along_surface(x, y);
+    SurfaceNode result{along.x(), along.y()};
     result.position = {x, y, 0};
     if (!space_.shape) return result;
     result.position = space_.shape->position(x, y, 0);
@@ -579,7 +589,7 @@ class SurfaceBuilder {
   }
 
   void add_rectangle(const SurfaceFace& rectangle, const std::vector<global_dof_index>& indices,
-                     const std::vector<char>& at_end) {
+                     const std::vector<char>& at_end, const std::vector<char>& on_edge) {
     NewFace made{rectangle};
     made.face.node.fill(-1);
     for (const global_dof_index dof : indices) {
@@ -596,6 +606,7 @@ class SurfaceBuilder {
       if (c != 2 || !is_touchable(dof)) continue;
       made.face.node[k] = number_of_node(dof, [&] { return block_node(dof); });
       node(made.face.node[k]).at_end = at_end[dof] != 0;
+      node(made.face.node[k]).on_edge = on_edge[dof] != 0;
       node(made.face.node[k]).weight +=
           shape_integrals[column] * shape_integrals[row] * rectangle.size_x * rectangle.size_y;
     }
@@ -714,30 +725,64 @@ bool LayerDiscretisation::is_within_reach() const {
   return needed.x() < usable_reach * reach_x && needed.y() < usable_reach * reach_y;
 }
 
-LayerSpace::LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent,
-                       MirrorPlanes mirrored)
-    : discretisation(meant),
-      element(dealii::FE_Q<dim>(2), dim),
-      shape(std::move(bent)),
-      planes(mirrored) {
-  const Lattice lattice = plan_lattice(discretisation);
-  meshes::HexahedralMesh block = with_images(meshes::mesh_layer_block(lattice.block), planes);
-  if (discretisation.is_scan) {
-    shape->cover(std::hypot(lattice.block.length_x, lattice.block.length_y));
-    leave_out_uncovered(block);
-  }
+LayerSpace::LayerSpace(const LayerDiscretisation& meant,
+                       const std::shared_ptr<const LayerShape>& bent, MirrorPlanes mirrored)
+    : discretisation(meant), element(dealii::FE_Q<dim>(2), dim), shape(bent), planes(mirrored) {
   std::vector<dealii::Point<dim>> support;
-  for (bool folds = true; folds;) {
+  // Where cells under the contact fold or do not fit between it and an edge, cells half as long
+  // may.
+  for (const double coarsest : {1.0, 0.5})
+    if (mesh_block(coarsest, bent, support)) break;
+  constrain(support);
+  collect_surface(support);
+  number_surface();
+}
+
+namespace {
+
+/// Between the columns of a block's cells, ascending.
+std::vector<double> lines_of(const meshes::HexahedralMesh& block, int component) {
+  std::vector<double> lines;
+  for (const Eigen::Vector3d& vertex : block.vertices) lines.push_back(vertex[component]);
+  std::sort(lines.begin(), lines.end());
+  lines.erase(std::unique(lines.begin(), lines.end(), at), lines.end());
+  return lines;
+}
+
+}  // namespace
+
+/// @param coarsest  longest cells, in thicknesses
+/// @param support   place of each dof in the block
+/// @returns whether all cells under the contact are left, up to the finger's edges
+bool LayerSpace::mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
+                            std::vector<dealii::Point<dim>>& support) {
+  const Lattice lattice = plan_lattice(discretisation, coarsest);
+  meshes::HexahedralMesh block = with_images(meshes::mesh_layer_block(lattice.block), planes);
+  bool is_whole = true;
+  if (discretisation.is_scan) {
+    // Cells that lie partly within the side wall belong to the layer too.
+    shape->cover(std::max(discretisation.a, discretisation.b) + discretisation.extent +
+                 std::hypot(lattice.block.cell_x, lattice.block.cell_y));
+    if (bent->has_edges())
+      shape = to_edges = std::make_shared<const EdgeShape>(
+          bent, lines_of(block, 0), lines_of(block, 1),
+          Eigen::Vector2d(lattice.block.inner_x, lattice.block.inner_y));
+    is_whole = leave_out_uncovered(block);
+  }
+  while (true) {
+    clear_mesh();
     make_triangulation(block, triangulation);
     refine_towards_patch(discretisation, lattice.refinements, triangulation);
     dofs.distribute_dofs(element);
     support = support_points();
     bend(support);
-    folds = discretisation.is_scan && leave_out_folded(block);
+    if (!discretisation.is_scan) return true;
+    const Columns folded = folded_columns();
+    if (folded.empty()) return is_whole;
+    for (const auto& [corner, box] : folded)
+      is_whole = is_whole && !is_in_patch(box, discretisation);
+    leave_out_folded(folded, block);
   }
-  constrain(support);
-  collect_surface(support);
-  number_surface();
 }
 
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh,
@@ -775,55 +820,70 @@ void require_cells(const meshes::HexahedralMesh& block) {
 }  // namespace
 
 /// Cells where the shape ends are no part of the mesh, nor islands beyond them.
-void LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
+/// @returns whether none under the contact reaches over the finger's edge
+bool LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
   meshes::HexahedralMesh covered;
   covered.vertices = block.vertices;
+  bool is_whole = true;
   for (std::size_t i = 0; i < block.cells.size(); ++i) {
-    Eigen::Vector3d low = block.vertices[static_cast<std::size_t>(block.cells[i][0])], high = low;
-    for (const int vertex : block.cells[i]) {
-      low = low.cwiseMin(block.vertices[static_cast<std::size_t>(vertex)]);
-      high = high.cwiseMax(block.vertices[static_cast<std::size_t>(vertex)]);
-    }
+    Box box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+    for (const int vertex : block.cells[i])
+      for (unsigned int c = 0; c < dim; ++c) {
+        const double at = block.vertices[static_cast<std::size_t>(vertex)][c];
+        box.first[c] = std::min(box.first[c], at);
+        box.second[c] = std::max(box.second[c], at);
+      }
+    const auto& [low, high] = box;
     // The square's corners are farther away than the wall has to be.
     const LayerDiscretisation& mesh = discretisation;
-    const Eigen::Vector3d nearest = low.cwiseMax(-high).cwiseMax(0.0);
-    if (std::hypot(nearest.x() / (mesh.a + mesh.extent), nearest.y() / (mesh.b + mesh.extent)) >
-            1 ||
-        shape->covers(low.x(), high.x(), low.y(), high.y()) != LayerShape::Cover::whole)
+    const auto distance = [&](unsigned int c) { return std::max({0.0, low[c], -high[c]}); };
+    if (std::hypot(distance(0) / (mesh.a + mesh.extent), distance(1) / (mesh.b + mesh.extent)) > 1)
       continue;
+    const LayerShape::Cover cover = shape->covers(low[0], high[0], low[1], high[1]);
+    if (to_edges && ends_finger(cover) && is_in_patch(box, mesh) && reaches_over_edge(box))
+      is_whole = false;
+    if (cover != LayerShape::Cover::whole) continue;
     covered.cells.push_back(block.cells[i]);
     covered.region.push_back(block.region[i]);
   }
-  if (covered.cells.size() == block.cells.size()) return;
+  if (covered.cells.size() == block.cells.size()) return true;
   block = std::move(covered);
   keep_cells_around_contact(block);
   require_cells(block);
+  return is_whole;
+}
+
+/// Whether a cell lies on both sides of the finger's edge.
+bool LayerSpace::reaches_over_edge(const Box& box) const {
+  constexpr double fitted = 0.05;  // what is less is no loss
+  for (const double x : {box.first[0], (box.first[0] + box.second[0]) / 2, box.second[0]})
+    for (const double y : {box.first[1], (box.first[1] + box.second[1]) / 2, box.second[1]})
+      if (shape->beyond_edge(x, y) < -fitted) return true;
+  return false;
 }
 
 /// Places in the block's plane over which a cell folds: the shape itself does not, but a quadratic
 /// cell between a few of its points may. By the lowest corner of its coarse cell.
-std::set<std::pair<long, long>> LayerSpace::folded_columns() const {
+LayerSpace::Columns LayerSpace::folded_columns() const {
   constexpr unsigned int points_per_direction = 3;  // where stiffness is integrated
   dealii::FEValues<dim> values(*mapping, element, dealii::QGauss<dim>(points_per_direction),
                                dealii::update_JxW_values);
-  std::set<std::pair<long, long>> folded;
+  Columns folded;
   for (const auto& cell : dofs.active_cell_iterators()) {
     values.reinit(cell);
     const std::vector<double>& volumes = values.get_JxW_values();
     if (*std::min_element(volumes.begin(), volumes.end()) > 0) continue;
     auto coarse = static_cast<dealii::Triangulation<dim>::cell_iterator>(cell);
     while (coarse->level() > 0) coarse = coarse->parent();
-    const dealii::Point<dim> low = coarse->bounding_box().get_boundary_points().first;
-    folded.insert(column_at(low[0], low[1]));
+    const Box box = box_of(coarse);
+    folded.emplace(column_at(box.first[0], box.first[1]), box);
   }
   return folded;
 }
 
-/// A cell that folds is left out with all above and below it: no contact shall lie over a hole.
-/// @returns whether there were such cells; the mesh then has to be made anew from what is left
-bool LayerSpace::leave_out_folded(meshes::HexahedralMesh& block) {
-  const std::set<std::pair<long, long>> folded = folded_columns();
-  if (folded.empty()) return false;
+/// A cell that folds is left out with all above and below it: no contact shall lie over a hole. The
+/// mesh then has to be made anew from what is left.
+void LayerSpace::leave_out_folded(const Columns& folded, meshes::HexahedralMesh& block) const {
   meshes::HexahedralMesh left;
   left.vertices = block.vertices;
   for (std::size_t i = 0; i < block.cells.size(); ++i) {
@@ -837,10 +897,12 @@ bool LayerSpace::leave_out_folded(meshes::HexahedralMesh& block) {
   block = std::move(left);
   keep_cells_around_contact(block);
   require_cells(block);
+}
+
+void LayerSpace::clear_mesh() {
   mapping.reset();
   dofs.clear();
   triangulation.clear();
-  return true;
 }
 
 std::vector<dealii::Point<dim>> LayerSpace::support_points() const {
@@ -932,7 +994,7 @@ void LayerSpace::constrain(const std::vector<dealii::Point<dim>>& support) {
   }
   if (meshed) bonded = dofs_on([](auto id) { return id == core_face; });
   if (discretisation.clamped_wall) {
-    const std::vector<char> walls = dofs_on_walls(/*rims=*/false);
+    const std::vector<char> walls = dofs_on_walls(Walls::inside);
     for (global_dof_index i = 0; i < bonded.size(); ++i) bonded[i] |= walls[i];
   }
   for (global_dof_index i = 0; i < bonded.size(); ++i)
@@ -940,16 +1002,29 @@ void LayerSpace::constrain(const std::vector<dealii::Point<dim>>& support) {
   constraints.close();
 }
 
+/// Whether a side face of the block, by its centre, lies on the finger's sharp edge.
+template <class Face>
+bool LayerSpace::is_on_edge(const Face& face) const {
+  if (!shape || !shape->has_edges()) return false;
+  // The cells are fitted to the edge at a few points of it.
+  constexpr double fitted = 0.02;
+  const Box box = box_of(face);
+  const auto is_there = [&](double x, double y) {
+    return std::abs(shape->beyond_edge(x, y)) < fitted;
+  };
+  return is_there(box.first[0], box.first[1]) && is_there(box.second[0], box.second[1]) &&
+         is_there((box.first[0] + box.second[0]) / 2, (box.first[1] + box.second[1]) / 2);
+}
+
 bool LayerSpace::is_at_rim(const dealii::Point<dim>& face, const dealii::Point<dim>& cell) const {
   if (!shape) return false;
   constexpr double beyond = 1.1;
   const auto at = cell + beyond * (face - cell);
-  return shape->covers(at[0], at[0], at[1], at[1]) == LayerShape::Cover::rim;
+  return ends_finger(shape->covers(at[0], at[0], at[1], at[1]));
 }
 
 /// Dofs of the faces between the surface and the core, mirror planes left out.
-/// @param rims  whether those count where the finger itself ends
-std::vector<char> LayerSpace::dofs_on_walls(bool rims) const {
+std::vector<char> LayerSpace::dofs_on_walls(Walls walls) const {
   std::vector<char> result(dofs.n_dofs(), 0);
   std::vector<global_dof_index> indices(element.n_dofs_per_face());
   for (const auto& cell : dofs.active_cell_iterators())
@@ -959,8 +1034,10 @@ std::vector<char> LayerSpace::dofs_on_walls(bool rims) const {
       const auto centre = face->center();
       const bool on_mirror = (planes.x && at(centre[0], 0)) || (planes.y && at(centre[1], 0));
       if (on_mirror || at(centre[2], 0) || at(centre[2], -1)) continue;
+      const bool on_edge = is_on_edge(face);
+      if (walls == Walls::on_edges ? !on_edge : on_edge) continue;
       // Where the finger ends, its layer ends freely.
-      if (!rims && is_at_rim(centre, cell->center())) continue;
+      if (walls == Walls::inside && is_at_rim(centre, cell->center())) continue;
       face->get_dof_indices(indices);
       for (const auto dof : indices) result[dof] = 1;
     }
@@ -981,9 +1058,12 @@ std::vector<char> LayerSpace::dofs_on(
 }
 
 void LayerSpace::collect_surface(const std::vector<dealii::Point<dim>>& support) {
-  std::vector<char> at_end(dofs.n_dofs(), 0);
-  if (discretisation.is_scan) at_end = dofs_on_walls(/*rims=*/true);
-  SurfaceBuilder(*this, support).add_finest_faces(at_end);
+  std::vector<char> at_end(dofs.n_dofs(), 0), on_edge = at_end;
+  if (discretisation.is_scan) {
+    at_end = dofs_on_walls(Walls::beside_edges);
+    on_edge = dofs_on_walls(Walls::on_edges);
+  }
+  SurfaceBuilder(*this, support).add_finest_faces(at_end, on_edge);
 }
 
 void LayerSpace::collect_meshed_surface(const std::vector<dealii::Point<dim>>& support) {

@@ -13,8 +13,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -27,6 +27,8 @@ struct HexahedralMesh;
 }
 
 namespace softfinger::fem {
+
+class EdgeShape;
 
 /// The degrees of freedom that are solved for: those that neither the bond, nor a hanging node, nor
 /// a symmetry fixes.
@@ -43,7 +45,7 @@ struct LayerSpace {
 
   /// @param bent      null: flat
   /// @param mirrored  at these planes only one side is meshed
-  LayerSpace(const LayerDiscretisation& meant, std::shared_ptr<const LayerShape> bent,
+  LayerSpace(const LayerDiscretisation& meant, const std::shared_ptr<const LayerShape>& bent,
              MirrorPlanes mirrored);
   /// The whole layer, from a coarse mesh that the user supplies ("from outside").
   LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
@@ -56,6 +58,7 @@ struct LayerSpace {
   dealii::FESystem<dim> element;
   dealii::DoFHandler<dim> dofs{triangulation};
   std::shared_ptr<const LayerShape> shape;
+  std::shared_ptr<const EdgeShape> to_edges;  ///< the same where it follows edges; else null
   MirrorPlanes planes;
   bool meshed = false;             ///< from outside
   dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
@@ -109,10 +112,24 @@ struct LayerSpace {
   void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
   std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
   bool is_at_rim(const dealii::Point<dim>& face, const dealii::Point<dim>& cell) const;
-  void leave_out_uncovered(meshes::HexahedralMesh& block) const;
-  std::set<std::pair<long, long>> folded_columns() const;
-  bool leave_out_folded(meshes::HexahedralMesh& block);
-  std::vector<char> dofs_on_walls(bool rims) const;
+  bool leave_out_uncovered(meshes::HexahedralMesh& block) const;
+  bool reaches_over_edge(const std::pair<dealii::Point<dim>, dealii::Point<dim>>& box) const;
+  /// Coarse cells seen from above, by their lowest corner.
+  using Columns =
+      std::map<std::pair<long, long>, std::pair<dealii::Point<dim>, dealii::Point<dim>>>;
+  bool mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
+                  std::vector<dealii::Point<dim>>& support);
+  void clear_mesh();
+  Columns folded_columns() const;
+  void leave_out_folded(const Columns& folded, meshes::HexahedralMesh& block) const;
+  enum class Walls {
+    on_edges,      ///< where the finger ends at a sharp edge
+    beside_edges,  ///< all others
+    inside,        ///< beside which the finger goes on
+  };
+  std::vector<char> dofs_on_walls(Walls walls) const;
+  template <class Face>
+  bool is_on_edge(const Face& face) const;
   void number_surface();
   std::vector<int> nodes_of(const Unknowns& free) const;
 };

@@ -216,8 +216,8 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
   bool is_rim = false;
   for (const double x : {-around, around})
     for (const double y : {-around, around})
-      is_rim = is_rim || pressing.bent.shape->covers(end.x + x, end.x + x, end.y + y, end.y + y) ==
-                             LayerShape::Cover::rim;
+      is_rim = is_rim ||
+               ends_finger(pressing.bent.shape->covers(end.x + x, end.x + x, end.y + y, end.y + y));
   const char* const why =
       is_rim ? "the finger's surface ends" : "its layer would fold or turn away";
   std::string allowed = "less load, or another point";

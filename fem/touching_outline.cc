@@ -50,13 +50,33 @@ class Tracer {
       cross({{triangle[0], {}}, {triangle[1], {}}, {triangle[2], {}}});
     if (!state_.triangles.empty()) return chain();
     for (int image = 0; image < state_.planes.images(); ++image)
-      for (const SurfaceFace& face : state_.faces)
-        for (const std::size_t corner : {0, 1, 3, 4})
-          cross_square(face, corner, state_.planes.image(image));
+      for (const SurfaceFace& face : state_.faces) add_face(face, state_.planes.image(image));
     return chain();
   }
 
  private:
+  void add_face(const SurfaceFace& face, Image image) {
+    for (const std::size_t corner : {0, 1, 3, 4}) cross_square(face, corner, image);
+    // Counter-clockwise around the face.
+    constexpr std::array<std::array<std::size_t, 3>, 4> sides{
+        {{0, 1, 2}, {2, 5, 8}, {8, 7, 6}, {6, 3, 0}}};
+    for (const auto& side : sides) {
+      if (!std::all_of(side.begin(), side.end(), [&](std::size_t k) {
+            return face.node[k] >= 0 &&
+                   state_.nodes[static_cast<std::size_t>(face.node[k])].on_edge;
+          }))
+        continue;
+      for (const std::size_t half : {0, 1}) {
+        const ImageNode from = node_of(face, side[half], image),
+                        to = node_of(face, side[half + 1], image);
+        cross({beyond(from), beyond(to), to, from});
+      }
+    }
+  }
+
+  /// Where the finger ends the contact does: as if an open node lay at the same place.
+  static ImageNode beyond(ImageNode at) { return {-2 - at.node, at.image}; }
+
   /// The lattice's edge that an outline crosses: from a touching node to an open one.
   using Crossing = std::pair<ImageNode, ImageNode>;
 
@@ -78,7 +98,9 @@ class Tracer {
   }
 
   Vector2d place(const Crossing& crossing) const {
-    const Vector2d inside = place(crossing.first), outside = place(crossing.second);
+    const Vector2d inside = place(crossing.first);
+    if (crossing.second.node < 0) return inside;
+    const Vector2d outside = place(crossing.second);
     return inside + edge_between(state_.pressure[crossing.first.node],
                                  state_.clearance[crossing.second.node], (outside - inside).norm(),
                                  state_.modulus) *

@@ -35,7 +35,8 @@ class OutgrownPatch : public ConvergenceError {
 /// Between a node that touches and an open one, the edge is where both agree: at a distance s
 /// inside a smooth edge the pressure is A sqrt(s), outside it the gap is 4 A/(3 E*) s^(3/2)
 /// (K. L. Johnson, Contact Mechanics, 1985, chapter 5: the edge of every smooth contact looks like
-/// that of a cylinder from nearby). A is found from the distance between the two nodes.
+/// that of a cylinder from nearby). A is found from the distance between the two nodes. Where nodes
+/// on the finger's own edge touch, the contact ends at them.
 /// @throws OutgrownPatch
 std::vector<Eigen::Matrix2Xd> touching_outlines(const TouchingState& state);
 

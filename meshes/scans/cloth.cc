@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace softfinger::meshes {
@@ -54,7 +55,8 @@ class Layer {
     Cloth::Node& node = cloth_.node(i, j);
     const auto on = surface_.project(guess, normal);
     constexpr double farthest_move = 0.7, farthest_sample = 1.3;
-    if (!on || on->to_sample > farthest_sample * surface_.spacing()) {
+    const bool is_off = !on || on->to_sample > farthest_sample * surface_.spacing();
+    if (!on || (is_off && !is_beside_edge(*on))) {
       node.end = ClothEnd::rim;
     } else if (on->normal.dot(centre_.normal) < kMostTurned) {
       node.end = ClothEnd::turned;
@@ -63,9 +65,17 @@ class Layer {
       node.end = ClothEnd::crease;
     } else {
       node.end = ClothEnd::none;
+      node.is_beyond = is_off;
       node.position = on->position;
       node.normal = on->normal;
     }
+  }
+
+  /// Whether a cell up to a sharp edge may need a node there, beyond it.
+  bool is_beside_edge(const SmoothSurface::Point& point) const {
+    const std::optional<double> beyond = surface_.beyond_edge(point);
+    constexpr double farthest = 1.5;
+    return beyond && std::abs(*beyond) < farthest * cloth_.spacing();
   }
 
   /// Adds the nodes beside those that lie. @returns whether there were any

@@ -10,6 +10,7 @@ namespace softfinger::meshes {
 /// Why a cloth ends at a node.
 enum class ClothEnd : char {
   none,    ///< it does not: the node lies on the surface
+  edge,    ///< at a sharp edge of the surface, beyond which it is continued a little
   far,     ///< farther than was asked for
   rim,     ///< the surface ends
   turned,  ///< the surface faces away from the load
@@ -25,6 +26,7 @@ class Cloth {
   struct Node {
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
     ClothEnd end = ClothEnd::far;
+    bool is_beyond = false;  ///< a sharp edge: the surface is continued there
   };
 
   Cloth(int half, double spacing) : half_(half), spacing_(spacing) {

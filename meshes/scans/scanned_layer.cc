@@ -326,10 +326,16 @@ double ScannedLayer::find_cells() {
           for (const double stretch : {top.by_x.norm(), top.by_y.norm()})
             if (!(stretch > smallest_stretch && stretch < largest_stretch)) end = ClothEnd::fold;
         }
+      if (end == ClothEnd::none && is_beyond_edge(i, j)) end = ClothEnd::edge;
       if (end == ClothEnd::none)
         valid += worth_of_cell(std::hypot(i + 0.5, j + 0.5) * s / thickness_);
     }
   return valid;
+}
+
+bool ScannedLayer::is_beyond_edge(int i, int j) const {
+  return cloth_.node(i, j).is_beyond || cloth_.node(i + 1, j).is_beyond ||
+         cloth_.node(i, j + 1).is_beyond || cloth_.node(i + 1, j + 1).is_beyond;
 }
 
 /// Islands are no part of the layer.
@@ -341,14 +347,14 @@ void ScannedLayer::keep_connected() {
     const auto [i, j] = front.back();
     front.pop_back();
     if (i < -half || j < -half || i >= half || j >= half) continue;
-    if (reached[index(i, j)] || cells_[index(i, j)] != ClothEnd::none) continue;
+    if (reached[index(i, j)] || cells_[index(i, j)] > ClothEnd::edge) continue;
     reached[index(i, j)] = 1;
     for (const auto& [di, dj] :
          {std::pair(1, 0), std::pair(0, 1), std::pair(-1, 0), std::pair(0, -1)})
       front.emplace_back(i + di, j + dj);
   }
   for (std::size_t k = 0; k < cells_.size(); ++k)
-    if (cells_[k] == ClothEnd::none && !reached[k]) cells_[k] = ClothEnd::fold;
+    if (cells_[k] <= ClothEnd::edge && !reached[k]) cells_[k] = ClothEnd::fold;
 }
 
 ClothEnd ScannedLayer::end_in(double low_x, double high_x, double low_y, double high_y) const {

@@ -35,7 +35,8 @@ class ScannedLayer {
   /// Surface area per area of the block.
   double area_ratio(double x, double y) const;
 
-  /// Why a rectangle of the block is not covered by the layer; none where it is.
+  /// Why a rectangle of the block is not covered by the layer; none where it is. Where it ends at
+  /// a sharp edge it can be asked for its shape as if it went on.
   ClothEnd end_in(double low_x, double high_x, double low_y, double high_y) const;
 
   /// How far the layer goes from the centre in a direction of the block, and why not farther.
@@ -75,6 +76,7 @@ class ScannedLayer {
   Field on_core(const SmoothSurface& core, Field field) const;
   double depth_below(const Eigen::Vector3d& point, double x, double y, Eigen::Vector3d* foot) const;
   double find_cells();
+  bool is_beyond_edge(int i, int j) const;
   void keep_connected();
 
   double thickness_, deepest_;

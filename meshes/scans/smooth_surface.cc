@@ -129,6 +129,19 @@ Cell voxel_of(const Sample& sample, double size) {
   return cell;
 }
 
+/// A piece of a sharp edge, as a facet beside it sees it.
+struct EdgePiece {
+  Vector3d from, to;
+  Vector3d outward;  ///< unit, in the facet's plane, across the edge
+  Vector3d normal;   ///< the facet's
+
+  Vector3d nearest(const Vector3d& point) const {
+    const Vector3d along = to - from;
+    const double share = (point - from).dot(along) / along.squaredNorm();
+    return from + std::clamp(share, 0.0, 1.0) * along;
+  }
+};
+
 constexpr std::size_t fit_neighbours = 160, blend_neighbours = 13;
 /// How many widths a turn of the normal by one radian is away.
 constexpr double normal_weight = 2.5;
@@ -141,13 +154,18 @@ struct SmoothSurface::Implementation {
   std::vector<Sample> dense;    ///< what they are fitted to
   std::vector<Quadric> quadrics;
   std::vector<Corners> facets;
-  std::unique_ptr<Neighbours<3>> places;
+  std::vector<EdgePiece> sharp_edges;
+  std::unique_ptr<Neighbours<3>> places, edge_places;
   std::unique_ptr<Neighbours<6>> oriented;
 
   void collect_facets(const TriangleSurface& surface, const Smoothing& smoothing);
   void choose_width(const Smoothing& smoothing);
   void take_samples();
   void fit_quadrics();
+  void keep_ends();
+
+  /// The piece of an edge nearest to a point, of those that face its way; none: nullptr.
+  const EdgePiece* nearest_edge(const Point& point) const;
 
   Place<6> oriented_place(const Vector3d& position, const Vector3d& normal) const {
     Place<6> result;
@@ -210,6 +228,19 @@ void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surfac
   const double cos_crease = std::cos(smoothing.crease_rad);
   for (const std::size_t f : near) {
     Corners corners;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int one = surface.triangles[f][c], two = surface.triangles[f][(c + 1) % 3];
+      const auto& beside = around[static_cast<std::size_t>(one)];
+      const bool goes_on = std::any_of(beside.begin(), beside.end(), [&](std::size_t other) {
+        const auto& corner = surface.triangles[other];
+        return other != f && std::find(corner.begin(), corner.end(), two) != corner.end() &&
+               normals[other].dot(normals[f]) > cos_crease;
+      });
+      if (goes_on) continue;
+      const Vector3d &from = vertices[static_cast<std::size_t>(one)],
+                     &to = vertices[static_cast<std::size_t>(two)];
+      sharp_edges.push_back({from, to, (to - from).cross(normals[f]).normalized(), normals[f]});
+    }
     for (std::size_t c = 0; c < 3; ++c) {
       const auto vertex = static_cast<std::size_t>(surface.triangles[f][c]);
       corners.position[c] = vertices[vertex];
@@ -334,6 +365,88 @@ void SmoothSurface::Implementation::fit_quadrics() {
   }
 }
 
+/// Cuts the edges into short pieces, of which those are kept where the surface ends: behind a step,
+/// a seam of the mesh or a needle it goes on.
+void SmoothSurface::Implementation::keep_ends() {
+  std::vector<EdgePiece> ends;
+  std::vector<Place<3>> middles;
+  for (const EdgePiece& edge : sharp_edges) {
+    const double length = (edge.to - edge.from).norm();
+    if (!(length > 0)) continue;
+    const int pieces = static_cast<int>(std::ceil(length / width));
+    for (int i = 0; i < pieces; ++i) {
+      EdgePiece piece = edge;
+      piece.from = edge.from + (edge.to - edge.from) * i / pieces;
+      piece.to = edge.from + (edge.to - edge.from) * (i + 1) / pieces;
+      const Vector3d middle = (piece.from + piece.to) / 2;
+      constexpr double across = 2.5, beside = 1.3;  // of the samples' spacing
+      double value = 0;
+      Vector3d gradient;
+      const double squared_distance =
+          blend(middle + across * spacing * edge.outward, edge.normal, value, gradient);
+      if (squared_distance < std::pow(beside * spacing, 2)) continue;
+      ends.push_back(piece);
+      middles.push_back(middle);
+    }
+  }
+  sharp_edges = std::move(ends);
+  if (!sharp_edges.empty()) edge_places = std::make_unique<Neighbours<3>>(std::move(middles));
+}
+
+const EdgePiece* SmoothSurface::Implementation::nearest_edge(const Point& point) const {
+  if (!edge_places) return nullptr;
+  constexpr std::size_t most = 16;
+  std::array<std::size_t, most> index;
+  std::array<double, most> distance;
+  const std::size_t count = edge_places->find(point.position, most, index.data(), distance.data());
+  const EdgePiece* found = nullptr;
+  double nearest = 1e300, most_outward = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const EdgePiece& piece = sharp_edges[index[k]];
+    constexpr double facing = 0.5;
+    if (piece.normal.dot(point.normal) < facing) continue;
+    const Vector3d apart = point.position - piece.nearest(point.position);
+    const double away = apart.norm(), outward = apart.dot(piece.outward);
+    // Beyond a corner both of its edges are equally far: the point is beyond the one that it is
+    // more in front of.
+    const double same = 1e-6 * width;
+    if (away > nearest + same || (away > nearest - same && outward < most_outward)) continue;
+    nearest = away;
+    most_outward = outward;
+    found = &piece;
+  }
+  return found;
+}
+
+std::optional<double> SmoothSurface::beyond_edge(const Point& point) const {
+  const EdgePiece* const edge = implementation_->nearest_edge(point);
+  if (!edge) return std::nullopt;
+  // Along the surface: it need not go through the edges of the facets.
+  const Vector3d on_edge = edge->nearest(point.position);
+  Vector3d apart = point.position - on_edge;
+  apart -= apart.dot(point.normal) * point.normal;
+  const double outward = apart.dot(edge->outward);
+  // Beside the end of an edge nothing ends.
+  constexpr double in_front = 0.65;
+  if (!(outward > in_front * apart.norm())) return -apart.norm();
+  // Where facets lie beyond the edge too, it is another sheet's.
+  std::size_t sample = 0;
+  double distance = 0;
+  implementation_->oriented->find(implementation_->oriented_place(point.position, point.normal), 1,
+                                  &sample, &distance);
+  constexpr double beyond = 0.1;
+  const Vector3d& facet = implementation_->samples[sample].position;
+  if ((facet - on_edge).dot(edge->outward) > beyond * spacing()) return -apart.norm();
+  return outward;
+}
+
+std::optional<Vector3d> SmoothSurface::edge_near(const Point& point, double distance) const {
+  const EdgePiece* const edge = implementation_->nearest_edge(point);
+  if (!edge || (point.position - edge->nearest(point.position)).norm() > distance)
+    return std::nullopt;
+  return (edge->to - edge->from).normalized();
+}
+
 SmoothSurface::SmoothSurface(const TriangleSurface& surface, const Smoothing& smoothing) {
   auto made = std::make_unique<Implementation>();
   made->collect_facets(surface, smoothing);
@@ -341,6 +454,7 @@ SmoothSurface::SmoothSurface(const TriangleSurface& surface, const Smoothing& sm
   made->width *= smoothing.widening;
   made->take_samples();
   made->fit_quadrics();
+  made->keep_ends();
   implementation_ = std::move(made);
 }
 

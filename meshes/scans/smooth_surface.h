@@ -45,6 +45,13 @@ class SmoothSurface {
   /// gradient. None where it does not converge.
   std::optional<Point> project(const Eigen::Vector3d& from, const Eigen::Vector3d& normal) const;
 
+  /// How far a point of the surface lies beyond a sharp edge, at which the mesh itself has an edge
+  /// or facets meet at a crease, and beyond which the surface does not go on; negative on this side
+  /// of it. None where no such edge is nearby.
+  std::optional<double> beyond_edge(const Point& point) const;
+  /// Direction of the sharp edge nearest to a point of the surface, within a distance.
+  std::optional<Eigen::Vector3d> edge_near(const Point& point, double distance) const;
+
   /// H, at least the longest edge near the origin where that is longer than wanted.
   double width() const;
   double spacing() const;  ///< of the samples

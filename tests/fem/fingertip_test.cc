@@ -9,7 +9,10 @@
 #include <limits>
 #include <utility>
 
+#include "fem/layer_model.h"
+#include "fem/normal_contact.h"
 #include "fem/reference_solver.h"
+#include "meshes/generation/layer_mesh.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"
@@ -175,6 +178,95 @@ TEST(Fingertip, RefusesALayerThickerThanItsCurvatureBears) {
   fingertip.pad = meshes::sphere_pad(0.005);
   fingertip.object = meshes::plane_object();
   EXPECT_THROW(shape_fingertip(fingertip, 0.006), InputError);
+}
+
+/// A flat pad that is cut off obliquely beside the origin: mm.
+struct CutPad {
+  double thickness = 2, half_width = 8, end = 10, cut = -1.2, slope = 0.36;
+
+  /// @param across,along  0 to 1
+  /// @param depth         below the surface
+  Eigen::Vector3d at(double across, double along, double depth) const {
+    const double x = (2 * across - 1) * half_width, from = cut + slope * x;
+    return 1e-3 * Eigen::Vector3d(x, from + along * (end - from), -depth);
+  }
+};
+
+/// The surface alone, which ends at the cut.
+TriangleSurface facets_of(const CutPad& pad) {
+  TriangleSurface surface;
+  for (const double along : {0.0, 1.0})
+    for (const double across : {0.0, 1.0}) surface.vertices_m.push_back(pad.at(across, along, 0));
+  surface.triangles = {{0, 1, 3}, {0, 3, 2}};
+  return surface;
+}
+
+/// The layer under it.
+meshes::LayerMesh hexahedra_of(const CutPad& pad) {
+  constexpr int across = 14, along = 10, deep = 2;
+  meshes::LayerMesh mesh;
+  for (int k = 0; k <= deep; ++k)
+    for (int j = 0; j <= along; ++j)
+      for (int i = 0; i <= across; ++i)
+        mesh.hexahedra.vertices.push_back(
+            pad.at(double(i) / across, double(j) / along, pad.thickness * (deep - k) / deep));
+  for (int j = 0; j < along; ++j)
+    for (int i = 0; i < across; ++i) {
+      const auto face = [&](int k) -> std::array<int, 4> {
+        const int row = across + 1, low = i + row * (j + (along + 1) * k);
+        return {low, low + 1, low + 1 + row, low + row};
+      };
+      for (int k = 0; k < deep; ++k) {
+        const auto bottom = face(k), top = face(k + 1);
+        mesh.hexahedra.cells.push_back(
+            {bottom[0], bottom[1], bottom[2], bottom[3], top[0], top[1], top[2], top[3]});
+        mesh.hexahedra.region.push_back(0);
+      }
+      mesh.core.push_back(face(0));
+      mesh.contact.push_back(face(deep));
+    }
+  return mesh;
+}
+
+// Another way to the same contact: a mesh of hexahedra that ends at the cut by itself, without a
+// cloth, without a search for edges.
+TEST(ScannedFinger, IsPressedUpToItsSharpEdge) {
+  const CutPad pad;
+  constexpr double sphere_m = 15e-3, youngs_modulus_Pa = 1e5, load_N = 1;
+  Problem problem;
+  problem.level = 1;
+  const double h = 1e-3 * pad.thickness;
+  problem.contact = {{0.1, 0.1, 0}, {h, youngs_modulus_Pa, 0.45}, {load_N, 0.5}};
+  problem.fingertip.scan = std::make_shared<const TriangleSurface>(facets_of(pad));
+  problem.fingertip.object = meshes::sphere_object(sphere_m);
+  const Result scan = solve(problem, quiet);
+
+  LayerDiscretisation discretisation;
+  discretisation.a = discretisation.b = scan.finest.a_m / h;
+  discretisation.patch = 1.5;
+  discretisation.elements_per_semi_axis = 8;
+  const LayerModel model(discretisation, {{1, 0.45}}, hexahedra_of(pad), h);
+  const auto& nodes = model.nodes();
+  const auto count = static_cast<Eigen::Index>(nodes.size());
+  Eigen::Matrix2Xd place(2, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    place.col(i) = nodes[static_cast<std::size_t>(i)].position.head<2>();
+  const double radius = sphere_m / h;
+  const Eigen::VectorXd gap =
+      radius - (radius * radius - place.colwise().squaredNorm().array()).sqrt();
+  const NormalContact contact =
+      solve_normal_contact(model.compliance(), gap, load_N / (youngs_modulus_Pa * h * h));
+  const Eigen::VectorXd share = contact.force / contact.force.sum();
+  const Eigen::Vector2d centre = place * share;
+  const double arm = share.dot((place.colwise() - centre).colwise().norm().transpose());
+  EXPECT_NEAR(scan.finest.indentation_m / (h * contact.approach), 1, 2 * scan.error.indentation);
+  EXPECT_NEAR(scan.finest.torque_arm_m / (h * arm), 1, 2 * scan.error.max_torque);
+  // It is cut off there: the outline's straight part lies on the edge.
+  const Eigen::Matrix2Xd& outline = scan.finest.outlines_m.front();
+  const Eigen::ArrayXd beyond =
+      1e-3 * pad.cut + pad.slope * outline.row(0).array() - outline.row(1).array();
+  EXPECT_NEAR(beyond.maxCoeff(), 0, 0.01 * h);
+  EXPECT_GT((beyond > -0.01 * h).count(), outline.cols() / 10);
 }
 
 void expect_series(Problem problem, const std::string& name) {

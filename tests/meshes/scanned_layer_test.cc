@@ -100,6 +100,56 @@ TEST(Doubted, NeitherPlanesNorCreasesMove) {
   }
 }
 
+/// A box's top, sides and ends from z = -depth to 0, with corners at these x and y, and a shelf
+/// inside it that ends somewhere under the top.
+TriangleSurface box_with_shelf(double low_x, double high_x, double low_y, double high_y,
+                               double depth) {
+  TriangleSurface surface;
+  const auto add = [&](const Vector3d& corner, const Vector3d& one, const Vector3d& other) {
+    const int first = static_cast<int>(surface.vertices_m.size());
+    for (const Vector3d& at :
+         {corner, Vector3d(corner + one), Vector3d(corner + one + other), Vector3d(corner + other)})
+      surface.vertices_m.push_back(at);
+    surface.triangles.push_back({first, first + 1, first + 2});
+    surface.triangles.push_back({first, first + 2, first + 3});
+  };
+  const Vector3d x = (high_x - low_x) * Vector3d::UnitX(), y = (high_y - low_y) * Vector3d::UnitY(),
+                 z = depth * Vector3d::UnitZ();
+  const Vector3d low(low_x, low_y, -depth), top(low_x, low_y, 0);
+  add(top, x, y);
+  add(low, x, z);
+  add(low + y, z, x);
+  add(low, z, y);
+  add(low + x, y, z);
+  add(low + 0.7 * z, 0.6 * x, y);
+  return surface;
+}
+
+TEST(SmoothSurface, KnowsHowFarItsSharpEdgesAre) {
+  constexpr double low_x = -6e-3, high_x = 7e-3, low_y = -2e-3, high_y = 9e-3;
+  const SmoothSurface surface(box_with_shelf(low_x, high_x, low_y, high_y, 4e-3),
+                              {0.5e-3, 1.05, 30e-3});
+  for (const double x : {-5e-3, -1e-3, 1.6e-3, 3e-3, 6.5e-3})
+    for (const double y : {-1.5e-3, 0.0, 4e-3, 8e-3}) {
+      const auto beyond = surface.beyond_edge({{x, y, 0}, Vector3d::UnitZ()});
+      ASSERT_TRUE(beyond);
+      const double distance = std::min({x - low_x, high_x - x, y - low_y, high_y - y});
+      // The nearest may be the shelf's edge, which ends nothing here.
+      EXPECT_LE(-distance, *beyond + 1e-9);
+      EXPECT_LT(*beyond, 0) << x << ' ' << y;
+    }
+  for (const double x : {-5e-3, 1.6e-3, 6e-3})
+    for (const double distance : {-0.4e-3, 0.2e-3, 0.6e-3}) {
+      const auto beyond = surface.beyond_edge({{x, low_y - distance, 0}, Vector3d::UnitZ()});
+      ASSERT_TRUE(beyond);
+      EXPECT_NEAR(*beyond, distance, 1e-9);
+    }
+  const auto along = surface.edge_near({Vector3d::Zero(), Vector3d::UnitZ()}, 3e-3);
+  ASSERT_TRUE(along);
+  EXPECT_NEAR(std::abs(along->x()), 1, 1e-9);
+  EXPECT_FALSE(surface.edge_near({Vector3d(0, 3.5e-3, 0), Vector3d::UnitZ()}, 0.5e-3));
+}
+
 TEST(SmoothSurface, RefusesAPlaceWithoutFacets) {
   TriangleSurface far = ball(2e-3);
   for (Vector3d& vertex : far.vertices_m) vertex.x() += 1;
