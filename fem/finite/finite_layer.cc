@@ -87,6 +87,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   double smallest_volume_ratio() const;
   double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
                   bool with_stiffness);
+  bool single_is_enough() const;
   void factorise(Along along);
   Eigen::VectorXd surface_sign() const;
   dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
@@ -339,6 +340,17 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   return out_of_balance;
 }
 
+/// Whether Newton's steps may be found in single precision. The matrix's condition number grows
+/// with the bulk modulus over the shear modulus. Up to 500 of it no iteration more was needed.
+bool FiniteLayer::Implementation::single_is_enough() const {
+  constexpr double largest_ratio = 1e3;
+  const Deformation none(Eigen::Matrix3d::Identity());
+  return std::all_of(materials.begin(), materials.end(), [&](const auto& material) {
+    const double shear_modulus = material->respond(none).tangent(1, 1);  // by dF_yx twice
+    return material->respond_to_volume(1).modulus < largest_ratio * shear_modulus;
+  });
+}
+
 /// Springs hold the surface nodes while the matrix is factorised; `surface_response` takes them off
 /// again. Without them the matrix is indefinite under a pressure of the order of the shear modulus:
 /// the surface is unstable under constant forces, though not under a rigid object that holds it.
@@ -366,7 +378,9 @@ void FiniteLayer::Implementation::factorise(Along along) {
       if (factor)
         factor->factorise(matrix);
       else
-        factor = std::make_unique<CholeskyFactor>(matrix, ordering, condensed);
+        factor = std::make_unique<CholeskyFactor>(
+            matrix, ordering, condensed,
+            along == Along::all && single_is_enough() ? Precision::single : Precision::full);
       break;
     } catch (const ConvergenceError&) {
       const double next = shift == 0 ? first_shift : 10 * shift;
