@@ -1,10 +1,8 @@
 #include "fem/finite/finite_layer.h"
 
 #include <deal.II/base/quadrature_lib.h>
-#include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/grid/grid_tools.h>
-#include <deal.II/lac/dynamic_sparsity_pattern.h>
 #include <deal.II/numerics/data_out.h>
 #include <deal.II/numerics/data_postprocessor.h>
 
@@ -15,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "fem/finite/tangent_assembly.h"
 #include "fem/layer_space.h"
 #include "fem/write_file.h"
 #include "softfinger/input/errors.h"
@@ -63,9 +62,8 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::vector<const Material*> material_of_cells;
   std::vector<ElementGeometry> geometries;      ///< per cell
   std::vector<std::vector<Dof>> dofs_of_cells;  ///< ordered by component
-  dealii::SparsityPattern pattern;
-  dealii::SparseMatrix<double> stiffness;
   Unknowns free;
+  std::unique_ptr<TangentAssembly> tangent;  ///< of these; null before it is needed
 
   State state;
   // Of the latest linearisation:
@@ -89,7 +87,9 @@ struct FiniteLayer::Implementation : LayerSpace {
   template <class Visit>
   void for_each_element(const dealii::Vector<double>& field, const Visit& visit) const;
   double smallest_volume_ratio() const;
-  double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force);
+  TangentAssembly& tangent_of_free();
+  double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
+                  TangentAssembly& assembly);
   void update_residual(const std::vector<NodeFrame>& node_frames);
   void set_residual(dealii::Vector<double>& of_dofs);
   bool single_is_enough() const;
@@ -210,10 +210,6 @@ void FiniteLayer::Implementation::set_up(
   set_geometries();
   for (const auto& cell : dofs.active_cell_iterators())
     material_of_cells.push_back(materials[cell->material_id()].get());
-  dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
-  dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
-  pattern.copy_from(dynamic);
-  stiffness.reinit(pattern);
   free = free_unknowns(Parity{});
   state.displacement.reinit(dofs.n_dofs());
   state.elements.resize(geometries.size());
@@ -291,7 +287,8 @@ double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen:
 
 double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force,
                               Along along) {
-  const double out_of_balance = implementation_->assemble(frames, force);
+  const double out_of_balance =
+      implementation_->assemble(frames, force, implementation_->tangent_of_free());
   implementation_->factorise(along);
   implementation_->forward = implementation_->factor->forward(-implementation_->residual);
   return out_of_balance;
@@ -304,30 +301,23 @@ void FiniteLayer::update_residual(const std::vector<NodeFrame>& frames) {
 
 /// Tangent and residual. @returns the largest nodal force out of balance
 double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_frames,
-                                             const Eigen::Matrix3Xd& force) {
+                                             const Eigen::Matrix3Xd& force,
+                                             TangentAssembly& assembly) {
   frames = node_frames;
-  stiffness = 0;
   balances.resize(geometries.size());
   dealii::Vector<double> residual_of_dofs(dofs.n_dofs()), internal(dofs.n_dofs());
   std::vector<Eigen::Matrix3d> axes;
   for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
-  const dealii::AffineConstraints<double> constraints_of_frames = constraints_in(axes);
-
-  const unsigned int size = element.n_dofs_per_cell();
-  dealii::FullMatrix<double> of_element(size, size);
+  assembly.start(axes);
   for_each_element(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
     const std::vector<Dof>& indices = dofs_of_cells[cell];
     ElementLinearisation linear = finite::linearise(geometries[cell], *material_of_cells[cell],
                                                     state.elements[cell], displacement);
-    bool touches = false;
-    for (unsigned int i = 0; i < size; ++i) {
-      residual_of_dofs[indices[i]] += linear.residual[i];
-      internal[indices[i]] += linear.force[i];
-      touches = touches || surface_node[indices[i]] >= 0;
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      residual_of_dofs[indices[i]] += linear.residual[static_cast<Eigen::Index>(i)];
+      internal[indices[i]] += linear.force[static_cast<Eigen::Index>(i)];
     }
-    of_element.fill(linear.stiffness.data());  // symmetric: rows may be columns
-    if (touches) turn_to_frames(axes, indices, of_element);
-    constraints_of_frames.distribute_local_to_global(of_element, indices, stiffness);
+    assembly.add(cell, std::move(linear.stiffness));
     balances[cell] = std::move(linear);
   });
   constraints.condense(internal);
@@ -352,14 +342,18 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
       const auto row = static_cast<Eigen::Index>(c);
       if (free.of_dof[dof[c]] >= 0)
         out_of_balance = std::max(out_of_balance, std::abs(turned[row]));
-      for (std::size_t d = 0; d < 3; ++d)
-        stiffness.add(dof[c], dof[d], stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
     }
+    assembly.add(dof, stiffness_of_curvature);
   }
   for (Dof i = 0; i < dofs.n_dofs(); ++i)
     if (free.of_dof[i] >= 0 && !is_surface[i])
       out_of_balance = std::max(out_of_balance, std::abs(internal[i]));
   return out_of_balance;
+}
+
+TangentAssembly& FiniteLayer::Implementation::tangent_of_free() {
+  if (!tangent) tangent = std::make_unique<TangentAssembly>(*this, dofs_of_cells, free);
+  return *tangent;
 }
 
 void FiniteLayer::Implementation::update_residual(const std::vector<NodeFrame>& node_frames) {
@@ -413,7 +407,7 @@ bool FiniteLayer::Implementation::single_is_enough() const {
 /// With springs the matrix may still be indefinite, far from equilibrium or at a bifurcation. Then
 /// a share of its diagonal is added, which shortens the step along the unstable directions.
 void FiniteLayer::Implementation::factorise(Along along) {
-  SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
+  SparseSymmetricMatrix& matrix = tangent_of_free().matrix();
   if (dissection.empty()) dissect(matrix, free);
   const std::vector<int> ordering = dissection_of(free);
   std::vector<int> last;
@@ -482,9 +476,14 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
                                                   const std::vector<int>& nodes) {
   auto& self = *implementation_;
   self.factor.reset();  // before the next one takes its memory
-  self.assemble(frames, along_normals(force));
-  const Unknowns unknowns = self.free_unknowns(parity);
-  SparseSymmetricMatrix matrix = self.lower_triangle(self.stiffness, unknowns);
+  // A whole layer has the same unknowns whatever the parity.
+  std::unique_ptr<TangentAssembly> own;
+  if (self.planes.any())
+    own = std::make_unique<TangentAssembly>(self, self.dofs_of_cells, self.free_unknowns(parity));
+  TangentAssembly& assembly = own ? *own : self.tangent_of_free();
+  self.assemble(frames, along_normals(force), assembly);
+  const Unknowns& unknowns = assembly.unknowns();
+  SparseSymmetricMatrix& matrix = assembly.matrix();
   if (self.dissection.empty()) self.dissect(matrix, unknowns);
   std::vector<int> last;
   std::vector<Eigen::Index> place;  // of each in the 3 x 3 blocks
