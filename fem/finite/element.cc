@@ -34,6 +34,48 @@ Eigen::Matrix3d at_point(const Eigen::MatrixX3d& gradients, Index point) {
   return gradients.middleRows<3>(3 * point).transpose();
 }
 
+constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+
+/// Sums over the points of the gradients times the tangent times the gradients, for each pair of
+/// components, as one product of large matrices.
+template <class Scalar>
+class TangentSum {
+ public:
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  explicit TangentSum(const Eigen::MatrixXd& gradients)
+      : gradients_(gradients.cast<Scalar>()), weighted_(6 * gradients.rows(), gradients.cols()) {}
+
+  void set(Index point, const Matrix9d& of_point) {
+    const Eigen::Matrix<Scalar, 9, 9> tangent = of_point.cast<Scalar>();
+    const Index nodes = gradients_.rows();
+    const auto gradients = gradients_.template middleCols<3>(3 * point);
+    for (Index pair = 0; pair < 6; ++pair)
+      for (Index J = 0; J < 3; ++J) {
+        const auto row = tangent.row(pairs[pair][0] + 3 * J);
+        const Index k = pairs[pair][1];
+        weighted_.block(pair * nodes, 3 * point + J, nodes, 1) = row[k] * gradients.col(0) +
+                                                                 row[k + 3] * gradients.col(1) +
+                                                                 row[k + 6] * gradients.col(2);
+      }
+  }
+
+  void add_to(Eigen::MatrixXd& stiffness) const {
+    const Index nodes = gradients_.rows();
+    const Matrix blocks = gradients_ * weighted_.transpose();
+    for (Index pair = 0; pair < 6; ++pair) {
+      const Index i = pairs[pair][0], k = pairs[pair][1];
+      const auto block = blocks.middleCols(pair * nodes, nodes).template cast<double>();
+      stiffness.block(i * nodes, k * nodes, nodes, nodes) += block;
+      if (i != k) stiffness.block(k * nodes, i * nodes, nodes, nodes) += block.transpose();
+    }
+  }
+
+ private:
+  const Matrix gradients_;
+  Matrix weighted_;
+};
+
 double smallest_of_field(const ElementGeometry& geometry, const ElementState& state) {
   return (geometry.linear.transpose() * state.volume_ratio).minCoeff();
 }
@@ -119,8 +161,11 @@ ElementBalance balance(const ElementGeometry& geometry, const Material& material
   return result;
 }
 
-ElementLinearisation linearise(const ElementGeometry& geometry, const Material& material,
-                               const ElementState& state, const UnitGradient& displacement) {
+namespace {
+
+template <class Scalar>
+ElementLinearisation linearise_in(const ElementGeometry& geometry, const Material& material,
+                                  const ElementState& state, const UnitGradient& displacement) {
   const Eigen::MatrixXd all_gradients = geometry.gradients();
   const Index nodes = all_gradients.rows(), points = geometry.weight.size();
   ElementLinearisation result;
@@ -128,11 +173,9 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
   Eigen::Vector4d volume = Eigen::Vector4d::Zero(), pressure = Eigen::Vector4d::Zero();
   Eigen::Matrix4d stiffness_of_volume = Eigen::Matrix4d::Zero();
   // What the gradients are multiplied by at the points, so that sums over these are products of
-  // large matrices: for forces the stress, and for int phi_k dJ the cofactor times phi_k; for the
-  // stiffness the gradients times the tangent, for each pair of components.
+  // large matrices: for forces the stress, and for int phi_k dJ the cofactor times phi_k.
   Eigen::MatrixXd stresses(3 * points, 15);
-  constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-  Eigen::MatrixXd weighted(6 * nodes, 3 * points);
+  TangentSum<Scalar> tangents(all_gradients);
 
   for (Index point = 0; point < points; ++point) {
     const double weight = geometry.weight[point];
@@ -151,16 +194,7 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
         weight * (response.stress + own_pressure * deformation.cofactor).transpose();
     for (Index k = 0; k < 4; ++k)
       at_this.middleCols<3>(3 + 3 * k) = weight * linear[k] * deformation.cofactor.transpose();
-    const Matrix9d tangent = weight * (response.tangent + own_pressure * deformation.second);
-    const auto gradients = all_gradients.middleCols<3>(3 * point);
-    for (Index pair = 0; pair < 6; ++pair)
-      for (Index J = 0; J < 3; ++J) {
-        const auto row = tangent.row(pairs[pair][0] + 3 * J);
-        const Index k = pairs[pair][1];
-        weighted.block(pair * nodes, 3 * point + J, nodes, 1) = row[k] * gradients.col(0) +
-                                                                row[k + 3] * gradients.col(1) +
-                                                                row[k + 6] * gradients.col(2);
-      }
+    tangents.set(point, weight * (response.tangent + own_pressure * deformation.second));
   }
 
   const Eigen::MatrixXd forces = all_gradients * stresses;
@@ -174,14 +208,18 @@ ElementLinearisation linearise(const ElementGeometry& geometry, const Material& 
                                                              result.bulk * result.volume_mismatch);
   const Eigen::Matrix4Xd volume_rate = geometry.inverse_mass * volume_by_displacement.transpose();
   result.stiffness.noalias() = volume_rate.transpose() * (stiffness_of_volume * volume_rate);
-  const Eigen::MatrixXd blocks = all_gradients * weighted.transpose();
-  for (Index pair = 0; pair < 6; ++pair) {
-    const Index i = pairs[pair][0], k = pairs[pair][1];
-    const auto block = blocks.middleCols(pair * nodes, nodes);
-    result.stiffness.block(i * nodes, k * nodes, nodes, nodes) += block;
-    if (i != k) result.stiffness.block(k * nodes, i * nodes, nodes, nodes) += block.transpose();
-  }
+  tangents.add_to(result.stiffness);
   return result;
+}
+
+}  // namespace
+
+ElementLinearisation linearise(const ElementGeometry& geometry, const Material& material,
+                               const ElementState& state, const UnitGradient& displacement,
+                               Precision of_stiffness) {
+  return of_stiffness == Precision::single
+             ? linearise_in<float>(geometry, material, state, displacement)
+             : linearise_in<double>(geometry, material, state, displacement);
 }
 
 double strain_energy(const ElementGeometry& geometry, const Material& material,

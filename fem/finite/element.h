@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "fem/cholesky.h"
 #include "fem/finite/material.h"
 
 namespace softfinger::fem::finite {
@@ -78,7 +79,8 @@ ElementBalance balance(const ElementGeometry& geometry, const Material& material
 
 /// @pre smallest_volume_ratio > 0
 ElementLinearisation linearise(const ElementGeometry& geometry, const Material& material,
-                               const ElementState& state, const UnitGradient& displacement);
+                               const ElementState& state, const UnitGradient& displacement,
+                               Precision of_stiffness = Precision::full);
 
 /// Strain energy with the state's own volume ratio in U.
 double strain_energy(const ElementGeometry& geometry, const Material& material,

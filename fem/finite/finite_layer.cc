@@ -89,10 +89,10 @@ struct FiniteLayer::Implementation : LayerSpace {
   double smallest_volume_ratio() const;
   TangentAssembly& tangent_of_free();
   double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
-                  TangentAssembly& assembly);
+                  TangentAssembly& assembly, Precision precision);
   void update_residual(const std::vector<NodeFrame>& node_frames);
   void set_residual(dealii::Vector<double>& of_dofs);
-  bool single_is_enough() const;
+  Precision precision(Along along) const;
   void factorise(Along along);
   Eigen::VectorXd surface_sign() const;
   dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
@@ -287,8 +287,8 @@ double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen:
 
 double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force,
                               Along along) {
-  const double out_of_balance =
-      implementation_->assemble(frames, force, implementation_->tangent_of_free());
+  const double out_of_balance = implementation_->assemble(
+      frames, force, implementation_->tangent_of_free(), implementation_->precision(along));
   implementation_->factorise(along);
   implementation_->forward = implementation_->factor->forward(-implementation_->residual);
   return out_of_balance;
@@ -302,7 +302,7 @@ void FiniteLayer::update_residual(const std::vector<NodeFrame>& frames) {
 /// Tangent and residual. @returns the largest nodal force out of balance
 double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_frames,
                                              const Eigen::Matrix3Xd& force,
-                                             TangentAssembly& assembly) {
+                                             TangentAssembly& assembly, Precision of_stiffness) {
   frames = node_frames;
   balances.resize(geometries.size());
   dealii::Vector<double> residual_of_dofs(dofs.n_dofs()), internal(dofs.n_dofs());
@@ -311,8 +311,9 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   assembly.start(axes);
   for_each_element(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
     const std::vector<Dof>& indices = dofs_of_cells[cell];
-    ElementLinearisation linear = finite::linearise(geometries[cell], *material_of_cells[cell],
-                                                    state.elements[cell], displacement);
+    ElementLinearisation linear =
+        finite::linearise(geometries[cell], *material_of_cells[cell], state.elements[cell],
+                          displacement, of_stiffness);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       residual_of_dofs[indices[i]] += linear.residual[static_cast<Eigen::Index>(i)];
       internal[indices[i]] += linear.force[static_cast<Eigen::Index>(i)];
@@ -390,15 +391,17 @@ void FiniteLayer::Implementation::set_residual(dealii::Vector<double>& of_dofs) 
     if (free.of_dof[i] >= 0) residual[free.of_dof[i]] = of_dofs[i];
 }
 
-/// Whether Newton's steps may be found in single precision. The matrix's condition number grows
-/// with the bulk modulus over the shear modulus. Up to 500 of it no iteration more was needed.
-bool FiniteLayer::Implementation::single_is_enough() const {
+/// Newton's steps with friction may be found in single precision where that is enough: the matrix's
+/// condition number grows with the bulk modulus over the shear modulus. Up to 500 of it no
+/// iteration more was needed.
+Precision FiniteLayer::Implementation::precision(Along along) const {
   constexpr double largest_ratio = 1e3;
   const Deformation none(Eigen::Matrix3d::Identity());
-  return std::all_of(materials.begin(), materials.end(), [&](const auto& material) {
+  const bool is_enough = std::all_of(materials.begin(), materials.end(), [&](const auto& material) {
     const double shear_modulus = material->respond(none).tangent(1, 1);  // by dF_yx twice
     return material->respond_to_volume(1).modulus < largest_ratio * shear_modulus;
   });
+  return along == Along::all && is_enough ? Precision::single : Precision::full;
 }
 
 /// Springs hold the surface nodes while the matrix is factorised; `surface_response` takes them off
@@ -428,9 +431,7 @@ void FiniteLayer::Implementation::factorise(Along along) {
       if (factor)
         factor->factorise(matrix);
       else
-        factor = std::make_unique<CholeskyFactor>(
-            matrix, ordering, condensed,
-            along == Along::all && single_is_enough() ? Precision::single : Precision::full);
+        factor = std::make_unique<CholeskyFactor>(matrix, ordering, condensed, precision(along));
       break;
     } catch (const ConvergenceError&) {
       const double next = shift == 0 ? first_shift : 10 * shift;
@@ -481,7 +482,7 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
   if (self.planes.any())
     own = std::make_unique<TangentAssembly>(self, self.dofs_of_cells, self.free_unknowns(parity));
   TangentAssembly& assembly = own ? *own : self.tangent_of_free();
-  self.assemble(frames, along_normals(force), assembly);
+  self.assemble(frames, along_normals(force), assembly, Precision::full);
   const Unknowns& unknowns = assembly.unknowns();
   SparseSymmetricMatrix& matrix = assembly.matrix();
   if (self.dissection.empty()) self.dissect(matrix, unknowns);

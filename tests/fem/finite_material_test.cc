@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -349,6 +350,20 @@ TEST(Element, IsTheSameWithoutItsStiffness) {
     EXPECT_LT((some.pressure_mismatch - all.pressure_mismatch).norm(), round_off);
     EXPECT_LT((some.bulk - all.bulk).norm(), round_off * all.bulk.norm());
   }
+}
+
+TEST(Element, StiffnessInSinglePrecisionDiffersByItsRoundOffAndNothingElseDoes) {
+  const ElementGeometry geometry = oblique();
+  std::srand(8);
+  const auto material = make_material(samples().front().choice, 1.0, 0.45);
+  const Eigen::MatrixX3d displacement = unit_gradient(geometry, 0.05 * Eigen::VectorXd::Random(81));
+  const auto full = linearise(geometry, *material, ElementState(), displacement);
+  const auto single =
+      linearise(geometry, *material, ElementState(), displacement, Precision::single);
+  const double change = (single.stiffness - full.stiffness).norm() / full.stiffness.norm();
+  EXPECT_LT(change, std::numeric_limits<float>::epsilon());
+  EXPECT_GT(change, 0);
+  EXPECT_EQ(single.residual, full.residual);
 }
 
 TEST(Element, SmallestVolumeRatioOfAStepIsThatOfWhereItLeads) {
