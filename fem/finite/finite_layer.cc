@@ -1,10 +1,8 @@
 #include "fem/finite/finite_layer.h"
 
 #include <deal.II/base/quadrature_lib.h>
-#include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/grid/grid_tools.h>
-#include <deal.II/lac/dynamic_sparsity_pattern.h>
 #include <deal.II/numerics/data_out.h>
 #include <deal.II/numerics/data_postprocessor.h>
 
@@ -15,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "fem/finite/tangent_assembly.h"
 #include "fem/layer_space.h"
 #include "fem/write_file.h"
 #include "softfinger/input/errors.h"
@@ -60,17 +59,17 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::vector<Eigen::Matrix3Xd> points_of_cells;  ///< quadrature points in the reference state
 
   std::vector<std::shared_ptr<const Material>> materials;  ///< of the sublayers
-  std::vector<ElementGeometry> geometries;                 ///< per cell
-  std::vector<std::vector<Dof>> dofs_of_cells;             ///< ordered by component
-  dealii::SparsityPattern pattern;
-  dealii::SparseMatrix<double> stiffness;
+  std::vector<const Material*> material_of_cells;
+  std::vector<ElementGeometry> geometries;      ///< per cell
+  std::vector<std::vector<Dof>> dofs_of_cells;  ///< ordered by component
   Unknowns free;
+  std::unique_ptr<TangentAssembly> tangent;  ///< of these; null before it is needed
 
   State state;
   // Of the latest linearisation:
   std::vector<NodeFrame> frames;
-  std::vector<ElementLinearisation> linearisations;  ///< without their stiffness
-  Eigen::VectorXd residual;                          ///< of the free unknowns, in the frames
+  std::vector<ElementBalance> balances;
+  Eigen::VectorXd residual;  ///< of the free unknowns, in the frames
   std::unique_ptr<CholeskyFactor> factor;
   std::vector<int> condensed;  ///< unknowns of the surface that the factor eliminates last
   Eigen::VectorXd springs;     ///< that hold these in the factor; on normals only
@@ -83,10 +82,17 @@ struct FiniteLayer::Implementation : LayerSpace {
 
   void set_up(std::vector<std::shared_ptr<const Material>> of_sublayers);
   void set_geometries();
-  Eigen::VectorXd displacement_of(std::size_t cell, const dealii::Vector<double>& field) const;
+  template <class Visit>
+  void for_each_batch(const dealii::Vector<double>& field, const Visit& visit) const;
+  template <class Visit>
+  void for_each_element(const dealii::Vector<double>& field, const Visit& visit) const;
   double smallest_volume_ratio() const;
+  TangentAssembly& tangent_of_free();
   double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
-                  bool with_stiffness);
+                  TangentAssembly& assembly, Precision precision);
+  void update_residual(const std::vector<NodeFrame>& node_frames);
+  void set_residual(dealii::Vector<double>& of_dofs);
+  Precision precision(Along along) const;
   void factorise(Along along);
   Eigen::VectorXd surface_sign() const;
   dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
@@ -95,14 +101,25 @@ struct FiniteLayer::Implementation : LayerSpace {
 void FiniteLayer::Implementation::set_geometries() {
   const unsigned int nodes_of_cell = element.n_dofs_per_cell() / dim;
   const dealii::QGauss<dim> quadrature(3);
-  dealii::FEValues<dim> values(
-      *mapping, element, quadrature,
-      dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
+  dealii::FEValues<dim> values(*mapping, element, quadrature,
+                               dealii::update_inverse_jacobians | dealii::update_JxW_values |
+                                   dealii::update_quadrature_points);
   const auto points = static_cast<Eigen::Index>(quadrature.size());
+  Eigen::MatrixXd unit_gradients(nodes_of_cell, 3 * points);
+  for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
+    const auto [of_component, node] = element.system_to_component_index(i);
+    if (of_component != 0) continue;
+    for (unsigned int q = 0; q < quadrature.size(); ++q)
+      for (unsigned int c = 0; c < dim; ++c)
+        unit_gradients(node, 3 * q + c) =
+            element.shape_grad_component(i, quadrature.point(q), of_component)[c];
+  }
+  const auto shared = std::make_shared<const Eigen::MatrixXd>(std::move(unit_gradients));
   for (const auto& cell : dofs.active_cell_iterators()) {
     values.reinit(cell);
     ElementGeometry geometry;
-    geometry.gradients.resize(nodes_of_cell, 3 * points);
+    geometry.unit_gradients = shared;
+    geometry.to_unit.resize(3, 3 * points);
     geometry.weight.resize(points);
     geometry.linear.resize(4, points);
     const auto center = values.quadrature_point(quadrature.size() / 2);
@@ -118,12 +135,9 @@ void FiniteLayer::Implementation::set_geometries() {
       for (unsigned int c = 0; c < dim; ++c) places(c, q) = values.quadrature_point(q)[c];
       const auto offset = (values.quadrature_point(q) - center) / size;
       geometry.linear.col(q) << 1, offset[0], offset[1], offset[2];
-      for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i) {
-        const auto [of_component, node] = element.system_to_component_index(i);
-        if (of_component != 0) continue;
+      for (unsigned int k = 0; k < dim; ++k)
         for (unsigned int c = 0; c < dim; ++c)
-          geometry.gradients(node, 3 * q + c) = values.shape_grad(i, q)[c];
-      }
+          geometry.to_unit(k, 3 * q + c) = values.inverse_jacobian(q)[k][c];
     }
     geometry.set_mass();
     geometries.push_back(std::move(geometry));
@@ -137,21 +151,43 @@ void FiniteLayer::Implementation::set_geometries() {
   }
 }
 
-Eigen::VectorXd FiniteLayer::Implementation::displacement_of(
-    std::size_t cell, const dealii::Vector<double>& field) const {
-  const std::vector<Dof>& indices = dofs_of_cells[cell];
-  Eigen::VectorXd result(indices.size());
-  for (std::size_t i = 0; i < indices.size(); ++i)
-    result[static_cast<Eigen::Index>(i)] = field[indices[i]];
-  return result;
+/// Gradients in the unit cell of a field of all degrees of freedom, of many elements at a time:
+/// products of large matrices.
+/// @param visit  called with the first element of each batch, and with the gradients of all in it
+///               side by side
+template <class Visit>
+void FiniteLayer::Implementation::for_each_batch(const dealii::Vector<double>& field,
+                                                 const Visit& visit) const {
+  constexpr std::size_t most = 32;  // they stay in the cache
+  Eigen::MatrixXd of_nodes, gradients;
+  for (std::size_t first = 0; first < geometries.size(); first += most) {
+    const Eigen::MatrixXd& unit_gradients = *geometries[first].unit_gradients;
+    const std::size_t count = std::min(most, geometries.size() - first);
+    of_nodes.resize(unit_gradients.rows(), static_cast<Eigen::Index>(3 * count));
+    double* value = of_nodes.data();
+    for (std::size_t cell = first; cell < first + count; ++cell)
+      for (const Dof dof : dofs_of_cells[cell]) *value++ = field[dof];
+    gradients.noalias() = unit_gradients.transpose() * of_nodes;
+    visit(first, gradients);
+  }
+}
+
+/// @param visit  called with each element and its gradient
+template <class Visit>
+void FiniteLayer::Implementation::for_each_element(const dealii::Vector<double>& field,
+                                                   const Visit& visit) const {
+  for_each_batch(field, [&](std::size_t first, const Eigen::MatrixXd& gradients) {
+    for (Eigen::Index k = 0; 3 * k < gradients.cols(); ++k)
+      visit(first + static_cast<std::size_t>(k), gradients.middleCols<3>(3 * k));
+  });
 }
 
 double FiniteLayer::Implementation::smallest_volume_ratio() const {
   double smallest = 1;
-  for (std::size_t i = 0; i < geometries.size(); ++i)
-    smallest =
-        std::min(smallest, finite::smallest_volume_ratio(geometries[i], state.elements[i],
-                                                         displacement_of(i, state.displacement)));
+  for_each_element(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
+    smallest = std::min(smallest, finite::smallest_volume_ratio(
+                                      geometries[cell], state.elements[cell], displacement));
+  });
   return smallest;
 }
 
@@ -172,10 +208,8 @@ void FiniteLayer::Implementation::set_up(
     std::vector<std::shared_ptr<const Material>> of_sublayers) {
   materials = std::move(of_sublayers);
   set_geometries();
-  dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
-  dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
-  pattern.copy_from(dynamic);
-  stiffness.reinit(pattern);
+  for (const auto& cell : dofs.active_cell_iterators())
+    material_of_cells.push_back(materials[cell->material_id()].get());
   free = free_unknowns(Parity{});
   state.displacement.reinit(dofs.n_dofs());
   state.elements.resize(geometries.size());
@@ -228,12 +262,11 @@ double FiniteLayer::smallest_volume_ratio() const {
 double FiniteLayer::strain_energy() const {
   const auto& self = *implementation_;
   double energy = 0;
-  for (const auto& cell : self.dofs.active_cell_iterators()) {
-    const std::size_t i = cell->active_cell_index();
-    energy += finite::strain_energy(self.geometries[i], *self.materials[cell->material_id()],
-                                    self.state.elements[i],
-                                    self.displacement_of(i, self.state.displacement));
-  }
+  self.for_each_element(
+      self.state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
+        energy += finite::strain_energy(self.geometries[cell], *self.material_of_cells[cell],
+                                        self.state.elements[cell], displacement);
+      });
   return energy;
 }
 
@@ -254,89 +287,121 @@ double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen:
 
 double FiniteLayer::linearise(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force,
                               Along along) {
-  const double out_of_balance = implementation_->assemble(frames, force, /*with_stiffness=*/true);
+  const double out_of_balance = implementation_->assemble(
+      frames, force, implementation_->tangent_of_free(), implementation_->precision(along));
   implementation_->factorise(along);
   implementation_->forward = implementation_->factor->forward(-implementation_->residual);
   return out_of_balance;
 }
 
-double FiniteLayer::update_residual(const std::vector<NodeFrame>& frames,
-                                    const Eigen::Matrix3Xd& force) {
-  const double out_of_balance = implementation_->assemble(frames, force, /*with_stiffness=*/false);
+void FiniteLayer::update_residual(const std::vector<NodeFrame>& frames) {
+  implementation_->update_residual(frames);
   implementation_->forward = implementation_->factor->forward(-implementation_->residual);
-  return out_of_balance;
 }
 
 /// Tangent and residual. @returns the largest nodal force out of balance
 double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_frames,
-                                             const Eigen::Matrix3Xd& force, bool with_stiffness) {
+                                             const Eigen::Matrix3Xd& force,
+                                             TangentAssembly& assembly, Precision of_stiffness) {
   frames = node_frames;
-  if (with_stiffness) stiffness = 0;
-  linearisations.resize(geometries.size());
+  balances.resize(geometries.size());
   dealii::Vector<double> residual_of_dofs(dofs.n_dofs()), internal(dofs.n_dofs());
   std::vector<Eigen::Matrix3d> axes;
   for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
-  const dealii::AffineConstraints<double> constraints_of_frames = constraints_in(axes);
-
-  const unsigned int size = element.n_dofs_per_cell();
-  dealii::FullMatrix<double> of_element(size, size);
-  for (const auto& cell : dofs.active_cell_iterators()) {
-    const std::size_t cell_index = cell->active_cell_index();
-    const std::vector<Dof>& indices = dofs_of_cells[cell_index];
-    ElementLinearisation linear = finite::linearise(
-        geometries[cell_index], *materials[cell->material_id()], state.elements[cell_index],
-        displacement_of(cell_index, state.displacement), with_stiffness);
-    bool touches = false;
-    for (unsigned int i = 0; i < size; ++i) {
-      residual_of_dofs[indices[i]] += linear.residual[i];
-      internal[indices[i]] += linear.force[i];
-      touches = touches || surface_node[indices[i]] >= 0;
+  assembly.start(axes);
+  for_each_element(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
+    const std::vector<Dof>& indices = dofs_of_cells[cell];
+    ElementLinearisation linear =
+        finite::linearise(geometries[cell], *material_of_cells[cell], state.elements[cell],
+                          displacement, of_stiffness);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      residual_of_dofs[indices[i]] += linear.residual[static_cast<Eigen::Index>(i)];
+      internal[indices[i]] += linear.force[static_cast<Eigen::Index>(i)];
     }
-    if (with_stiffness) {
-      of_element.fill(linear.stiffness.data());  // symmetric: rows may be columns
-      if (touches) turn_to_frames(axes, indices, of_element);
-      constraints_of_frames.distribute_local_to_global(of_element, indices, stiffness);
-    }
-    linear.stiffness.resize(0, 0);
-    linearisations[cell_index] = std::move(linear);
-  }
-  constraints.condense(residual_of_dofs);
+    assembly.add(cell, std::move(linear.stiffness));
+    balances[cell] = std::move(linear);
+  });
   constraints.condense(internal);
+  set_residual(residual_of_dofs);
 
-  // With what hangs on them, surface nodes have their forces turned here, at the end.
   double out_of_balance = 0;
   std::vector<char> is_surface(dofs.n_dofs(), 0);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const auto& dof = node_dofs[i];
-    Eigen::Vector3d turned, turned_internal;
+    Eigen::Vector3d turned;
     for (std::size_t c = 0; c < 3; ++c) {
-      turned[static_cast<Eigen::Index>(c)] = residual_of_dofs[dof[c]];
-      turned_internal[static_cast<Eigen::Index>(c)] = internal[dof[c]];
+      turned[static_cast<Eigen::Index>(c)] = internal[dof[c]];
       is_surface[dof[c]] = 1;
     }
     turned = axes[i].transpose() * turned;
-    turned_internal = axes[i].transpose() * turned_internal;
     const auto on_node = force.col(static_cast<Eigen::Index>(i));
-    turned_internal += Eigen::Vector3d(-on_node.x(), -on_node.y(), on_node.z());
+    turned += Eigen::Vector3d(-on_node.x(), -on_node.y(), on_node.z());
     Eigen::Matrix3d stiffness_of_curvature = Eigen::Matrix3d::Zero();
     stiffness_of_curvature.topLeftCorner<2, 2>() = -frames[i].curvature_force;
     stiffness_of_curvature = axes[i].transpose() * stiffness_of_curvature * axes[i];
     for (std::size_t c = 0; c < 3; ++c) {
       const auto row = static_cast<Eigen::Index>(c);
-      residual_of_dofs[dof[c]] = turned[row];
       if (free.of_dof[dof[c]] >= 0)
-        out_of_balance = std::max(out_of_balance, std::abs(turned_internal[row]));
-      for (std::size_t d = 0; with_stiffness && d < 3; ++d)
-        stiffness.add(dof[c], dof[d], stiffness_of_curvature(row, static_cast<Eigen::Index>(d)));
+        out_of_balance = std::max(out_of_balance, std::abs(turned[row]));
     }
+    assembly.add(dof, stiffness_of_curvature);
+  }
+  for (Dof i = 0; i < dofs.n_dofs(); ++i)
+    if (free.of_dof[i] >= 0 && !is_surface[i])
+      out_of_balance = std::max(out_of_balance, std::abs(internal[i]));
+  return out_of_balance;
+}
+
+TangentAssembly& FiniteLayer::Implementation::tangent_of_free() {
+  if (!tangent) tangent = std::make_unique<TangentAssembly>(*this, dofs_of_cells, free);
+  return *tangent;
+}
+
+void FiniteLayer::Implementation::update_residual(const std::vector<NodeFrame>& node_frames) {
+  frames = node_frames;
+  dealii::Vector<double> residual_of_dofs(dofs.n_dofs());
+  Eigen::MatrixXd stresses, forces;
+  for_each_batch(state.displacement, [&](std::size_t first, const Eigen::MatrixXd& gradients) {
+    stresses.resize(gradients.rows(), gradients.cols());
+    for (Eigen::Index k = 0; 3 * k < gradients.cols(); ++k) {
+      const std::size_t cell = first + static_cast<std::size_t>(k);
+      balances[cell] = balance(geometries[cell], *material_of_cells[cell], state.elements[cell],
+                               gradients.middleCols<3>(3 * k), stresses.middleCols<3>(3 * k));
+    }
+    forces.noalias() = *geometries[first].unit_gradients * stresses;
+    const double* force = forces.data();
+    for (std::size_t cell = first; force < forces.data() + forces.size(); ++cell)
+      for (const Dof dof : dofs_of_cells[cell]) residual_of_dofs[dof] += *force++;
+  });
+  set_residual(residual_of_dofs);
+}
+
+/// Of the free unknowns, those of surface nodes along their frames, with what hangs on them.
+void FiniteLayer::Implementation::set_residual(dealii::Vector<double>& of_dofs) {
+  constraints.condense(of_dofs);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const auto& dof = node_dofs[i];
+    const Eigen::Vector3d turned =
+        frames[i].axes.transpose() *
+        Eigen::Vector3d(of_dofs[dof[0]], of_dofs[dof[1]], of_dofs[dof[2]]);
+    for (std::size_t c = 0; c < 3; ++c) of_dofs[dof[c]] = turned[static_cast<Eigen::Index>(c)];
   }
   residual.resize(free.count);
-  for (Dof i = 0; i < dofs.n_dofs(); ++i) {
-    if (free.of_dof[i] < 0) continue;
-    residual[free.of_dof[i]] = residual_of_dofs[i];
-    if (!is_surface[i]) out_of_balance = std::max(out_of_balance, std::abs(internal[i]));
-  }
-  return out_of_balance;
+  for (Dof i = 0; i < dofs.n_dofs(); ++i)
+    if (free.of_dof[i] >= 0) residual[free.of_dof[i]] = of_dofs[i];
+}
+
+/// Newton's steps with friction may be found in single precision where that is enough: the matrix's
+/// condition number grows with the bulk modulus over the shear modulus. Up to 500 of it no
+/// iteration more was needed.
+Precision FiniteLayer::Implementation::precision(Along along) const {
+  constexpr double largest_ratio = 1e3;
+  const Deformation none(Eigen::Matrix3d::Identity());
+  const bool is_enough = std::all_of(materials.begin(), materials.end(), [&](const auto& material) {
+    const double shear_modulus = material->respond(none).tangent(1, 1);  // by dF_yx twice
+    return material->respond_to_volume(1).modulus < largest_ratio * shear_modulus;
+  });
+  return along == Along::all && is_enough ? Precision::single : Precision::full;
 }
 
 /// Springs hold the surface nodes while the matrix is factorised; `surface_response` takes them off
@@ -345,7 +410,7 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
 /// With springs the matrix may still be indefinite, far from equilibrium or at a bifurcation. Then
 /// a share of its diagonal is added, which shortens the step along the unstable directions.
 void FiniteLayer::Implementation::factorise(Along along) {
-  SparseSymmetricMatrix matrix = lower_triangle(stiffness, free);
+  SparseSymmetricMatrix& matrix = tangent_of_free().matrix();
   if (dissection.empty()) dissect(matrix, free);
   const std::vector<int> ordering = dissection_of(free);
   std::vector<int> last;
@@ -366,7 +431,7 @@ void FiniteLayer::Implementation::factorise(Along along) {
       if (factor)
         factor->factorise(matrix);
       else
-        factor = std::make_unique<CholeskyFactor>(matrix, ordering, condensed);
+        factor = std::make_unique<CholeskyFactor>(matrix, ordering, condensed, precision(along));
       break;
     } catch (const ConvergenceError&) {
       const double next = shift == 0 ? first_shift : 10 * shift;
@@ -412,9 +477,14 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
                                                   const std::vector<int>& nodes) {
   auto& self = *implementation_;
   self.factor.reset();  // before the next one takes its memory
-  self.assemble(frames, along_normals(force), /*with_stiffness=*/true);
-  const Unknowns unknowns = self.free_unknowns(parity);
-  SparseSymmetricMatrix matrix = self.lower_triangle(self.stiffness, unknowns);
+  // A whole layer has the same unknowns whatever the parity.
+  std::unique_ptr<TangentAssembly> own;
+  if (self.planes.any())
+    own = std::make_unique<TangentAssembly>(self, self.dofs_of_cells, self.free_unknowns(parity));
+  TangentAssembly& assembly = own ? *own : self.tangent_of_free();
+  self.assemble(frames, along_normals(force), assembly, Precision::full);
+  const Unknowns& unknowns = assembly.unknowns();
+  SparseSymmetricMatrix& matrix = assembly.matrix();
   if (self.dissection.empty()) self.dissect(matrix, unknowns);
   std::vector<int> last;
   std::vector<Eigen::Index> place;  // of each in the 3 x 3 blocks
@@ -463,10 +533,14 @@ double FiniteLayer::take_step(double fraction) {
   auto& self = *implementation_;
   self.state.displacement = self.start.displacement;
   self.state.displacement.add(fraction, self.step);
-  for (std::size_t i = 0; i < self.geometries.size(); ++i)
-    self.state.elements[i] = self.linearisations[i].advanced(
-        self.start.elements[i], self.displacement_of(i, self.step), fraction);
-  return self.smallest_volume_ratio();
+  double smallest = 1;
+  self.for_each_element(self.step, [&](std::size_t cell, const UnitGradient& step) {
+    const ElementAdvance advanced = advance(self.geometries[cell], self.balances[cell],
+                                            self.start.elements[cell], step, fraction);
+    self.state.elements[cell] = advanced.state;
+    smallest = std::min(smallest, advanced.smallest_volume_ratio);
+  });
+  return smallest;
 }
 
 namespace {

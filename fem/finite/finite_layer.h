@@ -80,8 +80,7 @@ class FiniteLayer {
 
   /// The residual of the present state, with the tangent of the last linearisation: what a
   /// modified Newton's method goes on with.
-  /// @returns the largest nodal force out of balance
-  double update_residual(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force);
+  void update_residual(const std::vector<NodeFrame>& frames);
 
   /// After `linearise`: the share of its own diagonal that was added to the tangent to make it
   /// positive definite; 0 where it was so by itself, with the surface nodes held.

@@ -223,7 +223,7 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, d
       ++factorisations_;
       ++renewed;
     } else {
-      layer_->update_residual(frames, force_);
+      layer_->update_residual(frames);
     }
     if (renew) {
       history.clear();
@@ -326,17 +326,18 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
   SurfaceStep result;
   const double largest = bound_.of(pressed_force_.row(2).transpose()).sum();
   FixedPoint settling;
+  ReleasedFactor released;
   for (int turn = 0; turn < most_turns && !result.is_settled; ++turn) {
     response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
     const TangentContact contact =
-        solve_tangent_contact(response, gap, load_ + up.dot(friction), 0, along_load);
+        solve_tangent_contact(response, gap, load_ + up.dot(friction), 0, along_load, &released);
     along_load = contact.force;
     result.approach = contact.approach;
     normal_force = along_load.cwiseQuotient(cosine);
     sunk = contact.displacement.cwiseProduct(cosine);
     free = tangent.compliance * (rest_t - tangent.by_normal * sunk);
     Eigen::VectorXd rubbed = friction;
-    rub({normal_force, stuck_target(touching, result.approach) - free,
+    rub({touching, normal_force, stuck_target(touching, result.approach) - free,
          free + tangent.compliance * friction},
         rubbed);
     const double change = (rubbed - friction).cwiseAbs().sum() / largest;
@@ -456,10 +457,9 @@ void FrictionalPressing::extrapolate(const State& earlier, double share) {
 FrictionalPressing::Rub FrictionalPressing::rub_of(const Slide& slide) const {
   return [this, &slide](const Rubbed& rubbed, Eigen::VectorXd& friction) {
     const PlaneMotion& velocity = slide.velocity;
-    const std::vector<Touch> touching = touches();
     for (Index i = 0; i < rubbed.normal_force.size(); ++i) {
       const auto node = static_cast<std::size_t>(i);
-      const auto tangents = touching[node].frame.axes.leftCols<2>();
+      const auto tangents = rubbed.touching[node].frame.axes.leftCols<2>();
       const Eigen::Vector3d place =
           layer_->position(node) + tangents * rubbed.moved.segment<2>(2 * i);
       const Eigen::Vector3d speed =

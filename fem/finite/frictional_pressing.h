@@ -90,6 +90,7 @@ class FrictionalPressing {
   struct SurfaceStep;
   /// What friction is found from, per node and along the tangents.
   struct Rubbed {
+    const std::vector<Touch>& touching;
     const Eigen::VectorXd& normal_force;
     const Eigen::VectorXd target;  ///< displacement that friction's own has to be where all sticks
     const Eigen::VectorXd moved;   ///< displacement with the present friction

@@ -1,8 +1,7 @@
 #include "fem/finite/tangent_contact.h"
 
-#include <Eigen/LU>
 #include <cmath>
-#include <vector>
+#include <utility>
 
 #include "fem/active_set.h"
 
@@ -10,26 +9,43 @@ namespace softfinger::fem::finite {
 
 using Eigen::Index;
 
+namespace {
+
+void factorise(const Eigen::MatrixXd& stiffness, const ActiveSet& set, ReleasedFactor& kept) {
+  std::vector<Index> touching = set.touching();
+  if (touching == kept.touching) return;
+  kept.touching = std::move(touching);
+  kept.free = set.free();
+  kept.of_touching = stiffness(kept.touching, kept.touching);
+  kept.free_by_touching = stiffness(kept.free, kept.touching);
+  const Eigen::MatrixXd of_free = stiffness(kept.free, kept.free);
+  if (of_free.size() > 0) kept.factor.compute(of_free);
+}
+
+}  // namespace
+
 TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& gap,
-                                     double load, double approach, const Eigen::VectorXd& start) {
+                                     double load, double approach, const Eigen::VectorXd& start,
+                                     ReleasedFactor* kept) {
   const Index count = gap.size();
-  const Eigen::MatrixXd& stiffness = response.stiffness;
+  ReleasedFactor own;
+  ReleasedFactor& factor = kept ? *kept : own;
   TangentContact contact;
   ActiveSet set(gap, &start);
   for (int step = 0; step < ActiveSet::most_steps; ++step) {
-    const std::vector<Index> touching = set.touching(), free = set.free();
+    factorise(response.stiffness, set, factor);
+    const std::vector<Index>&touching = factor.touching, &free = factor.free;
     const auto touching_count = static_cast<Index>(touching.size());
     // Displacements and forces per approach (first column) and at approach 0 (second).
     Eigen::MatrixXd prescribed(touching_count, 2);
     prescribed << Eigen::VectorXd::Ones(touching_count), -gap(touching);
     Eigen::MatrixXd released(static_cast<Index>(free.size()), 2);
-    Eigen::MatrixXd forces = stiffness(touching, touching) * prescribed;
+    Eigen::MatrixXd forces = factor.of_touching * prescribed;
     if (!free.empty()) {
-      Eigen::MatrixXd right = -(stiffness(free, touching) * prescribed);
+      Eigen::MatrixXd right = -(factor.free_by_touching * prescribed);
       right.col(1) += response.force(free);
-      const Eigen::MatrixXd of_free = stiffness(free, free);
-      released = of_free.partialPivLu().solve(right);
-      forces += stiffness(touching, free) * released;
+      released = factor.factor.solve(right);
+      forces += factor.free_by_touching.transpose() * released;
     }
     forces.col(1) -= response.force(touching);
     if (load > 0) approach = (load - forces.col(1).sum()) / forces.col(0).sum();

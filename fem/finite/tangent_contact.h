@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
 
 namespace softfinger::fem::finite {
 
@@ -20,6 +22,13 @@ struct TangentContact {
   int active = 0;
 };
 
+/// What problems with one stiffness share: while the same nodes are free, their factor.
+struct ReleasedFactor {
+  std::vector<Eigen::Index> touching, free;
+  Eigen::MatrixXd of_touching, free_by_touching;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor;
+};
+
 /// Solves w >= approach - gap, f >= 0, f (w - approach + gap) = 0 by a primal-dual active set, with
 /// the approach given, or eliminated by sum f = load. Only the free nodes' block of the stiffness
 /// is factorised. Any consistent units.
@@ -27,8 +36,10 @@ struct TangentContact {
 /// @param gap    n, any origin
 /// @param load   <= 0: the approach is given
 /// @param start  n forces, > 0 on the nodes that likely touch; all zero where unknown
+/// @param kept   of an earlier problem with the same stiffness; replaced; may be null
 /// @throws ConvergenceError when the set still changes after 200 steps
 TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& gap,
-                                     double load, double approach, const Eigen::VectorXd& start);
+                                     double load, double approach, const Eigen::VectorXd& start,
+                                     ReleasedFactor* kept = nullptr);
 
 }  // namespace softfinger::fem::finite

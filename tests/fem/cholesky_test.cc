@@ -9,6 +9,8 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
+#include <string>
 
 #include "fem/memory.h"
 #include "softfinger/input/errors.h"
@@ -46,53 +48,69 @@ Eigen::MatrixXd dense(const SparseSymmetricMatrix& matrix) {
   return result;
 }
 
-TEST(CholeskyFactor, InvertsTheSchurComplementInTheOrderAskedFor) {
-  const SparseSymmetricMatrix matrix = laplacian(5);
+/// Tolerances are those of full precision; single precision has a coarser unit of round-off.
+class CholeskyFactorIn : public testing::TestWithParam<Precision> {
+ protected:
+  double within(double of_full_precision) const {
+    return GetParam() == Precision::full
+               ? of_full_precision
+               : of_full_precision * std::numeric_limits<float>::epsilon() /
+                     std::numeric_limits<double>::epsilon();
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Precisions, CholeskyFactorIn,
+                         testing::Values(Precision::full, Precision::single),
+                         [](const auto& test) -> std::string {
+                           return test.param == Precision::full ? "full" : "single";
+                         });
+
+TEST_P(CholeskyFactorIn, InvertsTheSchurComplementInTheOrderAskedFor) {
+  const SparseSymmetricMatrix matrix = laplacian(8);
   const std::vector<int> last{77, 3, 124, 50, 4};
-  const CholeskyFactor factor(matrix, nested_dissection(matrix), last);
+  const CholeskyFactor factor(matrix, nested_dissection(matrix), last, GetParam());
   const Eigen::MatrixXd inverse = dense(matrix).inverse();
-  EXPECT_LT((factor.compliance_of_last() - inverse(last, last)).norm(), 1e-13);
+  EXPECT_LT((factor.compliance_of_last() - inverse(last, last)).norm(), within(1e-13));
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd(inverse(last, last)).inverse();
-  EXPECT_LT((factor.stiffness_of_last() - stiffness).norm(), 1e-12 * stiffness.norm());
+  EXPECT_LT((factor.stiffness_of_last() - stiffness).norm(), within(1e-12) * stiffness.norm());
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
-  EXPECT_LT((factor.solve(right) - inverse * right).norm(), 1e-12);
+  EXPECT_LT((factor.solve(right) - inverse * right).norm(), within(1e-12));
 }
 
 // Forces on the last unknowns that are known only after the first half of the work.
-TEST(CholeskyFactor, SolvesInHalves) {
-  const SparseSymmetricMatrix matrix = laplacian(5);
+TEST_P(CholeskyFactorIn, SolvesInHalves) {
+  const SparseSymmetricMatrix matrix = laplacian(8);
   const std::vector<int> last{77, 3, 124, 50, 4};
-  const CholeskyFactor factor(matrix, nested_dissection(matrix), last);
+  const CholeskyFactor factor(matrix, nested_dissection(matrix), last, GetParam());
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
   Eigen::VectorXd forward = factor.forward(right);
   const Eigen::VectorXd solution = factor.solve(right);
-  EXPECT_LT((factor.backward(forward) - solution).norm(), 1e-13);
+  EXPECT_LT((factor.backward(forward) - solution).norm(), within(1e-13));
   // What holds them still is the Schur complement times how far they would go.
   const Eigen::VectorXd force = factor.stiffness_of_last() * solution(last);
-  EXPECT_LT((factor.force_on_last(forward) - force).norm(), 1e-12 * force.norm());
+  EXPECT_LT((factor.force_on_last(forward) - force).norm(), within(1e-12) * force.norm());
   const Eigen::VectorXd more = Eigen::VectorXd::LinSpaced(5, 3, -2);
   Eigen::VectorXd with_more = right;
   for (std::size_t i = 0; i < last.size(); ++i)
     with_more[last[i]] += more[static_cast<Eigen::Index>(i)];
   factor.add_to_last(more, forward);
-  EXPECT_LT((factor.backward(forward) - factor.solve(with_more)).norm(), 1e-13);
+  EXPECT_LT((factor.backward(forward) - factor.solve(with_more)).norm(), within(1e-13));
 }
 
 // The entries that are given are reordered: those of another matrix as well.
-TEST(CholeskyFactor, FactorisesAnotherMatrixOfTheSameGraph) {
-  const SparseSymmetricMatrix matrix = laplacian(5);
+TEST_P(CholeskyFactorIn, FactorisesAnotherMatrixOfTheSameGraph) {
+  const SparseSymmetricMatrix matrix = laplacian(8);
   SparseSymmetricMatrix other = matrix;
   for (std::size_t i = 0; i < other.value.size(); ++i)
     other.value[i] *= 1 + 0.1 * std::sin(static_cast<double>(i));
   const std::vector<int> last{77, 3, 124, 50, 4};
-  CholeskyFactor factor(matrix, nested_dissection(matrix), last);
+  CholeskyFactor factor(matrix, nested_dissection(matrix), last, GetParam());
   factor.factorise(other);
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.size, -1, 1);
   const Eigen::VectorXd expected = dense(other).llt().solve(right);
-  EXPECT_LT((factor.solve(right) - expected).norm(), 1e-13 * expected.norm());
+  EXPECT_LT((factor.solve(right) - expected).norm(), within(1e-13) * expected.norm());
   const Eigen::MatrixXd compliance = dense(other).inverse();
   EXPECT_LT((factor.compliance_of_last() - compliance(last, last)).norm(),
-            1e-13 * compliance.norm());
+            within(1e-13) * compliance.norm());
 }
 
 TEST(QuotientGraph, OfDoubledUnknownsIsTheGraphOfTheirPairs) {
@@ -119,10 +137,11 @@ TEST(QuotientGraph, OfDoubledUnknownsIsTheGraphOfTheirPairs) {
     }
 }
 
-TEST(CholeskyFactor, RefusesAMatrixThatIsNotPositiveDefinite) {
+TEST_P(CholeskyFactorIn, RefusesAMatrixThatIsNotPositiveDefinite) {
   SparseSymmetricMatrix matrix = laplacian(4);
   matrix.value[0] = -7;
-  EXPECT_THROW(CholeskyFactor(matrix, nested_dissection(matrix), {1}), ConvergenceError);
+  EXPECT_THROW(CholeskyFactor(matrix, nested_dissection(matrix), {1}, GetParam()),
+               ConvergenceError);
 }
 
 /// In a child, since a limit on the address space cannot be taken back.
