@@ -82,6 +82,12 @@ std::string friction_table(const reference::ReferenceResult& result) {
          (result.limit_surface.empty() ? "" : limit_surface_table(result));
 }
 
+/// A scan has this error, and it is null where one of the scan's readings could not be pressed.
+bool is_geometry_unknown(const reference::ReferenceResult& result) {
+  const auto error = result.document.find("geometry_error");
+  return error != result.document.end() && error->is_null();
+}
+
 std::string table_row(const reference::ReferenceResult& result) {
   using reference::ReferenceErrors;
   const auto within = [&](std::optional<double> ReferenceErrors::*quantity) {
@@ -108,6 +114,10 @@ std::string table_row(const reference::ReferenceResult& result) {
          (result.projected_torque_Nm
               ? fmt::format("  projected   {:>10.5g} mN·m  int tau n_z r dA, without the slope\n",
                             *result.projected_torque_Nm * 1e3)
+              : "") +
+         (is_geometry_unknown(result)
+              ? "  What the scan's facets leave open is not known: another reading of them could "
+                "not be pressed.\n"
               : "") +
          fmt::format("  {} unknowns, {:.3g} s\n",
                      result.unknowns ? fmt::format("{:.0f}", *result.unknowns) : "?",

@@ -202,6 +202,13 @@ TEST_F(CommandLine, SaysOnlyErrorsWhereQuietIsAskedFor) {
   EXPECT_NE(run({"-q", "fem", "hertz_circle"}).err.find("error: "), std::string::npos);
 }
 
+TEST_F(CommandLine, SaysWhereTheScansOwnErrorIsNotKnown) {
+  const std::string unknown = "facets leave open is not known";
+  EXPECT_EQ(run({"fem", "hertz_circle"}).out.find(unknown), std::string::npos);
+  start.environment = {"FAKE_FEM_UNREAD_SCAN=1"};
+  EXPECT_NE(run({"fem", "hertz_circle"}).out.find(unknown), std::string::npos);
+}
+
 TEST_F(CommandLine, ColoursOnlyWhereSomebodySeesThem) {
   const auto has_colour = [](const std::string& text) {
     return text.find('\x1b') != std::string::npos;

@@ -4,7 +4,7 @@
 // =load dies by a signal at that load; FAKE_FEM_CRASH_FINER=1 on each level beyond 2;
 // FAKE_FEM_HOARD_N=load takes 200 MB and sleeps a minute at that load; FAKE_FEM_ERROR=rel states
 // that error on level 2, and half of it on the next finer one; FAKE_FEM_SLOW_S=s sleeps so long at
-// each load.
+// each load; FAKE_FEM_UNREAD_SCAN=1 leaves open what a scan's facets do.
 
 #include <unistd.h>
 
@@ -94,6 +94,7 @@ nlohmann::json answer(const nlohmann::json& problem) {
                  {"profile_x", profile},
                  {"profile_y", profile},
                  {"vtu", vtu}});
+  if (!option("FAKE_FEM_UNREAD_SCAN").empty()) result["geometry_error"] = nullptr;
   return result;
 }
 
