@@ -128,9 +128,19 @@ double EdgeShape::Side::stretched(double distance, double along) const {
   return from + ((1 - share) * factor[i] + share * factor[i + 1]) * (distance - from);
 }
 
+/// The stretch of one axis is known by where the other one leads, so that beside a corner of two
+/// edges both are found in turn; edges that are not too oblique let that settle.
 Eigen::Vector2d EdgeShape::place(double x, double y) const {
-  const double there_x = std::copysign(along_x_[x < 0 ? 0 : 1].stretched(std::abs(x), y), x);
-  return {there_x, std::copysign(along_y_[y < 0 ? 0 : 1].stretched(std::abs(y), there_x), y)};
+  constexpr int most_turns = 50;
+  constexpr double settled = 1e-12;
+  Point at(x, y);
+  for (int turn = 0; turn < most_turns; ++turn) {
+    const Point last = at;
+    at.x() = std::copysign(along_x_[x < 0 ? 0 : 1].stretched(std::abs(x), at.y()), x);
+    at.y() = std::copysign(along_y_[y < 0 ? 0 : 1].stretched(std::abs(y), at.x()), y);
+    if ((at - last).lpNorm<Eigen::Infinity>() < settled) break;
+  }
+  return at;
 }
 
 Eigen::Vector3d EdgeShape::position(double x, double y, double z) const {
@@ -174,17 +184,19 @@ LayerShape::Cover EdgeShape::covers(double low_x, double high_x, double low_y,
   return worst;
 }
 
-/// Where the block follows an edge, it goes up to it; elsewhere as far as the shape is whole.
+/// Where the block follows an edge, it goes up to it; elsewhere as far as the shape is whole. The
+/// shape goes on a little beyond edges that the block does not follow.
 LayerShape::Cover EdgeShape::cover_at(double x, double y) const {
   const Point at = place(x, y);
   const Side &side_x = along_x_[x < 0 ? 0 : 1], &side_y = along_y_[y < 0 ? 0 : 1];
-  const bool follows_x = side_x.follows(y), follows_y = side_y.follows(at.x());
+  const bool follows_x = side_x.follows(at.y()), follows_y = side_y.follows(at.x());
   constexpr double round_off = 1e-9;
   if ((follows_x && std::abs(x) > side_x.line + round_off) ||
       (follows_y && std::abs(y) > side_y.line + round_off))
     return Cover::rim;
-  if (follows_x || follows_y) return is_known(at) ? Cover::whole : Cover::cut;
-  return shape_->covers(at.x(), at.x(), at.y(), at.y());
+  if (!is_known(at))
+    return follows_x || follows_y ? Cover::cut : shape_->covers(at.x(), at.x(), at.y(), at.y());
+  return shape_->beyond_edge(at.x(), at.y()) > fitted_to_edge ? Cover::rim : Cover::whole;
 }
 
 double EdgeShape::beyond_edge(double x, double y) const {

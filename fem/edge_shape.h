@@ -11,11 +11,16 @@
 
 namespace softfinger::fem {
 
+/// So far from the finger's sharp edge, in thicknesses, a line of cells still lies on it: the edge
+/// is sampled at a few places.
+constexpr double fitted_to_edge = 0.02;
+
 /// A finger's shape over a block whose lines follow the finger's sharp edges: the block is
 /// stretched along y, by a factor that depends on x, so that an edge that runs along x lies on a
 /// line y = const between cells; and likewise along x. Each of the four sides has its own edge, or
-/// none. Where the edge runs too obliquely, or the cells would be stretched too much, the block
-/// stays as it is and cells beyond the edge have to be left out.
+/// none. Where the edge runs too obliquely, or the cells would be stretched too much, it is not
+/// followed, and cells that reach beyond it have to be left out. Past the end of an edge the
+/// stretch stays as it was there.
 class EdgeShape : public LayerShape {
  public:
   /// @param shape    covers up to the lines' ends
@@ -46,7 +51,8 @@ class EdgeShape : public LayerShape {
     /// Of its nearest place from the axis through the first touch.
     double distance_along() const { return std::max({0.0, low, -high()}); }
     bool follows(double along) const {
-      return !factor.empty() && along >= low - step && along <= high() + step;
+      constexpr double round_off = 1e-9;
+      return !factor.empty() && along >= low - round_off && along <= high() + round_off;
     }
     /// Where a distance from the axis goes.
     double stretched(double distance, double along) const;

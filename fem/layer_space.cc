@@ -731,8 +731,14 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant,
   std::vector<dealii::Point<dim>> support;
   // Where cells under the contact fold or do not fit between it and an edge, cells half as long
   // may.
-  for (const double coarsest : {1.0, 0.5})
-    if (mesh_block(coarsest, bent, support)) break;
+  constexpr double usual = 1, half = 0.5;
+  if (!mesh_block(usual, bent, support)) {
+    try {
+      mesh_block(half, bent, support);
+    } catch (const InputError&) {
+      mesh_block(usual, bent, support);
+    }
+  }
   constrain(support);
   collect_surface(support);
   number_surface();
@@ -761,8 +767,8 @@ bool LayerSpace::mesh_block(double coarsest, const std::shared_ptr<const LayerSh
   bool is_whole = true;
   if (discretisation.is_scan) {
     // Cells that lie partly within the side wall belong to the layer too.
-    shape->cover(std::max(discretisation.a, discretisation.b) + discretisation.extent +
-                 std::hypot(lattice.block.cell_x, lattice.block.cell_y));
+    bent->cover(std::max(discretisation.a, discretisation.b) + discretisation.extent +
+                std::hypot(lattice.block.cell_x, lattice.block.cell_y));
     if (bent->has_edges())
       shape = to_edges = std::make_shared<const EdgeShape>(
           bent, lines_of(block, 0), lines_of(block, 1),
@@ -853,12 +859,14 @@ bool LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
   return is_whole;
 }
 
-/// Whether a cell lies on both sides of the finger's edge.
+/// Whether a cell that reaches beyond the finger's edge lies on this side of it as well.
 bool LayerSpace::reaches_over_edge(const Box& box) const {
-  constexpr double fitted = 0.05;  // what is less is no loss
+  constexpr double little = 0.05;  // what is less is no loss
   for (const double x : {box.first[0], (box.first[0] + box.second[0]) / 2, box.second[0]})
-    for (const double y : {box.first[1], (box.first[1] + box.second[1]) / 2, box.second[1]})
-      if (shape->beyond_edge(x, y) < -fitted) return true;
+    for (const double y : {box.first[1], (box.first[1] + box.second[1]) / 2, box.second[1]}) {
+      const double beyond = shape->beyond_edge(x, y);
+      if (std::isfinite(beyond) && beyond < -little) return true;
+    }
   return false;
 }
 
@@ -1006,11 +1014,9 @@ void LayerSpace::constrain(const std::vector<dealii::Point<dim>>& support) {
 template <class Face>
 bool LayerSpace::is_on_edge(const Face& face) const {
   if (!shape || !shape->has_edges()) return false;
-  // The cells are fitted to the edge at a few points of it.
-  constexpr double fitted = 0.02;
   const Box box = box_of(face);
   const auto is_there = [&](double x, double y) {
-    return std::abs(shape->beyond_edge(x, y)) < fitted;
+    return std::abs(shape->beyond_edge(x, y)) < fitted_to_edge;
   };
   return is_there(box.first[0], box.first[1]) && is_there(box.second[0], box.second[1]) &&
          is_there((box.first[0] + box.second[0]) / 2, (box.first[1] + box.second[1]) / 2);

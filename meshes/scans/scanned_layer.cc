@@ -357,19 +357,35 @@ void ScannedLayer::keep_connected() {
     if (cells_[k] <= ClothEnd::edge && !reached[k]) cells_[k] = ClothEnd::fold;
 }
 
+/// A rectangle without a length lies between two rows of cells: there one of them is enough.
 ClothEnd ScannedLayer::end_in(double low_x, double high_x, double low_y, double high_y) const {
   const double s = cloth_.spacing();
   const int half = cloth_.half();
   constexpr double round_off = 1e-9;
-  const auto first = [&](double low) { return static_cast<int>(std::floor(low / s + round_off)); };
-  const auto last = [&](double high) { return static_cast<int>(std::ceil(high / s - round_off)); };
-  ClothEnd end = ClothEnd::none;
-  for (int j = first(low_y); j < last(high_y); ++j)
-    for (int i = first(low_x); i < last(high_x); ++i) {
-      const bool inside = i >= -half && j >= -half && i < half && j < half;
-      const ClothEnd of = inside ? cells_[index(i, j)] : ClothEnd::far;
-      if (of != ClothEnd::none) end = std::max(end, of);
-    }
+  struct Cells {
+    int first, last;
+    bool one_is_enough;
+  };
+  const auto cells_of = [&](double low, double high) {
+    const int first = static_cast<int>(std::floor(low / s + round_off));
+    const int last = static_cast<int>(std::ceil(high / s - round_off));
+    return last > first ? Cells{first, last, false} : Cells{first - 1, first + 1, true};
+  };
+  const auto both = [](const Cells& cells, ClothEnd one, ClothEnd other) {
+    return cells.one_is_enough ? std::min(one, other) : std::max(one, other);
+  };
+  const Cells x = cells_of(low_x, high_x), y = cells_of(low_y, high_y);
+  const auto cell = [&](int i, int j) {
+    const bool inside = i >= -half && j >= -half && i < half && j < half;
+    return inside ? cells_[index(i, j)] : ClothEnd::far;
+  };
+  const auto row = [&](int j) {
+    ClothEnd end = cell(x.first, j);
+    for (int i = x.first + 1; i < x.last; ++i) end = both(x, end, cell(i, j));
+    return end;
+  };
+  ClothEnd end = row(y.first);
+  for (int j = y.first + 1; j < y.last; ++j) end = both(y, end, row(j));
   return end;
 }
 

@@ -373,7 +373,8 @@ void SmoothSurface::Implementation::keep_ends() {
   for (const EdgePiece& edge : sharp_edges) {
     const double length = (edge.to - edge.from).norm();
     if (!(length > 0)) continue;
-    const int pieces = static_cast<int>(std::ceil(length / width));
+    constexpr double most_pieces = 400;
+    const int pieces = static_cast<int>(std::ceil(std::min(most_pieces, length / width)));
     for (int i = 0; i < pieces; ++i) {
       EdgePiece piece = edge;
       piece.from = edge.from + (edge.to - edge.from) * i / pieces;

@@ -233,6 +233,14 @@ TEST_F(Program, SaysWhatAContactBearsAgainstTilting) {
   const double arm = std::pow(std::sin(low), 3) / softfinger::kPi;
   EXPECT_NEAR(answer["tilt_limit_Nm"][0].get<double>(), load_N * b_m * arm, 1e-9 * load_N * b_m);
   EXPECT_NEAR(answer["tilt_limit_Nm"][1].get<double>(), load_N * a_m * arm, 1e-9 * load_N * a_m);
+  // About the long axis it rolls along the short one, across which the relative radius is less.
+  const json geometry = json::parse(
+      run({"predict", file.string(), "--model", "hertz", "--json"}).out)["geometry"][0]["radii_m"];
+  EXPECT_LT(geometry[1].get<double>(), geometry[0].get<double>());
+  EXPECT_DOUBLE_EQ(answer["rolling_stiffness_Nm_per_rad"][0].get<double>(),
+                   load_N * geometry[1].get<double>());
+  EXPECT_DOUBLE_EQ(answer["rolling_stiffness_Nm_per_rad"][1].get<double>(),
+                   load_N * geometry[0].get<double>());
   const ProgramRun text =
       run({"predict", file.string(), "--model", "hertz", "--limit-surface", "2"});
   EXPECT_NE(text.out.find("tilting about the long axis"), std::string::npos) << text.out;

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "softfinger/math/wide.h"
+
 /// Internal: Gauss' elimination in place, which allocates nothing.
 namespace softfinger::internal {
 
@@ -17,7 +19,7 @@ class DenseElimination {
   explicit DenseElimination(int capacity)
       : matrix_(capacity, capacity),
         pivots_(std::size_t(capacity)),
-        groups_(std::size_t(capacity / 4 + 1)) {}
+        groups_(std::size_t(capacity / kFour + 1)) {}
 
   /// To be filled before `factorise`, which overwrites it.
   Eigen::MatrixXd& matrix() { return matrix_; }
