@@ -3,16 +3,15 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <random>
 #include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "fem/reference_solver.h"
@@ -166,32 +165,64 @@ Finger read_finger(const std::string& path, const std::string& pad) {
   return {path, meshes::read_surface(path, 1e-3).surface, side};
 }
 
+constexpr const char* usage =
+    "softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--scans-only]\n"
+    "                      [--millimetres FILE X,Y,Z]...\n"
+    "Presses N random points (200) of the pads of ten generated fingers and of scans.\n"
+    "  --only K        the one of these to press, and to be told about\n"
+    "  --level L       of the mesh, 1 to 4 (2)\n"
+    "  --finite        at finite strain\n"
+    "  --scans-only    no generated fingers\n"
+    "  --millimetres   a scan and the side that its pad faces\n";
+
+int read_number(const std::string& option, const std::string& text, int least, int largest) {
+  int value = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  if (read.ec != std::errc() || read.ptr != end || value < least || value > largest)
+    throw softfinger::InputError("arguments", option, text,
+                                 fmt::format("{} to {}", least, largest));
+  return value;
+}
+
 /// None where only help was asked for.
 std::optional<Options> read_options(int count, char** arguments) {
+  constexpr int most_points = 1000000, most_level = 4;
   Options options;
   bool scans_only = false;
-  std::vector<std::pair<std::string, std::string>> scans;
-  CLI::App app("Presses random points of the pads of ten generated fingers and of scans.",
-               "softfinger-fem-survey");
-  app.add_option("--points", options.points, "how many")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--only", options.only, "the one of these to press, and to be told about")
-      ->check(CLI::Range(0, 999999));
-  app.add_option("--level", options.level, "of the mesh")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 4));
-  app.add_flag("--finite", options.finite, "at finite strain");
-  app.add_option("--millimetres", scans, "scans: each its file and the side X,Y,Z of its pad");
-  app.add_flag("--scans-only", scans_only, "no generated fingers");
-  try {
-    app.parse(count, arguments);
-  } catch (const CLI::CallForHelp& request) {
-    app.exit(request);
-    return std::nullopt;
+  const std::vector<std::string> words(arguments + 1, arguments + count);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& option = words[i];
+    const auto next = [&] {
+      if (++i == words.size())
+        throw softfinger::InputError("arguments", option, "", "a value after it");
+      return words[i];
+    };
+    if (option == "--help") {
+      fmt::print("{}", usage);
+      return std::nullopt;
+    }
+    if (option == "--finite") {
+      options.finite = true;
+    } else if (option == "--scans-only") {
+      scans_only = true;
+    } else if (option == "--points") {
+      options.points = read_number(option, next(), 1, most_points);
+    } else if (option == "--only") {
+      options.only = read_number(option, next(), 0, most_points - 1);
+    } else if (option == "--level") {
+      options.level = read_number(option, next(), 1, most_level);
+    } else if (option == "--millimetres") {
+      const std::string path = next();
+      options.fingers.push_back(read_finger(path, next()));
+    } else {
+      throw softfinger::InputError("arguments", "argument", option, "what --help lists");
+    }
   }
-  if (!scans_only) options.fingers = generated_fingers();
-  for (const auto& [path, pad] : scans) options.fingers.push_back(read_finger(path, pad));
+  if (!scans_only) {
+    const std::vector<Finger> generated = generated_fingers();
+    options.fingers.insert(options.fingers.begin(), generated.begin(), generated.end());
+  }
   if (options.fingers.empty())
     throw softfinger::InputError("arguments", "--scans-only", "",
                                  "--millimetres FILE X,Y,Z beside it");
