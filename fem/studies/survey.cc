@@ -219,6 +219,9 @@ std::optional<Options> read_options(int count, char** arguments) {
       throw softfinger::InputError("arguments", "argument", option, "what --help lists");
     }
   }
+  if (options.only >= options.points)
+    throw softfinger::InputError("arguments", "--only", std::to_string(options.only),
+                                 fmt::format("less than --points, {}", options.points));
   if (!scans_only) {
     const std::vector<Finger> generated = generated_fingers();
     options.fingers.insert(options.fingers.begin(), generated.begin(), generated.end());
