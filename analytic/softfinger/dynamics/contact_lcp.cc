@@ -155,13 +155,13 @@ void ContactSolution::resize(int contacts) {
 }
 
 struct ContactLcpSolver::Workspace {
-  Workspace(int contacts, int vertices)
+  Workspace(int contacts, int vertices, int threads)
       : contact_capacity(contacts),
         vertex_capacity(vertices),
         system(contacts, vertices),
         path(contacts * (vertices + 2), largest_basis(contacts)),
         facets(system, path, contacts),
-        exact(system, contacts),
+        exact(system, contacts, threads),
         last(contacts) {
     basis.reserve(std::size_t(largest_basis(contacts)));
   }
@@ -202,7 +202,7 @@ bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrate
   last.renumber(continued);
   friction.begin_warm();
   bool solved = friction.continue_impulse(task, last.impulse(), continued);
-  task.result.residual = friction.best_residual();
+  task.result.residual = friction.best().residual;
   if (!solved) {
     system.choose_covering(0);
     if (!use_last_basis(task, friction)) return false;
@@ -212,7 +212,7 @@ bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrate
     const PathEnd end = path.follow_from(system, options, basis.data(), int(basis.size()));
     if (go_on_adding_vertices(task, friction, end, options, true) != PathEnd::solved) return false;
     task.result.residual = friction.read_path(task);
-    solved = friction.is_good(task, task.result.residual);
+    solved = friction.best().would_be_good(task, task.result.residual);
   }
   if (!solved) return false;
   if (is_solution(task)) task.result.status = LcpStatus::solved;
@@ -245,7 +245,7 @@ void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy&
   friction.begin_cold();
   last.forget_basis();
   if (!friction.do_before_path(task)) follow_paths(task, friction);
-  result.residual = friction.best_residual();
+  result.residual = friction.best().residual;
   if (std::isfinite(result.residual) && !friction.restore_best(task) &&
       result.proof != RayProof::infeasible && friction.best_attempt() != result.attempts - 1) {
     follow(task, friction, friction.best_attempt());
@@ -263,14 +263,14 @@ void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy&
 void ContactLcpSolver::Workspace::follow_paths(const Task& task, FrictionStrategy& friction) {
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     const PathEnd end = follow(task, friction, attempt);
-    if (friction.is_best_good()) return;
+    if (friction.best().is_good) return;
     if (end == PathEnd::ray) {
       if (is_infeasible(task)) return;
       continue;
     }
     friction.read_path(task);
-    if (friction.is_best_good()) return;
-    if (attempt + 1 >= kAttemptsForGood && friction.best_residual() <= kSolved) return;
+    if (friction.best().is_good) return;
+    if (attempt + 1 >= kAttemptsForGood && friction.best().residual <= kSolved) return;
   }
   friction.do_without_path(task);
 }
@@ -344,10 +344,10 @@ bool ContactLcpSolver::Workspace::is_infeasible_without_friction(const Task& tas
   return infeasible;
 }
 
-ContactLcpSolver::ContactLcpSolver(int largest_contacts, int largest_vertices)
+ContactLcpSolver::ContactLcpSolver(int largest_contacts, int largest_vertices, int threads)
     : workspace_(std::make_unique<Workspace>(
           std::max(largest_contacts, 0),
-          std::max(largest_vertices, internal::ExactFriction::kOwnVertices))) {}
+          std::max(largest_vertices, internal::ExactFriction::kOwnVertices), threads)) {}
 ContactLcpSolver::~ContactLcpSolver() = default;
 ContactLcpSolver::ContactLcpSolver(ContactLcpSolver&&) noexcept = default;
 ContactLcpSolver& ContactLcpSolver::operator=(ContactLcpSolver&&) noexcept = default;

@@ -90,11 +90,16 @@ struct ContactSolution {
 /// impulses alone proves that (RayProof::infeasible): no impulses at all keep every v_n >= 0. A ray
 /// with friction in it (RayProof::ray_only) shows which contacts jam, but a solution may exist.
 ///
-/// Sized once: `solve` then allocates nothing, for solutions that have been resized before.
+/// Sized once: `solve` then allocates nothing, for solutions that have been resized before. Except
+/// for threads: when the first start of a cold solve has failed, in one of ten problems of 100
+/// contacts.
 class ContactLcpSolver {
  public:
   /// @param largest_vertices  of the facets; 0 for exact friction alone
-  ContactLcpSolver(int largest_contacts, int largest_vertices);
+  /// @param threads  how many starts of a problem with exact friction are tried at the same time
+  ///   when the first has failed; 0: as many as the machine has, at most four. The solution does
+  ///   not depend on it. More than 250 contacts take one.
+  ContactLcpSolver(int largest_contacts, int largest_vertices, int threads = 0);
   ~ContactLcpSolver();
   ContactLcpSolver(ContactLcpSolver&&) noexcept;
   ContactLcpSolver& operator=(ContactLcpSolver&&) noexcept;

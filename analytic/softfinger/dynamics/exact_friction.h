@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "softfinger/dynamics/exact_newton.h"
 #include "softfinger/dynamics/friction_strategy.h"
-#include "softfinger/dynamics/least_impulse.h"
+#include "softfinger/dynamics/impulse_search.h"
+#include "softfinger/dynamics/impulse_starts.h"
 
 /// Internal: friction without facets, FrictionRule::ellipsoid and limit_surface.
 namespace softfinger::internal {
@@ -15,7 +15,8 @@ namespace softfinger::internal {
 /// last solution violates are added to them.
 class ExactFriction final : public FrictionStrategy {
  public:
-  ExactFriction(ContactSystem& system, int contact_capacity);
+  /// @param threads  see ContactLcpSolver
+  ExactFriction(ContactSystem& system, int contact_capacity, int threads);
 
   /// Room for vertices of its own that a contact has: six to start with, up to two more per round.
   /// A solution has a weight for at most four; rounds that have filled the room come no closer.
@@ -30,33 +31,28 @@ class ExactFriction final : public FrictionStrategy {
   int continue_vertex(const ContactPair& pair, const Eigen::Vector3d& corner) override;
   bool add_vertices(const Task& task) override;
   void refine_path() override {}
-  double read_path(const Task&) override { return best_residual_; }
-  double read_zero(const Task& task) override { return complete(task); }
+  double read_path(const Task&) override { return search_.found().best.residual; }
+  double read_zero(const Task& task) override { return search_.complete(task); }
   bool restore_best(const Task& task) override;
   bool do_before_path(const Task& task) override;
   void do_without_path(const Task& task) override;
   void take_least_impulse(const Task& task) override;
+  BestPoint& best() override { return search_.best(); }
 
  private:
   bool is_many(const Task& task) const;
   bool approach_from_starts(const Task& task);
   void use_first_vertices(const ContactLcp& problem);
   bool correct(const Task& task, const std::vector<int>& continued);
-  void polish(const Task& task);
-  void approach(const Task& task, int most_iterations);
-  void ease(const Task& task);
-  void keep_if_better(const Task& task, double residual);
-  double extract(const Task& task);
-  double complete(const Task& task);
   bool add_violated_points();
 
   ContactSystem& system_;
-  ExactNewton newton_;
-  LeastImpulse least_;
+  ImpulseSearch search_;
+  ImpulseStarts starts_;
   bool is_still_ = false;  ///< the solution is that of the last problem
   int rounds_ = 0;         ///< paths of this attempt
-  int newton_passes_ = 1, newton_patience_ = 1;
-  Eigen::VectorXd impulse_, best_impulse_, velocity_, swept_, wedged_;  ///< scaled
+  ImpulseSearch::Effort effort_{1, 1};
+  Eigen::VectorXd swept_, swept_velocity_;  ///< scaled
 };
 
 }  // namespace softfinger::internal

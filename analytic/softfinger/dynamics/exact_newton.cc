@@ -350,7 +350,7 @@ double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impu
 }
 
 double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& impulse,
-                             int most_iterations) {
+                             int most_iterations, const std::function<bool()>& is_needed) {
   constexpr int kMostSteps = 5;     // to the next point
   constexpr double kReached = 0.7;  // of |F|: the next point need not be exact
   constexpr double kStiffer = 0.5, kSofter = 10;
@@ -371,6 +371,7 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
       last_halved = iterations_;
     }
     if (iterations_ > last_halved + (best < kClose ? kPatienceClose : kPatience)) break;
+    if (is_needed && !is_needed()) break;
     bool reached = false;
     for (int step = 0; step < kMostSteps && !reached; ++step) {
       ++iterations_;

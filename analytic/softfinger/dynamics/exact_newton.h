@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "softfinger/dynamics/contact_operator.h"
@@ -39,7 +40,9 @@ class ExactNewton {
   /// other impulse is as good as one close to it, however redundant the contacts are. Full steps of
   /// Newton's method find the next r0. Where they succeed, c is halved, else it grows tenfold.
   /// Not monotone, so that |F| may rise: the best point is kept. Returns its |F|. No allocation.
-  double approach(const ContactOperator& contacts, Eigen::VectorXd& impulse, int most_iterations);
+  /// @param is_needed  asked at each iteration; no: it ends
+  double approach(const ContactOperator& contacts, Eigen::VectorXd& impulse, int most_iterations,
+                  const std::function<bool()>& is_needed = {});
 
   int iterations() const { return iterations_; }  ///< of the last solve or approach
 
@@ -48,6 +51,9 @@ class ExactNewton {
   /// square of the unknowns instead of their cube. True when the result is as good as that of
   /// `solve`: to round-off, or below kGood where nothing slides, because such a problem is linear.
   bool correct(const ContactOperator& contacts, Eigen::VectorXd& impulse);
+
+  /// `correct` has nothing to go by until the next step.
+  void forget_step() { elimination_.forget(); }
 
   /// Before the first `solve` of a problem.
   void begin_problem() { factor_.forget(); }

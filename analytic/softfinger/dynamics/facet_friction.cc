@@ -41,7 +41,7 @@ FacetFriction::FacetFriction(ContactSystem& system, ContactPath& path, int conta
 }
 
 void FacetFriction::begin(const ContactLcp& problem) {
-  forget_best();
+  best_.forget();
   proximal_ = 0;
   system_.set_with_shared_vertices(problem, 0);
 }
@@ -138,9 +138,9 @@ double FacetFriction::read_path(const Task& task) {
       task.solution.weights = uncleaned_.weights;
     }
   }
-  if (best < best_residual_) {
-    best_residual_ = best;
-    best_is_good_ = is_good(task, best);
+  if (best < best_.residual) {
+    best_.residual = best;
+    best_.is_good = best_.would_be_good(task, best);
     best_attempt_ = attempt_;
   }
   return best;

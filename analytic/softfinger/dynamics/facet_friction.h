@@ -27,6 +27,7 @@ class FacetFriction final : public FrictionStrategy {
   double read_path(const Task& task) override;
   double read_zero(const Task& task) override { return complete(task); }
   bool restore_best(const Task&) override { return false; }
+  BestPoint& best() override { return best_; }
 
  private:
   Eigen::Vector3d friction_alone(int contact) const;
@@ -36,6 +37,7 @@ class FacetFriction final : public FrictionStrategy {
 
   ContactSystem& system_;
   ContactPath& path_;
+  BestPoint best_;
   double proximal_ = 0;  ///< that the system has now
   Eigen::VectorXd least_along_;
   std::vector<int> basis_;

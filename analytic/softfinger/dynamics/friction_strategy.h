@@ -52,6 +52,33 @@ inline PathOptions usual_path(int contacts) {
   return options;
 }
 
+/// The best point of a problem so far.
+struct BestPoint {
+  double residual = std::numeric_limits<double>::infinity();
+  bool is_good = false;            ///< nothing better is looked for
+  bool is_rounded = false;         ///< rounding alone explains the residual
+  double most_rounding = kSolved;  ///< rounding up to that much explains the residual of a good one
+
+  /// Whether it is a solution.
+  bool is_solved(bool may_be_rounded) const {
+    return residual <= kSolved || (may_be_rounded && is_rounded);
+  }
+  /// A solution is better than any other point.
+  bool is_worse_than(double reached, bool rounded) const {
+    const bool solves = reached <= kSolved || rounded;
+    return solves != is_solved(true) ? solves : reached < residual;
+  }
+  /// Whether the solution at hand is as good as its impulses can be told.
+  bool would_be_good(const Task& task, double reached) const {
+    return reached <= kGood || (reached <= most_rounding &&
+                                reached <= rounding_of(task.problem, task.solution, most_rounding));
+  }
+  void forget() {
+    residual = std::numeric_limits<double>::infinity();
+    is_good = is_rounded = false;
+  }
+};
+
 /// A rule of friction: which vertices take part in the path, and how its last point becomes a
 /// solution.
 class FrictionStrategy {
@@ -91,35 +118,20 @@ class FrictionStrategy {
   virtual void do_without_path(const Task&) {}
   /// Of all impulses with the same effect takes the least ones, where the rule can tell them.
   virtual void take_least_impulse(const Task&) {}
-  double best_residual() const { return best_residual_; }
-  /// Whether the solution at hand is as good as its impulses can be told: nothing better is looked
-  /// for.
-  bool is_good(const Task& task, double residual) const {
-    return residual <= kGood ||
-           (residual <= most_rounding_ &&
-            residual <= rounding_of(task.problem, task.solution, most_rounding_));
-  }
+  virtual BestPoint& best() = 0;
   int best_attempt() const { return best_attempt_; }
-  bool is_best_good() const { return best_is_good_; }
-  void forget_best() {
-    best_residual_ = std::numeric_limits<double>::infinity();
-    best_is_good_ = false;
-  }
   /// A warm start is content with any rounding: the last solution had it, too. A cold one finds
   /// better points than the rounding of one of them tells.
   void begin_warm() {
-    forget_best();
-    most_rounding_ = kMostRoundingKept;
+    best().forget();
+    best().most_rounding = kMostRoundingKept;
   }
   void begin_cold() {
-    forget_best();
-    most_rounding_ = kSolved;
+    best().forget();
+    best().most_rounding = kSolved;
   }
 
  protected:
-  double best_residual_ = std::numeric_limits<double>::infinity();
-  bool best_is_good_ = false;
-  double most_rounding_ = kSolved;
   int attempt_ = 0, best_attempt_ = 0;
 };
 

@@ -1,0 +1,149 @@
+#include "softfinger/dynamics/impulse_search.h"
+
+#include "softfinger/dynamics/contact_residual.h"
+#include "softfinger/dynamics/gauss_seidel.h"
+
+namespace softfinger::internal {
+namespace {
+
+/// Proximal points closer than this are close enough for Newton's method.
+constexpr double kClose = 1e-6;
+/// Of wedged bodies: velocities over their natural size that rounding may make, tried in turn, and
+/// the proximal points from each.
+constexpr double kStillOfWedged[] = {1e-9, 1e-8, 1e-7, 1e-6};
+constexpr int kMostIterationsOfWedged = 100;
+
+/// Newton's values are within their bounds to the rounding of velocities. The torque of a short arm
+/// hardly makes any, so that it can be much farther outside. Taken is the impulse within that
+/// changes the velocities least, then the last digit is cut off.
+Eigen::Vector4d within_limit(const ContactOperator& contacts, int i, Eigen::Vector4d own) {
+  if (!(own[0] > 0)) return Eigen::Vector4d::Zero();
+  const FrictionShape* shape = contacts.shape(i);
+  auto friction = own.tail<3>();
+  if (!(friction_gauge(shape, friction) > own[0])) return own;
+  const Eigen::Vector3d metric = contacts.friction_metric(i);
+  friction -= friction_excess(shape, metric.cwiseProduct(friction), own[0], metric)
+                  .excess.cwiseQuotient(metric);
+  const double gauge = friction_gauge(shape, friction);
+  if (gauge > own[0]) friction *= own[0] / gauge;
+  return own;
+}
+
+}  // namespace
+
+ImpulseSearch::ImpulseSearch(const ContactOperator& contacts, int contact_capacity)
+    : contacts_(contacts),
+      newton_(contact_capacity),
+      least_(contact_capacity),
+      impulse_(4 * contact_capacity),
+      velocity_(4 * contact_capacity),
+      wedged_(4 * contact_capacity) {
+  found_.impulse.resize(4 * contact_capacity);
+}
+
+void ImpulseSearch::continue_from(const Found& found) {
+  found_ = found;
+  newton_.forget_step();
+}
+
+void ImpulseSearch::start(int sweeps) { sweep(contacts_, sweeps, impulse_, velocity_); }
+
+void ImpulseSearch::approach(const Task& task, int most_iterations, Effort effort,
+                             const std::function<bool()>& is_needed) {
+  const double reached = newton_.approach(contacts_, impulse_, most_iterations, is_needed);
+  task.result.newton_iterations += newton_.iterations();
+  keep_if_better(task);
+  if (reached <= kGood || reached > kClose) return;
+  polish(task, effort);
+  if (found_.best.residual > kSolved) ease(task, is_needed);
+}
+
+/// Bodies that are wedged by impulses up to a thousand times larger than needed hide the solution
+/// in the rounding of W r. From the least impulses that make the same velocities proximal points
+/// come closer. What is still and what slides cannot be told for certain before.
+void ImpulseSearch::ease(const Task& task, const std::function<bool()>& is_needed) {
+  wedged_.head(size()) = impulse_.head(size());
+  for (const double still : kStillOfWedged) {
+    impulse_.head(size()) = wedged_.head(size());
+    contacts_.find_velocity(impulse_, velocity_);
+    velocity_.head(size()) += contacts_.free_velocity().head(size());
+    if (!least_.find(task.problem, contacts_, velocity_, impulse_, still)) continue;
+    keep_if_better(task);
+    if (found_.best.residual <= kSolved) return;
+    newton_.approach(contacts_, impulse_, kMostIterationsOfWedged, is_needed);
+    task.result.newton_iterations += newton_.iterations();
+    keep_if_better(task);
+    if (found_.best.residual <= kSolved) return;
+  }
+}
+
+void ImpulseSearch::polish(const Task& task, Effort effort) {
+  newton_.solve(contacts_, impulse_, effort.passes, effort.patience);
+  task.result.newton_iterations += newton_.iterations();
+  keep_if_better(task);
+}
+
+ImpulseSearch::Corrected ImpulseSearch::correct(const Task& task) {
+  ++task.result.newton_iterations;
+  if (least_.follow(contacts_, impulse_)) {
+    keep_if_better(task);
+    if (found_.best.is_good) return {true, true};
+  }
+  impulse_.head(size()) = found_.impulse.head(size());
+  const bool corrected = newton_.correct(contacts_, impulse_);
+  task.result.newton_iterations += newton_.iterations();
+  keep_if_better(task);
+  return {corrected && found_.best.is_good, false};
+}
+
+void ImpulseSearch::keep_if_better(const Task& task) {
+  const double residual = extract(task);
+  const bool is_rounded = residual > kSolved && residual <= kMostRounding &&
+                          residual <= rounding_of(task.problem, task.solution);
+  if (!found_.best.is_worse_than(residual, is_rounded)) return;
+  found_.best.residual = residual;
+  found_.best.is_good = found_.best.would_be_good(task, residual);
+  found_.best.is_rounded = is_rounded;
+  found_.impulse.head(size()) = impulse_.head(size());
+}
+
+double ImpulseSearch::restore_best(const Task& task) {
+  impulse_ = found_.impulse;
+  return extract(task);
+}
+
+void ImpulseSearch::take_least_impulse(const Task& task) {
+  impulse_ = found_.impulse;
+  contacts_.find_velocity(impulse_, velocity_);
+  velocity_.head(size()) += contacts_.free_velocity().head(size());
+  if (!least_.find(task.problem, contacts_, velocity_, impulse_)) return;
+  const double reached = extract(task);
+  if (reached <= task.result.residual || found_.best.would_be_good(task, reached))
+    task.result.residual = reached;
+  else
+    task.result.residual = restore_best(task);
+}
+
+/// Writes `impulse_` in the problem's units; returns its residual.
+double ImpulseSearch::extract(const Task& task) const {
+  ContactSolution& solution = task.solution;
+  for (int i = 0; i < contacts_.contacts(); ++i) {
+    const Eigen::Vector4d own = within_limit(contacts_, i, impulse_.segment<4>(4 * i));
+    solution.impulse.segment<4>(4 * i) =
+        contacts_.velocity_unit() * contacts_.impulse_scale().segment<4>(4 * i).cwiseProduct(own);
+  }
+  solution.velocity.head(size()) = task.problem.free_velocity;
+  solution.velocity.noalias() += task.problem.delassus * solution.impulse;
+  return complete(task);
+}
+
+double ImpulseSearch::complete(const Task& task) const {
+  for (int i = 0; i < contacts_.contacts(); ++i) {
+    const Eigen::Vector3d slip = scaled_slip(task.problem, task.solution, i);
+    task.solution.slip[i] =
+        slip.squaredNorm() > 0 ? slip.dot(contacts_.boundary_point(i, slip)) : 0;
+  }
+  return exact_contact_residual(task.problem, task.solution);
+}
+
+}  // namespace softfinger::internal

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <utility>
+
+#include "softfinger/dynamics/exact_newton.h"
+#include "softfinger/dynamics/friction_strategy.h"
+#include "softfinger/dynamics/least_impulse.h"
+
+/// Internal: from impulses to a solution with exact friction, without a path.
+namespace softfinger::internal {
+
+/// One search: the impulses where it is, the best ones so far and all that it writes to. Several
+/// searches at the same time need a task each, whose solution and result are their own; the
+/// problem and the contacts are only read.
+class ImpulseSearch {
+ public:
+  ImpulseSearch(const ContactOperator& contacts, int contact_capacity);
+
+  void begin_problem() { newton_.begin_problem(); }
+
+  /// How much of Newton's method a polish takes; see ExactNewton::solve.
+  struct Effort {
+    int passes, patience;
+  };
+
+  /// Where the search is, scaled.
+  Eigen::VectorXd& impulse() { return impulse_; }
+  /// The best point so far, with its impulses, scaled.
+  struct Found {
+    BestPoint best;
+    Eigen::VectorXd impulse;
+
+    void take_if_better(Found&& other) {
+      if (best.is_worse_than(other.best.residual, other.best.is_rounded)) std::swap(*this, other);
+    }
+  };
+  const Found& found() const { return found_; }
+  BestPoint& best() { return found_.best; }
+  /// After others have searched: nothing is left of the last step that `correct` could use.
+  void continue_from(const Found& found);
+
+  /// From normal impulses `normal(contact)` alone, by a few of Gauss-Seidel's sweeps.
+  template <class Normal>
+  void start_from(const Normal& normal, int sweeps);
+  /// From `impulse`, which may be far away, by proximal points.
+  /// @param is_needed  asked at each iteration; where it says no, the search may end anywhere
+  void approach(const Task& task, int most_iterations, Effort effort,
+                const std::function<bool()>& is_needed = {});
+  /// From `impulse` by Newton's method.
+  void polish(const Task& task, Effort effort);
+  /// From `impulse` by the last least impulses or the matrix of Newton's last step.
+  struct Corrected {
+    bool is_good = false;
+    bool is_still = false;  ///< the least impulses: there are no others to look for
+  };
+  Corrected correct(const Task& task);
+  void forget_still() { least_.forget(); }
+
+  /// Takes `impulse` as the best point if it is better: a solution, or one of a smaller residual.
+  void keep_if_better(const Task& task);
+  /// Writes the best impulses as the solution; returns the residual.
+  double restore_best(const Task& task);
+  /// The least impulses with the same velocities in place of the best ones: LeastImpulse. The
+  /// solution is left as it is where they would not be one to the same accuracy.
+  void take_least_impulse(const Task& task);
+  /// Writes lambda = h(u); returns the residual.
+  double complete(const Task& task) const;
+
+ private:
+  void ease(const Task& task, const std::function<bool()>& is_needed);
+  double extract(const Task& task) const;
+  int size() const { return 4 * contacts_.contacts(); }
+  void start(int sweeps);
+
+  const ContactOperator& contacts_;
+  ExactNewton newton_;
+  LeastImpulse least_;
+  Found found_;
+  Eigen::VectorXd impulse_, velocity_, wedged_;  ///< scaled
+};
+
+template <class Normal>
+void ImpulseSearch::start_from(const Normal& normal, int sweeps) {
+  impulse_.head(size()).setZero();
+  for (int i = 0; i < contacts_.contacts(); ++i) impulse_[4 * i] = normal(i);
+  start(sweeps);
+}
+
+}  // namespace softfinger::internal
