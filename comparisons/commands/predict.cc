@@ -246,7 +246,8 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
           "--limit-surface", options->limit_surface,
           "also the moments about the contact's axes that tilt it, and N points all over the limit "
           "surface (forces in N along the contact's axes, torque in N m): exact, or with "
-          "--torque-rule paper the ellipsoid of Ciocarlie et al. (2007); 2 to 100000, and at most a "
+          "--torque-rule paper the ellipsoid of Ciocarlie et al. (2007); 2 to 100000, and at most "
+          "a "
           "million for all loads and models together")
       ->check(CLI::Range(2, 100000));
   command
