@@ -165,30 +165,6 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
 /// From the usual starts proximal points end at impulses up to a thousand times larger than needed,
 /// whose rounding hides the solution. Paths needed 5 to 14 s for the first two, and ended
 /// at 1.1e-10 and 5.5e-10.
-/// The first start fails in both. The second scene is solved from the 13th start that is drawn.
-TEST(RandomScenes, ThreadsDoNotChangeTheSolution) {
-  constexpr int kContacts = 100;
-  for (const auto& [seed, number] : {std::pair(11u, 36), {22u, 20}}) {
-    tests::RandomScenes scenes(seed);
-    ContactLcp problem;
-    for (int trial = 0; trial <= number; ++trial) problem = scenes.next(kContacts, 16);
-    problem.friction_rule = FrictionRule::ellipsoid;
-    ContactSolution alone, together;
-    const LcpResult expected = ContactLcpSolver(kContacts, 0, 1).solve(problem, alone);
-    EXPECT_EQ(expected.status, LcpStatus::solved) << seed;
-    EXPECT_GT(expected.newton_iterations, 1000) << seed;
-    for (const int threads : {2, 4}) {
-      ContactLcpSolver solver(kContacts, 0, threads);
-      for (int again = 0; again < 2; ++again) {
-        const LcpResult result = solver.solve(problem, together);
-        EXPECT_EQ(result.newton_iterations, expected.newton_iterations) << seed << ' ' << threads;
-        EXPECT_EQ((together.impulse - alone.impulse).lpNorm<Eigen::Infinity>(), 0)
-            << seed << ' ' << threads;
-      }
-    }
-  }
-}
-
 TEST(RandomScenes, WedgedHundredContactsAreEased) {
   constexpr int kContacts = 100;
   ContactLcpSolver solver(kContacts, 0);

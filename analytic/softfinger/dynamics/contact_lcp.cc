@@ -171,6 +171,7 @@ struct ContactLcpSolver::Workspace {
                      const std::vector<int>& continued);
   bool use_last_basis(const Task& task, FrictionStrategy& friction);
   void start_cold(const Task& task, FrictionStrategy& friction);
+  bool end_without_path(const Task& task, FrictionStrategy& friction);
   void follow_paths(const Task& task, FrictionStrategy& friction);
   PathEnd follow(const Task& task, FrictionStrategy& friction, int attempt);
   PathEnd go_on_adding_vertices(const Task& task, FrictionStrategy& friction, PathEnd end,
@@ -239,12 +240,25 @@ bool ContactLcpSolver::Workspace::use_last_basis(const Task& task, FrictionStrat
   return true;
 }
 
+/// Whether the solution is found before any path with friction, or it is proved that there is none.
+bool ContactLcpSolver::Workspace::end_without_path(const Task& task, FrictionStrategy& friction) {
+  if (friction.do_before_path(task)) return true;
+  if (!friction.has_more_before_path(task)) return false;
+  system.choose_covering(0);
+  friction.start(task.problem, 0);
+  if (is_infeasible_without_friction(task)) {
+    task.result.proof = RayProof::infeasible;
+    return true;
+  }
+  return friction.do_more_before_path(task);
+}
+
 /// Attempts from z = 0 until one is good, and the status that follows from the best.
 void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy& friction) {
   LcpResult& result = task.result;
   friction.begin_cold();
   last.forget_basis();
-  if (!friction.do_before_path(task)) follow_paths(task, friction);
+  if (!end_without_path(task, friction)) follow_paths(task, friction);
   result.residual = friction.best().residual;
   if (std::isfinite(result.residual) && !friction.restore_best(task) &&
       result.proof != RayProof::infeasible && friction.best_attempt() != result.attempts - 1) {

@@ -91,14 +91,14 @@ struct ContactSolution {
 /// with friction in it (RayProof::ray_only) shows which contacts jam, but a solution may exist.
 ///
 /// Sized once: `solve` then allocates nothing, for solutions that have been resized before. Except
-/// for threads: when the first start of a cold solve has failed, in one of ten problems of 100
-/// contacts.
+/// where the first start of a cold solve with exact friction fails, in one of ten problems of 100
+/// contacts: other starts need memory, and each further thread six times that of W, which it keeps.
 class ContactLcpSolver {
  public:
   /// @param largest_vertices  of the facets; 0 for exact friction alone
   /// @param threads  how many starts of a problem with exact friction are tried at the same time
   ///   when the first has failed; 0: as many as the machine has, at most four. The solution does
-  ///   not depend on it. More than 250 contacts take one.
+  ///   not depend on it. A solver of more than 250 contacts takes one.
   ContactLcpSolver(int largest_contacts, int largest_vertices, int threads = 0);
   ~ContactLcpSolver();
   ContactLcpSolver(ContactLcpSolver&&) noexcept;

@@ -67,8 +67,9 @@ double SampledEccentricity::eccentricity_m(double load_N) const noexcept {
   return std::exp(from + (place - i) * (to - from));
 }
 
-ConsistentContactSolver::ConsistentContactSolver(int largest_contacts, int largest_vertices)
-    : solver_(largest_contacts, largest_vertices),
+ConsistentContactSolver::ConsistentContactSolver(int largest_contacts, int largest_vertices,
+                                                 int threads)
+    : solver_(largest_contacts, largest_vertices, threads),
       eccentricity_m_(largest_contacts),
       friction_(largest_contacts) {
   itself_.reserve(std::size_t(largest_contacts));

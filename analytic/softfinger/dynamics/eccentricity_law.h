@@ -87,7 +87,7 @@ struct ConsistentResult {
 /// Each iteration is a fixed-point step or, where that is between a quarter and four times as long,
 /// a step of the contact's own secant through the last two. Steps are halved when the inconsistency
 /// grows, and become longer again when it shrinks. The laws are weak (e_n ~ P^(1/3)), so that two
-/// or three solves are usual, all but the first one warm. No allocation once sized.
+/// or three solves are usual, all but the first one warm. Allocates where ContactLcpSolver does.
 class ConsistentContactSolver {
  public:
   struct Options {
@@ -95,7 +95,8 @@ class ConsistentContactSolver {
     int most_iterations = 20;
   };
 
-  ConsistentContactSolver(int largest_contacts, int largest_vertices);
+  /// @param threads  see ContactLcpSolver
+  ConsistentContactSolver(int largest_contacts, int largest_vertices, int threads = 0);
 
   /// As ContactLcpSolver::solve. @param problem  its eccentricity_m is the first guess, and
   /// afterwards what the solution was found with; so is its friction_coefficient where a law has

@@ -155,12 +155,13 @@ bool ExactFriction::is_many(const Task& task) const {
 }
 
 bool ExactFriction::do_before_path(const Task& task) {
-  return is_many(task) && approach_from_starts(task);
+  effort_ = {kFirst.newton_passes, kUsualPatience};
+  return is_many(task) && starts_.find_from_given(task, search_, effort_);
 }
 
-bool ExactFriction::approach_from_starts(const Task& task) {
+bool ExactFriction::do_more_before_path(const Task& task) {
   effort_ = {kFirst.newton_passes, kUsualPatience};
-  return starts_.find(task, search_, effort_);
+  return starts_.find_from_drawn(task, search_, effort_);
 }
 
 /// Contacts repeated to nine digits can make every path end in a ray or in rounding. Gauss-Seidel's
@@ -174,7 +175,10 @@ void ExactFriction::do_without_path(const Task& task) {
     search_.polish(task, effort_);
     if (best().residual <= kSolved) return;
   }
-  if (!is_many(task)) approach_from_starts(task);
+  if (is_many(task)) return;
+  effort_ = {kFirst.newton_passes, kUsualPatience};
+  if (!starts_.find_from_given(task, search_, effort_))
+    starts_.find_from_drawn(task, search_, effort_);
 }
 
 /// Adds vertices to each contact whose lambda = h(-u) the present vertices underestimate: the point

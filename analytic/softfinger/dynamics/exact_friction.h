@@ -35,13 +35,14 @@ class ExactFriction final : public FrictionStrategy {
   double read_zero(const Task& task) override { return search_.complete(task); }
   bool restore_best(const Task& task) override;
   bool do_before_path(const Task& task) override;
+  bool has_more_before_path(const Task& task) const override { return is_many(task); }
+  bool do_more_before_path(const Task& task) override;
   void do_without_path(const Task& task) override;
   void take_least_impulse(const Task& task) override;
   BestPoint& best() override { return search_.best(); }
 
  private:
   bool is_many(const Task& task) const;
-  bool approach_from_starts(const Task& task);
   void use_first_vertices(const ContactLcp& problem);
   bool correct(const Task& task, const std::vector<int>& continued);
   bool add_violated_points();

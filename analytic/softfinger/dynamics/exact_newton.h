@@ -40,7 +40,7 @@ class ExactNewton {
   /// other impulse is as good as one close to it, however redundant the contacts are. Full steps of
   /// Newton's method find the next r0. Where they succeed, c is halved, else it grows tenfold.
   /// Not monotone, so that |F| may rise: the best point is kept. Returns its |F|. No allocation.
-  /// @param is_needed  asked at each iteration; no: it ends
+  /// @param is_needed  asked at each proximal point; no: it ends
   double approach(const ContactOperator& contacts, Eigen::VectorXd& impulse, int most_iterations,
                   const std::function<bool()>& is_needed = {});
 

@@ -114,6 +114,9 @@ class FrictionStrategy {
   virtual bool restore_best(const Task& task) = 0;
   /// Looks for the solution before the first path. True where it is found.
   virtual bool do_before_path(const Task&) { return false; }
+  /// The same at greater length, for problems that are not infeasible without friction.
+  virtual bool has_more_before_path(const Task&) const { return false; }
+  virtual bool do_more_before_path(const Task&) { return false; }
   /// After the last path has failed: looks for the solution in another way.
   virtual void do_without_path(const Task&) {}
   /// Of all impulses with the same effect takes the least ones, where the rule can tell them.

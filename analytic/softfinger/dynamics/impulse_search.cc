@@ -44,6 +44,7 @@ ImpulseSearch::ImpulseSearch(const ContactOperator& contacts, int contact_capaci
 void ImpulseSearch::continue_from(const Found& found) {
   found_ = found;
   newton_.forget_step();
+  least_.forget();
 }
 
 void ImpulseSearch::start(int sweeps) { sweep(contacts_, sweeps, impulse_, velocity_); }
@@ -64,6 +65,7 @@ void ImpulseSearch::approach(const Task& task, int most_iterations, Effort effor
 void ImpulseSearch::ease(const Task& task, const std::function<bool()>& is_needed) {
   wedged_.head(size()) = impulse_.head(size());
   for (const double still : kStillOfWedged) {
+    if (is_needed && !is_needed()) return;
     impulse_.head(size()) = wedged_.head(size());
     contacts_.find_velocity(impulse_, velocity_);
     velocity_.head(size()) += contacts_.free_velocity().head(size());

@@ -38,14 +38,15 @@ class ImpulseSearch {
   };
   const Found& found() const { return found_; }
   BestPoint& best() { return found_.best; }
-  /// After others have searched: nothing is left of the last step that `correct` could use.
+  /// After others have searched: nothing is left of the last step, nor of the least impulses, that
+  /// `correct` could use.
   void continue_from(const Found& found);
 
   /// From normal impulses `normal(contact)` alone, by a few of Gauss-Seidel's sweeps.
   template <class Normal>
   void start_from(const Normal& normal, int sweeps);
   /// From `impulse`, which may be far away, by proximal points.
-  /// @param is_needed  asked at each iteration; where it says no, the search may end anywhere
+  /// @param is_needed  asked now and then; where it says no, the search may end anywhere
   void approach(const Task& task, int most_iterations, Effort effort,
                 const std::function<bool()>& is_needed = {});
   /// From `impulse` by Newton's method.

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "softfinger/dynamics/repeatable_random.h"
 
@@ -29,8 +30,8 @@ constexpr double kLeastDrawn = 0.1, kMostDrawn = 1000;
 constexpr int kMostIterationsOfDrawn = 1000, kMostIterationsInAll = 20000;
 constexpr double kMeasuredContacts = 100;
 constexpr int kGivenStarts = int(std::size(kGiven)), kMostStarts = kGivenStarts + 200;
-/// After this part of the iterations a point is a solution as well where its residual is the
-/// rounding of W r. Before, other starts often find one with smaller impulses.
+/// After this part of the iterations, and the given starts, a point is a solution as well where its
+/// residual is the rounding of W r. Before, other starts often find one with smaller impulses.
 constexpr double kPartForUnrounded = 0.25;
 /// A search needs six times the memory of W.
 constexpr int kMostThreads = 4, kMostContactsInParallel = 250;
@@ -50,16 +51,20 @@ void go_to_start(int start, ImpulseSearch& search) {
 
 }  // namespace
 
-/// The starts of one problem.
+/// Starts from `first` on, before `end`.
 class ImpulseStarts::Queue {
  public:
-  /// The first start has been made.
-  Queue(const ImpulseSearch& search, int iterations, int contacts)
-      : found_(search.found()), iterations_(iterations) {
+  /// @param search  where the starts before these have led
+  Queue(const ImpulseSearch& search, int iterations, int contacts, int first, int end)
+      : found_(search.found()),
+        iterations_(iterations),
+        first_(first),
+        next_(first),
+        last_needed_(end - 1),
+        counted_(first) {
     const double larger = std::max(1., contacts / kMeasuredContacts);
     most_iterations_ = int(kMostIterationsInAll / (larger * larger));
-    ended_.resize(kMostStarts);
-    decide(0);
+    ended_.resize(std::size_t(end - first));
   }
 
   /// Takes starts until none is needed. One per thread.
@@ -74,10 +79,12 @@ class ImpulseStarts::Queue {
         end(start, {true, task.result.newton_iterations, search.found()});
       }
     } catch (...) {
-      last_needed_ = -1;
+      stop();
       throw;
     }
   }
+  /// No start is needed any more.
+  void stop() { last_needed_ = -1; }
 
   const ImpulseSearch::Found& found() const { return found_; }
   int iterations() const { return iterations_; }
@@ -95,9 +102,9 @@ class ImpulseStarts::Queue {
   /// Counts the starts that have ended as far as none is missing.
   void end(int start, Ended ended) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    ended_[std::size_t(start)] = std::move(ended);
-    for (; is_needed(counted_) && ended_[std::size_t(counted_)].has_ended; ++counted_) {
-      Ended& one = ended_[std::size_t(counted_)];
+    ended_[std::size_t(start - first_)] = std::move(ended);
+    for (; is_needed(counted_) && ended_[std::size_t(counted_ - first_)].has_ended; ++counted_) {
+      Ended& one = ended_[std::size_t(counted_ - first_)];
       iterations_ += one.iterations;
       found_.take_if_better(std::move(one.found));
       decide(counted_);
@@ -106,53 +113,72 @@ class ImpulseStarts::Queue {
 
   /// Whether the starts up to this one are enough.
   void decide(int start) {
-    is_solved_ = found_.best.is_solved(iterations_ >= kPartForUnrounded * most_iterations_);
-    const bool may_go_on = start + 1 < kGivenStarts || iterations_ < most_iterations_;
-    if (is_solved_ || !may_go_on) last_needed_ = start;
+    const bool is_drawn = start >= kGivenStarts;
+    is_solved_ =
+        found_.best.is_solved(is_drawn && iterations_ >= kPartForUnrounded * most_iterations_);
+    if (is_solved_ || (is_drawn && iterations_ >= most_iterations_)) last_needed_ = start;
   }
 
   ImpulseSearch::Found found_;
-  int iterations_, most_iterations_;
+  int iterations_, most_iterations_ = 0;
   bool is_solved_ = false;
-  std::atomic<int> next_{1}, last_needed_{kMostStarts - 1};
+  int first_;
+  std::atomic<int> next_, last_needed_;
   std::mutex mutex_;
-  int counted_ = 1;
+  int counted_;  ///< all before it
   std::vector<Ended> ended_;
 };
 
 ImpulseStarts::ImpulseStarts(const ContactOperator& contacts, int contact_capacity, int threads)
-    : contacts_(contacts), contact_capacity_(contact_capacity), threads_(threads) {
-  if (threads <= 0)
-    threads_ = std::clamp(int(std::thread::hardware_concurrency()), 1, kMostThreads);
+    : contacts_(contacts), contact_capacity_(contact_capacity) {
+  const int cores = std::max(int(std::thread::hardware_concurrency()), 1);
+  threads_ = threads > 0 ? std::min(threads, kMostStarts) : std::min(cores, kMostThreads);
   if (contact_capacity > kMostContactsInParallel) threads_ = 1;
 }
 
 void ImpulseStarts::begin_problem() {
+  iterations_ = 0;
   for (Beside& beside : beside_) beside.search->begin_problem();
 }
 
-bool ImpulseStarts::find(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort) {
+bool ImpulseStarts::find_from_given(const Task& task, ImpulseSearch& search,
+                                    ImpulseSearch::Effort effort) {
   // Alone, because it solves nine of ten problems.
   const int before = task.result.newton_iterations;
   go_to_start(0, search);
   search.approach(task, most_iterations(0), effort);
-  if (search.found().best.is_solved(false)) return true;
+  iterations_ += task.result.newton_iterations - before;
+  return search.found().best.is_solved(false) || find(task, search, effort, 1, kGivenStarts);
+}
 
+bool ImpulseStarts::find_from_drawn(const Task& task, ImpulseSearch& search,
+                                    ImpulseSearch::Effort effort) {
+  return find(task, search, effort, kGivenStarts, kMostStarts);
+}
+
+bool ImpulseStarts::find(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort,
+                         int first, int end) {
   while (int(beside_.size()) < threads_ - 1)
     beside_.push_back({std::make_unique<ImpulseSearch>(contacts_, contact_capacity_), {}, {}});
-  Queue queue(search, task.result.newton_iterations - before, contacts_.contacts());
+  Queue queue(search, iterations_, contacts_.contacts(), first, end);
   std::vector<std::future<void>> running;
-  for (Beside& beside : beside_) {
-    beside.solution.resize(contacts_.contacts());
-    // Where the machine gives no more threads, nothing is left to do when it is waited for.
-    running.push_back(std::async(std::launch::async | std::launch::deferred, [&] {
-      queue.work({task.problem, beside.solution, beside.result}, *beside.search, effort);
-    }));
-  }
   LcpResult own;
-  queue.work({task.problem, task.solution, own}, search, effort);
-  for (std::future<void>& one : running) one.get();
-  task.result.newton_iterations = before + queue.iterations();
+  try {
+    for (Beside& beside : beside_) {
+      beside.solution.resize(contacts_.contacts());
+      // Where the machine gives no more threads, nothing is left to do when it is waited for.
+      running.push_back(std::async(std::launch::async | std::launch::deferred, [&] {
+        queue.work({task.problem, beside.solution, beside.result}, *beside.search, effort);
+      }));
+    }
+    queue.work({task.problem, task.solution, own}, search, effort);
+    for (std::future<void>& one : running) one.get();
+  } catch (...) {
+    queue.stop();
+    throw;
+  }
+  task.result.newton_iterations += queue.iterations() - iterations_;
+  iterations_ = queue.iterations();
   search.continue_from(queue.found());
   return queue.is_solved();
 }

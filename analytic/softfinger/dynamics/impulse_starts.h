@@ -17,9 +17,11 @@ class ImpulseStarts {
   ImpulseStarts(const ContactOperator& contacts, int contact_capacity, int threads);
 
   void begin_problem();
-  /// The first start by `search`, the others beside it too. Returns whether one led to a solution,
-  /// which is then the best point of `search`.
-  bool find(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort);
+  /// From the few starts that solve most problems: the first by `search` alone, the others beside
+  /// it too. Returns whether one led to a solution, which is then the best point of `search`.
+  bool find_from_given(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort);
+  /// The same from starts that are drawn, after those.
+  bool find_from_drawn(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort);
 
  private:
   /// A search of another thread.
@@ -30,8 +32,12 @@ class ImpulseStarts {
   };
   class Queue;
 
+  bool find(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort, int first,
+            int end);
+
   const ContactOperator& contacts_;
   int contact_capacity_, threads_;
+  int iterations_ = 0;  ///< of this problem so far
   std::vector<Beside> beside_;
 };
 

@@ -386,7 +386,8 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
     }
     if (from < 0) {
       island.capacity = int(count) + int(count) / 2 + 1;
-      island.solver.emplace(island.capacity, int(options_.friction_vertices.cols()));
+      island.solver.emplace(island.capacity, int(options_.friction_vertices.cols()),
+                            options_.threads);
       continue;
     }
     Island& before = last[std::size_t(from)];

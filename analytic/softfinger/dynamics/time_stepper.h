@@ -124,6 +124,7 @@ class TimeStepper {
     /// far below what a contact can feel.
     double accepted_residual = 1e-7;
     Eigen::Matrix3Xd friction_vertices;  ///< of FrictionRule::facets, see ContactLcp::vertices
+    int threads = 0;                     ///< of hard contact problems, see ContactLcpSolver
   };
 
   /// @throws InputError for a time step that is not positive.
