@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "fem/threads.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -19,11 +20,12 @@ constexpr std::size_t kBuffer_bytes = std::size_t(128) << 20;
 void reserve_blas_memory() {
   // Another BLAS may stand in for OpenBLAS: it has no such function, and no such loop.
   using ThreadCount = int (*)();
-  const auto thread_count =
+  const auto blas_thread_count =
       reinterpret_cast<ThreadCount>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
-  if (!thread_count) return;
-  // One buffer for the caller and one for each thread that helps it.
-  const std::size_t bytes = kBuffer_bytes * static_cast<std::size_t>(thread_count() + 1);
+  if (!blas_thread_count) return;
+  // One buffer for each thread that calls it and one for each that helps them.
+  const std::size_t bytes =
+      kBuffer_bytes * static_cast<std::size_t>(fem::thread_count() + blas_thread_count());
   void* const room = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                           MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (room == MAP_FAILED)

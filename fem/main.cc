@@ -143,11 +143,12 @@ int answer_all(const json& inputs) {
 }
 
 /// Dense matrices of tens of megabytes come and go: kept by the process, their pages are not zeroed
-/// by the system each time.
+/// by the system each time. One arena: what one thread frees another one takes.
 void keep_freed_memory() {
   constexpr int larger_than_any = 1 << 30;
   mallopt(M_MMAP_THRESHOLD, larger_than_any);
   mallopt(M_TRIM_THRESHOLD, larger_than_any);
+  mallopt(M_ARENA_MAX, 1);
 }
 
 /// Answers one problem or an array of them. @returns the exit status

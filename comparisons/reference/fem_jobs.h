@@ -33,7 +33,7 @@ struct FemJobOptions {
   std::string program;   ///< path of softfinger-fem
   std::string identity;  ///< its `program_identity`
   int parallel = 1;
-  bool single_thread = true;  ///< linear algebra of each process
+  bool single_thread = true;  ///< each process: with several side by side
   FemLimits limits;
 };
 

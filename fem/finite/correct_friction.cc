@@ -12,6 +12,7 @@
 #include "fem/formatted.h"
 #include "fem/friction_study.h"
 #include "fem/stopwatch.h"
+#include "fem/threads.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -35,26 +36,56 @@ double usual_error(double correction) {
   return std::max(0.1 * correction, correction * correction);
 }
 
+/// What the mesh tells.
+struct OnMesh {
+  Path twist;
+  std::vector<FrictionWrench> superposed;  ///< of the twist, where there is a coarser mesh
+  std::vector<Path> paths;
+  std::optional<SolvedSlides::Neglected> turn;  ///< full slip of it
+  double aim = 1;                               ///< as of SolvedSlides, for further slides
+};
+
+/// What the coarser mesh tells, as far as it goes.
+struct OnCoarser {
+  std::optional<Path> twist;
+  std::optional<SolvedSlides::Neglected> turn;
+  /// Of the limit surface, and how far it is guessed.
+  std::optional<std::vector<SolvedSlides::Neglected>> slides;
+  double spread = 0;
+};
+
 class Corrector {
  public:
   Corrector(const FrictionCorrecting& correcting, const FrictionOfLevel& superposed)
-      : correcting_(correcting),
-        superposed_(superposed),
-        torque_(superposed.full_slip),
-        tangent_(correcting.mesh.tangent) {
-    if (correcting.coarser) coarser_tangent_ = correcting.coarser->tangent;
+      : correcting_(correcting), superposed_(superposed), torque_(superposed.full_slip) {
+    for (const FrictionState& state : superposed.limit_surface) velocities_.push_back(state.motion);
   }
 
   FrictionCorrection run() {
     const Stopwatch watch;
-    correct_motions();
-    if (correcting_.with_turn || !superposed_.limit_surface.empty()) correct_slides();
+    // What the coarser mesh is told does not depend on what the other one finds.
+    Solving solving(correcting_.mesh, correcting_.progress), of_coarser;
+    OnMesh on_mesh;
+    OnCoarser on_coarser;
+    std::vector<std::string> told;  // after what the other mesh tells, whichever is faster
+    if (correcting_.coarser) {
+      of_coarser =
+          Solving(*correcting_.coarser, [&](const std::string& line) { told.push_back(line); });
+      side_by_side([&] { on_mesh = solve_on_mesh(solving); },
+                   [&] { on_coarser = solve_on_coarser(of_coarser); });
+      for (const std::string& line : told) correcting_.progress(line);
+    } else {
+      on_mesh = solve_on_mesh(solving);
+    }
+    correct_motions(on_mesh, on_coarser);
+    if (correcting_.with_turn || !velocities_.empty()) correct_slides(on_mesh, on_coarser, solving);
     const std::vector<FrictionState>& twist = result_.twist;
     const ShearedContact last =
         twist.empty() ? ShearedContact() : twist.back().sheared.value_or(ShearedContact());
     correcting_.progress(formatted(
         "friction: solved on the deformed layer, %d iterations, %d factorisations, %.1f s%s",
-        iterations_, factorisations_, watch.seconds(),
+        solving.iterations + of_coarser.iterations,
+        solving.factorisations + of_coarser.factorisations, watch.seconds(),
         twist.empty() ? ""
                       : formatted("; after the twist area %+.1f %%, peak pressure %+.1f %%",
                                   100 * (last.area_ratio - 1), 100 * (last.peak_pressure_ratio - 1))
@@ -63,32 +94,96 @@ class Corrector {
   }
 
  private:
-  /// The twist, and paths to the points of the limit surface.
-  void correct_motions() {
-    Path twist;
+  /// A mesh, and what solving on it has found so far. Two of them share nothing.
+  struct Solving {
+    Solving() = default;
+    Solving(const FrictionMesh& of, std::function<void(const std::string&)> tell_line)
+        : mesh(&of), tangent(of.tangent), tell(std::move(tell_line)) {}
+
+    const FrictionMesh* mesh = nullptr;
+    Eigen::MatrixXd tangent;  ///< of the mesh as pressed; empty until it is needed
+    std::function<void(const std::string&)> tell;
+    std::optional<FrictionalPressing::State> end;  ///< of a twist that was solved to its end
+    int iterations = 0, factorisations = 0;
+
+    template <class Solved>
+    void count(const Solved& solved) {
+      iterations += solved.iterations();
+      factorisations += solved.factorisations();
+    }
+  };
+
+  /// The twist, paths to the points of the limit surface, and full slip of a turn.
+  OnMesh solve_on_mesh(Solving& solving) const {
+    OnMesh result;
     {
-      FrictionalPressing solved(*correcting_.mesh.pressed, correcting_.mesh.bound,
-                                correcting_.has_room);
-      twist = follow(solved, superposed_.twist, "",
-                     [&](double turn_rad) { correcting_.on_solved(turn_rad, solved.surface()); });
-      if (twist.solved == twist.changes.size()) end_ = solved.present();
-      for (const std::vector<FrictionState>& states : superposed_.paths) {
-        Path path = follow(solved, states);
-        result_.slide_error =
-            std::max({result_.slide_error, path.guessed, usual_error_of(path, 0)});
-        result_.paths.push_back(std::move(path.changes));
-      }
-      count(solved);
+      FrictionalPressing solved(*solving.mesh->pressed, solving.mesh->bound, correcting_.has_room);
+      result.twist = follow(solved, superposed_.twist, solving, "", [&](double turn_rad) {
+        correcting_.on_solved(turn_rad, solved.surface());
+      });
+      if (result.twist.solved == result.twist.changes.size()) solving.end = solved.present();
+      for (const std::vector<FrictionState>& states : superposed_.paths)
+        result.paths.push_back(follow(solved, states, solving));
+      solving.count(solved);
+    }
+    if (!correcting_.with_turn) return result;
+    // A quarter's superposed motions leave out what an odd field changes about the limits of
+    // friction.
+    if (correcting_.coarser) result.superposed = superposed_twist(solving);
+    SolvedSlides slides = slides_on(solving, 1);
+    // Where the twist ended all points slip.
+    result.turn = slides.of({0, 0, 1}, solving.end ? &*solving.end : nullptr);
+    result.aim = slides.aim();
+    solving.count(slides);
+    return result;
+  }
+
+  OnCoarser solve_on_coarser(Solving& solving) const {
+    OnCoarser result;
+    if (correcting_.with_turn)
+      if_it_goes(solving, [&] {
+        const std::vector<FrictionWrench> rough = superposed_twist(solving);
+        FrictionalPressing solved(*solving.mesh->pressed, solving.mesh->bound);
+        std::vector<FrictionState> states = superposed_.twist;
+        for (std::size_t i = 0; i < states.size(); ++i) states[i].wrench = rough[i];
+        result.twist = follow(solved, states, solving, " on the coarser mesh");
+        if (result.twist->solved == states.size()) solving.end = solved.present();
+        solving.count(solved);
+      });
+    if (correcting_.with_turn || !velocities_.empty())
+      if_it_goes(solving, [&] {
+        SolvedSlides slides = slides_on(solving, 1);
+        if (correcting_.with_turn)
+          result.turn = slides.of({0, 0, 1}, solving.end ? &*solving.end : nullptr);
+        if (!velocities_.empty() && coarser_is_cheaper())
+          result.slides = slides.of(velocities_, result.spread);
+        solving.count(slides);
+      });
+    return result;
+  }
+
+  /// What only the coarser mesh does not bear is told and left out.
+  void if_it_goes(const Solving& solving, const std::function<void()>& solve) const {
+    try {
+      solve();
+    } catch (const EdgeLeftMargin&) {
+      throw;
+    } catch (const ConvergenceError& failure) {
+      solving.tell(formatted("friction on the coarser mesh: %s", failure.what()));
+    }
+  }
+
+  void correct_motions(OnMesh& on_mesh, const OnCoarser& on_coarser) {
+    Path& twist = on_mesh.twist;
+    for (Path& path : on_mesh.paths) {
+      result_.slide_error = std::max({result_.slide_error, path.guessed, usual_error_of(path, 0)});
+      result_.paths.push_back(std::move(path.changes));
     }
     std::size_t compared = 0;
-    if (correcting_.coarser && correcting_.with_turn) {
-      try {
-        const auto [largest, states] = compare(twist);
-        result_.twist_error = error_of_difference(largest);
-        compared = states;
-      } catch (const ConvergenceError& failure) {
-        tell_of_coarser(failure);
-      }
+    if (on_coarser.twist) {
+      const auto [largest, states] = compare(on_mesh, *on_coarser.twist);
+      result_.twist_error = error_of_difference(largest);
+      compared = states;
     }
     result_.twist_error =
         std::max({result_.twist_error, twist.guessed, usual_error_of(twist, compared)});
@@ -97,32 +192,21 @@ class Corrector {
 
   /// How far the coarser mesh tells another correction of the twist.
   /// @returns the largest difference, relative, and the number of states that it is of
-  std::pair<double, std::size_t> compare(const Path& twist) {
-    // A quarter's superposed motions leave out what an odd field changes about the limits of
-    // friction.
-    const std::vector<FrictionWrench> fine = superposed_twist(correcting_.mesh, tangent_),
-                                      rough =
-                                          superposed_twist(*correcting_.coarser, coarser_tangent_);
-    FrictionalPressing solved(*correcting_.coarser->pressed, correcting_.coarser->bound);
-    std::vector<FrictionState> states = superposed_.twist;
-    for (std::size_t i = 0; i < states.size(); ++i) states[i].wrench = rough[i];
-    const Path path = follow(solved, states, " on the coarser mesh");
-    if (path.solved == path.changes.size()) coarser_end_ = solved.present();
-    count(solved);
-    const std::size_t compared = std::min(path.solved, twist.solved);
+  std::pair<double, std::size_t> compare(const OnMesh& on_mesh, const Path& rough) const {
+    const Path& twist = on_mesh.twist;
+    const std::size_t compared = std::min(rough.solved, twist.solved);
     double largest = 0;
     for (std::size_t i = 0; i < compared; ++i) {
       const Eigen::Vector3d correction =
-          of(twist.changes[i].wrench) + of(superposed_.twist[i].wrench) - of(fine[i]);
-      largest = std::max(largest, (correction - of(path.changes[i].wrench)).cwiseAbs().maxCoeff());
+          of(twist.changes[i].wrench) + of(superposed_.twist[i].wrench) - of(on_mesh.superposed[i]);
+      largest = std::max(largest, (correction - of(rough.changes[i].wrench)).cwiseAbs().maxCoeff());
     }
     return {largest, compared};
   }
 
-  std::vector<FrictionWrench> superposed_twist(const FrictionMesh& mesh,
-                                               Eigen::MatrixXd& tangent) const {
-    find_tangent(mesh, tangent);
-    SuperposedMotion motion(*mesh.pressed, mesh.bound, tangent);
+  std::vector<FrictionWrench> superposed_twist(Solving& solving) const {
+    find_tangent(solving);
+    SuperposedMotion motion(*solving.mesh->pressed, solving.mesh->bound, solving.tangent);
     std::vector<FrictionWrench> wrenches;
     for (const FrictionState& state : superposed_.twist) {
       motion.move_to(state.motion);
@@ -131,70 +215,50 @@ class Corrector {
     return wrenches;
   }
 
-  static void find_tangent(const FrictionMesh& mesh, Eigen::MatrixXd& tangent) {
-    if (tangent.size() == 0) tangent = mesh.pressed->superposed_stiffness({});
+  static void find_tangent(Solving& solving) {
+    if (solving.tangent.size() == 0)
+      solving.tangent = solving.mesh->pressed->superposed_stiffness({});
   }
 
-  SolvedSlides slides_on(const FrictionMesh& mesh, Eigen::MatrixXd& tangent, double aim) const {
-    find_tangent(mesh, tangent);
-    return {*mesh.pressed,
-            mesh.bound,
+  /// @param solving  outlives the slides
+  SolvedSlides slides_on(Solving& solving, double aim) const {
+    find_tangent(solving);
+    return {*solving.mesh->pressed,
+            solving.mesh->bound,
             correcting_.has_room,
             correcting_.force,
             torque_,
             aim,
-            [this](const std::string& why) { correcting_.progress("friction: " + why); },
-            tangent};
+            [&solving](const std::string& why) { solving.tell("friction: " + why); },
+            solving.tangent};
   }
 
   /// Full slip: of a turn about the centre, and of the limit surface.
-  void correct_slides() {
-    std::optional<SolvedSlides::Neglected> of_turn;
-    double aim = 1;
-    if (correcting_.with_turn) {
-      SolvedSlides slides = slides_on(correcting_.mesh, tangent_, aim);
-      // Where the twist ended all points slip.
-      of_turn = slides.of({0, 0, 1}, end_ ? &*end_ : nullptr);
+  void correct_slides(const OnMesh& on_mesh, const OnCoarser& on_coarser, Solving& solving) {
+    if (on_mesh.turn) {
       // Without symmetry a force opposes a turn as well.
-      result_.full_slip = of_turn->superposed.torque + of_turn->wrench.torque - torque_;
-      aim = slides.aim();
-      count(slides);
+      result_.full_slip = on_mesh.turn->superposed.torque + on_mesh.turn->wrench.torque - torque_;
+      if (on_coarser.turn)
+        state_turn(*on_mesh.turn, *on_coarser.turn);
+      else
+        result_.twist_error = std::max(result_.twist_error, usual_error_of(*on_mesh.turn));
     }
-    bool turn_is_stated = false, surface_is_corrected = superposed_.limit_surface.empty();
-    if (correcting_.coarser) {
-      try {
-        SolvedSlides slides = slides_on(*correcting_.coarser, coarser_tangent_, aim);
-        if (of_turn) {
-          state_turn(*of_turn, slides.of({0, 0, 1}, coarser_end_ ? &*coarser_end_ : nullptr));
-          turn_is_stated = true;
-        }
-        if (!surface_is_corrected && coarser_is_cheaper()) {
-          correct_limit_surface(slides);
-          surface_is_corrected = true;
-        }
-        count(slides);
-      } catch (const EdgeLeftMargin&) {
-        throw;
-      } catch (const ConvergenceError& failure) {
-        tell_of_coarser(failure);
-      }
+    if (velocities_.empty()) return;
+    if (on_coarser.slides) {
+      correct_limit_surface(*on_coarser.slides, on_coarser.spread);
+      return;
     }
-    if (of_turn && !turn_is_stated)
-      result_.twist_error = std::max(result_.twist_error, usual_error_of(*of_turn));
-    if (surface_is_corrected) return;
-    SolvedSlides slides = slides_on(correcting_.mesh, tangent_, aim);
-    correct_limit_surface(slides);
-    count(slides);
+    SolvedSlides slides = slides_on(solving, on_mesh.aim);
+    double spread = 0;
+    const std::vector<SolvedSlides::Neglected> found = slides.of(velocities_, spread);
+    correct_limit_surface(found, spread);
+    solving.count(slides);
   }
 
   /// Fewer elements per semi-axis may be more cells, where halving them ends elsewhere.
   bool coarser_is_cheaper() const {
     return correcting_.coarser->pressed->layer().unknowns() <
            correcting_.mesh.pressed->layer().unknowns();
-  }
-
-  void tell_of_coarser(const ConvergenceError& failure) const {
-    correcting_.progress(formatted("friction on the coarser mesh: %s", failure.what()));
   }
 
   void state_turn(const SolvedSlides::Neglected& fine, const SolvedSlides::Neglected& rough) {
@@ -206,14 +270,10 @@ class Corrector {
     result_.twist_error = std::max(result_.twist_error, error);
   }
 
-  void correct_limit_surface(SolvedSlides& slides) {
-    if (superposed_.limit_surface.empty()) return;
-    std::vector<PlaneMotion> velocities;
-    for (const FrictionState& state : superposed_.limit_surface) velocities.push_back(state.motion);
-    double error = 0, spread = 0;
-    const std::vector<SolvedSlides::Neglected> found = slides.of(velocities, spread);
+  void correct_limit_surface(const std::vector<SolvedSlides::Neglected>& found, double spread) {
+    double error = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      result_.limit_surface.push_back({velocities[i], found[i].wrench, 1, 0, found[i].sheared});
+      result_.limit_surface.push_back({velocities_[i], found[i].wrench, 1, 0, found[i].sheared});
       error = std::max(error, usual_error_of(found[i]));
     }
     result_.slide_error = std::max(result_.slide_error, error + spread);
@@ -222,7 +282,8 @@ class Corrector {
   /// @param on         which mesh, for a line of progress
   /// @param on_solved  called with the turn of each state that is solved
   Path follow(
-      FrictionalPressing& solved, const std::vector<FrictionState>& superposed, const char* on = "",
+      FrictionalPressing& solved, const std::vector<FrictionState>& superposed,
+      const Solving& solving, const char* on = "",
       const std::function<void(double)>& on_solved = [](double) {}) const {
     Path path;
     solved.restart();
@@ -240,8 +301,7 @@ class Corrector {
       } catch (const EdgeLeftMargin&) {
         throw;
       } catch (const ConvergenceError& failure) {
-        correcting_.progress(
-            formatted("friction%s: not solved to the end: %s", on, failure.what()));
+        solving.tell(formatted("friction%s: not solved to the end: %s", on, failure.what()));
       }
       // Where it does not go on, what is left out grows at most with the square of friction.
       FrictionState change = state;
@@ -282,21 +342,11 @@ class Corrector {
     return neglected.is_known ? usual_error(size_of(neglected.wrench)) + neglected.inferred : 1;
   }
 
-  template <class Solved>
-  void count(const Solved& solved) {
-    iterations_ += solved.iterations();
-    factorisations_ += solved.factorisations();
-  }
-
   const FrictionCorrecting& correcting_;
   const FrictionOfLevel& superposed_;
   const double torque_;
-  /// Of the meshes as pressed; empty until one is needed.
-  Eigen::MatrixXd tangent_, coarser_tangent_;
-  /// Of a twist that was solved to its end.
-  std::optional<FrictionalPressing::State> end_, coarser_end_;
+  std::vector<PlaneMotion> velocities_;  ///< of the limit surface
   FrictionCorrection result_;
-  int iterations_ = 0, factorisations_ = 0;
 };
 
 }  // namespace

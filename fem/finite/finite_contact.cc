@@ -374,11 +374,12 @@ class FiniteContact : public ContactPhysics {
     return correct_friction(correcting, superposed);
   }
 
-  /// The same contact on another mesh, of the whole layer.
+  /// The same contact on another mesh, of the whole layer. Its object is its own: one keeps what it
+  /// has found of its surface, and friction on two meshes may be solved at a time.
   std::unique_ptr<FinitePressing> press_whole(const LayerDiscretisation& mesh) {
     auto whole = std::make_unique<FinitePressing>(
         std::make_shared<FiniteLayer>(mesh, task_.pressing.bent.shape, no_plane, materials_),
-        object_);
+        rigid_object(task_.pressing));
     whole->continue_from(*pressing_);
     whole->press({equilibrium().load, 0});
     return whole;

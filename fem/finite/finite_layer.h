@@ -80,7 +80,10 @@ class FiniteLayer {
 
   /// The residual of the present state, with the tangent of the last linearisation: what a
   /// modified Newton's method goes on with.
-  void update_residual(const std::vector<NodeFrame>& frames);
+  /// @param force  as of `linearise`; the tangents' curvature keeps the one of then
+  /// @returns the largest nodal force out of balance, at the pressure that Newton's step leads to
+  double update_residual(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
+  double update_residual(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force);
 
   /// After `linearise`: the share of its own diagonal that was added to the tangent to make it
   /// positive definite; 0 where it was so by itself, with the surface nodes held.

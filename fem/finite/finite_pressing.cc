@@ -133,7 +133,8 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
   Drive target = drive;
   Eigen::VectorXd contact_force = equilibrium_.force;
   double approach = equilibrium_.approach;
-  double previous_balance = 0, previous_change = 0;
+  double balance = 0, previous_balance = 0, previous_change = 0;
+  bool renew = true;
   for (int iteration = 1; iteration <= most_iterations; ++iteration) {
     ++history_.iterations;
     const std::vector<Touch> touching = touches();
@@ -143,16 +144,21 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
       secant[row] = touching[i].secant;
       gap[row] = touching[i].gap;
     }
-    const double balance =
-        layer_->linearise(frames(touching, contact_force), contact_force.cwiseProduct(secant)) /
-        std::max(1e-300, contact_force.maxCoeff());
-    history_.shifts += layer_->shift() > 0;
-    failed_iteration_ = iteration;
-    failed_residual_ = balance;
-    // The first iteration answers the change of the load, and the second one everything nonlinear
-    // in it: only then does Newton's method have to converge.
-    if (iteration > 3 && !(balance < 10 * previous_balance)) return false;
-    previous_balance = balance;
+    const Eigen::VectorXd normal_force = contact_force.cwiseProduct(secant);
+    if (renew) {
+      balance = layer_->linearise(frames(touching, contact_force), normal_force) /
+                std::max(1e-300, contact_force.maxCoeff());
+      history_.shifts += layer_->shift() > 0;
+      failed_iteration_ = iteration;
+      failed_residual_ = balance;
+      // The first iteration answers the change of the load, and the second one everything nonlinear
+      // in it: only then does Newton's method have to converge.
+      if (iteration > 3 && !(balance < 10 * previous_balance)) return false;
+      previous_balance = balance;
+    } else {
+      balance = layer_->update_residual(frames(touching, contact_force), normal_force) /
+                std::max(1e-300, contact_force.maxCoeff());
+    }
 
     // In components along the load, contact on inclined normals is that of a flat surface with
     // another stiffness (as in `press_on`).
@@ -185,12 +191,20 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
     contact_force += fraction * (next.force - contact_force);
     approach += fraction * (next.approach - approach);
     if (iteration > 3 && change > previous_change && change > 0.1 * step_) return false;
-    previous_change = change;
     // With the true tangent the next step would be about the square of this one. With a shifted
-    // tangent it would not: there the forces have to be in balance.
-    constexpr double balanced = 1e-8;
+    // tangent it would not: there the forces have to be in balance. A tangent is good for a few
+    // small steps more. The last one is always such a step, since a tangent may be in single
+    // precision: how much shorter it is than the one before tells what is left.
+    constexpr double small = 1e-3, of_next = 1e-3, slow = 0.1, balanced = 1e-8;
+    const bool was_kept = !renew;
+    const double shortening = was_kept ? change / previous_change : 0;
+    previous_change = change;
+    renew = fraction < 1 || !(change <= small * approach) || shortening > slow;
+    const bool is_shifted = layer_->shift() > 0;
+    if (is_shifted) renew = true;
     if (fraction < 1 || !(change <= options_.tolerance * approach) ||
-        (layer_->shift() > 0 && balance > balanced))
+        (is_shifted ? balance > balanced
+                    : !was_kept || shortening * change > of_next * options_.tolerance * approach))
       continue;
 
     reached.approach = approach;

@@ -223,7 +223,7 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, d
       ++factorisations_;
       ++renewed;
     } else {
-      layer_->update_residual(frames);
+      layer_->update_residual(frames, force_);
     }
     if (renew) {
       history.clear();
