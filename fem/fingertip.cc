@@ -41,16 +41,31 @@ class BentLayer : public LayerShape {
 /// Sharp edges farther from the first touch, in thicknesses, do not matter.
 constexpr double farthest_edge = 15;
 
+std::optional<meshes::Erosion> erosion_of(CoreWays ways) {
+  const meshes::Erosion usual;
+  switch (ways) {
+    case CoreWays::eroded:
+      return usual;
+    case CoreWays::eroded_nearer:
+      return meshes::Erosion{usual.beyond / 2, usual.smoothing};
+    case CoreWays::eroded_smoother:
+      return meshes::Erosion{usual.beyond / 2, 2 * usual.smoothing};
+    default:
+      return std::nullopt;
+  }
+}
+
 /// A scan's layer, with the first touch as its origin. It is laid as far as it is asked for.
 class ScanShape : public LayerShape {
  public:
   ScanShape(std::shared_ptr<const meshes::SmoothSurface> surface,
             std::shared_ptr<const meshes::SmoothSurface> core,
-            const meshes::SmoothSurface::Point& first_touch, double thickness_m)
+            const meshes::SmoothSurface::Point& first_touch, double thickness_m, CoreWays ways)
       : surface_(std::move(surface)),
         core_(std::move(core)),
         first_touch_(first_touch),
         h_(thickness_m),
+        erosion_(erosion_of(ways)),
         has_edges_(surface_->edge_near(first_touch, farthest_edge * thickness_m).has_value()) {}
 
   Vector3d position(double x, double y, double z) const override {
@@ -67,7 +82,7 @@ class ScanShape : public LayerShape {
     // Levels that differ a little in size share a layer.
     constexpr double spare = 1.2;
     radius_ = spare * radius;
-    layer_.emplace(*surface_, first_touch_, x_axis(), h_, radius_ * h_, core_.get());
+    layer_.emplace(*surface_, first_touch_, x_axis(), h_, radius_ * h_, core_.get(), erosion_);
   }
   Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
     switch (layer_->end_in(h_ * low_x, h_ * high_x, h_ * low_y, h_ * high_y)) {
@@ -103,6 +118,7 @@ class ScanShape : public LayerShape {
   std::shared_ptr<const meshes::SmoothSurface> surface_, core_;
   meshes::SmoothSurface::Point first_touch_;
   double h_;
+  std::optional<meshes::Erosion> erosion_;
   bool has_edges_ = false;
   mutable double radius_ = 0;
   mutable std::optional<meshes::ScannedLayer> layer_;
@@ -176,7 +192,8 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   return at;
 }
 
-FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Reading reading) {
+FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Reading reading,
+                          CoreWays ways) {
   // What is smaller than half the thickness is noise or a feature that a layer levels. Facets are
   // looked at as far as contact and surroundings may reach.
   constexpr double width = 0.5, wider = 1.5, within = 20;
@@ -193,6 +210,7 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Readin
   FingertipShape result;
   result.reach_x = result.reach_y = std::numeric_limits<double>::infinity();
   result.is_scan = true;
+  result.ways = ways;
   result.first_touch = first.position / thickness_m;
   std::shared_ptr<const meshes::SmoothSurface> core;
   if (fingertip.core) {
@@ -200,14 +218,15 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Readin
     core = std::make_shared<const meshes::SmoothSurface>(*fingertip.core, smoothing);
   }
   result.shape =
-      std::make_shared<ScanShape>(std::move(surface), std::move(core), first, thickness_m);
+      std::make_shared<ScanShape>(std::move(surface), std::move(core), first, thickness_m, ways);
   return result;
 }
 
 }  // namespace
 
-FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m, Reading reading) {
-  if (fingertip.scan) return shape_scan(fingertip, thickness_m, reading);
+FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m, Reading reading,
+                               CoreWays ways) {
+  if (fingertip.scan) return shape_scan(fingertip, thickness_m, reading, ways);
   meshes::FingertipLayer layer(fingertip.pad, thickness_m);
   FingertipShape result;
   result.reach_x = layer.reach_x() / thickness_m;

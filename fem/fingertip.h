@@ -27,11 +27,21 @@ struct Fingertip {
   explicit operator bool() const { return pad != nullptr || scan != nullptr; }
 };
 
+/// How the ways from a scan's surface to its core are found, where the finger bends more sharply
+/// than one over the thickness and its normals cross in the layer.
+enum class CoreWays {
+  smoothed,         ///< as little as is necessary
+  eroded,           ///< to the finger eroded by the thickness, which has a ridge there
+  eroded_nearer,    ///< towards places half as much deeper
+  eroded_smoother,  ///< and with directions smoothed over twice the length
+};
+
 /// The layer of the fingertip in units of its thickness, and how far its map is regular.
 struct FingertipShape {
   std::shared_ptr<const LayerShape> shape;
   double reach_x = 0, reach_y = 0;  ///< in h; infinite where the shape itself says what it covers
   bool is_scan = false;
+  CoreWays ways = CoreWays::smoothed;
   /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere
   /// than the aimed point where the scan's surface is inclined there.
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
@@ -49,6 +59,6 @@ enum class Reading {
 /// @throws InputError where the layer is too thick for the pad's curvature, or the scan has no
 /// surface at the contact
 FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m,
-                               Reading reading = Reading::best);
+                               Reading reading = Reading::best, CoreWays ways = CoreWays::smoothed);
 
 }  // namespace softfinger::fem

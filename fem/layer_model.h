@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fem/mirror_planes.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
 struct LayerMesh;
@@ -85,6 +86,12 @@ inline bool ends_finger(LayerShape::Cover cover) {
   return cover == LayerShape::Cover::rim || cover == LayerShape::Cover::edge;
 }
 
+/// A contact lies or reaches where a scan's layer would fold, though the finger goes on.
+class FoldedLayer : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A node where the surface can be touched.
 struct SurfaceNode {
   double x = 0, y = 0;  ///< in the block: arc lengths from the contact point on a bent layer
@@ -153,7 +160,7 @@ class LayerModel {
   /// @param planes     of layer, object and load
   /// @param along      `all`, of a whole layer only, is what friction needs: one factorisation then
   ///                   serves pressing and friction
-  /// @throws InputError where the shape folds an element (a scan's are left out),
+  /// @throws InputError where the shape folds an element, FoldedLayer where a scan's do all,
   ///         ConvergenceError from the factorisation
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes,

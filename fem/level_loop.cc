@@ -1,6 +1,7 @@
 #include "fem/level_loop.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -37,6 +38,14 @@ constexpr double worth_another = 0.25;
 constexpr double roomiest_patch = 2.5;
 /// A contact larger than its mesh is made for by this much still lies in the refined patch.
 constexpr double spare_size = 0.1;
+
+constexpr std::array<double RelativeError::*, 7> relative_errors{&RelativeError::a,
+                                                                 &RelativeError::b,
+                                                                 &RelativeError::area,
+                                                                 &RelativeError::indentation,
+                                                                 &RelativeError::peak_pressure,
+                                                                 &RelativeError::max_torque,
+                                                                 &RelativeError::load};
 
 /// To one part in a thousand, so that contacts of one size ask for the very same mesh: far below a
 /// cell, which is what the edge has to meet.
@@ -140,7 +149,10 @@ class LevelLoop {
     }
     trial_ = physics_.measure();
     trial_.result.level = 0;
-    if (problem_.fingertip.scan) measure_readings();
+    if (problem_.fingertip.scan) {
+      measure_core();
+      measure_readings();
+    }
     fit_mesh_to(trial_.block_a, trial_.block_b);
     if (physics_.shares_meshes())
       task_.progress(
@@ -318,24 +330,47 @@ class LevelLoop {
     return mesh.is_scan || std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
   }
 
+  /// The core's ridge is drawn by ways from the surface that end on it, and by cells that are not
+  /// fitted to it. How far other ways change the answer tells what that leaves open: all of the
+  /// largest change is stated.
+  /// @throws FoldedLayer where no other ways can be pressed
+  void measure_core() {
+    const CoreWays own = task_.pressing.bent.ways;
+    if (own == CoreWays::smoothed) return;
+    RelativeError largest;
+    bool is_known = false;
+    for (const CoreWays ways : {CoreWays::eroded, CoreWays::eroded_nearer,
+                                CoreWays::eroded_smoother, CoreWays::smoothed}) {
+      if (ways == own) continue;
+      const std::optional<RelativeError> change = change_by(Reading::best, ways);
+      if (!change) continue;
+      is_known = true;
+      for (const auto quantity : relative_errors)
+        largest.*quantity = std::max(largest.*quantity, *change.*quantity);
+    }
+    if (!is_known)
+      throw FoldedLayer("contact", "room on the finger",
+                        "its layer would fold with all ways to its core but one",
+                        "less load, or another point");
+    core_error_ = largest;
+    task_.progress(formatted(
+        "core: what its ridge leaves open changes a by %.2g, area by %.2g, d by %.2g, torque by "
+        "%.2g %%",
+        100 * largest.a, 100 * largest.area, 100 * largest.indentation, 100 * largest.max_torque));
+  }
+
   /// What the scan's triangles tell, read in other ways.
   void measure_readings() {
-    const std::optional<RelativeError> smooth = change_by(Reading::smooth),
-                                       one = change_by(Reading::doubted),
-                                       other = change_by(Reading::doubted_again);
+    const CoreWays own = task_.pressing.bent.ways;
+    const std::optional<RelativeError> smooth = change_by(Reading::smooth, own),
+                                       one = change_by(Reading::doubted, own),
+                                       other = change_by(Reading::doubted_again, own);
     if (!smooth || !one || !other) return;
     // Two standard deviations, from two samples of what facets leave open.
-    const auto error = [&](double RelativeError::*quantity) {
-      return std::max(*smooth.*quantity,
-                      2 * std::hypot(*one.*quantity, *other.*quantity) / std::sqrt(2.0));
-    };
-    result_.geometry_error = {error(&RelativeError::a),
-                              error(&RelativeError::b),
-                              error(&RelativeError::area),
-                              error(&RelativeError::indentation),
-                              error(&RelativeError::peak_pressure),
-                              error(&RelativeError::max_torque),
-                              error(&RelativeError::load)};
+    result_.geometry_error.emplace();
+    for (const auto quantity : relative_errors)
+      *result_.geometry_error.*quantity = std::max(
+          *smooth.*quantity, 2 * std::hypot(*one.*quantity, *other.*quantity) / std::sqrt(2.0));
     const RelativeError& stated = *result_.geometry_error;
     task_.progress(formatted(
         "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
@@ -344,11 +379,11 @@ class LevelLoop {
   }
 
   /// Relative changes by another reading, on the trial mesh. None where it cannot be pressed.
-  std::optional<RelativeError> change_by(Reading reading) {
+  std::optional<RelativeError> change_by(Reading reading, CoreWays ways) {
     const LevelResult& best = trial_.result;
     Pressing other = task_.pressing;
     try {
-      other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading);
+      other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
       const ContactTask task{problem_, other, task_.progress, task_.stop};
       const std::unique_ptr<ContactPhysics> physics = physics_.press_other(task);
       // It touches first elsewhere, so that it may lie beside the patch that was refined.
@@ -377,8 +412,9 @@ class LevelLoop {
                            change(&LevelResult::max_torque_Nm),
                            change(&LevelResult::load_N)};
     } catch (const std::runtime_error& error) {
-      task_.progress(std::string("geometry: another reading of the scan cannot be pressed: ") +
-                     error.what());
+      task_.progress(
+          std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
+          error.what());
       return std::nullopt;
     }
   }
@@ -495,6 +531,7 @@ class LevelLoop {
   void estimate() {
     result_.finest = fine();
     result_.error = error_of_contact(physics_.error_table(), coarse(), fine(), error_setting());
+    for (const auto quantity : relative_errors) result_.error.*quantity += core_error_.*quantity;
     if (friction_.size() < 2) return;
     state_friction(friction_.front(), friction_.back(), refinement_of(coarse(), fine()), problem_,
                    result_);
@@ -529,6 +566,7 @@ class LevelLoop {
   double room_ = 1;  ///< of the patch, over that of the usual one
   Measurement trial_;
   Result result_;
+  RelativeError core_error_;  ///< of a core with a ridge
   std::optional<FrictionPlan> plan_;
   std::vector<FrictionOfLevel> friction_;  ///< per level
   double misfit_ = 0;                      ///< largest of the levels

@@ -267,7 +267,9 @@ LayerIdentity identity_of(const ContactTask& task) {
                          problem.level};
   const std::string scale = formatted(", h %.17g", pressing.thickness_m);
   if (problem.mesh) identity.fingertip = problem.mesh_name + scale;
-  if (problem.fingertip) identity.fingertip = problem.fingertip.pad_name + scale;
+  if (problem.fingertip)
+    identity.fingertip = problem.fingertip.pad_name + scale +
+                         formatted(", core %d", static_cast<int>(pressing.bent.ways));
   return identity;
 }
 

@@ -83,7 +83,7 @@ void set_sublayers(const Problem& problem, Pressing& pressing) {
 
 }  // namespace
 
-Pressing pressing_of(const Problem& problem) {
+Pressing pressing_of(const Problem& problem, CoreWays ways) {
   const RelativeRadii& radii = problem.contact.radii;
   const ElasticLayer& layer = problem.contact.layer;
   const double h = layer.thickness_m;
@@ -107,7 +107,7 @@ Pressing pressing_of(const Problem& problem) {
        (friction.torsion && (friction.twist_axis_x_m != 0 || friction.twist_axis_y_m != 0)));
   if (problem.fingertip) {
     pressing.fingertip = problem.fingertip;
-    pressing.bent = shape_fingertip(problem.fingertip, h);
+    pressing.bent = shape_fingertip(problem.fingertip, h, Reading::best, ways);
   }
   return pressing;
 }
@@ -229,11 +229,11 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
   else if (fits)
     allowed = formatted("a load of %.3g N at most, or another point",
                         pressing.unit_of_force_N * *fits * pressing.load);
-  throw InputError(
-      "contact", "room on the finger",
+  const std::string where =
       formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
-                mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y()),
-      allowed);
+                mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y());
+  if (is_rim) throw InputError("contact", "room on the finger", where, allowed);
+  throw FoldedLayer("contact", "room on the finger", where, allowed);
 }
 
 void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,

@@ -53,8 +53,9 @@ struct Pressing {
 };
 
 /// The problem in the units of its layer.
+/// @param ways  to a scan's core
 /// @throws InputError where the layer is too thick for the pad's curvature
-Pressing pressing_of(const Problem& problem);
+Pressing pressing_of(const Problem& problem, CoreWays ways = CoreWays::smoothed);
 
 /// A contact pressed on one mesh.
 struct Pressed {
@@ -94,7 +95,7 @@ struct Pressed {
 /// @param fits    largest share of the load or approach that does not reach it; 0 where nothing
 ///                fits, none where it is not known
 /// @param around  how far from the node the layer ends at most, in h
-/// @throws InputError
+/// @throws FoldedLayer, InputError where the finger ends
 [[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
                                       std::optional<double> fits, double around = 0.3);
 

@@ -7,17 +7,41 @@
 #include "fem/stopwatch.h"
 
 namespace softfinger::fem {
+namespace {
+
+/// Where the contact reaches a fold of the layer, once more with the ridge of the eroded finger as
+/// the core's, which more of the layer bears. What that leaves open is stated.
+template <class Solve>
+Result solve_with_any_core(const Problem& problem, const Progress& progress, const Solve& solve) {
+  try {
+    return solve(CoreWays::smoothed);
+  } catch (const FoldedLayer& folded) {
+    if (problem.fingertip.core) throw;
+    for (const CoreWays ways : {CoreWays::eroded, CoreWays::eroded_nearer}) {
+      progress(std::string(folded.what()) + "; once more on the core that has a ridge there");
+      try {
+        return solve(ways);
+      } catch (const FoldedLayer&) {
+      }
+    }
+    throw;
+  }
+}
+
+}  // namespace
 
 Result solve(const Problem& problem, const Progress& progress, const StopRequested& stop,
              ModelCache* cache) {
   check_problem(problem);
   if (stop()) throw Interrupted();
   const Stopwatch watch;
-  const Pressing pressing = pressing_of(problem);
-  const ContactTask task{problem, pressing, progress, stop};
   ModelCache none(0);
-  Result result = problem.finite_strain ? finite::solve_finite(task)
-                                        : solve_linear(task, cache ? *cache : none);
+  Result result = solve_with_any_core(problem, progress, [&](CoreWays ways) {
+    const Pressing pressing = pressing_of(problem, ways);
+    const ContactTask task{problem, pressing, progress, stop};
+    return problem.finite_strain ? finite::solve_finite(task)
+                                 : solve_linear(task, cache ? *cache : none);
+  });
   result.wall_s = watch.seconds();
   result.cpu_s = watch.cpu_seconds();
   result.peak_memory_MB = peak_memory_MB();

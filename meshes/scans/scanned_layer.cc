@@ -39,7 +39,7 @@ constexpr double steps_per_thickness = 2;
 
 ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Point& centre,
                            const Vector3d& x_axis, double thickness, double radius,
-                           const SmoothSurface* core)
+                           const SmoothSurface* core, const std::optional<Erosion>& erosion)
     : thickness_(thickness),
       deepest_((core ? 6 : 2) * thickness),
       cloth_(lay_cloth(surface, centre, x_axis, radius, thickness / steps_per_thickness)) {
@@ -48,6 +48,14 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
   for (int j = -half; j <= half; ++j)
     for (int i = -half; i <= half; ++i) top.push_back(cloth_.node(i, j).position);
   top_ = jets_of(top);
+  if (erosion) {
+    Field field = core_by(*erosion);
+    if (core) field = on_core(*core, std::move(field));
+    core_ = jets_of(field);
+    find_cells();
+    keep_connected();
+    return;
+  }
   // Plain normals are exact where the surface bends gently: they come first.
   std::vector<Jet> best;
   std::vector<ClothEnd> best_cells;
@@ -248,6 +256,64 @@ ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
   Field core(top_.size(), Vector3d::Zero());
   each([&](int, int, std::size_t k) { core[k] = top_[k].value - down[k]; });
   return core;
+}
+
+/// From the top, sampled more finely than its lattice.
+ErodedCore ScannedLayer::eroded() const {
+  // The tangents at samples h/8 apart turn by 1/8 at most where normals cross at the depth h; a
+  // ridge is met by 1/8² of h or better.
+  constexpr int per_step = 4;
+  // Farther along the surface than a ball of the radius h touches it on both sides of a ridge.
+  constexpr double window = 3;
+  const int half = cloth_.half();
+  const double s = cloth_.spacing();
+  constexpr double longest_diagonal = 1.5;
+  ErodedCore core(half, longest_diagonal * s, static_cast<int>(std::ceil(window * thickness_ / s)));
+  for (int j = -half; j < half; ++j)
+    for (int i = -half; i < half; ++i) {
+      if (!cloth_.lies(i, j) || !cloth_.lies(i + 1, j) || !cloth_.lies(i, j + 1) ||
+          !cloth_.lies(i + 1, j + 1))
+        continue;
+      for (int v = 0; v < per_step; ++v)
+        for (int u = 0; u < per_step; ++u) {
+          const Patch on =
+              patch(top_, (i + (u + 0.5) / per_step) * s, (j + (v + 0.5) / per_step) * s);
+          core.add(i, j, {on.value, on.by_x.cross(on.by_y).normalized()});
+        }
+    }
+  return core;
+}
+
+/// Ways to the nearest places of a body that is eroded deeper do not cross before they are there;
+/// where they meet the depth h, they end.
+ScannedLayer::Field ScannedLayer::core_by(const Erosion& erosion) const {
+  const int half = cloth_.half();
+  const double h = thickness_;
+  const ErodedCore core = eroded();
+  const auto each = [&](const auto& visit) {
+    for (int j = -half; j <= half; ++j)
+      for (int i = -half; i <= half; ++i)
+        if (cloth_.lies(i, j))
+          visit(i, j, index(i, j),
+                ErodedCore::Sample{cloth_.node(i, j).position, cloth_.node(i, j).normal});
+  };
+  Field down(top_.size(), Vector3d::Zero());
+  std::vector<char> has_way(top_.size(), 0);
+  each([&](int i, int j, std::size_t k, const ErodedCore::Sample& top) {
+    const auto way = core.way_to((1 + erosion.beyond) * h, top, i, j, 3 * deepest_);
+    if (way) down[k] = way->normalized();
+    has_way[k] = way.has_value();
+  });
+  down = smoothed(down, erosion.smoothing * h);
+  Field result(top_.size(), Vector3d::Zero());
+  each([&](int i, int j, std::size_t k, const ErodedCore::Sample& top) {
+    // A cell without a core is no part of the layer.
+    result[k].setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (!has_way[k]) return;
+    down[k].normalize();
+    result[k] = top.position - core.length_to(h, top, down[k], i, j, deepest_) * down[k];
+  });
+  return result;
 }
 
 /// The core's surface where the ways from the top lead on to; not a number where there is none.

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "meshes/scans/cloth.h"
+#include "meshes/scans/eroded_core.h"
 #include "meshes/scans/smooth_surface.h"
 
 namespace softfinger::meshes {
@@ -17,7 +19,8 @@ namespace softfinger::meshes {
 /// T is a cloth on the surface, interpolated by bicubic Hermite patches; the core side C lies at
 /// the depth h below it, or on a core's own surface, where the way to the depth h leads. Where the
 /// surface bends more sharply than 1/h its normals would cross inside the layer: there T - C is
-/// smoothed. Lengths are in the surface's unit. Safe to share between threads.
+/// smoothed. Or else C is the finger eroded by the thickness (eroded_core.h), with the ridge that
+/// it has there. Lengths are in the surface's unit. Safe to share between threads.
 class ScannedLayer {
  public:
   /// @param centre  of the contact
@@ -25,9 +28,11 @@ class ScannedLayer {
   /// @param radius  of the surface to cover around the centre, along the surface
   /// @param core    with outward normals, inside the surface; null: offset by the thickness. The
   ///                layer ends where it has none, or none within six thicknesses
+  /// @param erosion to find the core by; none: along normals, smoothed where they cross
   ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Point& centre,
                const Eigen::Vector3d& x_axis, double thickness, double radius,
-               const SmoothSurface* core = nullptr);
+               const SmoothSurface* core = nullptr,
+               const std::optional<Erosion>& erosion = std::nullopt);
 
   /// @pre (x, y) lies where the layer covers
   Eigen::Vector3d position(double x, double y, double z) const;
@@ -73,6 +78,8 @@ class ScannedLayer {
   Patch patch(const std::vector<Jet>& jets, double x, double y) const;
   Field smoothed(const Field& field, double length) const;
   Field core_by(double smoothing) const;
+  Field core_by(const Erosion& erosion) const;
+  ErodedCore eroded() const;
   Field on_core(const SmoothSurface& core, Field field) const;
   double depth_below(const Eigen::Vector3d& point, double x, double y, Eigen::Vector3d* foot) const;
   double find_cells();

@@ -11,10 +11,13 @@
 
 #include "fem/layer_model.h"
 #include "fem/normal_contact.h"
+#include "fem/pressing.h"
 #include "fem/reference_solver.h"
 #include "meshes/generation/layer_mesh.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
+#include "meshes/generation/surfaces.h"
+#include "meshes/placement/placed_surface.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -267,6 +270,123 @@ TEST(ScannedFinger, IsPressedUpToItsSharpEdge) {
       1e-3 * pad.cut + pad.slope * outline.row(0).array() - outline.row(1).array();
   EXPECT_NEAR(beyond.maxCoeff(), 0, 0.01 * h);
   EXPECT_GT((beyond > -0.01 * h).count(), outline.cols() / 10);
+}
+
+/// A spheroid's mesh with its tip at the origin, upwards.
+TriangleSurface spheroid(double across_m, double along_m) {
+  constexpr double radius_m = 10e-3, edge = 0.05;
+  TriangleSurface surface = meshes::sphere(radius_m, edge * radius_m);
+  for (Eigen::Vector3d& vertex : surface.vertices_m) {
+    const Eigen::Vector3d unit = vertex / radius_m;
+    vertex = {across_m * unit.x(), across_m * unit.y(), along_m * (unit.z() - 1)};
+  }
+  return surface;
+}
+
+Problem tip_on_plane(double across_m) {
+  Problem problem;
+  problem.contact = {{0.1, 0.1, 0}, {3e-3, 1e5, 0.3}, {0.5, 0.5}};
+  problem.fingertip.scan = std::make_shared<const TriangleSurface>(spheroid(across_m, 14e-3));
+  problem.fingertip.object = meshes::plane_object();
+  return problem;
+}
+
+Pressed press_tip(const Problem& problem, CoreWays ways) {
+  const Pressing pressing = pressing_of(problem, ways);
+  LayerDiscretisation mesh = first_guess(pressing);
+  mesh.a = mesh.b = 0.75;
+  choose_elements(mesh, 1);
+  return press_on(make_layer(mesh, pressing), pressing);
+}
+
+// Tips whose radius b²/c goes from above the thickness of 3 mm to 0.72 of it. The reference: the
+// same linear problem by biquadratic elements on the meridian of the exact spheroid, up to 120
+// degrees from its tip, with columns that end on the exact eroded core, at the tip of its cone
+// where normals cross (100 x 16 elements; 60 x 12 differ by less than 1e-4).
+TEST(ScannedFinger, TipMayBendMoreSharplyThanItsLayerIsThick) {
+  struct Reference {
+    double across_m, approach, arm_m;
+  };
+  // What the facets leave open, and what four cells along the radius do.
+  constexpr double of_facets = 0.01, of_cells = 0.01;
+  for (const Reference& tip :
+       {Reference{7e-3, 0.3992, 1.3395e-3}, Reference{6.5e-3, 0.4421, 1.2861e-3},
+        Reference{6e-3, 0.4958, 1.2306e-3}, Reference{5.5e-3, 0.5642, 1.1730e-3}}) {
+    const Problem problem = tip_on_plane(tip.across_m);
+    for (const CoreWays ways :
+         {CoreWays::smoothed, CoreWays::eroded_nearer, CoreWays::eroded_smoother}) {
+      const Pressed pressed = press_tip(problem, ways);
+      const double arm_m = pressed.torque_arm() * problem.contact.layer.thickness_m;
+      EXPECT_NEAR(pressed.contact.approach / tip.approach, 1, of_facets + of_cells);
+      EXPECT_NEAR(arm_m / tip.arm_m, 1, of_facets + of_cells);
+    }
+  }
+}
+
+TEST(ScannedFinger, HasNoCoreThatLiesDeeperThanItIsThick) {
+  // Ways that lead to twice the thickness find nothing in a finger that is thinner than that.
+  EXPECT_THROW(press_tip(tip_on_plane(5.5e-3), CoreWays::eroded), InputError);
+  // Half as thick as the layer at its tip, the finger bears none.
+  EXPECT_THROW(solve(tip_on_plane(4e-3), quiet), InputError);
+}
+
+/// A finger of the survey that becomes thinner towards its tip, pressed beside it.
+/// @param place  on the unit sphere that it is made of
+Problem tapered_finger(double taper, const Eigen::Vector3d& place, double load_N) {
+  const auto map = [&](const Eigen::Vector3d& unit) -> Eigen::Vector3d {
+    const double width = 1 - taper * unit.z();
+    return {8e-3 * width * unit.x(), 7e-3 * width * unit.y(), 14e-3 * unit.z()};
+  };
+  constexpr double radius_m = 10e-3, edge = 0.08, step = 1e-4;
+  TriangleSurface surface = meshes::sphere(radius_m, edge * radius_m);
+  for (Eigen::Vector3d& vertex : surface.vertices_m) vertex = map(vertex / radius_m);
+  const Eigen::Vector3d at = place.normalized(), one = at.unitOrthogonal(), two = at.cross(one);
+  const auto along = [&](const Eigen::Vector3d& tangent) -> Eigen::Vector3d {
+    return map((at + step * tangent).normalized()) - map((at - step * tangent).normalized());
+  };
+  const Eigen::Vector3d normal = along(one).cross(along(two)).normalized();
+  Problem problem;
+  problem.contact = {{0.1, 0.1, 0}, {3e-3, 1e5, 0.3}, {load_N, 0.8}};
+  problem.fingertip.scan = std::make_shared<const TriangleSurface>(
+      meshes::PlacedSurface(surface, {map(at), normal, normal.unitOrthogonal(), 0},
+                            meshes::PlacedSurface::Body::below)
+          .in_contact_frame());
+  return problem;
+}
+
+// Under 5.3 N the contact reaches where the tip bends more sharply than the layer is thick, and its
+// layer folds unless the core has a ridge there. Under less it does not.
+TEST(ScannedFinger, IsPressedOverItsCoresRidge) {
+  const auto press = [](double load_N, bool& needs_ridge) {
+    Problem problem = tapered_finger(0.15, {0.055, -0.786, 0.607}, load_N);
+    problem.fingertip.object = meshes::plane_object();
+    return solve(problem, [&](const std::string& line) {
+      needs_ridge = needs_ridge || line.find("core that has a ridge") != std::string::npos;
+    });
+  };
+  bool low_needs = false, middle_needs = false, high_needs = false;
+  const Result low = press(3, low_needs), middle = press(4, middle_needs),
+               high = press(5.3, high_needs);
+  EXPECT_FALSE(low_needs || middle_needs);
+  EXPECT_TRUE(high_needs);
+  // Powers of the load go on.
+  const double further = std::log(5.3 / 4) / std::log(4.0 / 3);
+  const auto expect_power = [&](double LevelResult::*quantity, double RelativeError::*error) {
+    const double before = low.finest.*quantity, now = middle.finest.*quantity;
+    EXPECT_NEAR(high.finest.*quantity / (now * std::pow(now / before, further)), 1,
+                high.error.*error + 2 * middle.error.*error);
+  };
+  expect_power(&LevelResult::indentation_m, &RelativeError::indentation);
+  expect_power(&LevelResult::a_m, &RelativeError::a);
+  expect_power(&LevelResult::b_m, &RelativeError::b);
+  expect_power(&LevelResult::torque_arm_m, &RelativeError::max_torque);
+}
+
+// The tip is pressed flat, until it is touched where it turns away.
+TEST(ScannedFinger, IsNotPressedOverItsTip) {
+  Problem problem = tapered_finger(0.3, {0.246, -0.74, 0.629}, 5);
+  problem.fingertip.object = meshes::sphere_object(15e-3);
+  EXPECT_THROW(solve(problem, quiet), InputError);
 }
 
 void expect_series(Problem problem, const std::string& name) {

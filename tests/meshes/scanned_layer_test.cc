@@ -234,6 +234,58 @@ TEST_F(ScannedSphere, LayerEndsWhereItsCoreDoes) {
   EXPECT_NE(found.end_in(5e-3, 5.5e-3, 0, 0.5e-3), ClothEnd::none);
 }
 
+/// Half-axes of a spheroid whose tip, at the origin, bends with a radius of 2.2 mm.
+constexpr double spheroid_across = 5.5e-3, spheroid_along = 14e-3;
+
+/// Depth of a point below the spheroid, along its meridian.
+double depth_below_spheroid(const Vector3d& point) {
+  const double from_axis = point.head<2>().norm(), height = point.z() + spheroid_along;
+  double nearest = 1;
+  for (double polar = -1.5; polar < 1.5; polar += 1e-4)
+    nearest = std::min(nearest, std::hypot(spheroid_across * std::sin(polar) - from_axis,
+                                           spheroid_along * std::cos(polar) - height));
+  return nearest;
+}
+
+TEST(ErodedCore, OfATipThatBendsMoreSharplyThanTheLayerIsThick) {
+  constexpr double h = 3e-3, radius = 10e-3, edge = 0.03;
+  TriangleSurface tip = sphere(radius, edge * radius);
+  for (Vector3d& vertex : tip.vertices_m) {
+    const Vector3d unit = vertex / radius;
+    vertex = {spheroid_across * unit.x(), spheroid_across * unit.y(),
+              spheroid_along * (unit.z() - 1)};
+  }
+  const SmoothSurface surface(tip, {h / 2, 1.05, 30e-3});
+  const ScannedLayer layer(surface, *surface.project(Vector3d::Zero(), Vector3d::UnitZ()),
+                           Vector3d::UnitX(), h, 8e-3, nullptr, Erosion{0.5, 0.25});
+  ASSERT_EQ(layer.end_in(-4e-3, 4e-3, -4e-3, 4e-3), ClothEnd::none);
+  double shallowest = 1, deepest = 0;
+  for (double x = -4e-3; x < 4e-3; x += 0.7e-3)
+    for (double y = -4e-3; y < 4e-3; y += 0.7e-3) {
+      const double depth = depth_below_spheroid(layer.position(x, y, -1)) / h;
+      shallowest = std::min(shallowest, depth);
+      deepest = std::max(deepest, depth);
+    }
+  // Bicubic patches over cells of h/2 round the ridge off: the cone's sides, inclined by 24 degrees
+  // where the normals begin to cross, are up to h/4 away from a node.
+  constexpr double of_ridge = 0.25 * 0.1, of_ways = 2e-3, of_facets = 1e-3;
+  EXPECT_GT(shallowest, 1 - of_ridge - of_ways - of_facets);
+  EXPECT_LT(deepest, 1 + of_ways + of_facets);
+  // The exact cone's tip is 1.070 h below the finger's.
+  EXPECT_NEAR(layer.position(0, 0, -1).z() / h, -1.070, of_ways + of_facets);
+}
+
+TEST_F(ScannedSphere, ErodedCoreIsAConcentricSphere) {
+  constexpr double h = 2e-3;
+  const ScannedLayer found(surface, *surface.project(Vector3d::Zero(), Vector3d::UnitZ()),
+                           Vector3d::UnitX(), h, 8e-3, nullptr, Erosion{});
+  for (double x = -5e-3; x < 5e-3; x += 0.7e-3)
+    for (double y = -5e-3; y < 5e-3; y += 0.7e-3)
+      // To 0.2 % of the depth of 2 h that the ways lead to, and of patches as above.
+      EXPECT_NEAR((found.position(x, y, -1) - centre).norm(), R - h,
+                  std::pow(1e-3 / R, 4) * R + 2 * 5e-3 * h);
+}
+
 TEST(ScannedLayerRim, EndsWhereTheMeshEnds) {
   TriangleSurface half = ball(0.5e-3);
   std::vector<std::array<int, 3>> kept;
