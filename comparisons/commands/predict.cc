@@ -245,10 +245,9 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       ->add_option(
           "--limit-surface", options->limit_surface,
           "also the moments about the contact's axes that tilt it, and N points all over the limit "
-          "surface (forces in N along the contact's axes, torque in N m): exact, or with "
-          "--torque-rule paper the ellipsoid of Ciocarlie et al. (2007); 2 to 100000, and at most "
-          "a "
-          "million for all loads and models together")
+          "surface (forces in N along these axes, torque in N m): exact, or with --torque-rule "
+          "paper the ellipsoid of Ciocarlie et al. (2007); 2 to 100000, and at most a million for "
+          "all loads and models together")
       ->check(CLI::Range(2, 100000));
   command
       ->add_option("--gap", options->gap,
