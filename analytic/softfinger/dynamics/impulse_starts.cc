@@ -29,6 +29,8 @@ constexpr int kMostIterationsOfGiven = 400;
 constexpr double kLeastDrawn = 0.1, kMostDrawn = 1000;
 constexpr int kMostIterationsOfDrawn = 1000, kMostIterationsInAll = 20000;
 constexpr double kMeasuredContacts = 100;
+/// Shapes cost several times as much per iteration, and hardly more per path.
+constexpr int kMostIterationsOfShapes = 6000;
 constexpr int kGivenStarts = int(std::size(kGiven)), kMostStarts = kGivenStarts + 200;
 /// After this part of the iterations, and the given starts, a point is a solution as well where its
 /// residual is the rounding of W r. Before, other starts often find one with smaller impulses.
@@ -54,16 +56,16 @@ void go_to_start(int start, ImpulseSearch& search) {
 /// Starts from `first` on, before `end`.
 class ImpulseStarts::Queue {
  public:
-  /// @param search  where the starts before these have led
-  Queue(const ImpulseSearch& search, int iterations, int contacts, int first, int end)
+  /// @param search           where the starts before these have led
+  /// @param most_iterations  of all starts of the problem
+  Queue(const ImpulseSearch& search, int iterations, int most_iterations, int first, int end)
       : found_(search.found()),
         iterations_(iterations),
+        most_iterations_(most_iterations),
         first_(first),
         next_(first),
         last_needed_(end - 1),
         counted_(first) {
-    const double larger = std::max(1., contacts / kMeasuredContacts);
-    most_iterations_ = int(kMostIterationsInAll / (larger * larger));
     ended_.resize(std::size_t(end - first));
   }
 
@@ -120,7 +122,7 @@ class ImpulseStarts::Queue {
   }
 
   ImpulseSearch::Found found_;
-  int iterations_, most_iterations_ = 0;
+  int iterations_, most_iterations_;
   bool is_solved_ = false;
   int first_;
   std::atomic<int> next_, last_needed_;
@@ -160,7 +162,11 @@ bool ImpulseStarts::find(const Task& task, ImpulseSearch& search, ImpulseSearch:
                          int first, int end) {
   while (int(beside_.size()) < threads_ - 1)
     beside_.push_back({std::make_unique<ImpulseSearch>(contacts_, contact_capacity_), {}, {}});
-  Queue queue(search, iterations_, contacts_.contacts(), first, end);
+  const bool has_shapes = task.problem.friction_rule == FrictionRule::limit_surface;
+  const double larger = std::max(1., contacts_.contacts() / kMeasuredContacts);
+  const int most =
+      int((has_shapes ? kMostIterationsOfShapes : kMostIterationsInAll) / (larger * larger));
+  Queue queue(search, iterations_, most, first, end);
   std::vector<std::future<void>> running;
   LcpResult own;
   try {
