@@ -507,8 +507,12 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
   if (self.planes.any())
     own = std::make_unique<TangentAssembly>(self, self.dofs_of_cells, self.free_unknowns(parity));
   TangentAssembly& assembly = own ? *own : self.tangent_of_free();
-  self.assemble(frames, along_normals(force), assembly, self.precision());
   const Unknowns& unknowns = assembly.unknowns();
+  // Nothing corrects what rounding does to these stiffnesses, 3e-5 of them in single precision: it
+  // is taken where doubles would need hundreds of megabytes.
+  constexpr int large = 30000;
+  const Precision precision = unknowns.count < large ? Precision::full : self.precision();
+  self.assemble(frames, along_normals(force), assembly, precision);
   SparseSymmetricMatrix& matrix = assembly.matrix();
   if (self.dissection.empty()) self.dissect(matrix, unknowns);
   std::vector<int> last;
@@ -524,8 +528,7 @@ Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& 
       springs.push_back(c == 2 ? hold(matrix, unknown) : 0);
     }
   Eigen::MatrixXd held =
-      CholeskyFactor(matrix, self.dissection_of(unknowns), last, self.precision())
-          .stiffness_of_last();
+      CholeskyFactor(matrix, self.dissection_of(unknowns), last, precision).stiffness_of_last();
   held.diagonal() -= Eigen::Map<const Eigen::VectorXd>(springs.data(), held.rows());
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
