@@ -51,11 +51,11 @@ class ImpulseSearch {
                 const std::function<bool()>& is_needed = {});
   /// From `impulse` by Newton's method.
   void polish(const Task& task, Effort effort);
-  /// From `impulse` by the last least impulses or the matrix of Newton's last step.
   struct Corrected {
     bool is_good = false;
     bool is_still = false;  ///< the least impulses: there are no others to look for
   };
+  /// From `impulse` by the last least impulses or the matrix of Newton's last step.
   Corrected correct(const Task& task);
   void forget_still() { least_.forget(); }
 
