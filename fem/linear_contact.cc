@@ -38,12 +38,25 @@ bool is_same_size(const Size& made_for, const ContactShape& contact) {
          std::abs(std::log(made_for[1] / contact.block_b)) <= edge_on_cells;
 }
 
+/// What linear elasticity cannot press: finite strain can.
+[[noreturn]] void refuse_pressed_through(const Pressed& pressed, const ContactTask& task) {
+  const char* const beyond = "the approach reaches the layer's thickness";
+  if (task.problem.approach_m > 0)
+    throw too_much(task.problem, formatted("less, or finite strain: %s (%.3g times it), far "
+                                           "outside linear elasticity",
+                                           beyond, pressed.contact.approach));
+  Pressing through = task.pressing;
+  through.approach = 1;
+  const double load_N = through.unit_of_force_N * press_on(pressed.model, through).load();
+  throw too_much(task.problem,
+                 formatted("about %.2g at most, or finite strain: %s (%.3g times it), "
+                           "far outside linear elasticity",
+                           load_N, beyond, pressed.contact.approach));
+}
+
 void check_sensible(const Pressed& pressed, const ContactTask& task) {
-  if (pressed.contact.approach >= 1)
-    throw too_much(task.problem,
-                   formatted("less: the approach reaches the layer's thickness (%.3g times it), "
-                             "far outside linear elasticity",
-                             pressed.contact.approach));
+  // A region that is too small holds less: the next mesh is larger.
+  if (pressed.contact.approach >= 1 && !pressed.reaches_rim) refuse_pressed_through(pressed, task);
   if (pressed.moment_b > largest_b || pressed.moment_a > largest_a || pressed.moment_b < smallest_b)
     throw InputError(task.problem.name, "contact",
                      formatted("b/h %.3g, a/h %.3g", pressed.moment_b, pressed.moment_a),

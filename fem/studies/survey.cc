@@ -168,10 +168,11 @@ Finger read_finger(const std::string& path, const std::string& pad) {
 constexpr const char* usage =
     "softfinger-fem-survey [--points N] [--only K] [--level L] [--finite] [--scans-only]\n"
     "                      [--millimetres FILE X,Y,Z]...\n"
-    "Presses N random points (200) of the pads of ten generated fingers and of scans.\n"
+    "Presses N random points (200) of the pads of ten generated fingers and of scans,\n"
+    "at small strain, and at finite strain where that is refused.\n"
     "  --only K        the one of these to press, and to be told about\n"
     "  --level L       of the mesh, 1 to 4 (2)\n"
-    "  --finite        at finite strain\n"
+    "  --finite        at finite strain only\n"
     "  --scans-only    no generated fingers\n"
     "  --millimetres   a scan and the side that its pad faces\n";
 
@@ -232,13 +233,49 @@ std::optional<Options> read_options(int count, char** arguments) {
   return options;
 }
 
+/// What was measured on the points that were answered.
+struct Answers {
+  std::vector<double> a, b, area, d, torque, cpu_s;
+
+  void add(const fem::Result& result) {
+    a.push_back(result.error.a);
+    b.push_back(result.error.b);
+    area.push_back(result.error.area);
+    d.push_back(result.error.indentation);
+    torque.push_back(result.error.max_torque);
+    cpu_s.push_back(result.cpu_s);
+  }
+};
+
+/// Prints what a contact is, or why it is refused. Whether it is answered.
+bool press(const fem::Problem& problem, bool tells, Answers& answers) {
+  try {
+    const fem::Result result = fem::solve(problem, [&](const std::string& line) {
+      if (tells) fmt::print(stderr, "{}\n", line);
+    });
+    const auto& error = result.error;
+    fmt::print(
+        "a {:.2f} b {:.2f} mm d/h {:.3f}, stated a {:.1f} b {:.1f} area {:.1f} d {:.2f} "
+        "torque {:.2f} %, {:.1f} CPU s\n",
+        1e3 * result.finest.a_m, 1e3 * result.finest.b_m,
+        result.finest.indentation_m / problem.contact.layer.thickness_m, 100 * error.a,
+        100 * error.b, 100 * error.area, 100 * error.indentation, 100 * error.max_torque,
+        result.cpu_s);
+    answers.add(result);
+    return true;
+  } catch (const std::exception& error) {
+    fmt::print("{}\n", error.what());
+    return false;
+  }
+}
+
 void survey(const Options& options) {
   const std::vector<Object> objects = {{"plane", meshes::plane_object()},
                                        {"cylinder", meshes::cylinder_object(10e-3)},
                                        {"sphere", meshes::sphere_object(15e-3)}};
   std::mt19937 engine(2026);
-  int answered = 0;
-  std::vector<double> a, b, area, d, torque, cpu_s;
+  int answered = 0, answered_at_finite_strain = 0;
+  Answers answers;
   for (int i = 0; i < options.points; ++i) {
     const Finger& finger = options.fingers[static_cast<std::size_t>(i) % options.fingers.size()];
     const PadPoint at = PadPoints(finger).draw(engine);
@@ -262,34 +299,24 @@ void survey(const Options& options) {
     fmt::print("{:3} {:28} {:5.1f} {:5.1f} {:5.1f} mm {:8} {:3} N h {} mm nu {}: ", i, finger.name,
                1e3 * at.point.x(), 1e3 * at.point.y(), 1e3 * at.point.z(), object.name, load_N,
                1e3 * h, nu);
-    try {
-      const fem::Result result = fem::solve(problem, [&](const std::string& line) {
-        if (options.only >= 0) fmt::print(stderr, "{}\n", line);
-      });
+    const bool tells = options.only >= 0;
+    if (press(problem, tells, answers)) {
       ++answered;
-      const auto& error = result.error;
-      fmt::print(
-          "a {:.2f} b {:.2f} mm d/h {:.3f}, stated a {:.1f} b {:.1f} area {:.1f} d {:.2f} "
-          "torque {:.2f} %, {:.1f} CPU s\n",
-          1e3 * result.finest.a_m, 1e3 * result.finest.b_m, result.finest.indentation_m / h,
-          100 * error.a, 100 * error.b, 100 * error.area, 100 * error.indentation,
-          100 * error.max_torque, result.cpu_s);
-      a.push_back(error.a);
-      b.push_back(error.b);
-      area.push_back(error.area);
-      d.push_back(error.indentation);
-      torque.push_back(error.max_torque);
-      cpu_s.push_back(result.cpu_s);
-    } catch (const std::exception& error) {
-      fmt::print("{}\n", error.what());
+    } else if (!options.finite) {
+      // Where small strain ends the finger does not: it is pressed once more.
+      problem.finite_strain = fem::finite::MaterialChoice();
+      fmt::print("    at finite strain: ");
+      if (press(problem, tells, answers)) ++answered_at_finite_strain;
     }
     std::fflush(stdout);
   }
+  fmt::print("answered {} of {}", answered + answered_at_finite_strain, options.points);
+  if (!options.finite) fmt::print(", {} of them at finite strain only", answered_at_finite_strain);
   fmt::print(
-      "answered {} of {}; stated errors, median: a {:.2f} b {:.2f} area {:.2f} d {:.2f} torque "
-      "{:.2f} %; {:.1f} CPU s\n",
-      answered, options.points, 100 * median(a), 100 * median(b), 100 * median(area),
-      100 * median(d), 100 * median(torque), median(cpu_s));
+      "; stated errors, median: a {:.2f} b {:.2f} area {:.2f} d {:.2f} torque {:.2f} %; {:.1f} "
+      "CPU s\n",
+      100 * median(answers.a), 100 * median(answers.b), 100 * median(answers.area),
+      100 * median(answers.d), 100 * median(answers.torque), median(answers.cpu_s));
 }
 
 }  // namespace

@@ -360,6 +360,34 @@ TEST(ReferenceSolver, ReportsProgress) {
   EXPECT_GE(lines, 3);
 }
 
+TEST(ReferenceSolver, TellsTheLoadThatPressesALayerThrough) {
+  Problem problem;
+  problem.contact = {{0.02, 0.01, 0}, {1e-3, 1e5, 0.3}, {8, 0.8}};
+  double largest_N = 0;
+  try {
+    solve(problem, quiet);
+  } catch (const InputError& error) {
+    const std::string text = error.what(), before = "about ";
+    ASSERT_NE(text.find(before), std::string::npos) << text;
+    largest_N = std::stod(text.substr(text.find(before) + before.size()));
+    EXPECT_NE(text.find("or finite strain"), std::string::npos) << text;
+  }
+  ASSERT_GT(largest_N, 0);
+  // Two digits are told.
+  const double rounding = 0.05;
+  problem.contact.load.normal_force_N = largest_N * (1 - rounding);
+  const double indentation_m = solve(problem, quiet).finest.indentation_m;
+  EXPECT_LT(indentation_m, problem.contact.layer.thickness_m);
+  // In a thin layer d grows at most as the load.
+  EXPECT_GT(indentation_m, (1 - 2 * rounding) * problem.contact.layer.thickness_m);
+  problem.contact.load.normal_force_N = largest_N * (1 + rounding);
+  EXPECT_THROW(solve(problem, quiet), InputError);
+  // What small strain refuses is answered at finite strain.
+  problem.contact.load.normal_force_N = 8;
+  problem.finite_strain = finite::MaterialChoice();
+  EXPECT_LT(solve(problem, quiet).finest.indentation_m, problem.contact.layer.thickness_m);
+}
+
 TEST(ReferenceSolver, RefusesWhatItCannotAnswer) {
   Problem good;
   good.contact = {{0.02, 0.02, 0}, {2e-3, 3e5, 0.4}, {1, 0.8}};
