@@ -201,7 +201,7 @@ void ContactLcpSolver::Workspace::solve_without_impulses(const Task& task,
 bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrategy& friction,
                                                 const std::vector<int>& continued) {
   last.renumber(continued);
-  friction.begin_warm();
+  friction.best().forget();
   bool solved = friction.continue_impulse(task, last.impulse(), continued);
   task.result.residual = friction.best().residual;
   if (!solved) {
@@ -213,7 +213,7 @@ bool ContactLcpSolver::Workspace::continue_last(const Task& task, FrictionStrate
     const PathEnd end = path.follow_from(system, options, basis.data(), int(basis.size()));
     if (go_on_adding_vertices(task, friction, end, options, true) != PathEnd::solved) return false;
     task.result.residual = friction.read_path(task);
-    solved = friction.best().would_be_good(task, task.result.residual);
+    solved = task.is_good(task.result.residual);
   }
   if (!solved) return false;
   if (is_solution(task)) task.result.status = LcpStatus::solved;
@@ -256,7 +256,7 @@ bool ContactLcpSolver::Workspace::end_without_path(const Task& task, FrictionStr
 /// Attempts from z = 0 until one is good, and the status that follows from the best.
 void ContactLcpSolver::Workspace::start_cold(const Task& task, FrictionStrategy& friction) {
   LcpResult& result = task.result;
-  friction.begin_cold();
+  friction.best().forget();
   last.forget_basis();
   if (!end_without_path(task, friction)) follow_paths(task, friction);
   result.residual = friction.best().residual;
@@ -374,20 +374,20 @@ LcpResult ContactLcpSolver::solve(const ContactLcp& problem, ContactSolution& so
   if (continued) work.last.check_continued(problem, *continued);
   solution.resize(problem.contacts());
   LcpResult result;
-  const Task task{problem, solution, result};
+  const Task cold{problem, solution, result};
+  const Task warm{problem, solution, result, internal::kMostRoundingKept};
   FrictionStrategy& friction = is_exact(problem) ? static_cast<FrictionStrategy&>(work.exact)
                                                  : static_cast<FrictionStrategy&>(work.facets);
   friction.begin(problem);
   if (separates_without_impulses(work.system.contact_operator())) {
-    work.solve_without_impulses(task, friction);
+    work.solve_without_impulses(cold, friction);
     work.last.keep(problem, solution);
     return result;
   }
-  if (!continued || !work.last.can_continue(problem) ||
-      !work.continue_last(task, friction, *continued)) {
-    work.start_cold(task, friction);
-  }
-  if (result.status == LcpStatus::solved) friction.take_least_impulse(task);
+  const bool is_continued = continued && work.last.can_continue(problem) &&
+                            work.continue_last(warm, friction, *continued);
+  if (!is_continued) work.start_cold(cold, friction);
+  if (result.status == LcpStatus::solved) friction.take_least_impulse(is_continued ? warm : cold);
   work.last.keep(problem, solution);
   return result;
 }

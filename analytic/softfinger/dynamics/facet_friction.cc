@@ -140,7 +140,7 @@ double FacetFriction::read_path(const Task& task) {
   }
   if (best < best_.residual) {
     best_.residual = best;
-    best_.is_good = best_.would_be_good(task, best);
+    best_.is_good = task.is_good(best);
     best_attempt_ = attempt_;
   }
   return best;

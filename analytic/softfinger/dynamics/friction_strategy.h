@@ -40,6 +40,16 @@ struct Task {
   const ContactLcp& problem;
   ContactSolution& solution;
   LcpResult& result;
+  /// Up to that much rounding explains the residual of a good point. A warm start is content with
+  /// more: the last solution had it, too. A cold one finds better points than the rounding of one
+  /// of them tells.
+  double most_rounding = kSolved;
+
+  /// Whether the solution at hand is as good as its impulses can be told.
+  bool is_good(double residual) const {
+    return residual <= kGood ||
+           (residual <= most_rounding && residual <= rounding_of(problem, solution, most_rounding));
+  }
 };
 
 /// Limits of a path that are the same for all attempts.
@@ -55,9 +65,8 @@ inline PathOptions usual_path(int contacts) {
 /// The best point of a problem so far.
 struct BestPoint {
   double residual = std::numeric_limits<double>::infinity();
-  bool is_good = false;            ///< nothing better is looked for
-  bool is_rounded = false;         ///< rounding alone explains the residual
-  double most_rounding = kSolved;  ///< rounding up to that much explains the residual of a good one
+  bool is_good = false;     ///< nothing better is looked for
+  bool is_rounded = false;  ///< rounding alone explains the residual
 
   /// Whether it is a solution.
   bool is_solved(bool may_be_rounded) const {
@@ -68,15 +77,7 @@ struct BestPoint {
     const bool solves = reached <= kSolved || rounded;
     return solves != is_solved(true) ? solves : reached < residual;
   }
-  /// Whether the solution at hand is as good as its impulses can be told.
-  bool would_be_good(const Task& task, double reached) const {
-    return reached <= kGood || (reached <= most_rounding &&
-                                reached <= rounding_of(task.problem, task.solution, most_rounding));
-  }
-  void forget() {
-    residual = std::numeric_limits<double>::infinity();
-    is_good = is_rounded = false;
-  }
+  void forget() { *this = {}; }
 };
 
 /// A rule of friction: which vertices take part in the path, and how its last point becomes a
@@ -123,16 +124,6 @@ class FrictionStrategy {
   virtual void take_least_impulse(const Task&) {}
   virtual BestPoint& best() = 0;
   int best_attempt() const { return best_attempt_; }
-  /// A warm start is content with any rounding: the last solution had it, too. A cold one finds
-  /// better points than the rounding of one of them tells.
-  void begin_warm() {
-    best().forget();
-    best().most_rounding = kMostRoundingKept;
-  }
-  void begin_cold() {
-    best().forget();
-    best().most_rounding = kSolved;
-  }
 
  protected:
   int attempt_ = 0, best_attempt_ = 0;

@@ -104,7 +104,7 @@ void ImpulseSearch::keep_if_better(const Task& task) {
                           residual <= rounding_of(task.problem, task.solution);
   if (!found_.best.is_worse_than(residual, is_rounded)) return;
   found_.best.residual = residual;
-  found_.best.is_good = found_.best.would_be_good(task, residual);
+  found_.best.is_good = task.is_good(residual);
   found_.best.is_rounded = is_rounded;
   found_.impulse.head(size()) = impulse_.head(size());
 }
@@ -120,7 +120,7 @@ void ImpulseSearch::take_least_impulse(const Task& task) {
   velocity_.head(size()) += contacts_.free_velocity().head(size());
   if (!least_.find(task.problem, contacts_, velocity_, impulse_)) return;
   const double reached = extract(task);
-  if (reached <= task.result.residual || found_.best.would_be_good(task, reached))
+  if (reached <= task.result.residual || task.is_good(reached))
     task.result.residual = reached;
   else
     task.result.residual = restore_best(task);
