@@ -10,6 +10,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "meshes/scans/hidden_facets.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -73,13 +74,24 @@ struct Corners {
   std::array<Vector3d, 3> position, normal;
 };
 
-/// Point and normal of the PN triangle over barycentric coordinates.
+/// How far an edge rises over the tangent plane at one end. Both ends of an arc have the same; a
+/// corner's normal that leans towards smaller facets beside it, as where a cylinder ends in a cap,
+/// must not bend a long facet.
+double limited_rise(double own, double other) {
+  constexpr double most = 2;
+  if (!(own * other > 0)) return 0;
+  return std::copysign(std::min(std::abs(own), most * std::abs(other)), own);
+}
+
+/// Point and normal of the PN triangle over barycentric coordinates, with limited edges.
 Sample on_pn_triangle(const Corners& corners, const Vector3d& w) {
   const auto& p = corners.position;
   const auto& n = corners.normal;
   const auto edge = [&](int i, int j) -> Vector3d {
     const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(j);
-    return (2 * p[from] + p[to] - (p[to] - p[from]).dot(n[from]) * n[from]) / 3;
+    const Vector3d along = p[to] - p[from];
+    return (2 * p[from] + p[to] - limited_rise(along.dot(n[from]), -along.dot(n[to])) * n[from]) /
+           3;
   };
   const Vector3d b01 = edge(0, 1), b10 = edge(1, 0), b12 = edge(1, 2), b21 = edge(2, 1),
                  b20 = edge(2, 0), b02 = edge(0, 2);
@@ -205,8 +217,9 @@ struct SmoothSurface::Implementation {
 void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surface,
                                                    const Smoothing& smoothing) {
   const auto& vertices = surface.vertices_m;
-  std::vector<std::size_t> near;
+  std::vector<std::size_t> near, seen;
   std::vector<Vector3d> normals(surface.triangles.size(), Vector3d::Zero());
+  std::vector<double> areas(surface.triangles.size(), 0);
   std::vector<std::vector<std::size_t>> around(vertices.size());
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto& [i, j, k] = surface.triangles[f];
@@ -221,12 +234,18 @@ void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surfac
     // A needle's normal is round-off.
     if (!(area.norm() > 1e-6 * longest * longest)) continue;
     normals[f] = area.normalized();
+    areas[f] = area.norm() / 2;
     near.push_back(f);
-    for (const int corner : surface.triangles[f])
-      around[static_cast<std::size_t>(corner)].push_back(f);
+  }
+  const std::vector<bool> hidden = hidden_facets(surface, near, normals);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (hidden[i]) continue;
+    seen.push_back(near[i]);
+    for (const int corner : surface.triangles[near[i]])
+      around[static_cast<std::size_t>(corner)].push_back(near[i]);
   }
   const double cos_crease = std::cos(smoothing.crease_rad);
-  for (const std::size_t f : near) {
+  for (const std::size_t f : seen) {
     Corners corners;
     for (std::size_t c = 0; c < 3; ++c) {
       const int one = surface.triangles[f][c], two = surface.triangles[f][(c + 1) % 3];
@@ -255,7 +274,12 @@ void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surfac
             vertices[static_cast<std::size_t>(triangle[(place + 1) % 3])] - vertices[vertex];
         const Vector3d two =
             vertices[static_cast<std::size_t>(triangle[(place + 2) % 3])] - vertices[vertex];
-        corners.normal[c] += std::atan2(one.cross(two).norm(), one.dot(two)) * normals[other];
+        // Where facets are much larger than others the surface is straighter: the small ones beside
+        // a large one must not bend it.
+        constexpr double much = 2;
+        const double weight = std::min(1.0, much * areas[other] / areas[f]);
+        corners.normal[c] +=
+            weight * std::atan2(one.cross(two).norm(), one.dot(two)) * normals[other];
       }
       corners.normal[c].normalize();
     }

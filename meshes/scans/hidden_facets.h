@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "softfinger/input/triangle_surface.h"
+
+namespace softfinger::meshes {
+
+/// Which facets lie inside of a body: walls of a shell, a core under the skin, parts of what it was
+/// assembled from. Nothing that comes from outside touches them.
+///
+/// A facet is hidden where none of its points that are tried is seen from outside: in each of seven
+/// directions, along the normal and at 50 degrees to it, another facet is in the way.
+/// @param facets   indices of those that count: as what is looked at and as what is in the way
+/// @param normals  of all triangles, unit
+/// @returns for each of `facets`. None of them where all would be: then the surface is inside out.
+std::vector<bool> hidden_facets(const TriangleSurface& surface,
+                                const std::vector<std::size_t>& facets,
+                                const std::vector<Eigen::Vector3d>& normals);
+
+}  // namespace softfinger::meshes
