@@ -349,9 +349,9 @@ class LevelLoop {
         largest.*quantity = std::max(largest.*quantity, *change.*quantity);
     }
     if (!is_known)
-      throw FoldedLayer("contact", "room on the finger",
-                        "its layer would fold with all ways to its core but one",
-                        "less load, or another point");
+      throw FoldedLayer(InputError("contact", "room on the finger",
+                                   "its layer would fold with all ways to its core but one",
+                                   "less load, or another point"));
     core_error_ = largest;
     task_.progress(formatted(
         "core: what its ridge leaves open changes a by %.2g, area by %.2g, d by %.2g, torque by "

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,6 +90,11 @@ struct Pressed {
 /// @param x, y  where it has no surface, seen from the first touch
 /// @throws InputError
 [[noreturn]] void refuse_end_of_object(double x, double y, double thickness_m);
+
+/// Largest share of a load or approach with which a contact keeps off the end of a layer, to a
+/// thousandth of the whole, which does not.
+/// @param fits  whether it does with a share
+double share_that_fits(const std::function<bool(double)>& fits);
 
 /// Refuses a contact that reaches the end of a scan's layer.
 /// @param end     touches there, or nearest to it

@@ -310,6 +310,14 @@ TEST_F(LevelLoop, SharedMeshesThatDoNotServeAreNoAnswer) {
   EXPECT_FALSE(solve()) << "too small for the contact";
 }
 
+TEST(ShareThatFits, IsTheLargestToAThousandth) {
+  for (const double largest : {0.0, 0.3, 0.9995}) {
+    const double share = share_that_fits([&](double tried) { return tried <= largest; });
+    EXPECT_LE(share, largest);
+    EXPECT_GT(share, largest - 1e-3);
+  }
+}
+
 // One trial mesh is enough where mesh and contact agree to 8 %.
 TEST(FirstGuess, IsNearlyTheRadiusOfARoundContact) {
   constexpr double of_fit = 0.023, of_bisection = 0.01;
