@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -89,7 +90,13 @@ inline bool ends_finger(LayerShape::Cover cover) {
 /// A contact lies or reaches where a scan's layer would fold, though the finger goes on.
 class FoldedLayer : public InputError {
  public:
-  using InputError::InputError;
+  /// @param fits  share of the load or approach with which it does not; none where not known
+  explicit FoldedLayer(const InputError& error, std::optional<double> fits = std::nullopt)
+      : InputError(error), fits_(fits) {}
+  const std::optional<double>& fits() const { return fits_; }
+
+ private:
+  std::optional<double> fits_;
 };
 
 /// A node where the surface can be touched.

@@ -819,8 +819,8 @@ std::pair<long, long> column_at(double x, double y) {
 
 void require_cells(const meshes::HexahedralMesh& block) {
   if (block.cells.empty())
-    throw FoldedLayer("finger", "layer at the contact", "none",
-                      "a thinner layer, or a point farther from edges and thin walls");
+    throw FoldedLayer(InputError("finger", "layer at the contact", "none",
+                                 "a thinner layer, or a point farther from edges and thin walls"));
 }
 
 }  // namespace

@@ -21,8 +21,13 @@ namespace {
 constexpr double smallest_guess = 1e-4, largest_guess_b = 60, largest_guess_a = 300;
 /// Trial meshes. Most contacts take two or three.
 constexpr int most_trials = 15;
-/// Mesh and contact agree when they differ by less than this share: the patch leaves room for 25 %.
+/// Mesh and contact agree when they differ by less than this share.
 constexpr double trial_agreement = 0.08;
+/// The least room of a patch around the contact that its mesh is made for, as that share.
+const double room_of_patch = std::log(1.25);
+/// Trial after which a mesh serves whose patch has room for the contact: the outline of a scan's
+/// contact may jump by a node from one mesh to the next for ever.
+constexpr int demanding = 7;
 /// Cells of a trial mesh, times those of the usual one, where the load is not reached.
 constexpr int finest_trial = 3;
 /// Cells of both levels, times those of the usual ones, where the coarse one does not reach it.
@@ -199,7 +204,8 @@ class LevelLoop {
     task_.progress(formatted("mesh %d: a/h %.4g, b/h %.4g, d/h %.4g, unknowns %ld%s%s", trial,
                              found.a, found.b, found.approach, found.unknowns, found.effort.c_str(),
                              found.reaches_rim ? ", contact at the rim" : ""));
-    if (!found.reaches_rim && difference < trial_agreement) return true;
+    const double close_enough = trial <= demanding ? trial_agreement : room_of_patch;
+    if (!found.reaches_rim && difference < close_enough) return true;
     if (trial == most_trials)
       throw ConvergenceError("size of the refined patch", most_trials, difference,
                              "the contact's size depends on the mesh; is the contact elliptic?");
@@ -236,8 +242,11 @@ class LevelLoop {
     }
     if (const RoughSize size = physics_.size(); size.reaches_rim) {
       if (physics_.shares_meshes()) return false;
-      throw ConvergenceError("size of the refined patch", level, size.a / mesh_.a,
-                             "the contact outgrew the patch on refinement");
+      task_.progress(formatted("level %d: the contact outgrew its mesh; a larger one", level));
+      grow_mesh(level);
+      if (physics_.size().reaches_rim)
+        throw ConvergenceError("size of the refined patch", level, size.a / mesh_.a,
+                               "the contact outgrew the patch on refinement");
     }
     std::optional<Measurement> found;
     try {
@@ -247,8 +256,7 @@ class LevelLoop {
       if (physics_.shares_meshes()) return false;
       task_.progress(
           formatted("level %d: the contact is not where its mesh is; a larger one", level));
-      fit_mesh_to(growth_at_rim * mesh_.a, growth_at_rim * mesh_.b);
-      physics_.press(mesh_, level);
+      grow_mesh(level);
       found = physics_.measure();
     }
     if (problem_.friction.any() && !solve_friction(level)) {
@@ -257,6 +265,13 @@ class LevelLoop {
     }
     keep(std::move(*found), level, watch);
     return true;
+  }
+
+  /// Cells of the same size, in a larger patch: large cells may not bear what these do.
+  void grow_mesh(int level) {
+    mesh_.patch *= growth_at_rim;
+    check_reach(mesh_, problem_);
+    physics_.press(mesh_, level);
   }
 
   /// Whether a larger patch can still be meshed.
@@ -349,9 +364,9 @@ class LevelLoop {
         largest.*quantity = std::max(largest.*quantity, *change.*quantity);
     }
     if (!is_known)
-      throw FoldedLayer("contact", "room on the finger",
-                        "its layer would fold with all ways to its core but one",
-                        "less load, or another point");
+      throw FoldedLayer(InputError("contact", "room on the finger",
+                                   "its layer would fold with all ways to its core but one",
+                                   "less load, or another point"));
     core_error_ = largest;
     task_.progress(formatted(
         "core: what its ridge leaves open changes a by %.2g, area by %.2g, d by %.2g, torque by "
@@ -425,10 +440,8 @@ class LevelLoop {
       try {
         return physics_.measure_clamped(mesh).result;
       } catch (const OutgrownPatch&) {
-        // The difference then has that of the two meshes in it, and is stated all the same.
         LayerDiscretisation larger = mesh;
-        larger.a = rounded(growth_at_rim * mesh.a);
-        larger.b = rounded(growth_at_rim * mesh.b);
+        larger.patch *= growth_at_rim;
         try {
           return physics_.measure_clamped(larger).result;
         } catch (const OutgrownPatch&) {

@@ -199,15 +199,19 @@ void require_surface(const Pressed& pressed, const Pressing& pressing, const Sol
   const Eigen::MatrixXd compliance = pressed.cosine.cwiseInverse().asDiagonal() *
                                      pressed.model->compliance() *
                                      pressed.cosine.cwiseInverse().asDiagonal();
-  double fits = 0, too_much = 1;
-  for (int i = 0; i < 10; ++i) {
-    const double share = (fits + too_much) / 2;
-    (touched_end(nodes, solve(compliance, share).force) ? too_much : fits) = share;
-  }
+  const double fits = share_that_fits(
+      [&](double share) { return !touched_end(nodes, solve(compliance, share).force); });
   refuse_end_of_layer(*end, pressing, fits);
 }
 
 }  // namespace
+
+double share_that_fits(const std::function<bool(double)>& fits) {
+  double share = 0;
+  for (double step = 0.5; step > 5e-4; step /= 2)
+    if (fits(share + step)) share += step;
+  return share;
+}
 
 void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
                          std::optional<double> fits, double around) {
@@ -222,7 +226,9 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
       is_rim ? "the finger's surface ends" : "its layer would fold or turn away";
   std::string allowed = "less load, or another point";
   if (fits == 0.0)
-    allowed = "another point, or a thinner layer: nothing fits here";
+    allowed =
+        "another point, a thinner layer, or far less load: not even a thousandth of it fits on the "
+        "mesh that is made for it";
   else if (fits && pressing.approach > 0)
     allowed = formatted("an approach of %.3g mm at most, or another point",
                         mm * *fits * pressing.approach);
@@ -232,8 +238,9 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
   const std::string where =
       formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
                 mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y());
-  if (is_rim) throw InputError("contact", "room on the finger", where, allowed);
-  throw FoldedLayer("contact", "room on the finger", where, allowed);
+  const InputError refusal("contact", "room on the finger", where, allowed);
+  if (is_rim) throw refusal;
+  throw FoldedLayer(refusal, fits);
 }
 
 void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,

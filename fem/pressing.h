@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -90,10 +91,16 @@ struct Pressed {
 /// @throws InputError
 [[noreturn]] void refuse_end_of_object(double x, double y, double thickness_m);
 
+/// Largest share of a load or approach with which a contact keeps off the end of a layer, to a
+/// thousandth of the whole, which does not.
+/// @param fits  whether it does with a share
+double share_that_fits(const std::function<bool(double)>& fits);
+
 /// Refuses a contact that reaches the end of a scan's layer.
 /// @param end     touches there, or nearest to it
-/// @param fits    largest share of the load or approach that does not reach it; 0 where nothing
-///                fits, none where it is not known
+/// @param fits    largest share of the load or approach that does not reach it on the same mesh; 0
+///                where that is less than a thousandth, as on large cells that are cut off beside
+///                the first touch; none where it is not known
 /// @param around  how far from the node the layer ends at most, in h
 /// @throws FoldedLayer, InputError where the finger ends
 [[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,

@@ -10,21 +10,28 @@ namespace softfinger::fem {
 namespace {
 
 /// Where the contact reaches a fold of the layer, once more with the ridge of the eroded finger as
-/// the core's, which more of the layer bears. What that leaves open is stated.
+/// the core's, which more of the layer bears. What that leaves open is stated. Where all cores
+/// fold, the refusal is that of the one that bears most.
 template <class Solve>
 Result solve_with_any_core(const Problem& problem, const Progress& progress, const Solve& solve) {
   try {
     return solve(CoreWays::smoothed);
   } catch (const FoldedLayer& folded) {
     if (problem.fingertip.core) throw;
+    FoldedLayer refusal = folded;
     for (const CoreWays ways : {CoreWays::eroded, CoreWays::eroded_nearer}) {
-      progress(std::string(folded.what()) + "; once more on the core that has a ridge there");
+      progress(std::string(refusal.what()) + "; once more on the core that has a ridge there");
       try {
         return solve(ways);
-      } catch (const FoldedLayer&) {
+      } catch (const FoldedLayer& again) {
+        if (refusal.fits() && again.fits() > refusal.fits()) refusal = again;
+      } catch (const ConvergenceError& failure) {
+        // How much the other core bears is told by where it folds.
+        progress(failure.what());
+        break;
       }
     }
-    throw;
+    throw refusal;
   }
 }
 

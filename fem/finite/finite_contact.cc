@@ -113,7 +113,9 @@ class FiniteContact : public ContactPhysics {
         std::make_unique<FinitePressing>(other->make_layer(discretisation()), other->object_);
     other->pressing_->continue_from(*pressing_);
     other->pressing_->press({task.pressing.load, task.pressing.approach});
-    other->refuse_ends();
+    // How much would fit in another reading nobody asks for.
+    if (const SurfaceNode* const end = touched_end(*other->pressing_))
+      refuse_end_of_layer(*end, task.pressing, std::nullopt);
     return other;
   }
 
@@ -207,15 +209,31 @@ class FiniteContact : public ContactPhysics {
     return std::make_shared<FiniteLayer>(mesh, pressing.bent.shape, pressing.planes(), materials_);
   }
 
-  /// @throws InputError where the contact reaches the end of the layer
-  void refuse_ends() const {
-    for (const int node : pressing_->touching_nodes().node) {
-      const SurfaceNode& at = pressing_->layer().nodes()[static_cast<std::size_t>(node)];
-      if (!at.at_end) continue;
-      if (task_.pressing.mesh) refuse_end_of_surface(at, h_);
-      // How much would fit is not searched for here: each try would be a whole press.
-      refuse_end_of_layer(at, task_.pressing, std::nullopt);
+  /// The node where the contact touches the end of the surface that can be touched; none: nullptr.
+  static const SurfaceNode* touched_end(const FinitePressing& pressing) {
+    for (const int node : pressing.touching_nodes().node) {
+      const SurfaceNode& at = pressing.layer().nodes()[static_cast<std::size_t>(node)];
+      if (at.at_end) return &at;
     }
+    return nullptr;
+  }
+
+  /// Where it refuses, it presses less: how much would fit.
+  /// @throws InputError where the contact reaches the end of the layer
+  void refuse_ends() {
+    const SurfaceNode* const end = touched_end(*pressing_);
+    if (!end) return;
+    const Pressing& whole = task_.pressing;
+    if (whole.mesh) refuse_end_of_surface(*end, h_);
+    const double fits = share_that_fits([&](double share) {
+      try {
+        pressing_->press({share * whole.load, share * whole.approach});
+      } catch (const ConvergenceError&) {
+        return false;
+      }
+      return !touched_end(*pressing_);
+    });
+    refuse_end_of_layer(*end, whole, fits);
   }
 
   /// Says how far the load got. A first mesh for a load that is far too large is far too wide and

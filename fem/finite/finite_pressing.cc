@@ -170,14 +170,18 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
       return solve_tangent_contact(response, gap, to.approach > 0 ? 0 : to.load / copies(),
                                    to.approach, contact_force);
     };
-    TangentContact next = solve(target);
-    const double left = next.approach - equilibrium_.approach;
-    // Where the load falls as the approach grows, no equilibrium with a larger load is near.
-    if (iteration == 1 && limited && left * (drive.load - equilibrium_.load) <= 0) return false;
-    if (iteration == 1 && limited && std::abs(left) > kStretch * step_) {
-      target = {0, equilibrium_.approach + std::copysign(step_, left)};
-      next = solve(target);
+    const double longest = kStretch * std::copysign(step_, drive.load - equilibrium_.load);
+    const double farthest = equilibrium_.approach + longest;
+    if (iteration == 1 && limited && farthest > 0) {
+      // The longest step comes first: the tangent far beyond it may have no contact that bears the
+      // load, and then no shorter step would help.
+      const double load = copies() * solve({0, farthest}).force.sum();
+      // Where the load falls as the approach grows, no equilibrium with a larger load is near.
+      if ((load - equilibrium_.load) * longest <= 0) return false;
+      if ((drive.load - load) * longest > 0)
+        target = {0, equilibrium_.approach + longest / kStretch};
     }
+    const TangentContact next = solve(target);
 
     const double change =
         layer_->find_step(next.force.cwiseProduct(secant), next.displacement.cwiseProduct(cosine));

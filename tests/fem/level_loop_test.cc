@@ -34,9 +34,12 @@ class KnownContact : public ContactPhysics {
   RoughSize size() const override {
     const LayerDiscretisation& mesh = pressed.back();
     const bool is_trial = levels.back() == 0;
+    // The outline that some nodes tell, larger and smaller in turn.
+    const double told_a = pressed.size() % 2 == 0 ? a * jump : a / jump;
     // At the rim a contact is found no larger than the patch.
-    const bool at_rim = b > 1.2 * mesh.b || (!is_trial && outgrows);
-    return {std::min(a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
+    const bool at_rim =
+        b > 1.2 * mesh.b || (!is_trial && (outgrows || mesh.patch < patch_for_contact));
+    return {std::min(told_a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
   }
   std::unique_ptr<ContactPhysics> press_other(const ContactTask&) override {
     throw std::logic_error("no scan");
@@ -87,7 +90,8 @@ class KnownContact : public ContactPhysics {
 
   bool shares = false, trial_serves = true, outgrows = false;
   int mesh_outside = 0;
-  double oversize = 1, edge_with_friction = 1, patch_for_friction = 0;
+  double oversize = 1, edge_with_friction = 1, patch_for_friction = 0, patch_for_contact = 0;
+  double jump = 1;            ///< of the size that trial meshes tell
   std::vector<bool> planned;  ///< whether there was a plan, each time that friction was asked for
   std::vector<LayerDiscretisation> pressed;
   std::vector<int> levels, walls_clamped_on;
@@ -290,6 +294,28 @@ TEST_F(LevelLoop, ContactAtTheRimGetsAMeshThatIsLargerThanWhatIsSeenOfIt) {
   EXPECT_NEAR(contact.pressed[1].b / contact.pressed[0].b, 1.3 * 1.2, 2e-3);
 }
 
+TEST_F(LevelLoop, SizeThatJumpsWithinThePatchesRoomIsKnownWellEnough) {
+  const Result known = *solve();
+  contact.pressed.clear();
+  contact.levels.clear();
+  contact.jump = 1.12;
+  const std::optional<Result> result = solve();
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->finest.a_m, known.finest.a_m);
+  EXPECT_GT(contact.pressed.size(), 2u + 4u) << "an agreement was looked for";
+}
+
+TEST_F(LevelLoop, ContactThatOutgrowsItsPatchGetsMoreCellsOfTheSameSize) {
+  const double usual = LayerDiscretisation().patch;
+  contact.patch_for_contact = 1.2 * usual;
+  ASSERT_TRUE(solve());
+  EXPECT_GE(contact.pressed.back().patch, contact.patch_for_contact);
+  EXPECT_NEAR(contact.pressed.back().a, KnownContact::a, 0.5e-3 * KnownContact::a);
+  EXPECT_EQ(contact.pressed.back().elements_per_semi_axis, 8);
+  contact.patch_for_contact = 2 * usual;
+  EXPECT_THROW(solve(), ConvergenceError);
+}
+
 TEST_F(LevelLoop, ContactThatOutgrowsItsPatchIsAnError) {
   contact.outgrows = true;
   EXPECT_THROW(solve(), ConvergenceError);
@@ -308,6 +334,14 @@ TEST_F(LevelLoop, SharedMeshesThatDoNotServeAreNoAnswer) {
   contact = {};
   contact.shares = contact.outgrows = true;
   EXPECT_FALSE(solve()) << "too small for the contact";
+}
+
+TEST(ShareThatFits, IsTheLargestToAThousandth) {
+  for (const double largest : {0.0, 0.3, 0.9995}) {
+    const double share = share_that_fits([&](double tried) { return tried <= largest; });
+    EXPECT_LE(share, largest);
+    EXPECT_GT(share, largest - 1e-3);
+  }
 }
 
 // One trial mesh is enough where mesh and contact agree to 8 %.
