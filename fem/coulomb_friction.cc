@@ -103,7 +103,8 @@ class FrictionProblem {
       const Direction& direction = directions[static_cast<std::size_t>(j)];
       descent[j] = residual_.segment<2>(direction.row).dot(direction.along);
     }
-    const Eigen::VectorXd step = solve_by_factor(kept.factor, descent.cast<float>()).cast<double>();
+    const Eigen::VectorXd step =
+        solve_vector_by_factor(kept.factor, descent.cast<float>()).cast<double>();
 
     const double before = energy();
     const Eigen::VectorXd old_force = force_, old_residual = residual_;
@@ -203,9 +204,8 @@ void cover(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit, Stic
   kept.movable.clear();
 }
 
-FrictionSolution solve(FrictionProblem& problem, double scale, StickSlipFactor& factor,
-                       bool renew) {
-  constexpr double tolerance = 1e-9;
+FrictionSolution solve(FrictionProblem& problem, double scale, double tolerance,
+                       StickSlipFactor& factor, bool renew) {
   constexpr int iteration_limit = 200;
   constexpr double slow = 0.1;  // a factor that leaves more of the violation is renewed
   FrictionSolution solution;
@@ -234,7 +234,7 @@ FrictionSolution solve(FrictionProblem& problem, double scale, StickSlipFactor& 
 
 FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
                                 const Eigen::VectorXd& target, Eigen::VectorXd& force,
-                                StickSlipFactor* kept) {
+                                StickSlipFactor* kept, double tolerance) {
   StickSlipFactor own;
   StickSlipFactor& factor = kept ? *kept : own;
   cover(compliance, limit, factor);
@@ -243,7 +243,7 @@ FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::
   Eigen::VectorXd force_of_points = force(rows);
   FrictionProblem problem(factor.compliance, limit_of_points, target_of_points, force_of_points);
   const FrictionSolution solution =
-      solve(problem, target.cwiseAbs().maxCoeff(), factor, kept == nullptr);
+      solve(problem, target.cwiseAbs().maxCoeff(), tolerance, factor, kept == nullptr);
   force.setZero();
   for (std::size_t k = 0; k < rows.size(); ++k)
     force[rows[k]] = force_of_points[static_cast<Index>(k)];

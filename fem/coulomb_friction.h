@@ -12,6 +12,9 @@ struct FrictionSolution {
       0;  ///< worst violation of stick or of the slip's direction, over the largest target
 };
 
+/// Of `FrictionSolution::residual`, where the limits are those that count.
+constexpr double friction_tolerance = 1e-9;
+
 /// What problems with one compliance share. Of all points, those with a limit are far fewer: their
 /// compliance is copied, so that the others' is not read in each iteration. Newton's factor is that
 /// of one state of stick and slip: while the same points stick and slip, and their limits change
@@ -36,11 +39,12 @@ struct StickSlipFactor {
 /// @param target      2n: displacement that full stick would need
 /// @param force       2n: first guess and result
 /// @param kept        of an earlier problem with the same compliance, whose copy it holds: made
-/// anew
-///                    for another one; replaced; may be null
+///                    anew for another one; replaced; may be null
+/// @param tolerance   of the solution's residual
 /// @throws ConvergenceError
 FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit,
                                 const Eigen::VectorXd& target, Eigen::VectorXd& force,
-                                StickSlipFactor* kept = nullptr);
+                                StickSlipFactor* kept = nullptr,
+                                double tolerance = friction_tolerance);
 
 }  // namespace softfinger::fem

@@ -132,6 +132,26 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
   return result;
 }
 
+TouchedRegion region_of(const PressedContact& contact, const FrictionOfLevel& friction) {
+  const auto& nodes = contact.model.nodes();
+  std::vector<char> touched(nodes.size(), 0);
+  const auto add = [&](const std::vector<FrictionState>& states) {
+    for (const FrictionState& state : states)
+      for (const int node : state.touching) touched[static_cast<std::size_t>(node)] = 1;
+  };
+  add(friction.twist);
+  add(friction.limit_surface);
+  for (const auto& path : friction.paths) add(path);
+  TouchedRegion region;
+  region.a = contact.a;
+  region.b = contact.b;
+  region.spacing = 0.5 / contact.model.discretisation().elements_per_semi_axis;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (touched[i] || contact.force[static_cast<Eigen::Index>(i)] > 0)
+      region.places.emplace_back(nodes[i].x / region.a, nodes[i].y / region.b);
+  return region;
+}
+
 }  // namespace
 
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
@@ -141,19 +161,25 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, Kept
   // costs time.
   const LayerDiscretisation& mesh = contact.model.discretisation();
   const double all = (mesh.patch - contact.edge) * mesh.elements_per_semi_axis;
-  if (plan)
+  if (plan) {
     contact.margin =
         std::max(1.0, (plan->edge - contact.edge) * mesh.elements_per_semi_axis + spare_margin);
+    contact.region = plan->region;
+  }
   contact.margin = std::min(contact.margin, all);
+  FrictionOfLevel result;
   try {
-    return friction_within_margin(contact, problem, kept, plan, progress, on_state);
+    result = friction_within_margin(contact, problem, kept, plan, progress, on_state);
   } catch (const EdgeLeftMargin&) {
-    if (contact.margin >= all) throw;
+    if (contact.margin >= all && contact.region.places.empty()) throw;
     contact.margin = all;
+    contact.region = {};
     progress(
         "friction: the contact's edge moves by more than a cell; once more on all of the patch");
-    return friction_within_margin(contact, problem, kept, plan, progress, on_state);
+    result = friction_within_margin(contact, problem, kept, plan, progress, on_state);
   }
+  plan->region = region_of(contact, result);
+  return result;
 }
 
 namespace {

@@ -38,6 +38,7 @@ struct FrictionPlan {
   /// Largest relative radius that friction has moved the contact's edge to, on the levels so far:
   /// the next one needs compliances up to there.
   double edge = 1;
+  TouchedRegion region;  ///< of the last level
 };
 
 /// Scales of the motions in a plan, in the units of the model.

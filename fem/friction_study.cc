@@ -23,6 +23,13 @@ double rim(const PressedContact& contact) {
   return contact.edge + contact.margin / contact.model.discretisation().elements_per_semi_axis;
 }
 
+/// Whether a node lies at the end of the contact's region.
+bool is_spare(const PressedContact& contact, int node) {
+  if (contact.region.places.empty() || contact.force[node] > 0) return false;
+  const SurfaceNode& at = contact.model.nodes()[static_cast<std::size_t>(node)];
+  return contact.region.distance(at.x, at.y) > contact.region.spacing;
+}
+
 FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& surface) {
   Eigen::VectorXd gap(surface.size());
   for (Index i = 0; i < surface.size(); ++i)
@@ -33,22 +40,22 @@ FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& 
   return {surface, gap, contact.load, FrictionBound(contact.law, area)};
 }
 
-/// Relative radius of the outermost node that touches.
-double edge_of(const PressedContact& contact, const SurfaceCompliance& surface,
-               const FrictionalContact& state) {
+/// What touches in a state, and the relative radius of its outermost node.
+void find_touching(const PressedContact& contact, const SurfaceCompliance& surface,
+                   const FrictionalContact& state, FrictionState& result) {
   const double allowed =
       rim(contact) - spare_margin / contact.model.discretisation().elements_per_semi_axis;
-  double edge = 0;
   for (Index i = 0; i < surface.size(); ++i) {
     if (state.normal_force()[i] <= 0) continue;
+    const int node = surface.model_node[static_cast<std::size_t>(i)];
+    result.touching.push_back(node);
     const double radius = relative_radius(contact, surface.in_block(0, i), surface.in_block(1, i));
-    edge = std::max(edge, radius);
-    if (radius > allowed)
+    result.edge = std::max(result.edge, radius);
+    if (radius > allowed || is_spare(contact, node))
       throw EdgeLeftMargin("size of the frictional contact", static_cast<int>(i), radius,
                            "friction moved the contact's edge to this relative radius, out of the "
                            "refined patch; use a lower friction coefficient");
   }
-  return edge;
 }
 
 /// The first of the velocities, then always the one whose direction is nearest to the last.
@@ -72,6 +79,12 @@ std::vector<std::size_t> short_way(const std::vector<PlaneMotion>& velocities, d
 
 }  // namespace
 
+bool is_in_region(const TouchedRegion& region, const SurfaceNode& node,
+                  const LayerDiscretisation& mesh) {
+  return region.places.empty() || region.distance(node.x, node.y) <=
+                                      region.spacing + spare_margin / mesh.elements_per_semi_axis;
+}
+
 Eigen::VectorXd largest_friction(const PressedContact& contact) {
   const auto& nodes = contact.model.nodes();
   Eigen::VectorXd area = contact.strength_share;
@@ -84,7 +97,8 @@ QuarterCompliances friction_compliances(const PressedContact& contact, Invarianc
   std::vector<int> chosen;
   const auto& nodes = contact.model.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact))
+    if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact) &&
+        is_in_region(contact.region, nodes[i], contact.model.discretisation()))
       chosen.push_back(static_cast<int>(i));
   if (kept && *kept)
     if (std::optional<QuarterCompliances> part = part_of(**kept, chosen, fewest))
@@ -125,8 +139,8 @@ std::vector<FrictionState> move_through(const PressedContact& contact,
   std::vector<FrictionState> states;
   for (const PlaneMotion& motion : motions) {
     state.move_to(motion);
-    const double edge = edge_of(contact, surface, state);
-    states.push_back({motion, state.wrench(), state.slip_fraction(), edge});
+    states.push_back({motion, state.wrench(), state.slip_fraction()});
+    find_touching(contact, surface, state, states.back());
     on_state(state, states.back());
   }
   return states;
@@ -140,8 +154,8 @@ std::vector<FrictionState> slide_through(const PressedContact& contact,
   // Each slide starts from the one before.
   for (const std::size_t i : short_way(velocities, contact.b)) {
     state.slide(velocities[i]);
-    const double edge = edge_of(contact, surface, state);
-    states[i] = {velocities[i], state.wrench(), 1, edge};
+    states[i] = {velocities[i], state.wrench(), 1};
+    find_touching(contact, surface, state, states[i]);
   }
   return states;
 }

@@ -8,6 +8,7 @@
 #include "fem/frictional_contact.h"
 #include "fem/layer_model.h"
 #include "fem/reference_solver.h"
+#include "fem/touched_region.h"
 #include "softfinger/input/errors.h"
 
 /// Friction on a contact that was pressed on one mesh, in linear elasticity. All in the units of
@@ -27,7 +28,14 @@ struct PressedContact {
   double edge = 1;  ///< relative radius of the frictionless contact's edge, where it is no ellipse
   /// How far the edge may move while friction moves the pressure, in cells of the refined patch.
   double margin = 1;
+  /// Where a coarser mesh tells that it may touch; empty: wherever the margin lets it.
+  TouchedRegion region{};
 };
+
+/// Whether the contact may come to a node, as far as its region tells.
+/// @param mesh  the node's
+bool is_in_region(const TouchedRegion& region, const SurfaceNode& node,
+                  const LayerDiscretisation& mesh);
 
 /// Sums over the model's nodes times this are sums over the contact.
 inline int copies(const PressedContact& contact) { return contact.model.planes().images(); }
@@ -52,6 +60,7 @@ struct FrictionState {
   double slip_fraction = 0;
   double edge = 0;  ///< how far out it touches, relative to the semi-axes
   std::optional<ShearedContact> sheared = std::nullopt;
+  std::vector<int> touching{};  ///< nodes of the model, of small motions
 };
 
 using OnState = std::function<void(const FrictionalContact&, const FrictionState&)>;

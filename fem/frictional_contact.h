@@ -54,7 +54,8 @@ class FrictionalContact {
   bool slips(Eigen::Index point) const;
 
  private:
-  /// Repeats `tangential_of(limits)` and the normal contact until the pressure settles.
+  /// Repeats `solve_tangential(precision)`, to that residual, and the normal contact until the
+  /// pressure settles.
   template <class TangentialSolver>
   void settle(const char* stage, const TangentialSolver& solve_tangential);
 
@@ -65,10 +66,11 @@ class FrictionalContact {
   NormalContact normal_;
   TouchingFactor touching_;
   StickSlipFactor stick_slip_;
-  Eigen::VectorXd pressed_;     ///< normal forces when friction set in
-  Eigen::VectorXd tangential_;  ///< per point x, y: on the layer
-  Eigen::VectorXd slip_;        ///< per point x, y: of the indenter against the layer
-  Eigen::VectorXd limit_;       ///< per point: what friction could hold when it was last solved for
+  Eigen::VectorXd pressed_;      ///< normal forces when friction set in
+  Eigen::VectorXd tangential_;   ///< per point x, y: on the layer
+  Eigen::VectorXd last_change_;  ///< of the tangential forces, in the last increment
+  Eigen::VectorXd slip_;         ///< per point x, y: of the indenter against the layer
+  Eigen::VectorXd limit_;  ///< per point: what friction could hold when it was last solved for
 };
 
 }  // namespace softfinger::fem

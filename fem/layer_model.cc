@@ -29,10 +29,12 @@ struct LayerModel::Implementation : LayerSpace {
   Unknowns even;                           ///< of the problem that pressing solves
   std::unique_ptr<CholeskyFactor> factor;  ///< none where it is condensed to all displacements
   Eigen::MatrixXd compliance;
-  Eigen::MatrixXd of_all;  ///< 3 x 3 blocks for all surface nodes; empty unless condensed to them
+  /// With the displacements of nodes that rub, 3 rows for each; empty where none does.
+  Eigen::MatrixXd of_rubbing;
+  std::vector<int> rubbing_row;  ///< per node, its first of them; -1: none
 
   void set_frames();
-  void factorise(Along along);
+  void factorise(const Rubs& rubs);
   void assemble();
 };
 
@@ -86,31 +88,37 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation, double poisson
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation,
                        std::vector<ElasticConstants> sublayers,
-                       std::shared_ptr<const LayerShape> shape, MirrorPlanes planes, Along along)
+                       std::shared_ptr<const LayerShape> shape, MirrorPlanes planes,
+                       const Rubs& rubs)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), planes)) {
   implementation_->sublayers = std::move(sublayers);
   if (implementation_->shape) implementation_->set_frames();
-  implementation_->factorise(along);
+  implementation_->factorise(rubs);
 }
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation,
                        std::vector<ElasticConstants> sublayers, const meshes::LayerMesh& mesh,
-                       double thickness_m, Along along)
+                       double thickness_m, const Rubs& rubs)
     : implementation_(std::make_unique<Implementation>(discretisation, mesh, thickness_m)) {
   auto& self = *implementation_;
   self.sublayers = std::move(sublayers);
   const auto is_flat = [](const SurfaceNode& node) { return node.normal.z() > 1 - 1e-12; };
   if (!std::all_of(self.nodes.begin(), self.nodes.end(), is_flat)) self.set_frames();
-  self.factorise(along);
+  self.factorise(rubs);
 }
 
-void LayerModel::Implementation::factorise(Along along) {
+void LayerModel::Implementation::factorise(const Rubs& rubs) {
   assemble();
   even = free_unknowns(Parity{});
   std::vector<int> last;
-  for (const auto& dof : node_dofs)
-    for (std::size_t c = along == Along::normals ? 2 : 0; c < dim; ++c)
-      last.push_back(even.of_dof[dof[c]]);
+  std::vector<Eigen::Index> normals;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const bool rubbing = rubs(nodes[i]);
+    rubbing_row.push_back(rubbing ? static_cast<int>(last.size()) : -1);
+    for (std::size_t c = rubbing ? 0 : 2; c < dim; ++c)
+      last.push_back(even.of_dof[node_dofs[i][c]]);
+    normals.push_back(static_cast<Eigen::Index>(last.size()) - 1);
+  }
   const SparseSymmetricMatrix matrix = lower_triangle(stiffness, even);
   // A quarter's other parities need it again. The larger ones rather need the memory.
   if (!planes.both()) {
@@ -119,25 +127,28 @@ void LayerModel::Implementation::factorise(Along along) {
   }
   dissect(matrix, even);
   factor = std::make_unique<CholeskyFactor>(matrix, dissection_of(even), last);
-  if (along == Along::normals) {
+  if (last.size() == nodes.size()) {
     compliance = factor->compliance_of_last();
     return;
   }
   // With its rows of all displacements it is the largest of what is held. Only files need it again.
-  of_all = std::move(*factor).compliance_of_last();
+  of_rubbing = std::move(*factor).compliance_of_last();
   factor.reset();
-  const auto normals = Eigen::seq(2, Eigen::last, 3);
-  compliance = of_all(normals, normals);
-  turn_normals_inwards(of_all);
+  compliance = of_rubbing(normals, normals);
 }
 
 Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
   auto& self = *implementation_;
-  if (self.of_all.size() > 0) {
+  const auto rubbing_row = [&](int node) {
+    return self.rubbing_row[static_cast<std::size_t>(node)];
+  };
+  if (std::all_of(nodes.begin(), nodes.end(), [&](int node) { return rubbing_row(node) >= 0; })) {
     std::vector<Eigen::Index> rows;
     for (const int node : nodes)
-      for (int c = 0; c < 3; ++c) rows.push_back(3 * static_cast<Eigen::Index>(node) + c);
-    return self.of_all(rows, rows);
+      for (int c = 0; c < 3; ++c) rows.push_back(rubbing_row(node) + c);
+    Eigen::MatrixXd compliance = self.of_rubbing(rows, rows);
+    turn_normals_inwards(compliance);
+    return compliance;
   }
   if (self.stiffness.empty()) self.assemble();
   const Unknowns free = self.free_unknowns(parity);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -147,6 +148,12 @@ enum class Along {
   all,      ///< three per node: along its tangents, and into the layer
 };
 
+/// Whether friction may act on a node: it is condensed to all of its displacements, others to that
+/// into the layer.
+using Rubs = std::function<bool(const SurfaceNode&)>;
+inline bool none_rubs(const SurfaceNode&) { return false; }
+inline bool all_rub(const SurfaceNode&) { return true; }
+
 /// Unknowns of the layer that LayerModel would make of a mesh from outside: cells are halved and
 /// counted, nothing is assembled.
 long predicted_unknowns(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
@@ -165,13 +172,13 @@ class LayerModel {
   /// @param sublayers  from the surface inwards, one more than interfaces
   /// @param shape      null: flat
   /// @param planes     of layer, object and load
-  /// @param along      `all`, of a whole layer only, is what friction needs: one factorisation then
-  ///                   serves pressing and friction
+  /// @param rubs       of a whole layer only: one factorisation then serves pressing and friction
+  ///                   on these nodes
   /// @throws InputError where the shape folds an element, FoldedLayer where a scan's do all,
   ///         ConvergenceError from the factorisation
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes,
-             Along along = Along::normals);
+             const Rubs& rubs = none_rubs);
   /// A homogeneous one with E = 1.
   LayerModel(const LayerDiscretisation& discretisation, double poisson_ratio,
              std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes);
@@ -179,7 +186,7 @@ class LayerModel {
   /// until `elements_per_semi_axis` of them lie along b.
   /// @param sublayers  of the mesh's regions
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
-             const meshes::LayerMesh& mesh, double thickness_m, Along along = Along::normals);
+             const meshes::LayerMesh& mesh, double thickness_m, const Rubs& rubs = none_rubs);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;
   LayerModel& operator=(const LayerModel&) = delete;
@@ -198,7 +205,7 @@ class LayerModel {
   /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. On a bent layer they
   /// are along each node's normal and the tangents that the smallest rotation makes of x and y.
   /// Rows and columns of components that the parity fixes on the mirror planes are zero. Each call
-  /// factorises, unless the model is condensed to all displacements.
+  /// factorises, unless the model is condensed to all displacements of the nodes.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
 
   /// Displacement, stress and contact pressure of what is meshed in SI units, atomically.

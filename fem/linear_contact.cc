@@ -98,7 +98,7 @@ class LinearContact : public ContactPhysics {
     if (shares_meshes_)
       model = meshes_.models[place()];
     else
-      model = make_layer(mesh, task_.pressing, along());
+      model = make_layer(mesh, task_.pressing, rubs(mesh));
     if (keeps_meshes_ && is_kept_level()) meshes_.models[place()] = model;
     pressed_ = press_on(std::move(model), task_.pressing);
     check_sensible(pressed_, task_);
@@ -167,8 +167,10 @@ class LinearContact : public ContactPhysics {
 
   FrictionOfLevel friction(std::optional<FrictionPlan>& plan, bool) override {
     KeptCompliances* kept = keeps_meshes_ ? &meshes_.compliances[place()] : nullptr;
-    return friction_on(start_of_friction(), task_.problem, kept, plan, task_.progress,
-                       series_.of(level_));
+    FrictionOfLevel result = friction_on(start_of_friction(), task_.problem, kept, plan,
+                                         task_.progress, series_.of(level_));
+    region_ = plan->region;
+    return result;
   }
 
   std::vector<PressurePoint> pressures() const override {
@@ -207,12 +209,16 @@ class LinearContact : public ContactPhysics {
         refuse_end_of_object(node.position.x(), node.position.y(), task_.pressing.thickness_m);
   }
 
-  /// What the present level's mesh is condensed to. With mirror planes friction has other parities,
-  /// which are factorised by themselves; trial meshes are only pressed.
-  Along along() const {
-    const Problem& problem = task_.problem;
-    const bool rubs = problem.friction.any() || !problem.compliance_file.empty();
-    return rubs && is_kept_level() && !task_.pressing.planes().any() ? Along::all : Along::normals;
+  /// Nodes of the present level's mesh that friction may reach. With mirror planes it has other
+  /// parities, which are factorised by themselves; trial meshes are only pressed. Later contacts
+  /// and files may ask for nodes that this contact's friction leaves alone.
+  Rubs rubs(const LayerDiscretisation& mesh) const {
+    const bool for_others = !task_.problem.compliance_file.empty();
+    if (!(for_others || task_.problem.friction.any()) || !is_kept_level() ||
+        task_.pressing.planes().any())
+      return none_rubs;
+    if (for_others || keeps_meshes_) return all_rub;
+    return [this, mesh](const SurfaceNode& node) { return is_in_region(region_, node, mesh); };
   }
 
   /// Index of the present level in a pair of meshes.
@@ -268,6 +274,7 @@ class LinearContact : public ContactPhysics {
   MeshPair meshes_;
   const std::shared_ptr<const RigidObject> object_;
   SurfaceSeries series_;
+  TouchedRegion region_;  ///< of friction on the coarse level; empty before it
   Pressed pressed_;
   ContactShape shape_;  ///< as measured last
 };

@@ -15,12 +15,13 @@ struct NormalContact {
   double complementarity_residual = 0;  ///< worst penetration relative to the approach
 };
 
-/// The factor of one contact's touching nodes. Kept between solves with one compliance: where the
-/// set of nodes stays, which it mostly does from one state of friction to the next, nothing is
-/// factorised anew.
+/// The factor of one contact's touching nodes. Kept between solves with one compliance: a set of
+/// nodes that differs from these by few, as it mostly does from one state of friction to the next,
+/// needs no factor of its own.
 struct TouchingFactor {
   std::vector<Eigen::Index> nodes;
-  Eigen::MatrixXd factor;  ///< lower triangle
+  Eigen::MatrixXd factor;            ///< lower triangle
+  Eigen::VectorXd per_displacement;  ///< forces on the nodes when all are displaced by 1
 };
 
 /// Solves w = C f, w >= approach - gap, f >= 0, f (w - approach + gap) = 0, sum f = load, by a

@@ -7,8 +7,6 @@ void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info
 void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dpotrs_(const char* uplo, const int* n, const int* columns, const double* a, const int* lda,
              double* b, const int* ldb, int* info);
-void spotrs_(const char* uplo, const int* n, const int* columns, const float* a, const int* lda,
-             float* b, const int* ldb, int* info);
 void dlauum_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
 
@@ -41,18 +39,33 @@ Eigen::MatrixXd solve_by_factor(const Eigen::MatrixXd& factor,
   const int columns = static_cast<int>(right_hand_sides.cols());
   int info = 0;
   Eigen::MatrixXd result = right_hand_sides;
-  if (size > 0) dpotrs_("L", &size, &columns, factor.data(), &size, result.data(), &size, &info);
+  if (size > 0 && columns > 0)
+    dpotrs_("L", &size, &columns, factor.data(), &size, result.data(), &size, &info);
   return result;
 }
 
-Eigen::MatrixXf solve_by_factor(const Eigen::MatrixXf& factor,
-                                const Eigen::MatrixXf& right_hand_sides) {
-  const int size = static_cast<int>(factor.rows());
-  const int columns = static_cast<int>(right_hand_sides.cols());
-  int info = 0;
-  Eigen::MatrixXf result = right_hand_sides;
-  if (size > 0) spotrs_("L", &size, &columns, factor.data(), &size, result.data(), &size, &info);
+namespace {
+
+template <class Matrix, class Vector>
+Vector solve_one_by_factor(const Matrix& factor, const Vector& right_hand_side) {
+  // LAPACK's function for many right-hand sides would copy the factor for one.
+  Vector result = right_hand_side;
+  const auto lower = factor.template triangularView<Eigen::Lower>();
+  lower.solveInPlace(result);
+  lower.transpose().solveInPlace(result);
   return result;
+}
+
+}  // namespace
+
+Eigen::VectorXd solve_vector_by_factor(const Eigen::MatrixXd& factor,
+                                       const Eigen::VectorXd& right_hand_side) {
+  return solve_one_by_factor(factor, right_hand_side);
+}
+
+Eigen::VectorXf solve_vector_by_factor(const Eigen::MatrixXf& factor,
+                                       const Eigen::VectorXf& right_hand_side) {
+  return solve_one_by_factor(factor, right_hand_side);
 }
 
 bool invert_by_factor(Eigen::MatrixXd& factor) {
@@ -96,7 +109,7 @@ Eigen::VectorXd solve_positive_definite(const Eigen::MatrixXd& matrix,
                                         const Eigen::VectorXd& right_hand_side) {
   Eigen::MatrixXd factor = matrix;
   factorise_positive_definite(factor);
-  return solve_by_factor(factor, right_hand_side);
+  return solve_vector_by_factor(factor, right_hand_side);
 }
 
 }  // namespace softfinger::fem

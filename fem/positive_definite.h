@@ -15,8 +15,11 @@ bool factorise_positive_definite(Eigen::MatrixXf& matrix);
 /// @returns A^-1 B
 Eigen::MatrixXd solve_by_factor(const Eigen::MatrixXd& factor,
                                 const Eigen::MatrixXd& right_hand_sides);
-Eigen::MatrixXf solve_by_factor(const Eigen::MatrixXf& factor,
-                                const Eigen::MatrixXf& right_hand_sides);
+/// @returns A^-1 b
+Eigen::VectorXd solve_vector_by_factor(const Eigen::MatrixXd& factor,
+                                       const Eigen::VectorXd& right_hand_side);
+Eigen::VectorXf solve_vector_by_factor(const Eigen::MatrixXf& factor,
+                                       const Eigen::VectorXf& right_hand_side);
 
 /// Replaces L by the lower triangle of A^-1; 2 n³/3 operations.
 /// @returns false where L is singular

@@ -170,12 +170,12 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
 }
 
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
-                                             const Pressing& pressing, Along along) {
+                                             const Pressing& pressing, const Rubs& rubs) {
   if (pressing.mesh)
     return std::make_shared<const LayerModel>(discretisation, pressing.materials(), *pressing.mesh,
-                                              pressing.thickness_m, along);
+                                              pressing.thickness_m, rubs);
   return std::make_shared<const LayerModel>(discretisation, pressing.materials(),
-                                            pressing.bent.shape, pressing.planes(), along);
+                                            pressing.bent.shape, pressing.planes(), rubs);
 }
 
 namespace {

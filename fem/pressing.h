@@ -122,7 +122,7 @@ void choose_elements(LayerDiscretisation& mesh, int level);
 /// @throws what LayerModel's constructor throws
 std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
                                              const Pressing& pressing,
-                                             Along along = Along::normals);
+                                             const Rubs& rubs = none_rubs);
 
 /// @param model  of the pressing's own layer
 /// @throws InputError, ConvergenceError

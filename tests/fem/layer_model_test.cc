@@ -32,7 +32,7 @@ TEST(LayerModel, CondensedToAllDisplacementsServesPressingAndFriction) {
   LayerDiscretisation discretisation = coarse();
   discretisation.elements_per_semi_axis = 3;
   const std::vector<ElasticConstants> layer{{1, 0.45}};
-  const LayerModel all(discretisation, layer, nullptr, no_plane, Along::all);
+  const LayerModel all(discretisation, layer, nullptr, no_plane, all_rub);
   const LayerModel normals(discretisation, layer, nullptr, no_plane);
   // Round-off of another order of elimination.
   constexpr double round_off = 1e-10;
@@ -43,6 +43,25 @@ TEST(LayerModel, CondensedToAllDisplacementsServesPressingAndFriction) {
   EXPECT_LT((all.vector_compliance({}, nodes) - expected).norm(), round_off * expected.norm());
   EXPECT_NEAR(expected(5, 11), normals.compliance()(4, 20), round_off * expected(5, 5));
   EXPECT_EQ(normals.vector_compliance({}, nodes), expected) << "asked for once more";
+}
+
+TEST(LayerModel, MayBeCondensedToAllDisplacementsOfSomeNodes) {
+  LayerDiscretisation discretisation = coarse();
+  discretisation.elements_per_semi_axis = 3;
+  const std::vector<ElasticConstants> layer{{1, 0.45}};
+  const auto rubs = [](const SurfaceNode& node) { return node.x > 0; };
+  const LayerModel some(discretisation, layer, nullptr, no_plane, rubs);
+  const LayerModel normals(discretisation, layer, nullptr, no_plane);
+  constexpr double round_off = 1e-10;
+  EXPECT_LT((some.compliance() - normals.compliance()).norm(),
+            round_off * normals.compliance().norm());
+  std::vector<int> nodes, others;
+  for (int i = 0; i < static_cast<int>(some.nodes().size()); ++i)
+    (rubs(some.nodes()[static_cast<std::size_t>(i)]) ? nodes : others).push_back(i);
+  for (const std::vector<int>& asked : {nodes, others}) {
+    const Eigen::MatrixXd expected = normals.vector_compliance({}, asked);
+    EXPECT_LT((some.vector_compliance({}, asked) - expected).norm(), round_off * expected.norm());
+  }
 }
 
 /// A scan's layer that is flat after all.
@@ -158,7 +177,7 @@ TEST(LayerModel, WritesAFileWhenItsFactorIsNoLongerKept) {
   LayerDiscretisation discretisation = coarse();
   discretisation.elements_per_semi_axis = 3;
   expect_written_by(LayerModel(discretisation, std::vector<ElasticConstants>{{1, 0.3}}, nullptr,
-                               no_plane, Along::all));
+                               no_plane, all_rub));
 }
 
 TEST(LayerModel, RefusesAFolderThatCannotBeWritten) {

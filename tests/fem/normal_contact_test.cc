@@ -103,6 +103,31 @@ TEST(NormalContact, MayBeDrivenByItsApproach) {
   EXPECT_EQ(by_approach.active, by_load.active);
 }
 
+TEST(NormalContact, IsTheSameByTheFactorOfNearlyTheSameNodes) {
+  constexpr int size = 120;
+  Eigen::MatrixXd compliance(size, size);
+  for (int i = 0; i < size; ++i)
+    for (int j = 0; j < size; ++j) compliance(i, j) = std::exp(-std::abs(i - j) / 5.0);
+  TouchingFactor kept;
+  int bordered = 0;
+  // The contact rolls along, and after a third of its way grows and shrinks as it does.
+  for (int step = 0; step < 60; ++step) {
+    const Eigen::ArrayXd from_centre =
+        Eigen::ArrayXd::LinSpaced(size, 0, size - 1) - 45 - step / 3.0;
+    const Eigen::VectorXd gap = 1e-3 * from_centre.square();
+    const double load = step < 20 ? 20 : 20 + 5 * (step % 5);
+    const NormalContact expected = solve_normal_contact(compliance, gap, load),
+                        contact = solve_normal_contact(compliance, gap, load, &expected, &kept);
+    // Round-off, by the compliance's condition number of some hundred.
+    constexpr double round_off = 1e-11;
+    EXPECT_LT((contact.force - expected.force).norm(), round_off * expected.force.norm()) << step;
+    EXPECT_NEAR(contact.approach, expected.approach, round_off * expected.approach) << step;
+    bordered += static_cast<int>(kept.nodes.size()) != contact.active ||
+                (contact.force(kept.nodes).array() <= 0).any();
+  }
+  EXPECT_GT(bordered, 10) << "other nodes touched than those of the factor";
+}
+
 TEST(NormalContact, OfOneNodeIsASpring) {
   const NormalContact contact = solve_normal_contact(Eigen::MatrixXd::Constant(1, 1, 0.25),
                                                      Eigen::VectorXd::Constant(1, 3), 8);
