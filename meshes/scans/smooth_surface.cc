@@ -78,7 +78,7 @@ struct Corners {
 /// corner's normal that leans towards smaller facets beside it, as where a cylinder ends in a cap,
 /// must not bend a long facet.
 double limited_rise(double own, double other) {
-  constexpr double most = 2;
+  constexpr double most = 1.5;
   if (!(own * other > 0)) return 0;
   return std::copysign(std::min(std::abs(own), most * std::abs(other)), own);
 }
