@@ -40,7 +40,8 @@ may_include(analytic/softfinger/calibration ${std} ${eigen} "^unsupported/Eigen/
 may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
 may_include(analytic/python ${std} ${eigen} "^softfinger/" "^pybind11/" "^analytic/python/bindings/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
-may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^nanoflann[.]hpp")
+may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^nanoflann[.]hpp"
+            "^unsupported/Eigen/BVH")
 # Only the program knows JSON, and the file that begins with a line of it.
 foreach(file main.cc read_problem.h read_problem.cc result_json.h result_json.cc write_compliance.cc)
   may_include(fem/${file} ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")
