@@ -459,9 +459,11 @@ std::optional<double> SmoothSurface::beyond_edge(const Point& point) const {
   double distance = 0;
   implementation_->oriented->find(implementation_->oriented_place(point.position, point.normal), 1,
                                   &sample, &distance);
-  constexpr double beyond = 0.1;
+  constexpr double beyond = 0.1, clearly = 2;
   const Vector3d& facet = implementation_->samples[sample].position;
   if ((facet - on_edge).dot(edge->outward) > beyond * spacing()) return -apart.norm();
+  // Nor is a place beyond an edge that has facets of its own: the edge lies deeper, or aside.
+  if (outward > clearly * spacing() && distance < spacing() * spacing()) return -apart.norm();
   return outward;
 }
 
