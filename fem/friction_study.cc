@@ -96,10 +96,13 @@ QuarterCompliances friction_compliances(const PressedContact& contact, Invarianc
                                         KeptCompliances* kept) {
   std::vector<int> chosen;
   const auto& nodes = contact.model.nodes();
-  for (std::size_t i = 0; i < nodes.size(); ++i)
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    // What bears load takes part, even where a finer mesh alone has found an island.
+    const bool bears_load = contact.force[static_cast<Index>(i)] > 0;
     if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact) &&
-        is_in_region(contact.region, nodes[i], contact.model.discretisation()))
+        (bears_load || is_in_region(contact.region, nodes[i], contact.model.discretisation())))
       chosen.push_back(static_cast<int>(i));
+  }
   if (kept && *kept)
     if (std::optional<QuarterCompliances> part = part_of(**kept, chosen, fewest))
       return *std::move(part);

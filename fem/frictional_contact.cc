@@ -54,11 +54,13 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
   double change = 1;
   for (int iteration = 1; iteration <= limit; ++iteration) {
     limit_ = bound_.of(normal_.force);
-    solve_tangential(std::clamp(share_of_change * change, friction_tolerance, coarsest));
+    const double precision = std::clamp(share_of_change * change, friction_tolerance, coarsest);
+    solve_tangential(precision);
     const Eigen::VectorXd lift = product_with_zeros(surface_.normal_tangential, tangential_);
     found = solve_normal_contact(surface_.normal, gap_ + lift, load_, &found, &touching_);
     change = (found.force - normal_.force).cwiseAbs().sum() / load_;
-    if (change <= tolerance) {
+    // Where shear hardly moves the pressure the first turn would do: its shear is too coarse.
+    if (change <= tolerance && precision <= share_of_change * tolerance) {
       normal_ = std::move(found);
       return;
     }

@@ -23,11 +23,11 @@ constexpr double smallest_guess = 1e-4, largest_guess_b = 60, largest_guess_a = 
 constexpr int most_trials = 15;
 /// Mesh and contact agree when they differ by less than this share.
 constexpr double trial_agreement = 0.08;
-/// The least room of a patch around the contact that its mesh is made for, as that share.
-const double room_of_patch = std::log(1.25);
-/// Trial after which a mesh serves whose patch has room for the contact: the outline of a scan's
-/// contact may jump by a node from one mesh to the next for ever.
-constexpr int demanding = 7;
+/// The room of a trial mesh's patch around the contact that it is made for, as that share.
+const double room_of_trial_patch = std::log(1.25);
+/// After so many trials a mesh serves whose patch has room for the contact: the outline of a scan's
+/// contact may jump by a node from one mesh to the next for ever. Twice as many as most need.
+constexpr int most_strict_trials = 7;
 /// Cells of a trial mesh, times those of the usual one, where the load is not reached.
 constexpr int finest_trial = 3;
 /// Cells of both levels, times those of the usual ones, where the coarse one does not reach it.
@@ -204,7 +204,7 @@ class LevelLoop {
     task_.progress(formatted("mesh %d: a/h %.4g, b/h %.4g, d/h %.4g, unknowns %ld%s%s", trial,
                              found.a, found.b, found.approach, found.unknowns, found.effort.c_str(),
                              found.reaches_rim ? ", contact at the rim" : ""));
-    const double close_enough = trial <= demanding ? trial_agreement : room_of_patch;
+    const double close_enough = trial <= most_strict_trials ? trial_agreement : room_of_trial_patch;
     if (!found.reaches_rim && difference < close_enough) return true;
     if (trial == most_trials)
       throw ConvergenceError("size of the refined patch", most_trials, difference,

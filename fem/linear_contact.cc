@@ -38,6 +38,12 @@ bool is_same_size(const Size& made_for, const ContactShape& contact) {
          std::abs(std::log(made_for[1] / contact.block_b)) <= edge_on_cells;
 }
 
+/// Rounded down to two digits.
+double told_load(double load_N) {
+  const double digit = std::pow(10, std::floor(std::log10(load_N)) - 1);
+  return digit * std::floor(load_N / digit);
+}
+
 /// What linear elasticity cannot press: finite strain can.
 [[noreturn]] void refuse_pressed_through(const Pressed& pressed, const ContactTask& task) {
   const char* const beyond = "the approach reaches the layer's thickness";
@@ -48,10 +54,9 @@ bool is_same_size(const Size& made_for, const ContactShape& contact) {
   Pressing through = task.pressing;
   through.approach = 1;
   const double load_N = through.unit_of_force_N * press_on(pressed.model, through).load();
-  throw too_much(task.problem,
-                 formatted("about %.2g at most, or finite strain: %s (%.3g times it), "
-                           "far outside linear elasticity",
-                           load_N, beyond, pressed.contact.approach));
+  throw too_much(task.problem, formatted("about %g at most, or finite strain: %s (%.3g times it), "
+                                         "far outside linear elasticity",
+                                         told_load(load_N), beyond, pressed.contact.approach));
 }
 
 void check_sensible(const Pressed& pressed, const ContactTask& task) {

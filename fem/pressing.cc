@@ -226,9 +226,10 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
       is_rim ? "the finger's surface ends" : "its layer would fold or turn away";
   std::string allowed = "less load, or another point";
   if (fits == 0.0)
-    allowed =
-        "another point, a thinner layer, or far less load: not even a thousandth of it fits on the "
-        "mesh that is made for it";
+    allowed = formatted(
+        "another point, %sor far less load: under a thousandth of this one would fit on its mesh, "
+        "and a smaller load gets a finer mesh",
+        is_rim ? "" : "a thinner layer, ");
   else if (fits && pressing.approach > 0)
     allowed = formatted("an approach of %.3g mm at most, or another point",
                         mm * *fits * pressing.approach);

@@ -133,6 +133,7 @@ Eigen::Vector3d radial_changes(double angle) {
 ContactEdge changed(ContactEdge edge, const Eigen::Vector3d& by) {
   edge.a *= std::exp(by[0]);
   edge.b *= std::exp(by[1]);
+  // Swapped, not assigned: gcc 12 warns of freed memory in Eigen's resize of an empty vector.
   if (VectorXd none = VectorXd::Zero(5); edge.cosine.size() == 0) edge.cosine.swap(none);
   edge.cosine[4] += by[2];
   return edge;

@@ -24,9 +24,10 @@ Result solve_with_any_core(const Problem& problem, const Progress& progress, con
       try {
         return solve(ways);
       } catch (const FoldedLayer& again) {
-        if (refusal.fits() && again.fits() > refusal.fits()) refusal = again;
+        // One that names no load is less than any.
+        if (again.fits() > refusal.fits()) refusal = again;
       } catch (const ConvergenceError& failure) {
-        // How much the other core bears is told by where it folds.
+        // Newton's method stops on this core: the fold's refusal tells more.
         progress(failure.what());
         break;
       }

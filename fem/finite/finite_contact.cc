@@ -98,6 +98,7 @@ class FiniteContact : public ContactPhysics {
   Measurement measure_clamped(const LayerDiscretisation& mesh) override {
     LayerDiscretisation clamped = mesh;
     clamped.clamped_wall = true;
+    tells_what_fits_ = false;
     press(clamped, 0);
     return measure();
   }
@@ -108,14 +109,13 @@ class FiniteContact : public ContactPhysics {
 
   std::unique_ptr<ContactPhysics> press_other(const ContactTask& task) override {
     auto other = std::make_unique<FiniteContact>(task);
+    other->tells_what_fits_ = false;
     pressing_->release_factor();
     other->pressing_ =
         std::make_unique<FinitePressing>(other->make_layer(discretisation()), other->object_);
     other->pressing_->continue_from(*pressing_);
     other->pressing_->press({task.pressing.load, task.pressing.approach});
-    // How much would fit in another reading nobody asks for.
-    if (const SurfaceNode* const end = touched_end(*other->pressing_))
-      refuse_end_of_layer(*end, task.pressing, std::nullopt);
+    other->refuse_ends();
     return other;
   }
 
@@ -223,17 +223,22 @@ class FiniteContact : public ContactPhysics {
   void refuse_ends() {
     const SurfaceNode* const end = touched_end(*pressing_);
     if (!end) return;
+    if (task_.pressing.mesh) refuse_end_of_surface(*end, h_);
+    refuse_end_of_layer(*end, task_.pressing, tells_what_fits_ ? share_that_fits() : std::nullopt);
+  }
+
+  /// None where Newton's method stops on the way.
+  std::optional<double> share_that_fits() {
     const Pressing& whole = task_.pressing;
-    if (whole.mesh) refuse_end_of_surface(*end, h_);
-    const double fits = share_that_fits([&](double share) {
-      try {
+    task_.progress("the contact reaches the layer's end: how much would fit");
+    try {
+      return fem::share_that_fits([&](double share) {
         pressing_->press({share * whole.load, share * whole.approach});
-      } catch (const ConvergenceError&) {
-        return false;
-      }
-      return !touched_end(*pressing_);
-    });
-    refuse_end_of_layer(*end, whole, fits);
+        return !touched_end(*pressing_);
+      });
+    } catch (const ConvergenceError&) {
+      return std::nullopt;
+    }
   }
 
   /// Says how far the load got. A first mesh for a load that is far too large is far too wide and
@@ -422,6 +427,7 @@ class FiniteContact : public ContactPhysics {
   }
 
   const ContactTask& task_;
+  bool tells_what_fits_ = true;  ///< where it refuses; that takes ten presses
   const Problem& problem_;
   const double h_, E_;
   const ShearLaw law_;  ///< in the units of the model

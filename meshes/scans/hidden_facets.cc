@@ -18,6 +18,7 @@ struct Triangle {
   Vector3d corner, first, second;  ///< first, second: edges from the corner
 
   Vector3d at(double u, double v) const { return corner + u * first + v * second; }
+  double size() const { return first.norm() + second.norm(); }
 };
 
 /// Whether a ray meets one of the triangles (T. Moeller, B. Trumbore, Fast, minimum storage
@@ -28,7 +29,8 @@ class Ray {
       std::size_t own)
       : triangles_(triangles), from_(std::move(from)), direction_(direction), own_(own) {}
 
-  bool intersectVolume(const Box& box) const {
+  bool intersectVolume(const Box& box) {
+    ++steps_;
     double enters = 0, leaves = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 3; ++c) {
       const double to_low = (box.min()[c] - from_[c]) / direction_[c],
@@ -53,17 +55,22 @@ class Ray {
     const Vector3d other = start.cross(triangle.first);
     const double v = direction_.dot(other) / determinant;
     const double distance = triangle.second.dot(other) / determinant;
-    meets_ = u >= 0 && v >= 0 && u + v <= 1 && distance > 0;
+    // What lies on the ray's own facet, given twice or from both sides, is not in its way.
+    constexpr double round_off = 1e-7;
+    const double size = triangles_[own_].size() + triangle.size();
+    meets_ = u >= 0 && v >= 0 && u + v <= 1 && distance > round_off * size;
     return meets_;
   }
 
   bool meets() const { return meets_; }
+  long steps() const { return steps_; }  ///< through the tree
 
  private:
   const std::vector<Triangle>& triangles_;
   Vector3d from_, direction_;
   std::size_t own_;
   bool meets_ = false;
+  long steps_ = 0;
 };
 
 /// Along the normal first: most facets are seen from there.
@@ -102,11 +109,16 @@ std::vector<bool> hidden_facets(const TriangleSurface& surface,
   // The middle, then places near the corners.
   constexpr std::array<std::array<double, 2>, 4> places{
       {{1. / 3, 1. / 3}, {0.1, 0.1}, {0.8, 0.1}, {0.1, 0.8}}};
+  // Rays take tens of steps. Slivers that cross each other by the thousand would take as many each:
+  // from there on facets count as seen.
+  constexpr long most_steps_per_facet = 5000;
+  long steps_left = most_steps_per_facet * static_cast<long>(facets.size());
   const auto is_hidden = [&](std::size_t i) {
     const auto directions = directions_from(normals[facets[i]]);
     const auto is_free = [&](const std::array<double, 2>& place, const Vector3d& direction) {
       Ray ray(triangles, triangles[i].at(place[0], place[1]), direction, i);
-      Eigen::BVIntersect(tree, ray);
+      if (steps_left > 0) Eigen::BVIntersect(tree, ray);
+      steps_left -= ray.steps();
       return !ray.meets();
     };
     return std::none_of(places.begin(), places.end(), [&](const auto& place) {

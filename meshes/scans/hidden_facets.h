@@ -16,6 +16,7 @@ namespace softfinger::meshes {
 /// @param facets   indices of those that count: as what is looked at and as what is in the way
 /// @param normals  of all triangles, unit
 /// @returns for each of `facets`. None of them where all would be: then the surface is inside out.
+///          Of surfaces that take too long, slivers that cross by the thousand, only some
 std::vector<bool> hidden_facets(const TriangleSurface& surface,
                                 const std::vector<std::size_t>& facets,
                                 const std::vector<Eigen::Vector3d>& normals);

@@ -69,7 +69,8 @@ const Contact& contact() {
 
 /// Round-off through a factorisation of condition about 1e5.
 constexpr double round_off = 1e-10;
-/// `settle` stops at 1e-6 of the load.
+/// Two states that differ by rounding alone: `settle` stops at 1e-5 of the load, and what it finds
+/// is nearer by the rate of the settling, about a tenth.
 constexpr double settled = 1e-5;
 
 TEST(KeptCompliances, ServeWhatTheyHaveAndAreReplacedWhereTheyHaveNot) {

@@ -76,6 +76,15 @@ TEST(HiddenFacets, AreNoneOfACupOrOfABodyInsideOut) {
   EXPECT_EQ(count(of_inside, 0, of_inside.size()), 0);
 }
 
+TEST(HiddenFacets, AreNoneOfASurfaceGivenTwiceOrFromBothSides) {
+  for (const bool turned : {false, true}) {
+    TriangleSurface surface = sphere(skin_m, 1e-3);
+    const std::size_t skin = surface.triangles.size();
+    add_to(surface, turned ? inside_out(surface) : surface);
+    EXPECT_EQ(count(hidden_of(surface), 0, skin), 0) << turned;
+  }
+}
+
 TEST(SmoothSurface, KnowsNothingOfACoreUnderTheSkin) {
   TriangleSurface surface = sphere(skin_m, 1e-3);
   add_to(surface, sphere(0.8 * skin_m, 1e-3));
