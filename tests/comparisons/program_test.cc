@@ -745,8 +745,20 @@ TEST_F(Program, SelectsTheCheapestModelThatIsEnough) {
   EXPECT_EQ(selected["tolerance"], 0.05);
   ASSERT_EQ(selected["choices"].size(), 3u);
   for (const json& choice : selected["choices"]) {
-    EXPECT_EQ(choice["model"], "bonded_layer") << choice;
-    EXPECT_GT(choice["cost_us"].get<double>(), 0);
+    // Which of two that cost nearly the same is cheaper depends on what else the machine does.
+    const double cost_us = choice["cost_us"];
+    EXPECT_GT(cost_us, 0);
+    int enough = 0;
+    for (const json& candidate : choice["candidates"]) {
+      if (candidate["model"] == choice["model"]) {
+        EXPECT_TRUE(candidate["accurate"]) << candidate;
+        EXPECT_TRUE(candidate["usable"]) << candidate;
+      }
+      if (!candidate["accurate"] || !candidate["usable"]) continue;
+      ++enough;
+      EXPECT_GE(candidate["cost_us"].get<double>(), cost_us) << candidate;
+    }
+    EXPECT_GE(enough, 2) << "nothing to choose from";
     for (const char* quantity : {"area", "max_torque"})
       EXPECT_LE(choice["error_estimate"][quantity].get<double>(), 0.05) << quantity;
     EXPECT_TRUE(choice.contains("next_better"));
