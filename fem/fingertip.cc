@@ -192,30 +192,42 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   return at;
 }
 
-FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Reading reading,
+TriangleSurface turned(TriangleSurface surface, const Eigen::Quaterniond& turn) {
+  for (Vector3d& vertex : surface.vertices_m) vertex = turn * vertex;
+  return surface;
+}
+
+FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const Reading& reading,
                           CoreWays ways) {
   // What is smaller than half the thickness is noise or a feature that a layer levels. Facets are
   // looked at as far as contact and surroundings may reach.
-  constexpr double width = 0.5, wider = 1.5, within = 20;
+  constexpr double width = 0.5, within = 20;
   meshes::Smoothing smoothing{width * thickness_m, 60 * M_PI / 180, within * thickness_m};
-  if (reading == Reading::smooth) smoothing.widening = wider;
-  const bool is_doubted = reading == Reading::doubted || reading == Reading::doubted_again;
-  const unsigned int pattern = reading == Reading::doubted ? 1 : 2;
-  auto surface = std::make_shared<const meshes::SmoothSurface>(
-      is_doubted ? meshes::doubted(*fingertip.scan, smoothing.crease_rad, pattern)
-                 : *fingertip.scan,
-      smoothing);
+  smoothing.widening = reading.smoothing;
+  TriangleSurface scan = reading.doubt > 0 ? meshes::doubted(*fingertip.scan, smoothing.crease_rad,
+                                                             reading.doubt, reading.pattern)
+                                           : *fingertip.scan;
+  auto surface = std::make_shared<const meshes::SmoothSurface>(scan, smoothing);
+  const auto aimed = surface->project(Vector3d::Zero(), Vector3d::UnitZ());
+  const Vector3d own_normal = aimed ? aimed->normal : Vector3d::UnitZ();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  if (reading.normal && aimed) {
+    turn.setFromTwoVectors(own_normal, *reading.normal);
+    scan = turned(scan, turn);
+    surface = std::make_shared<const meshes::SmoothSurface>(scan, smoothing);
+  }
   const meshes::SmoothSurface::Point first =
       find_first_touch(*surface, *fingertip.object, thickness_m);
   FingertipShape result;
   result.reach_x = result.reach_y = std::numeric_limits<double>::infinity();
   result.is_scan = true;
   result.ways = ways;
+  result.own_normal = own_normal;
   result.first_touch = first.position / thickness_m;
   std::shared_ptr<const meshes::SmoothSurface> core;
   if (fingertip.core) {
     smoothing.widening = 1;
-    core = std::make_shared<const meshes::SmoothSurface>(*fingertip.core, smoothing);
+    core = std::make_shared<const meshes::SmoothSurface>(turned(*fingertip.core, turn), smoothing);
   }
   result.shape =
       std::make_shared<ScanShape>(std::move(surface), std::move(core), first, thickness_m, ways);
@@ -224,8 +236,8 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, Readin
 
 }  // namespace
 
-FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m, Reading reading,
-                               CoreWays ways) {
+FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m,
+                               const Reading& reading, CoreWays ways) {
   if (fingertip.scan) return shape_scan(fingertip, thickness_m, reading, ways);
   meshes::FingertipLayer layer(fingertip.pad, thickness_m);
   FingertipShape result;

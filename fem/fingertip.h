@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "fem/layer_model.h"
@@ -21,6 +22,9 @@ struct Fingertip {
   std::shared_ptr<const TriangleSurface> scan;
   std::shared_ptr<const TriangleSurface> core;  ///< of a scan; null: offset by the thickness
   std::shared_ptr<const meshes::ObjectSurface> object;
+  /// Of a scan's frame: the share of the area over which its quadric was fitted that the contact
+  /// did not ask for. Facets may be too large for a smaller region.
+  double region_excess = 0;
   bool symmetric_object = false;  ///< about x = 0 and y = 0
   std::string pad_name;           ///< pads of one name are one surface
 
@@ -42,23 +46,30 @@ struct FingertipShape {
   double reach_x = 0, reach_y = 0;  ///< in h; infinite where the shape itself says what it covers
   bool is_scan = false;
   CoreWays ways = CoreWays::smoothed;
+  /// Of a scan's surface at the aimed point, before any turn. The frame's z is the normal of a
+  /// quadric over a region, which is another one where the finger is no quadric.
+  Eigen::Vector3d own_normal = Eigen::Vector3d::UnitZ();
   /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere
   /// than the aimed point where the scan's surface is inclined there.
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
 };
 
-/// What a scan's triangles may stand for. How far the answers differ tells what facets and noise
-/// may change.
-enum class Reading {
-  best,           ///< smoothed over half the thickness, or over an edge where these are longer
-  smooth,         ///< over half as much again
-  doubted,        ///< with vertices moved by what facets leave open
-  doubted_again,  ///< in another pattern
+/// How a scan's triangles are read. How far the answers of other readings differ tells what facets
+/// and noise may change.
+struct Reading {
+  /// Factor on the length over which facets are smoothed: half the thickness, or an edge where
+  /// these are longer.
+  double smoothing = 1;
+  double doubt = 0;          ///< part of what facets leave open by which vertices are moved
+  unsigned int pattern = 0;  ///< of the signs with which they are
+  /// The finger is turned about the aimed point until its surface's normal there is this one. None:
+  /// it is held as it is given.
+  std::optional<Eigen::Vector3d> normal;
 };
 
 /// @throws InputError where the layer is too thick for the pad's curvature, or the scan has no
 /// surface at the contact
 FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m,
-                               Reading reading = Reading::best, CoreWays ways = CoreWays::smoothed);
+                               const Reading& reading = {}, CoreWays ways = CoreWays::smoothed);
 
 }  // namespace softfinger::fem

@@ -1,5 +1,6 @@
 #include "fem/level_loop.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -357,7 +358,7 @@ class LevelLoop {
     for (const CoreWays ways : {CoreWays::eroded, CoreWays::eroded_nearer,
                                 CoreWays::eroded_smoother, CoreWays::smoothed}) {
       if (ways == own) continue;
-      const std::optional<RelativeError> change = change_by(Reading::best, ways);
+      const std::optional<RelativeError> change = change_by({}, ways);
       if (!change) continue;
       is_known = true;
       for (const auto quantity : relative_errors)
@@ -374,18 +375,41 @@ class LevelLoop {
         100 * largest.a, 100 * largest.area, 100 * largest.indentation, 100 * largest.max_torque));
   }
 
-  /// What the scan's triangles tell, read in other ways.
+  /// What the scan's triangles tell, read in other ways. At random: where the surface lies, with
+  /// vertices moved by what facets leave open. The finger is held by its own normal, which they
+  /// change, too. Beyond that interval, not at random: what is smoothed away, and the frame, whose
+  /// normal was fitted over a larger region than the contact asks for where facets are large.
   void measure_readings() {
-    const CoreWays own = task_.pressing.bent.ways;
-    const std::optional<RelativeError> smooth = change_by(Reading::smooth, own),
-                                       one = change_by(Reading::doubted, own),
-                                       other = change_by(Reading::doubted_again, own);
-    if (!smooth || !one || !other) return;
-    // Two standard deviations, from two samples of what facets leave open.
+    constexpr double wider = 1.5;
+    // Of random samples the interval of 95 % around no change is stated: Student's factors.
+    constexpr unsigned int patterns = 4;
+    constexpr std::array<double, patterns + 1> student = {0, 12.706, 4.303, 3.182, 2.776};
+    const FingertipShape& bent = task_.pressing.bent;
+    std::vector<RelativeError> moved;
+    for (unsigned int pattern = 1; pattern <= patterns; ++pattern)
+      if (const auto change = change_by_doubt(pattern)) moved.push_back(*change);
+    if (moved.empty()) return;
+    std::vector<RelativeError> others;
+    Reading smoother;
+    smoother.smoothing = wider;
+    if (const auto change = change_by(smoother, bent.ways)) others.push_back(*change);
+    if (const double share = problem_.fingertip.region_excess; share > 0) {
+      Reading held;
+      held.normal = Eigen::Quaterniond::Identity().slerp(
+                        share, Eigen::Quaterniond::FromTwoVectors(bent.own_normal,
+                                                                  Eigen::Vector3d::UnitZ())) *
+                    bent.own_normal;
+      if (const auto change = change_by(held, bent.ways)) others.push_back(*change);
+    }
     result_.geometry_error.emplace();
-    for (const auto quantity : relative_errors)
-      *result_.geometry_error.*quantity = std::max(
-          *smooth.*quantity, 2 * std::hypot(*one.*quantity, *other.*quantity) / std::sqrt(2.0));
+    for (const auto quantity : relative_errors) {
+      double variance = 0, squares = 0;
+      for (const RelativeError& change : moved)
+        variance += change.*quantity * change.*quantity / static_cast<double>(moved.size());
+      for (const RelativeError& change : others) squares += change.*quantity * change.*quantity;
+      *result_.geometry_error.*quantity =
+          student[moved.size()] * std::sqrt(variance) + std::sqrt(squares);
+    }
     const RelativeError& stated = *result_.geometry_error;
     task_.progress(formatted(
         "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
@@ -393,8 +417,22 @@ class LevelLoop {
         100 * stated.a, 100 * stated.area, 100 * stated.indentation, 100 * stated.max_torque));
   }
 
+  /// Where vertices moved by all that is left open make a layer fold, less of it is tried: changes
+  /// are taken to be in proportion.
+  std::optional<RelativeError> change_by_doubt(unsigned int pattern) {
+    const FingertipShape& bent = task_.pressing.bent;
+    for (const double doubt : {1.0, 0.5, 0.25}) {
+      std::optional<RelativeError> change =
+          change_by({1, doubt, pattern, bent.own_normal}, bent.ways);
+      if (!change) continue;
+      for (const auto quantity : relative_errors) *change.*quantity /= doubt;
+      return change;
+    }
+    return std::nullopt;
+  }
+
   /// Relative changes by another reading, on the trial mesh. None where it cannot be pressed.
-  std::optional<RelativeError> change_by(Reading reading, CoreWays ways) {
+  std::optional<RelativeError> change_by(const Reading& reading, CoreWays ways) {
     const LevelResult& best = trial_.result;
     Pressing other = task_.pressing;
     try {

@@ -107,7 +107,7 @@ Pressing pressing_of(const Problem& problem, CoreWays ways) {
        (friction.torsion && (friction.twist_axis_x_m != 0 || friction.twist_axis_y_m != 0)));
   if (problem.fingertip) {
     pressing.fingertip = problem.fingertip;
-    pressing.bent = shape_fingertip(problem.fingertip, h, Reading::best, ways);
+    pressing.bent = shape_fingertip(problem.fingertip, h, {}, ways);
   }
   return pressing;
 }

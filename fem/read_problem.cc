@@ -167,6 +167,8 @@ Fingertip read_fingertip(const Entry& input, const MeshReaders& readers) {
       const meshes::PlacedSurface placed(read_mesh(pad, readers), placement(pad),
                                          meshes::PlacedSurface::Body::below);
       fingertip.scan = std::make_shared<const TriangleSurface>(placed.in_contact_frame());
+      if (const auto excess = pad.find("region_excess"))
+        fingertip.region_excess = excess->number(0, 1, "a number from 0 to 1");
       if (const auto core = pad.find("core"))
         fingertip.core = std::make_shared<const TriangleSurface>(
             placed.in_contact_frame(read_mesh(*core, readers)));

@@ -182,9 +182,9 @@ struct Result {
   /// Half of what a clamped side wall changes, from the free one, measured on the coarse level. A
   /// real layer goes on beyond it and lies between the two: all levels are corrected by this much.
   WallChange wall;
-  /// What facets and noise of a scanned finger may change: two standard deviations of what facets
-  /// leave open, or what more smoothing changes if that is more. None: the finger is no scan, or it
-  /// cannot be pressed with its triangles read so.
+  /// What facets and noise of a scanned finger may change, at 95 %: where they leave the surface
+  /// open, what is smoothed away, and the normal of the frame. None: the finger is no scan, or it
+  /// cannot be pressed with its vertices moved.
   std::optional<RelativeError> geometry_error;
   /// Where a scanned finger touches the object first, from the aimed point in the contact's frame;
   /// outlines and profiles count from there.

@@ -1,5 +1,6 @@
 #include "comparisons/reference/fem_problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -37,6 +38,7 @@ json body_json(const PlacedBody& placed) {
                  {"x_axis", list(mesh.x_axis)},
                  {"radii_m", {or_null(mesh.radius_x_m), or_null(mesh.radius_y_m)}},
                  {"turn_rad", placed.turn_rad}};
+  if (mesh.region_excess > 0) object["region_excess"] = mesh.region_excess;
   if (!mesh.mesh.core.empty())
     object["core"] = {{"mesh", std::filesystem::absolute(mesh.mesh.core).string()},
                       {"metres_per_unit", mesh.mesh.metres_per_unit}};
@@ -91,14 +93,23 @@ PlacedBody placed_body(const input::CaseBody& body, const std::optional<QuadricF
           turn_rad};
 }
 
+/// The region that a contact asks for is twice as large as the contact.
+double region_excess(const ContactPatch& patch) {
+  if (patch.agrees || !(patch.region_area_m2 > 0)) return 0;
+  return std::max(0., 1 - 2 * patch.predicted_area_m2 / patch.region_area_m2);
+}
+
 FemProblem::Bodies placed_bodies(const input::BodyPair& pair,
                                  const prediction::LocalGeometry& geometry, double axis_rad) {
   const std::optional<QuadricFit> none;
   const std::optional<ContactPatch>& patch = geometry.patch;
-  return {placed_body(pair.finger, patch ? patch->finger_fit : none, geometry.finger_point_m,
-                      -axis_rad),
-          placed_body(pair.object, patch ? patch->object_fit : none, geometry.object_point_m,
-                      pair.angle_rad - axis_rad)};
+  FemProblem::Bodies bodies = {placed_body(pair.finger, patch ? patch->finger_fit : none,
+                                           geometry.finger_point_m, -axis_rad),
+                               placed_body(pair.object, patch ? patch->object_fit : none,
+                                           geometry.object_point_m, pair.angle_rad - axis_rad)};
+  if (auto* finger = std::get_if<PlacedMesh>(&bodies.pad.body))
+    finger->region_excess = region_excess(*patch);
+  return bodies;
 }
 
 }  // namespace

@@ -20,6 +20,8 @@ struct PlacedMesh {
   Eigen::Vector3d outward_normal, x_axis;  ///< in the file's coordinates
   /// Of the surface's sections along the frame's axes; none where a section is flat or hollow.
   std::optional<double> radius_x_m, radius_y_m;
+  /// Share of the fitted region's area that the contact did not ask for: facets were too large.
+  double region_excess = 0;
 };
 
 /// A body with its own shape, in the frame of the relative radii.

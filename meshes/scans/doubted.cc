@@ -9,7 +9,8 @@ namespace softfinger::meshes {
 
 using Eigen::Vector3d;
 
-TriangleSurface doubted(const TriangleSurface& surface, double crease_rad, unsigned int pattern) {
+TriangleSurface doubted(const TriangleSurface& surface, double crease_rad, double part,
+                        unsigned int pattern) {
   TriangleSurface result = surface;
   const std::size_t count = surface.vertices_m.size();
   std::vector<Vector3d> normals(count, Vector3d::Zero());
@@ -39,7 +40,7 @@ TriangleSurface doubted(const TriangleSurface& surface, double crease_rad, unsig
   std::mt19937 random(pattern);
   for (std::size_t i = 0; i < count; ++i) {
     const double sign = random() % 2 == 0 ? 1 : -1;
-    if (edges[i] > 0) result.vertices_m[i] += sign * sagitta[i] / edges[i] * normals[i];
+    if (edges[i] > 0) result.vertices_m[i] += sign * part * sagitta[i] / edges[i] * normals[i];
   }
   return result;
 }

@@ -58,6 +58,30 @@ TEST(FemProblem, HasBothBodiesWhereTheFingerIsCurved) {
   EXPECT_EQ(curved["fingertip"]["object"]["radii_m"], (nlohmann::json{nullptr, nullptr}));
 }
 
+TEST(FemProblem, SaysOfAScanWhichPartOfItsRegionNobodyAskedFor) {
+  input::Case contact_case =
+      input::parse_case(std::string(kPad) + "[fem]\ngeometry = \"curved\"\n", "pad.toml");
+  input::MeshBody scan;
+  scan.path = "scan.stl";
+  std::get<input::BodyPair>(contact_case.geometry).finger = scan;
+  prediction::LocalGeometry geometry;
+  geometry.radii = {0.02, 0.01, 0};
+  ContactPatch& patch = geometry.patch.emplace();
+  patch.finger_fit.emplace();
+  const auto excess = [&](bool agrees, double predicted_mm2, double region_mm2) {
+    patch.agrees = agrees;
+    patch.predicted_area_m2 = 1e-6 * predicted_mm2;
+    patch.region_area_m2 = 1e-6 * region_mm2;
+    const nlohmann::json object = to_json(reference::fem_problem(contact_case, geometry, 3, 1));
+    return object["fingertip"]["pad"].value("region_excess", 0.);
+  };
+  // The region that is asked for is twice the contact.
+  EXPECT_DOUBLE_EQ(excess(false, 10, 80), 0.75);
+  EXPECT_EQ(excess(true, 10, 20.1), 0) << "they agree";
+  EXPECT_EQ(excess(false, 80, 10), 0) << "too small, as where a surface ends";
+  EXPECT_EQ(excess(false, 0, 0), 0) << "no region, as at an edge";
+}
+
 TEST(FemProblem, HasFrictionFilesAndApproachOnlyWhereTheyAreAskedFor) {
   reference::FemProblem asked;
   asked.friction.emplace().torsion = true;

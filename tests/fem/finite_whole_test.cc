@@ -325,7 +325,7 @@ TEST(ScannedSphere, IsTheSphereWithinWhatItsFacetsLeaveOpen) {
     EXPECT_NEAR(scan.finest.max_torque_Nm / sphere.finest.max_torque_Nm, 1,
                 scan.error.max_torque + sphere.error.max_torque + geometry.max_torque);
     EXPECT_NEAR(scan.finest.max_torque_Nm / sphere.finest.max_torque_Nm, 1, 0.01);
-    // What facets leave open falls with the square of their edges; its two samples scatter.
+    // What facets leave open falls with the square of their edges; its four samples scatter.
     EXPECT_LT(geometry.indentation, before / 1.5);
     before = geometry.indentation;
   }
@@ -459,6 +459,42 @@ TEST(ScanAgainst, ANarrowRidgeIsTheSameAlongXAndY) {
   EXPECT_NEAR(along_y.finest.max_torque_Nm / along_x.finest.max_torque_Nm, 1,
               along_x.error.max_torque + along_y.error.max_torque +
                   along_x.geometry_error->max_torque + along_y.geometry_error->max_torque);
+}
+
+TEST(ScannedFinger, ANormalThatItsRegionLeavesOpenIsPartOfTheGeometrysError) {
+  // An egg, twice as long as wide, aimed at beside its blunt end by a normal that is 10 degrees
+  // off: the touch moves to where it bends otherwise.
+  constexpr double h = 2e-3, R = 4 * h, infinity = std::numeric_limits<double>::infinity();
+  constexpr double beside = 30 * M_PI / 180, off = 10 * M_PI / 180;
+  const TriangleSurface egg = sphere_scan(R, 16);
+  const Eigen::Vector3d aimed(2 * R * std::sin(beside), 0, R * std::cos(beside) - R);
+  // Of the ellipse x = 2 R sin, z = R cos.
+  const double inclined = std::atan2(std::sin(beside), 2 * std::cos(beside));
+  Problem problem = scan_against(meshes::quadric_object(infinity, infinity, 0));
+  const auto solve_turned = [&](double angle, double region_excess) {
+    TriangleSurface held = egg;
+    const Eigen::AngleAxisd turn(-inclined + angle, Eigen::Vector3d::UnitY());
+    for (Eigen::Vector3d& vertex : held.vertices_m) {
+      vertex.x() *= 2;
+      vertex = turn * (vertex - aimed);
+    }
+    problem.fingertip.scan = std::make_shared<TriangleSurface>(held);
+    problem.fingertip.region_excess = region_excess;
+    return solve(problem, silent);
+  };
+  const Result own = solve_turned(0, 0), trusted = solve_turned(off, 0),
+               doubted = solve_turned(off, 1);
+  EXPECT_EQ(trusted.finest.a_m, doubted.finest.a_m) << "the answer itself is the same";
+  for (const auto quantity : {&RelativeError::a, &RelativeError::indentation}) {
+    const bool is_a = quantity == &RelativeError::a;
+    const auto value = [&](const Result& of) {
+      return is_a ? of.finest.a_m : of.finest.indentation_m;
+    };
+    const double change = std::abs(value(own) / value(doubted) - 1);
+    EXPECT_GT(change, 2 * (*trusted.geometry_error).*quantity) << "a case that shows nothing";
+    EXPECT_LT(change,
+              (*doubted.geometry_error).*quantity + own.error.*quantity + doubted.error.*quantity);
+  }
 }
 
 /// Results at finite strain relative to those of linear elasticity on the same mesh, minus one. The

@@ -74,7 +74,7 @@ TEST(SmoothSurface, IsSmootherThanTheNoiseOfItsVertices) {
 TEST(Doubted, VerticesOfASphereMoveByWhatFacetsLieBelowIt) {
   constexpr double edge = 2e-3;
   const TriangleSurface surface = ball(edge);
-  const TriangleSurface moved = doubted(surface, 1, 7);
+  const TriangleSurface moved = doubted(surface, 1, 1, 7);
   const Vector3d centre(0, 0, -R);
   double mean = 0;
   int outwards = 0;
@@ -87,6 +87,11 @@ TEST(Doubted, VerticesOfASphereMoveByWhatFacetsLieBelowIt) {
   // Edges of the mesher are as long as asked for to a third or so, and their squares count.
   EXPECT_NEAR(mean / count / (edge * edge / (8 * R)), 1, 0.7);
   EXPECT_NEAR(outwards / count, 0.5, 3 * 0.5 / std::sqrt(count)) << "a fair coin";
+  const TriangleSurface less = doubted(surface, 1, 0.25, 7);
+  for (std::size_t i = 0; i < moved.vertices_m.size(); ++i) {
+    const Vector3d& at = surface.vertices_m[i];
+    EXPECT_LT((less.vertices_m[i] - at - (moved.vertices_m[i] - at) / 4).norm(), 1e-15 + 1e-14 * R);
+  }
 }
 
 TEST(Doubted, NeitherPlanesNorCreasesMove) {
@@ -94,9 +99,9 @@ TEST(Doubted, NeitherPlanesNorCreasesMove) {
   const TriangleSurface fold{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
   const TriangleSurface flat{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(doubted(flat, 1, 1).vertices_m[i], flat.vertices_m[i]);
+    EXPECT_EQ(doubted(flat, 1, 1, 1).vertices_m[i], flat.vertices_m[i]);
     // The vertices of the crease have normals between those of the facets.
-    EXPECT_LT((doubted(fold, 0.5, 1).vertices_m[i] - fold.vertices_m[i]).norm(), 1e-12);
+    EXPECT_LT((doubted(fold, 0.5, 1, 1).vertices_m[i] - fold.vertices_m[i]).norm(), 1e-12);
   }
 }
 
