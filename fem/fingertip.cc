@@ -192,11 +192,6 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
   return at;
 }
 
-TriangleSurface turned(TriangleSurface surface, const Eigen::Quaterniond& turn) {
-  for (Vector3d& vertex : surface.vertices_m) vertex = turn * vertex;
-  return surface;
-}
-
 FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const Reading& reading,
                           CoreWays ways) {
   // What is smaller than half the thickness is noise or a feature that a layer levels. Facets are
@@ -204,18 +199,17 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const 
   constexpr double width = 0.5, within = 20;
   meshes::Smoothing smoothing{width * thickness_m, 60 * M_PI / 180, within * thickness_m};
   smoothing.widening = reading.smoothing;
-  TriangleSurface scan = reading.doubt > 0 ? meshes::doubted(*fingertip.scan, smoothing.crease_rad,
-                                                             reading.doubt, reading.pattern)
-                                           : *fingertip.scan;
-  auto surface = std::make_shared<const meshes::SmoothSurface>(scan, smoothing);
+  auto surface = std::make_shared<const meshes::SmoothSurface>(
+      reading.doubt > 0
+          ? meshes::doubted(*fingertip.scan, smoothing.crease_rad, reading.doubt, reading.pattern)
+          : *fingertip.scan,
+      smoothing);
   const auto aimed = surface->project(Vector3d::Zero(), Vector3d::UnitZ());
   const Vector3d own_normal = aimed ? aimed->normal : Vector3d::UnitZ();
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-  if (reading.normal && aimed) {
-    turn.setFromTwoVectors(own_normal, *reading.normal);
-    scan = turned(scan, turn);
-    surface = std::make_shared<const meshes::SmoothSurface>(scan, smoothing);
-  }
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(
+      own_normal, reading.normal && aimed ? *reading.normal : own_normal);
+  if (reading.normal)
+    surface = std::make_shared<const meshes::SmoothSurface>(surface->turned(turn));
   const meshes::SmoothSurface::Point first =
       find_first_touch(*surface, *fingertip.object, thickness_m);
   FingertipShape result;
@@ -227,7 +221,9 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const 
   std::shared_ptr<const meshes::SmoothSurface> core;
   if (fingertip.core) {
     smoothing.widening = 1;
-    core = std::make_shared<const meshes::SmoothSurface>(turned(*fingertip.core, turn), smoothing);
+    meshes::SmoothSurface read(*fingertip.core, smoothing);
+    core = std::make_shared<const meshes::SmoothSurface>(reading.normal ? read.turned(turn)
+                                                                        : std::move(read));
   }
   result.shape =
       std::make_shared<ScanShape>(std::move(surface), std::move(core), first, thickness_m, ways);

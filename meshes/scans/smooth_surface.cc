@@ -167,7 +167,7 @@ struct SmoothSurface::Implementation {
   std::vector<Quadric> quadrics;
   std::vector<Corners> facets;
   std::vector<EdgePiece> sharp_edges;
-  std::unique_ptr<Neighbours<3>> places, edge_places;
+  std::unique_ptr<Neighbours<3>> edge_places;
   std::unique_ptr<Neighbours<6>> oriented;
 
   void collect_facets(const TriangleSurface& surface, const Smoothing& smoothing);
@@ -175,6 +175,8 @@ struct SmoothSurface::Implementation {
   void take_samples();
   void fit_quadrics();
   void keep_ends();
+  void order_samples();
+  void order_edges();
 
   /// The piece of an edge nearest to a point, of those that face its way; none: nullptr.
   const EdgePiece* nearest_edge(const Point& point) const;
@@ -336,27 +338,32 @@ void SmoothSurface::Implementation::take_samples() {
           if (taken.insert(voxel_of(sample, spacing)).second) samples.push_back(sample);
         }
   }
-  std::vector<Place<3>> at;
-  std::vector<Place<6>> oriented_at;
-  for (const Sample& sample : dense) at.push_back(sample.position);
-  for (const Sample& sample : samples)
-    oriented_at.push_back(oriented_place(sample.position, sample.normal));
-  places = std::make_unique<Neighbours<3>>(std::move(at));
-  oriented = std::make_unique<Neighbours<6>>(std::move(oriented_at));
+}
+
+void SmoothSurface::Implementation::order_samples() {
+  std::vector<Place<6>> at;
+  for (const Sample& sample : samples) at.push_back(oriented_place(sample.position, sample.normal));
+  oriented = std::make_unique<Neighbours<6>>(std::move(at));
 }
 
 void SmoothSurface::Implementation::fit_quadrics() {
   quadrics.resize(samples.size());
+  std::vector<Place<3>> at;
+  for (const Sample& sample : dense) at.push_back(sample.position);
+  const Neighbours<3> places(std::move(at));
   std::vector<std::size_t> index(fit_neighbours);
   std::vector<double> distance(fit_neighbours);
+  // A column for each equation: value and gradient at each neighbour.
+  Eigen::Matrix<double, 10, Eigen::Dynamic> equations(10, 4 * fit_neighbours);
+  Eigen::VectorXd targets(equations.cols());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const std::size_t count =
-        places->find(samples[i].position, fit_neighbours, index.data(), distance.data());
-    Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
-    Eigen::Matrix<double, 10, 1> right = Eigen::Matrix<double, 10, 1>::Zero();
-    const auto add = [&](const Eigen::Matrix<double, 10, 1>& row, double target, double weight) {
-      normal.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
-      right += weight * target * row;
+        places.find(samples[i].position, fit_neighbours, index.data(), distance.data());
+    Eigen::Index used = 0;
+    const auto add = [&](const Eigen::Matrix<double, 10, 1>& equation, double target,
+                         double weight) {
+      equations.col(used) = std::sqrt(weight) * equation;
+      targets[used++] = std::sqrt(weight) * target;
     };
     for (std::size_t k = 0; k < count; ++k) {
       const Sample& other = dense[index[k]];
@@ -377,6 +384,9 @@ void SmoothSurface::Implementation::fit_quadrics() {
       row << 0, 0, 0, 1, 0, 0, y.z(), 0, y.y(), y.x();
       add(row, other.normal.z(), gradient_weight * weight);
     }
+    Eigen::Matrix<double, 10, 10> normal =
+        equations.leftCols(used) * equations.leftCols(used).transpose();
+    const Eigen::Matrix<double, 10, 1> right = equations.leftCols(used) * targets.head(used);
     // Where few neighbours leave curvatures open they are none.
     normal.diagonal().array() += 1e-9;
     normal.diagonal().tail<6>().array() += 1e-6;
@@ -393,7 +403,6 @@ void SmoothSurface::Implementation::fit_quadrics() {
 /// a seam of the mesh or a needle it goes on.
 void SmoothSurface::Implementation::keep_ends() {
   std::vector<EdgePiece> ends;
-  std::vector<Place<3>> middles;
   for (const EdgePiece& edge : sharp_edges) {
     const double length = (edge.to - edge.from).norm();
     if (!(length > 0)) continue;
@@ -411,11 +420,16 @@ void SmoothSurface::Implementation::keep_ends() {
           blend(middle + across * spacing * edge.outward, edge.normal, value, gradient);
       if (squared_distance < std::pow(beside * spacing, 2)) continue;
       ends.push_back(piece);
-      middles.push_back(middle);
     }
   }
   sharp_edges = std::move(ends);
-  if (!sharp_edges.empty()) edge_places = std::make_unique<Neighbours<3>>(std::move(middles));
+}
+
+void SmoothSurface::Implementation::order_edges() {
+  if (sharp_edges.empty()) return;
+  std::vector<Place<3>> middles;
+  for (const EdgePiece& piece : sharp_edges) middles.push_back((piece.from + piece.to) / 2);
+  edge_places = std::make_unique<Neighbours<3>>(std::move(middles));
 }
 
 const EdgePiece* SmoothSurface::Implementation::nearest_edge(const Point& point) const {
@@ -481,11 +495,41 @@ SmoothSurface::SmoothSurface(const TriangleSurface& surface, const Smoothing& sm
   made->width *= smoothing.widening;
   made->take_samples();
   made->fit_quadrics();
+  made->order_samples();
   made->keep_ends();
+  made->order_edges();
   implementation_ = std::move(made);
 }
 
+SmoothSurface::SmoothSurface(std::unique_ptr<const Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+SmoothSurface::SmoothSurface(SmoothSurface&&) noexcept = default;
 SmoothSurface::~SmoothSurface() = default;
+
+SmoothSurface SmoothSurface::turned(const Eigen::Quaterniond& turn) const {
+  const Eigen::Matrix3d matrix = turn.toRotationMatrix();
+  const auto turn_all = [&](auto&... vectors) { ((vectors = matrix * vectors), ...); };
+  auto made = std::make_unique<Implementation>();
+  made->width = implementation_->width;
+  made->spacing = implementation_->spacing;
+  made->samples = implementation_->samples;
+  made->quadrics = implementation_->quadrics;
+  made->facets = implementation_->facets;
+  made->sharp_edges = implementation_->sharp_edges;
+  for (Sample& sample : made->samples) turn_all(sample.position, sample.normal);
+  for (Quadric& quadric : made->quadrics) {
+    turn_all(quadric.gradient);
+    quadric.hessian = matrix * quadric.hessian * matrix.transpose();
+  }
+  for (Corners& facet : made->facets)
+    for (std::size_t c = 0; c < 3; ++c) turn_all(facet.position[c], facet.normal[c]);
+  for (EdgePiece& piece : made->sharp_edges)
+    turn_all(piece.from, piece.to, piece.outward, piece.normal);
+  made->order_samples();
+  made->order_edges();
+  return SmoothSurface(std::move(made));
+}
 
 double SmoothSurface::width() const { return implementation_->width; }
 double SmoothSurface::spacing() const { return implementation_->spacing; }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 
@@ -39,7 +39,11 @@ class SmoothSurface {
 
   /// @throws InputError for a surface without facets of any area within reach.
   SmoothSurface(const TriangleSurface& surface, const Smoothing& smoothing);
+  SmoothSurface(SmoothSurface&&) noexcept;
   ~SmoothSurface();
+
+  /// The same surface, turned about the origin.
+  SmoothSurface turned(const Eigen::Quaterniond& turn) const;
 
   /// The surface's point near `from` on the side that faces `normal`, by Newton's method along the
   /// gradient. None where it does not converge.
@@ -66,6 +70,7 @@ class SmoothSurface {
 
  private:
   struct Implementation;
+  explicit SmoothSurface(std::unique_ptr<const Implementation> implementation);
   std::unique_ptr<const Implementation> implementation_;
 };
 

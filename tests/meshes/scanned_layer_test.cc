@@ -71,6 +71,44 @@ TEST(SmoothSurface, IsSmootherThanTheNoiseOfItsVertices) {
   EXPECT_LT(position_error(surface), noise / 2);
 }
 
+TEST(SmoothSurface, TurnsWithItsEdgesAndItsCurvature) {
+  // An open bowl: the part of the sphere over a plane, so that it has an edge as well.
+  TriangleSurface bowl = ball(1e-3);
+  const auto is_below = [&](int vertex) {
+    return bowl.vertices_m[static_cast<std::size_t>(vertex)].z() < -0.4 * R;
+  };
+  bowl.triangles.erase(std::remove_if(bowl.triangles.begin(), bowl.triangles.end(),
+                                      [&](const auto& facet) {
+                                        return std::any_of(facet.begin(), facet.end(), is_below);
+                                      }),
+                       bowl.triangles.end());
+  const SmoothSurface surface(bowl, {1e-3, 1.05, 15e-3});
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vector3d(1, 2, -1).normalized()));
+  const SmoothSurface turned = surface.turned(turn);
+  EXPECT_EQ(turned.width(), surface.width());
+  const Vector3d centre(0, 0, -R);
+  for (const double polar : {0.0, 0.4, 0.8, 0.9}) {
+    const Vector3d normal(std::sin(polar), 0, std::cos(polar));
+    const auto before = surface.project(centre + 1.02 * R * normal, normal);
+    const auto after = turned.project(turn * (centre + 1.02 * R * normal), turn * normal);
+    ASSERT_TRUE(before && after) << polar;
+    // Newton's method ends at 1e-7 of the width.
+    EXPECT_LT((after->position - turn * before->position).norm(), 1e-6 * surface.width());
+    EXPECT_LT((after->normal - turn * before->normal).norm(), 1e-6);
+    const auto beyond = surface.beyond_edge(*before), beyond_after = turned.beyond_edge(*after);
+    ASSERT_TRUE(beyond && beyond_after) << polar;
+    EXPECT_NEAR(*beyond_after, *beyond, 1e-6 * surface.width());
+    const auto edge = surface.edge_near(*before, R), edge_after = turned.edge_near(*after, R);
+    ASSERT_EQ(edge.has_value(), edge_after.has_value());
+    if (edge) {
+      EXPECT_LT((*edge_after - turn * *edge).norm(), 1e-12);
+    }
+  }
+  EXPECT_NEAR(turned.departure({turn * Vector3d::Zero(), turn * Vector3d::UnitZ()}, R).rms,
+              surface.departure({Vector3d::Zero(), Vector3d::UnitZ()}, R).rms,
+              1e-6 * surface.width());
+}
+
 TEST(Doubted, VerticesOfASphereMoveByWhatFacetsLieBelowIt) {
   constexpr double edge = 2e-3;
   const TriangleSurface surface = ball(edge);
