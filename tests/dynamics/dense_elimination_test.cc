@@ -56,7 +56,7 @@ TEST(DenseElimination, HasTheSameBitsWithoutWideInstructions) {
 
 TEST(DenseElimination, RefusesASingularMatrix) {
   DenseElimination elimination(3);
-  elimination.matrix() << 1, 2, 3, 2, 4, 6, 1, 0, 1;
+  elimination.matrix().topLeftCorner<3, 3>() << 1, 2, 3, 2, 4, 6, 1, 0, 1;
   EXPECT_FALSE(elimination.factorise(3));
   EXPECT_EQ(elimination.size(), 0);
 }

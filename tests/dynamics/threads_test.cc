@@ -9,10 +9,10 @@
 namespace softfinger {
 namespace {
 
-/// The first start fails in both. The second scene is solved from the 13th start that is drawn.
+/// The starts with given impulses fail in both: further ones are drawn.
 TEST(ContactThreads, DoNotChangeTheSolution) {
   constexpr int kContacts = 100;
-  for (const auto& [seed, number] : {std::pair(11u, 36), {22u, 20}}) {
+  for (const auto& [seed, number] : {std::pair(11u, 85), {22u, 20}}) {
     tests::RandomScenes scenes(seed);
     ContactLcp problem;
     for (int trial = 0; trial <= number; ++trial) problem = scenes.next(kContacts, 16);
@@ -20,7 +20,7 @@ TEST(ContactThreads, DoNotChangeTheSolution) {
     ContactSolution alone, together;
     const LcpResult expected = ContactLcpSolver(kContacts, 0, 1).solve(problem, alone);
     EXPECT_EQ(expected.status, LcpStatus::solved) << seed;
-    EXPECT_GT(expected.newton_iterations, 1000) << seed;
+    EXPECT_GT(expected.newton_iterations, 1200) << seed;
     for (const int threads : {2, 4}) {
       ContactLcpSolver solver(kContacts, 0, threads);
       for (int again = 0; again < 2; ++again) {

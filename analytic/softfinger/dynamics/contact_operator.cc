@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "softfinger/dynamics/contact_residual.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
 
@@ -85,14 +86,25 @@ void ContactOperator::set_blocks(const Eigen::MatrixXd& delassus, double proxima
 void ContactOperator::find_velocity(const Eigen::VectorXd& impulses,
                                     Eigen::VectorXd& velocity) const {
   velocity.head(4 * contacts_).setZero();
-  for (int j = 0; j < contacts_; ++j) {
-    const Eigen::Vector4d impulse = impulses.segment<4>(4 * j);
-    if (impulse.isZero(0)) continue;
-    for (int n = j * contacts_; n < neighbour_end_[std::size_t(j)]; ++n) {
-      const Eigen::Map<const Eigen::Matrix4d> block(blocks_.data() + 16 * n);
-      velocity.segment<4>(4 * neighbours_[std::size_t(n)]).noalias() += block * impulse;
+  with_best_instructions([&] {
+    for (int j = 0; j < contacts_; ++j) {
+      const double* impulse = impulses.data() + 4 * j;
+      if (impulse[0] == 0 && impulse[1] == 0 && impulse[2] == 0 && impulse[3] == 0) continue;
+      for (int n = j * contacts_; n < neighbour_end_[std::size_t(j)]; ++n) {
+        const double* block = blocks_.data() + 16 * n;
+        double* to = velocity.data() + 4 * neighbours_[std::size_t(n)];
+        Four sum, first, second, third, fourth;
+        load(to, sum);
+        load(block, first);
+        load(block + 4, second);
+        load(block + 8, third);
+        load(block + 12, fourth);
+        sum = sum +
+              (impulse[0] * first + impulse[1] * second + impulse[2] * third + impulse[3] * fourth);
+        store(sum, to);
+      }
     }
-  }
+  });
 }
 
 void ContactOperator::drop_friction() {

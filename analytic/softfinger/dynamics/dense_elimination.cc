@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "softfinger/math/wide.h"
@@ -10,129 +11,202 @@
 namespace softfinger::internal {
 namespace {
 
-/// to -= factor * from
-inline void subtract(double factor, const double* __restrict from, int count,
-                     double* __restrict to) {
-  for (int i = 0; i < count; ++i) to[i] -= factor * from[i];
-}
+constexpr int tiles_of(int size) { return (size + kFour - 1) / kFour; }
 
-/// Columns that are eliminated together: each number of the rest is then read and written once
-/// instead of once per column.
-constexpr int kPanel = 4;
+/// Columns of a matrix in tiles, `stride` apart, and which tiles are not zero.
+struct Tiles {
+  double* matrix;
+  std::ptrdiff_t stride;
+  int count;  ///< per row and column
+  char* nonzero;
 
-/// Rows of a panel that are not all zero: groups of as many as `Four` has, and the last few.
-struct PanelRows {
-  const int *first, *last;  ///< where the groups start
-  int rest, end;            ///< rows after the last whole group
+  double* column(int index) const { return matrix + index * stride; }
+  char& has(int row, int column) const { return nonzero[column * count + row]; }
 };
 
-/// What the elimination of a panel's columns, whose pivots are in the rows from `first` on, changes
-/// in one of the columns that follow.
-inline void subtract_panel(const double* panel, std::ptrdiff_t stride, int first,
-                           const PanelRows& rows, double* __restrict column) {
-  const double *a = panel, *b = a + stride, *c = b + stride, *d = c + stride;
-  double* pivots = column + first;
-  const double p = pivots[0];
-  const double q = pivots[1] - p * a[first + 1];
-  const double r = pivots[2] - p * a[first + 2] - q * b[first + 2];
-  const double s = pivots[3] - p * a[first + 3] - q * b[first + 3] - r * c[first + 3];
-  if (p == 0 && q == 0 && r == 0 && s == 0) return;
-  pivots[1] = q;
-  pivots[2] = r;
-  pivots[3] = s;
-  for (const int* group = rows.first; group != rows.last; ++group) {
-    const int row = *group;
-    Four value, of_a, of_b, of_c, of_d;
-    load(column + row, value);
-    load(a + row, of_a);
-    load(b + row, of_b);
-    load(c + row, of_c);
-    load(d + row, of_d);
-    value = value - p * of_a - q * of_b - r * of_c - s * of_d;
-    store(value, column + row);
+/// One tile, in its four columns.
+struct Tile {
+  Four a, b, c, d;
+
+  Tile(const double* first, std::ptrdiff_t stride) {
+    load(first, a);
+    load(first + stride, b);
+    load(first + 2 * stride, c);
+    load(first + 3 * stride, d);
   }
-  for (int row = rows.rest; row < rows.end; ++row)
-    column[row] = column[row] - p * a[row] - q * b[row] - r * c[row] - s * d[row];
+  /// from -= tile x
+  void subtract(const double* x, double* from) const {
+    Four value;
+    load(from, value);
+    value = value - x[0] * a - x[1] * b - x[2] * c - x[3] * d;
+    store(value, from);
+  }
+};
+
+void find_tiles(const Tiles& tiles) {
+  for (int j = 0; j < tiles.count; ++j)
+    for (int i = 0; i < tiles.count; ++i) {
+      const Tile tile(tiles.column(kFour * j) + kFour * i, tiles.stride);
+      const auto nonzero = (tile.a != 0) | (tile.b != 0) | (tile.c != 0) | (tile.d != 0);
+      tiles.has(i, j) = char((nonzero[0] | nonzero[1] | nonzero[2] | nonzero[3]) != 0);
+    }
 }
 
-/// The column's pivot goes to row `p` of all columns and divides what is below; returns the row
-/// after the last one that is not zero, 0 where there is no pivot.
-inline int find_pivot(double* matrix, std::ptrdiff_t stride, int size, int p, int* pivots) {
-  constexpr double kLeastPivot = 0.1;  // of the largest one
-  double* own = matrix + p * stride;
-  // Of contacts in the order of their bodies only near ones feel each other: the rest is zero.
-  int end = size;
-  while (end > p + 1 && own[end - 1] == 0) --end;
-  double largest = 0;
-  for (int row = p + 1; row < end; ++row) largest = std::max(largest, std::abs(own[row]));
-  // Rows stay where they are if they can: exchanged ones fill what was zero.
-  int best = p;
-  if (!(std::abs(own[p]) >= kLeastPivot * largest))
-    for (int row = p + 1; row < end; ++row)
-      if (std::abs(own[row]) > std::abs(own[best])) best = row;
-  if (!(std::abs(own[best]) > 0)) return 0;
-  pivots[p] = best;
-  if (best != p)
-    for (double* column = matrix; column < matrix + size * stride; column += stride)
-      std::swap(column[p], column[best]);
-  for (int row = p + 1; row < end; ++row) own[row] /= own[p];
-  return end;
+/// The row of the pivot of column p: p itself if its element is large enough. `rows`: the tiles
+/// below p's own.
+int find_pivot(const double* own, int p, const int* rows, const int* end) {
+  constexpr double kLeastPivot = 1e-2;  // of the largest one
+  const int own_end = (p / kFour + 1) * kFour;
+  Four size, largest = {0, 0, 0, 0};
+  for (const int* tile = rows; tile != end; ++tile) {
+    load(own + kFour * *tile, size);
+    size = size < 0 ? -size : size;
+    largest = size > largest ? size : largest;
+  }
+  double most = std::max(std::max(largest[0], largest[1]), std::max(largest[2], largest[3]));
+  for (int row = p + 1; row < own_end; ++row) most = std::max(most, std::abs(own[row]));
+  if (std::abs(own[p]) >= kLeastPivot * most) return p;
+  for (int row = p + 1; row < own_end; ++row)
+    if (std::abs(own[row]) == most) return row;
+  for (const int* tile = rows; tile != end; ++tile)
+    for (int row = kFour * *tile; row < kFour * (*tile + 1); ++row)
+      if (std::abs(own[row]) == most) return row;
+  return p;
 }
 
-/// Columns are `stride` apart. `groups`: room for a quarter of the rows.
-bool eliminate(double* matrix, std::ptrdiff_t stride, int size, int* pivots, int* groups) {
-  for (int first = 0; first < size; first += kPanel) {
-    const int next = std::min(first + kPanel, size);
-    double* panel = matrix + first * stride;
-    int end = next;
-    for (int p = first; p < next; ++p) {
-      const int own_end = find_pivot(matrix, stride, size, p, pivots);
-      if (own_end == 0) return false;
-      end = std::max(end, own_end);
-      const double* own = matrix + p * stride + p + 1;
-      for (double* column = matrix + (p + 1) * stride; column < matrix + next * stride;
-           column += stride)
-        if (column[p] != 0) subtract(column[p], own, own_end - p - 1, column + p + 1);
+/// Exchanges rows p and `other`, which may then fill each other's tiles.
+void exchange(const Tiles& tiles, int p, int other) {
+  for (int column = 0; column < kFour * tiles.count; ++column)
+    std::swap(tiles.column(column)[p], tiles.column(column)[other]);
+  for (int j = 0; j < tiles.count; ++j) {
+    const char either = tiles.has(p / kFour, j) | tiles.has(other / kFour, j);
+    tiles.has(p / kFour, j) = tiles.has(other / kFour, j) = either;
+  }
+}
+
+/// The four columns of tile k, of which `rows` are the tiles below the diagonal.
+bool eliminate_panel(const Tiles& tiles, int k, const int* rows, const int* end, int* pivots) {
+  const int first = kFour * k, next = first + kFour;
+  for (int p = first; p < next; ++p) {
+    double* own = tiles.column(p);
+    pivots[p] = find_pivot(own, p, rows, end);
+    if (pivots[p] != p) exchange(tiles, p, pivots[p]);
+    if (!(std::abs(own[p]) >= std::numeric_limits<double>::min())) return false;
+    const double inverse = 1 / own[p];
+    for (int row = p + 1; row < next; ++row) own[row] *= inverse;
+    for (int column = p + 1; column < next; ++column) {
+      double* other = tiles.column(column);
+      for (int row = p + 1; row < next; ++row) other[row] -= other[p] * own[row];
     }
-    if (next == size) break;
-    const int rest = next + (end - next) / kFour * kFour;
-    int count = 0;
-    for (int row = next; row < rest; row += kFour) {
-      const auto is_zero = [row, stride](const double* column) {
-        return std::all_of(column + row, column + row + kFour, [](double x) { return x == 0; });
-      };
-      if (!is_zero(panel) || !is_zero(panel + stride) || !is_zero(panel + 2 * stride) ||
-          !is_zero(panel + 3 * stride))
-        groups[count++] = row;
+    for (const int* tile = rows; tile != end; ++tile) {
+      const int row = kFour * *tile;
+      Four factor, value;
+      load(own + row, factor);
+      factor = factor * inverse;
+      store(factor, own + row);
+      for (int column = p + 1; column < next; ++column) {
+        double* other = tiles.column(column);
+        load(other + row, value);
+        value = value - other[p] * factor;
+        store(value, other + row);
+      }
     }
-    const PanelRows rows{groups, groups + count, rest, end};
-    for (double* column = matrix + next * stride; column < matrix + size * stride; column += stride)
-      subtract_panel(panel, stride, first, rows, column);
   }
   return true;
 }
 
+/// `rows`: room for a quarter of the rows.
+bool eliminate(const Tiles& tiles, int* pivots, int* rows) {
+  find_tiles(tiles);
+  for (int k = 0; k < tiles.count; ++k) {
+    int* end = rows;
+    for (int i = k + 1; i < tiles.count; ++i)
+      if (tiles.has(i, k)) *end++ = i;
+    if (!eliminate_panel(tiles, k, rows, end, pivots)) return false;
+    const int first = kFour * k;
+    const double* panel = tiles.column(first);
+    const double *a = panel + first, *b = a + tiles.stride, *c = b + tiles.stride;
+    for (int j = k + 1; j < tiles.count; ++j) {
+      if (!tiles.has(k, j)) continue;
+      double factors[kFour][kFour], *columns[kFour];
+      int count = 0;
+      for (int column = kFour * j; column < kFour * (j + 1); ++column) {
+        double *x = tiles.column(column) + first, *factor = factors[count];
+        if (x[0] == 0 && x[1] == 0 && x[2] == 0 && x[3] == 0) continue;
+        factor[0] = x[0];
+        x[1] = factor[1] = x[1] - factor[0] * a[1];
+        x[2] = factor[2] = x[2] - factor[0] * a[2] - factor[1] * b[2];
+        x[3] = factor[3] = x[3] - factor[0] * a[3] - factor[1] * b[3] - factor[2] * c[3];
+        columns[count++] = tiles.column(column);
+      }
+      for (const int* tile = rows; tile != end; ++tile) {
+        tiles.has(*tile, j) |= char(count > 0);
+        const Tile from(panel + kFour * *tile, tiles.stride);
+        for (int column = 0; column < count; ++column)
+          from.subtract(factors[column], columns[column] + kFour * *tile);
+      }
+    }
+  }
+  return true;
+}
+
+/// x = U^-1 L^-1 x
+void substitute_tiles(const Tiles& tiles, double* x) {
+  for (int k = 0; k < tiles.count; ++k) {
+    double* own = x + kFour * k;
+    const double* column = tiles.column(kFour * k);
+    for (int p = 0; p < kFour; ++p)
+      for (int row = p + 1; row < kFour; ++row)
+        own[row] -= own[p] * column[p * tiles.stride + kFour * k + row];
+    if (std::all_of(own, own + kFour, [](double value) { return value == 0; })) continue;
+    for (int i = k + 1; i < tiles.count; ++i)
+      if (tiles.has(i, k)) Tile(column + kFour * i, tiles.stride).subtract(own, x + kFour * i);
+  }
+  for (int k = tiles.count - 1; k >= 0; --k) {
+    double* own = x + kFour * k;
+    const double* column = tiles.column(kFour * k);
+    for (int p = kFour - 1; p >= 0; --p) {
+      const double* diagonal = column + p * tiles.stride + kFour * k;
+      own[p] /= diagonal[p];
+      for (int row = 0; row < p; ++row) own[row] -= own[p] * diagonal[row];
+    }
+    for (int i = 0; i < k; ++i)
+      if (tiles.has(i, k)) Tile(column + kFour * i, tiles.stride).subtract(own, x + kFour * i);
+  }
+}
+
 }  // namespace
 
+DenseElimination::DenseElimination(int capacity)
+    : matrix_(kFour * tiles_of(capacity), kFour * tiles_of(capacity)),
+      pivots_(std::size_t(kFour * tiles_of(capacity))),
+      has_tile_(std::size_t(tiles_of(capacity)) * std::size_t(tiles_of(capacity))),
+      rows_(std::size_t(tiles_of(capacity))),
+      solution_(kFour * tiles_of(capacity)) {}
+
 bool DenseElimination::factorise(int size) {
+  const int tiles = tiles_of(size), rest = kFour * tiles - size;
+  matrix_.block(size, 0, rest, size).setZero();
+  matrix_.block(0, size, size, rest).setZero();
+  matrix_.block(size, size, rest, rest).setIdentity();
   const bool is_regular = with_best_instructions([&] {
-    return eliminate(matrix_.data(), matrix_.outerStride(), size, pivots_.data(), groups_.data());
+    return eliminate({matrix_.data(), matrix_.outerStride(), tiles, has_tile_.data()},
+                     pivots_.data(), rows_.data());
   });
   size_ = is_regular ? size : 0;
   return is_regular;
 }
 
-void DenseElimination::substitute(Eigen::VectorXd& right) const {
-  for (int p = 0; p < size_; ++p) std::swap(right[pivots_[std::size_t(p)]], right[p]);
-  for (int p = 0; p < size_; ++p) {
-    if (right[p] != 0)
-      right.segment(p + 1, size_ - p - 1).noalias() -=
-          right[p] * matrix_.col(p).segment(p + 1, size_ - p - 1);
-  }
-  for (int p = size_ - 1; p >= 0; --p) {
-    right[p] /= matrix_(p, p);
-    if (right[p] != 0) right.head(p).noalias() -= right[p] * matrix_.col(p).head(p);
-  }
+void DenseElimination::substitute(Eigen::VectorXd& right) {
+  const int tiles = tiles_of(size_);
+  solution_.head(size_) = right.head(size_);
+  solution_.segment(size_, kFour * tiles - size_).setZero();
+  for (int p = 0; p < size_; ++p) std::swap(solution_[pivots_[std::size_t(p)]], solution_[p]);
+  with_best_instructions([&] {
+    substitute_tiles({matrix_.data(), matrix_.outerStride(), tiles, has_tile_.data()},
+                     solution_.data());
+  });
+  right.head(size_) = solution_.head(size_);
 }
 
 }  // namespace softfinger::internal

@@ -5,12 +5,47 @@
 #include <iterator>
 
 #include "softfinger/dynamics/contact_residual.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
 namespace {
 
 /// From that many unknowns on the step may be solved in fewer ones.
 constexpr int kFewUnknowns = 24;
+
+/// matrix += L_i^T A L_i, `rows` being L_i and `columns` where its columns belong, in rising order.
+inline void add_product(const VelocityFactor::Rows& rows, const int* columns,
+                        const Eigen::Matrix4d& own, Eigen::MatrixXd& matrix) {
+  const int count = int(rows.cols()), whole = count / kFour * kFour;
+  const double* of[] = {rows.data(), rows.data() + count, rows.data() + 2 * count,
+                        rows.data() + 3 * count};
+  Four by[4];
+  for (int row = 0; row < 4; ++row) load(own.data() + 4 * row, by[row]);
+  for (int a = 0; a < count; ++a) {
+    const Four along = of[0][a] * by[0] + of[1][a] * by[1] + of[2][a] * by[2] + of[3][a] * by[3];
+    double* column = &matrix(0, columns[a]);
+    for (int b = 0; b < whole; b += kFour) {
+      Four part, sum;
+      load(of[0] + b, part);
+      sum = along[0] * part;
+      load(of[1] + b, part);
+      sum = sum + along[1] * part;
+      load(of[2] + b, part);
+      sum = sum + along[2] * part;
+      load(of[3] + b, part);
+      sum = sum + along[3] * part;
+      if (columns[b + kFour - 1] == columns[b] + kFour - 1) {
+        load(column + columns[b], part);
+        store(part + sum, column + columns[b]);
+      } else {
+        for (int k = 0; k < kFour; ++k) column[columns[b + k]] += sum[k];
+      }
+    }
+    for (int b = whole; b < count; ++b)
+      column[columns[b]] +=
+          along[0] * of[0][b] + along[1] * of[1][b] + along[2] * of[2][b] + along[3] * of[3][b];
+  }
+}
 
 }  // namespace
 
@@ -32,39 +67,45 @@ ExactNewton::ExactNewton(int contact_capacity)
 /// F at `impulse`: map_, and in contacts_ what its derivative is made of. Returns its size.
 double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse) {
   contacts.find_velocity(impulse, velocity_);
-  velocity_.head(4 * contacts.contacts()) += contacts.free_velocity().head(4 * contacts.contacts());
   double worst = 0;
   for (int i = 0; i < contacts.contacts(); ++i) {
     Contact& contact = contacts_[std::size_t(i)];
-    const double pressure = impulse[4 * i];
+    const Eigen::Vector4d own = impulse.segment<4>(4 * i);
+    Eigen::Vector4d velocity =
+        velocity_.segment<4>(4 * i) + contacts.free_velocity().segment<4>(4 * i);
     if (contacts.has_friction(i)) contact.metric = contacts.friction_metric(i);
     if (compliance_ > 0) {
-      const Eigen::Vector4d shift = impulse.segment<4>(4 * i) - centre_.segment<4>(4 * i);
-      velocity_[4 * i] += compliance_ * shift[0];
-      velocity_.segment<3>(4 * i + 1) += compliance_ * contact.metric.cwiseProduct(shift.tail<3>());
+      const Eigen::Vector4d shift = compliance_ * (own - centre_.segment<4>(4 * i));
+      velocity[0] += shift[0];
+      velocity.tail<3>() += contact.metric.cwiseProduct(shift.tail<3>());
     }
-    const double normal_velocity = velocity_[4 * i];
-    contact.touches = pressure > normal_velocity;
-    map_[4 * i] = std::min(pressure, normal_velocity);
-    map_.segment<3>(4 * i + 1).setZero();
+    const double pressure = own[0];
+    contact.touches = pressure > velocity[0];
+    Eigen::Vector4d map(std::min(pressure, velocity[0]), 0, 0, 0);
+    double size = std::abs(map[0]);
     if (contacts.has_friction(i)) {
-      const Eigen::Vector3d slip = velocity_.segment<3>(4 * i + 1);
       const double limit = std::max(pressure, 0.);
-      contact.excess = friction_excess(
-          contacts.shape(i), contact.metric.cwiseProduct(impulse.segment<3>(4 * i + 1)) - slip,
-          limit, contact.metric);
-      const Eigen::Vector3d map = slip + contact.excess.excess;
-      map_.segment<3>(4 * i + 1) = map;
+      const Eigen::Vector3d target =
+          contact.metric.cwiseProduct(own.tail<3>()) - velocity.tail<3>();
+      // All of it is beyond the limit of a contact that is open, and no step asks for more.
+      if (limit > 0 || contact.touches)
+        contact.excess = friction_excess(contacts.shape(i), target, limit, contact.metric);
+      else
+        contact.excess.excess = target;
+      map.tail<3>() = velocity.tail<3>() + contact.excess.excess;
       // F contains the error of the wrench times A. Along an axis with a small element of A such an
-      // error would hardly show. The weights raise it to what F would be if all elements of A were
-      // as large as the largest one.
-      const double length = contact.excess.excess.norm(), largest = contact.metric.maxCoeff();
-      Eigen::Array3d weight = Eigen::Array3d::Ones();
-      if (length > 0)
-        weight = (limit + length / contact.metric.array()) / (limit + length / largest);
-      worst = std::max(worst, (weight * map.array()).abs().maxCoeff() / contacts.natural_size(i));
+      // error would hardly show. The weights (P + |nu|/A)/(P + |nu|/max A) raise it to what F would
+      // be if all elements of A were as large as the largest one.
+      const double length = contact.excess.excess.norm();
+      Eigen::Array3d weighted = map.tail<3>().array().abs();
+      if (length > 0) {
+        const Eigen::Array3d inverse = contact.metric.array().inverse();
+        weighted *= (limit + length * inverse) * (1 / (limit + length * inverse.minCoeff()));
+      }
+      size = std::max(size, weighted.maxCoeff());
     }
-    worst = std::max(worst, std::abs(map_[4 * i]) / contacts.natural_size(i));
+    map_.segment<4>(4 * i) = map;
+    worst = std::max(worst, size / contacts.natural_size(i));
   }
   return worst;
 }
@@ -174,13 +215,8 @@ bool ExactNewton::factorise_reduced(const ContactOperator& contacts, const Eigen
           contact.sticking * factor_.unit(i).tail<3>().asDiagonal();
     }
     const Eigen::Matrix4d stiffness = contact.own_inverse * contact.from_velocity;
-    const auto own = factor_.rows(i);
-    const int* column = factor_.columns(i);
-    for (int a = 0; a < int(own.cols()); ++a) {
-      const Eigen::Vector4d along = stiffness * own.col(a);
-      for (int b = 0; b < int(own.cols()); ++b)
-        matrix(column[b], column[a]) += own.col(b).dot(along);
-    }
+    with_best_instructions(
+        [&] { add_product(factor_.rows(i), factor_.columns(i), stiffness, matrix); });
   }
   return elimination_.factorise(rank);
 }

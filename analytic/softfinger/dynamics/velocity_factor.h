@@ -11,8 +11,10 @@ namespace softfinger::internal {
 /// W = C L L^T with the columns of L as few as W's rank, at most the velocities of the bodies
 /// that touch: six per body, however many contacts they have. C is diagonal, because the scaled
 /// problem has other units for the velocities of friction than for its impulses. Cholesky's
-/// method, contacts with few neighbours first, so that L stays as sparse as the bodies are
-/// coupled. Rows of friction that do nothing are left out of it.
+/// method. The next pivots are always those of a contact with the fewest neighbours left: once the
+/// contacts of a body with the world have taken its velocities, those with another body have only
+/// this one's left. So L stays as sparse as the bodies are coupled. Rows of friction that do
+/// nothing are left out of it.
 ///
 /// What W has beyond L is at most 1e-12 of its diagonal.
 class VelocityFactor {
@@ -31,12 +33,12 @@ class VelocityFactor {
     return Eigen::Map<const Eigen::Vector4d>(units_.data() + 4 * contact);
   }
   /// The contact's rows of L: four, of the columns that are not all zero.
-  using Rows = Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic>>;
+  using Rows = Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic, Eigen::RowMajor>>;
   Rows rows(int contact) const {
     const std::ptrdiff_t first = first_[std::size_t(contact)];
     return Rows(values_.data() + 4 * first, 4, first_[std::size_t(contact) + 1] - first);
   }
-  /// Which columns these are.
+  /// Which columns these are, in rising order.
   const int* columns(int contact) const { return columns_.data() + first_[std::size_t(contact)]; }
 
   /// L_i x
@@ -45,19 +47,23 @@ class VelocityFactor {
   void add_transposed(int contact, const Eigen::Vector4d& y, Eigen::VectorXd& x) const;
 
  private:
-  bool eliminate(int pivot, double least);
+  int largest_pivot(int contact, double least) const;
+  int next_contact(int contacts, double least);
+  void eliminate(int pivot);
   void order_columns(int contacts);
 
   bool is_known_ = false;
   int rank_ = 0, size_ = 0;
   Eigen::VectorXd units_, values_, original_;
   std::vector<std::ptrdiff_t> first_;
-  std::vector<int> columns_, order_, pattern_;
-  Eigen::MatrixXd rest_;  ///< the Schur complement; in its eliminated columns L
+  std::vector<int> columns_, pattern_;
+  std::vector<int> neighbours_;  ///< rows that the next pivot of each contact meets
+  Eigen::MatrixXd rest_;         ///< the Schur complement; in its eliminated columns L
   std::vector<int> pivots_;
   std::vector<char> eliminated_;
   std::vector<char> meet_;  ///< whether two columns have a contact in common
-  std::vector<int> met_;    ///< of a pivot: how many columns its own meets
+  std::vector<int> met_;    ///< how many columns left each column meets
+  std::vector<int> order_;  ///< pivots in the order of their columns
 };
 
 }  // namespace softfinger::internal

@@ -10,18 +10,21 @@ namespace {
 
 /// Euclid's length. Eigen's stable one takes several times as long, and is needed only where
 /// squares leave the range of doubles.
-double length_of(const Eigen::Vector3d& vector) noexcept {
+inline double length_of(const Eigen::Vector3d& vector) noexcept {
   const double squares = vector.squaredNorm();
   return squares > 1e-200 && squares < 1e200 ? std::sqrt(squares) : vector.stableNorm();
 }
 
-/// Largest kappa with sum (target_i/(kappa + radius_i))² = 1, where that sum is above 1 at 0: the
-/// length of the excess of a ball. 1/sqrt of the sum is increasing and concave in kappa, so that
-/// Newton's iteration comes from below and does not overshoot.
+/// Largest kappa with f = sum (target_i/(kappa + radius_i))² = 1, where that sum is above 1 at 0:
+/// the length of the excess of a ball. 1/sqrt f is increasing and concave in kappa, so that
+/// Newton's iteration comes from below and does not overshoot. With the radii's mean, each with the
+/// weight target_i², in place of all radii f is less (Jensen), which gives a start below kappa.
 double excess_length(const Eigen::Vector3d& target, const Eigen::Vector3d& radii) noexcept {
   constexpr int kMostIterations = 60;
   constexpr double kSmall = 1e-8;  // of kappa: the next step is its square
-  double kappa = std::max(0., length_of(target) - radii.maxCoeff());
+  const double reach = length_of(target);
+  const double mean = (target / reach).array().square().matrix().dot(radii);
+  double kappa = std::max(0., reach - mean);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     const Eigen::Array3d inverse = (radii.array() + kappa).inverse();
     const Eigen::Vector3d ratio = target.array() * inverse;
@@ -47,10 +50,10 @@ FrictionExcess friction_excess(const FrictionShape* shape, const Eigen::Vector3d
     const double length = radius > 0 ? excess_length(target, radii) : length_of(target);
     if (!(length > 0)) return result;
     result.boundary = target.cwiseQuotient((radii.array() + length).matrix());
-    result.boundary /= length_of(result.boundary);
+    result.boundary *= 1 / length_of(result.boundary);
     result.excess = length * result.boundary;
-    result.hessian =
-        (Eigen::Matrix3d::Identity() - result.boundary * result.boundary.transpose()) / length;
+    result.hessian = (Eigen::Matrix3d::Identity() - result.boundary * result.boundary.transpose()) *
+                     (1 / length);
     return result;
   }
   // With x = A^(1/2) s the distance is Euclid's, and the set's support function is h(A^(1/2) t).
