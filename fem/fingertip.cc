@@ -11,6 +11,7 @@
 #include "meshes/generation/fingertip_layer.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/scans/doubted.h"
+#include "meshes/scans/hidden_facets.h"
 #include "meshes/scans/scanned_layer.h"
 #include "softfinger/input/errors.h"
 
@@ -37,6 +38,9 @@ class BentLayer : public LayerShape {
   double h() const { return layer_.thickness(); }
   meshes::FingertipLayer layer_;
 };
+
+/// Facets are looked at as far as contact and surroundings may reach, in thicknesses.
+constexpr double farthest_facet = 20;
 
 /// Sharp edges farther from the first touch, in thicknesses, do not matter.
 constexpr double farthest_edge = 15;
@@ -194,10 +198,9 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
 
 FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const Reading& reading,
                           CoreWays ways) {
-  // What is smaller than half the thickness is noise or a feature that a layer levels. Facets are
-  // looked at as far as contact and surroundings may reach.
-  constexpr double width = 0.5, within = 20;
-  meshes::Smoothing smoothing{width * thickness_m, 60 * M_PI / 180, within * thickness_m};
+  // What is smaller than half the thickness is noise or a feature that a layer levels.
+  constexpr double width = 0.5;
+  meshes::Smoothing smoothing{width * thickness_m, 60 * M_PI / 180, farthest_facet * thickness_m};
   smoothing.widening = reading.smoothing;
   auto surface = std::make_shared<const meshes::SmoothSurface>(
       reading.doubt > 0
@@ -231,6 +234,17 @@ FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const 
 }
 
 }  // namespace
+
+Fingertip seen_of(Fingertip fingertip, double thickness_m) {
+  const auto see = [&](std::shared_ptr<const TriangleSurface>& surface) {
+    if (surface)
+      surface = std::make_shared<const TriangleSurface>(
+          meshes::seen_surface(*surface, farthest_facet * thickness_m));
+  };
+  see(fingertip.scan);
+  see(fingertip.core);
+  return fingertip;
+}
 
 FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m,
                                const Reading& reading, CoreWays ways) {

@@ -106,8 +106,8 @@ Pressing pressing_of(const Problem& problem, CoreWays ways) {
       ((friction.limit_surface > 0 && friction.increments_to_slip > 0) ||
        (friction.torsion && (friction.twist_axis_x_m != 0 || friction.twist_axis_y_m != 0)));
   if (problem.fingertip) {
-    pressing.fingertip = problem.fingertip;
-    pressing.bent = shape_fingertip(problem.fingertip, h, {}, ways);
+    pressing.fingertip = seen_of(problem.fingertip, h);
+    pressing.bent = shape_fingertip(pressing.fingertip, h, {}, ways);
   }
   return pressing;
 }

@@ -133,4 +133,30 @@ std::vector<bool> hidden_facets(const TriangleSurface& surface,
   return hidden;
 }
 
+TriangleSurface seen_surface(const TriangleSurface& surface, double within) {
+  std::vector<std::size_t> near;
+  std::vector<Vector3d> normals(surface.triangles.size(), Vector3d::Zero());
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto& [i, j, k] = surface.triangles[f];
+    const Vector3d &a = surface.vertices_m[static_cast<std::size_t>(i)],
+                   &b = surface.vertices_m[static_cast<std::size_t>(j)],
+                   &c = surface.vertices_m[static_cast<std::size_t>(k)];
+    const Vector3d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+    const Vector3d apart = low.cwiseMax(-high).cwiseMax(0.0);
+    if (apart.norm() > within) continue;
+    const Vector3d area = (b - a).cross(c - a);
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    // A needle's normal is round-off.
+    if (!(area.norm() > 1e-6 * longest * longest)) continue;
+    normals[f] = area.normalized();
+    near.push_back(f);
+  }
+  const std::vector<bool> hidden = hidden_facets(surface, near, normals);
+  TriangleSurface seen;
+  seen.vertices_m = surface.vertices_m;
+  for (std::size_t i = 0; i < near.size(); ++i)
+    if (!hidden[i]) seen.triangles.push_back(surface.triangles[near[i]]);
+  return seen;
+}
+
 }  // namespace softfinger::meshes

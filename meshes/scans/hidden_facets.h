@@ -21,4 +21,8 @@ std::vector<bool> hidden_facets(const TriangleSurface& surface,
                                 const std::vector<std::size_t>& facets,
                                 const std::vector<Eigen::Vector3d>& normals);
 
+/// The surface without its hidden facets, those without an area and those farther than `within`
+/// from the origin. Vertices keep their numbers.
+TriangleSurface seen_surface(const TriangleSurface& surface, double within);
+
 }  // namespace softfinger::meshes

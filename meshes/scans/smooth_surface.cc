@@ -10,7 +10,6 @@
 #include <unordered_set>
 #include <vector>
 
-#include "meshes/scans/hidden_facets.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -219,7 +218,7 @@ struct SmoothSurface::Implementation {
 void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surface,
                                                    const Smoothing& smoothing) {
   const auto& vertices = surface.vertices_m;
-  std::vector<std::size_t> near, seen;
+  std::vector<std::size_t> near;
   std::vector<Vector3d> normals(surface.triangles.size(), Vector3d::Zero());
   std::vector<double> areas(surface.triangles.size(), 0);
   std::vector<std::vector<std::size_t>> around(vertices.size());
@@ -238,16 +237,11 @@ void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surfac
     normals[f] = area.normalized();
     areas[f] = area.norm() / 2;
     near.push_back(f);
-  }
-  const std::vector<bool> hidden = hidden_facets(surface, near, normals);
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    if (hidden[i]) continue;
-    seen.push_back(near[i]);
-    for (const int corner : surface.triangles[near[i]])
-      around[static_cast<std::size_t>(corner)].push_back(near[i]);
+    for (const int corner : surface.triangles[f])
+      around[static_cast<std::size_t>(corner)].push_back(f);
   }
   const double cos_crease = std::cos(smoothing.crease_rad);
-  for (const std::size_t f : seen) {
+  for (const std::size_t f : near) {
     Corners corners;
     for (std::size_t c = 0; c < 3; ++c) {
       const int one = surface.triangles[f][c], two = surface.triangles[f][(c + 1) % 3];

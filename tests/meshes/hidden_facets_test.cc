@@ -85,11 +85,15 @@ TEST(HiddenFacets, AreNoneOfASurfaceGivenTwiceOrFromBothSides) {
   }
 }
 
-TEST(SmoothSurface, KnowsNothingOfACoreUnderTheSkin) {
+TEST(SeenSurface, KnowsNothingOfACoreUnderTheSkin) {
   TriangleSurface surface = sphere(skin_m, 1e-3);
   add_to(surface, sphere(0.8 * skin_m, 1e-3));
   for (Vector3d& vertex : surface.vertices_m) vertex.z() -= skin_m;
-  const SmoothSurface smooth(surface, {1e-3, 60 * M_PI / 180, 15e-3});
+  const TriangleSurface seen = seen_surface(surface, 15e-3);
+  EXPECT_EQ(seen.vertices_m.size(), surface.vertices_m.size());
+  EXPECT_EQ(seen.triangles.size(), sphere(skin_m, 1e-3).triangles.size());
+  EXPECT_LT(seen_surface(surface, 3e-3).triangles.size(), seen.triangles.size() / 3);
+  const SmoothSurface smooth(seen, {1e-3, 60 * M_PI / 180, 15e-3});
   for (double polar = 0; polar < 0.5; polar += 0.1) {
     const Vector3d out(std::sin(polar), 0, std::cos(polar)), centre(0, 0, -skin_m);
     const auto on = smooth.project(centre + skin_m * out, out);
