@@ -174,6 +174,40 @@ TEST(FrictionalContact, EndsInFullSlipWithTheTorqueOfItsPressure) {
   EXPECT_NEAR(state.wrench().torque, sliding.wrench().torque, settled * before);
 }
 
+TEST(FrictionalContact, ObeysCoulombsLawHoweverSmallTheCoefficientIs) {
+  // Shear that hardly moves the pressure must be solved as exactly as shear that does.
+  const SurfaceCompliance& surface = contact().half;
+  Eigen::VectorXd gap(surface.size());
+  for (Index i = 0; i < gap.size(); ++i)
+    gap[i] = contact().pressed.gap[surface.model_node[static_cast<std::size_t>(i)]];
+  for (const double mu : {1e-4, 1e-2, 0.3}) {
+    FrictionalContact state(surface, gap, contact().load, mu);
+    Eigen::VectorXd before = state.slip();
+    for (const double angle : {0.004, 0.01, 0.02, 0.035, 0.06}) {
+      state.move_to({0, 0, angle * mu});
+      const Eigen::VectorXd slip = state.slip() - before;
+      before = state.slip();
+      double violation = 0;
+      for (Index i = 0; i < surface.size(); ++i) {
+        const double limit = mu * state.normal_force()[i], own = surface.tangential(2 * i, 2 * i);
+        // The centre of the turn cannot move.
+        if (!(limit > 0 && own > 0)) continue;
+        // A point sticks where what would stop its slip is within the limit, else it slips along.
+        const Eigen::Vector2d force = state.tangential_force().segment<2>(2 * i),
+                              stopping = force + slip.segment<2>(2 * i) / own;
+        const Eigen::Vector2d allowed = stopping.norm() > limit
+                                            ? Eigen::Vector2d(limit / stopping.norm() * stopping)
+                                            : stopping;
+        violation += surface.copies * (force - allowed).norm();
+      }
+      // The limits are those of a pressure that still changes by that part of the load.
+      EXPECT_LT(violation, settled * mu * contact().load) << mu << " " << angle;
+    }
+    EXPECT_GT(state.slip_fraction(), 0.5) << mu;
+    EXPECT_LT(state.slip_fraction(), 1) << mu;
+  }
+}
+
 TEST(FrictionalContact, KeepsItsLoadAndSlidesAgainstTheFullForce) {
   FrictionalContact state = contact().on(contact().whole);
   state.slide({1, 0, 0});
