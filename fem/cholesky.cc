@@ -11,6 +11,7 @@
 
 #include "fem/memory.h"
 #include "fem/positive_definite.h"
+#include "fem/threads.h"
 #include "softfinger/input/errors.h"
 
 // BLAS and LAPACK in single precision, declared as Eigen does.
@@ -296,6 +297,7 @@ SparseSymmetricMatrix quotient_graph(const SparseSymmetricMatrix& matrix,
 }
 
 std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix) {
+  const auto lock = lock_global_state();
   cholmod_common common{};
   cholmod_start(&common);
   common.print = 0;

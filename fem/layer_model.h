@@ -49,6 +49,9 @@ struct LayerDiscretisation {
 class LayerShape {
  public:
   virtual ~LayerShape() = default;
+  /// For another thread: what the copy covers changes nothing here. Null where threads may share
+  /// this one.
+  virtual std::shared_ptr<const LayerShape> copy() const { return nullptr; }
   /// Position in space of the block's point (x, y, z), -1 <= z <= 0; z = 0 is the surface, z = -1
   /// the rigid core.
   virtual Eigen::Vector3d position(double x, double y, double z) const = 0;

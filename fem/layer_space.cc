@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "fem/edge_shape.h"
+#include "fem/threads.h"
 #include "meshes/generation/divide_sheets.h"
 #include "meshes/generation/layer_block.h"
 #include "meshes/generation/layer_mesh.h"
@@ -763,7 +764,10 @@ std::vector<double> lines_of(const meshes::HexahedralMesh& block, int component)
 bool LayerSpace::mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
                             std::vector<dealii::Point<dim>>& support) {
   const Lattice lattice = plan_lattice(discretisation, coarsest);
-  meshes::HexahedralMesh block = with_images(meshes::mesh_layer_block(lattice.block), planes);
+  meshes::HexahedralMesh block = [&] {
+    const auto lock = lock_global_state();
+    return with_images(meshes::mesh_layer_block(lattice.block), planes);
+  }();
   bool is_whole = true;
   if (discretisation.is_scan) {
     // Cells that lie partly within the side wall belong to the layer too.

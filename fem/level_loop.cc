@@ -10,6 +10,7 @@
 #include "fem/friction_study.h"
 #include "fem/memory.h"
 #include "fem/stopwatch.h"
+#include "fem/threads.h"
 #include "fem/touching_outline.h"
 #include "meshes/generation/object_surface.h"
 
@@ -115,15 +116,9 @@ class LevelLoop {
   std::optional<Result> run() {
     tell_first_touch();
     find_size();
-    check_twist_axis(problem_, trial_.result);
-    for (const int level : {problem_.level - 1, problem_.level}) {
-      if (task_.stop()) {
-        keep_finished_level(level - 1);
-        break;
-      }
-      if (!solve_level(level)) return std::nullopt;
-    }
-    if (!meshes_serve()) return std::nullopt;
+    const bool is_solved =
+        problem_.fingertip.scan ? solve_levels_beside_readings() : solve_levels();
+    if (!is_solved || !meshes_serve()) return std::nullopt;
     correct_wall();
     estimate();
     describe();
@@ -154,14 +149,53 @@ class LevelLoop {
     }
     trial_ = physics_.measure();
     trial_.result.level = 0;
-    if (problem_.fingertip.scan) {
-      measure_core();
-      measure_readings();
-    }
     fit_mesh_to(trial_.block_a, trial_.block_b);
     if (physics_.shares_meshes())
       task_.progress(
           formatted("meshes of an earlier contact, %.3g times as large", trial_.result.oversize));
+  }
+
+  /// @returns false where shared meshes are too small for the contact
+  bool solve_levels() {
+    check_twist_axis(problem_, trial_.result);
+    if (task_.stop()) throw Interrupted();
+    if (!solve_level(problem_.level - 1)) return false;
+    if (!wall_is_near(measured_on_)) return solve_finer_level();
+    // What the finer level asks for does not depend on the wall.
+    bool is_solved = false;
+    const auto press_other = physics_.press_other();
+    const LevelResult free = coarse();
+    const LayerDiscretisation mesh =
+        physics_.shares_meshes() ? physics_.discretisation() : measured_on_;
+    const OrderedProgress tell = task_.progress.place();
+    side_by_side(
+        [&] {
+          result_.wall = measure_wall(mesh, free, press_other, tell);
+          tell.close();
+        },
+        [&] { is_solved = solve_finer_level(); });
+    return is_solved;
+  }
+
+  bool solve_finer_level() {
+    if (!task_.stop()) return solve_level(problem_.level);
+    keep_finished_level(problem_.level - 1);
+    return true;
+  }
+
+  /// What other readings of the scan tell does not change the levels.
+  bool solve_levels_beside_readings() {
+    bool is_solved = false;
+    const Readings readings{physics_.press_other(), physics_.discretisation(), trial_.result,
+                            task_.progress.place()};
+    side_by_side(
+        [&] {
+          core_error_ = measure_core(readings);
+          result_.geometry_error = measure_readings(readings);
+          readings.tell.close();
+        },
+        [&] { is_solved = solve_levels(); });
+    return is_solved;
   }
 
   /// A hint for which the layer has no room would refuse what may fit.
@@ -332,12 +366,10 @@ class LevelLoop {
     result.wall_s = watch.seconds();
     result.cpu_s = watch.cpu_seconds();
     tell(found);
-    const LayerDiscretisation measured = mesh_;
     result_.levels.push_back(result);
     misfit_ = std::max(misfit_, misfit(mesh_, found.block_a, found.block_b));
+    measured_on_ = mesh_;
     fit_mesh_to(found.block_a, found.block_b);
-    if (result_.levels.size() > 1) return;
-    if (wall_is_near(measured)) measure_wall(measured);
   }
 
   /// Whether what lies beyond the side wall may change the contact.
@@ -345,19 +377,28 @@ class LevelLoop {
     return mesh.is_scan || std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
   }
 
+  /// Where other readings of a scan start from.
+  struct Readings {
+    ContactPhysics::PressOther press;
+    LayerDiscretisation mesh;
+    LevelResult best;
+    OrderedProgress tell;
+  };
+
   /// The core's ridge is drawn by ways from the surface that end on it, and by cells that are not
   /// fitted to it. How far other ways change the answer tells what that leaves open: all of the
   /// largest change is stated.
   /// @throws FoldedLayer where no other ways can be pressed
-  void measure_core() {
+  RelativeError measure_core(const Readings& readings) const {
     const CoreWays own = task_.pressing.bent.ways;
-    if (own == CoreWays::smoothed) return;
+    if (own == CoreWays::smoothed) return {};
+    std::vector<std::pair<Reading, CoreWays>> others;
+    for (const CoreWays ways :
+         {CoreWays::eroded, CoreWays::eroded_nearer, CoreWays::eroded_smoother, CoreWays::smoothed})
+      if (ways != own) others.emplace_back(Reading::best, ways);
     RelativeError largest;
     bool is_known = false;
-    for (const CoreWays ways : {CoreWays::eroded, CoreWays::eroded_nearer,
-                                CoreWays::eroded_smoother, CoreWays::smoothed}) {
-      if (ways == own) continue;
-      const std::optional<RelativeError> change = change_by(Reading::best, ways);
+    for (const std::optional<RelativeError>& change : changes_by(others, readings)) {
       if (!change) continue;
       is_known = true;
       for (const auto quantity : relative_errors)
@@ -367,107 +408,131 @@ class LevelLoop {
       throw FoldedLayer(InputError("contact", "room on the finger",
                                    "its layer would fold with all ways to its core but one",
                                    "less load, or another point"));
-    core_error_ = largest;
-    task_.progress(formatted(
+    readings.tell(formatted(
         "core: what its ridge leaves open changes a by %.2g, area by %.2g, d by %.2g, torque by "
         "%.2g %%",
         100 * largest.a, 100 * largest.area, 100 * largest.indentation, 100 * largest.max_torque));
+    return largest;
   }
 
   /// What the scan's triangles tell, read in other ways.
-  void measure_readings() {
+  std::optional<RelativeError> measure_readings(const Readings& readings) const {
     const CoreWays own = task_.pressing.bent.ways;
-    const std::optional<RelativeError> smooth = change_by(Reading::smooth, own),
-                                       one = change_by(Reading::doubted, own),
-                                       other = change_by(Reading::doubted_again, own);
-    if (!smooth || !one || !other) return;
+    const auto changes = changes_by(
+        {{Reading::smooth, own}, {Reading::doubted, own}, {Reading::doubted_again, own}}, readings);
+    const std::optional<RelativeError>&smooth = changes[0], &one = changes[1], &other = changes[2];
+    if (!smooth || !one || !other) return std::nullopt;
     // Two standard deviations, from two samples of what facets leave open.
-    result_.geometry_error.emplace();
+    RelativeError stated;
     for (const auto quantity : relative_errors)
-      *result_.geometry_error.*quantity = std::max(
+      stated.*quantity = std::max(
           *smooth.*quantity, 2 * std::hypot(*one.*quantity, *other.*quantity) / std::sqrt(2.0));
-    const RelativeError& stated = *result_.geometry_error;
-    task_.progress(formatted(
+    readings.tell(formatted(
         "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
         "torque by %.2g %%",
         100 * stated.a, 100 * stated.area, 100 * stated.indentation, 100 * stated.max_torque));
+    return stated;
   }
 
-  /// Relative changes by another reading, on the trial mesh. None where it cannot be pressed.
-  std::optional<RelativeError> change_by(Reading reading, CoreWays ways) {
-    const LevelResult& best = trial_.result;
-    Pressing other = task_.pressing;
-    try {
-      other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
-      const ContactTask task{problem_, other, task_.progress, task_.stop};
-      const std::unique_ptr<ContactPhysics> physics = physics_.press_other(task);
-      // It touches first elsewhere, so that it may lie beside the patch that was refined.
-      const auto fits = [&] {
-        const RoughSize size = physics->size();
-        const LayerDiscretisation& mesh = physics->discretisation();
-        return !size.reaches_rim && std::max(size.a / mesh.a, size.b / mesh.b) < 1 + spare_size;
-      };
-      for (int trial = 1; !fits() && trial < most_trials; ++trial) {
-        LayerDiscretisation mesh = physics->discretisation();
-        const RoughSize size = physics->size();
-        const double growth = size.reaches_rim ? growth_at_rim : 1;
-        mesh.a = rounded(growth * size.a);
-        mesh.b = rounded(growth * size.b);
-        physics->press(mesh, 0);
+  using Changes = std::vector<std::optional<RelativeError>>;
+
+  /// Relative changes by other readings, on the trial mesh. None where one cannot be pressed.
+  Changes changes_by(const std::vector<std::pair<Reading, CoreWays>>& others,
+                     const Readings& readings) const {
+    Changes changes(others.size());
+    std::vector<OrderedProgress> tell;
+    for (std::size_t i = 0; i < others.size(); ++i) tell.push_back(readings.tell.place());
+    in_parallel(static_cast<int>(others.size()), [&](int number) {
+      const auto i = static_cast<std::size_t>(number);
+      try {
+        changes[i] = change_by(others[i].first, others[i].second, readings, tell[i]);
+      } catch (const std::runtime_error& error) {
+        tell[i](
+            std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
+            error.what());
       }
-      const LevelResult found = physics->measure().result;
-      const auto change = [&](double LevelResult::*quantity) {
-        return std::abs(found.*quantity / best.*quantity - 1);
-      };
-      return RelativeError{change(&LevelResult::a_m),
-                           change(&LevelResult::b_m),
-                           change(&LevelResult::area_projected_m2),
-                           change(&LevelResult::indentation_m),
-                           change(&LevelResult::peak_pressure_Pa),
-                           change(&LevelResult::max_torque_Nm),
-                           change(&LevelResult::load_N)};
-    } catch (const std::runtime_error& error) {
-      task_.progress(
-          std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
-          error.what());
-      return std::nullopt;
+      tell[i].close();
+    });
+    return changes;
+  }
+
+  RelativeError change_by(Reading reading, CoreWays ways, const Readings& readings,
+                          const OrderedProgress& tell) const {
+    Pressing other = task_.pressing;
+    other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
+    const ContactTask task{problem_, other, tell, task_.stop};
+    const std::unique_ptr<ContactPhysics> physics = readings.press(task, readings.mesh);
+    // It touches first elsewhere, so that it may lie beside the patch that was refined.
+    const auto fits = [&] {
+      const RoughSize size = physics->size();
+      const LayerDiscretisation& mesh = physics->discretisation();
+      return !size.reaches_rim && std::max(size.a / mesh.a, size.b / mesh.b) < 1 + spare_size;
+    };
+    for (int trial = 1; !fits() && trial < most_trials; ++trial) {
+      LayerDiscretisation mesh = physics->discretisation();
+      const RoughSize size = physics->size();
+      const double growth = size.reaches_rim ? growth_at_rim : 1;
+      mesh.a = rounded(growth * size.a);
+      mesh.b = rounded(growth * size.b);
+      physics->press(mesh, 0);
     }
+    const LevelResult found = physics->measure().result;
+    const auto change = [&](double LevelResult::*quantity) {
+      return std::abs(found.*quantity / readings.best.*quantity - 1);
+    };
+    return RelativeError{change(&LevelResult::a_m),
+                         change(&LevelResult::b_m),
+                         change(&LevelResult::area_projected_m2),
+                         change(&LevelResult::indentation_m),
+                         change(&LevelResult::peak_pressure_Pa),
+                         change(&LevelResult::max_torque_Nm),
+                         change(&LevelResult::load_N)};
   }
 
   /// A free wall yields too much and a clamped one too little.
-  void measure_wall(const LayerDiscretisation& mesh) {
+  /// @param mesh   of the level
+  /// @param press  from its state
+  WallChange measure_wall(LayerDiscretisation mesh, const LevelResult& free,
+                          const ContactPhysics::PressOther& press,
+                          const OrderedProgress& tell) const {
+    mesh.clamped_wall = true;
+    Pressing pressing = task_.pressing;
+    if (const auto& shape = pressing.bent.shape)
+      if (std::shared_ptr<const LayerShape> own = shape->copy()) pressing.bent.shape = own;
+    const ContactTask task{problem_, pressing, tell, task_.stop};
+    std::unique_ptr<ContactPhysics> physics = press(task, mesh);
     const LevelResult clamped = [&] {
       try {
-        return physics_.measure_clamped(mesh).result;
+        return physics->measure().result;
       } catch (const OutgrownPatch&) {
-        LayerDiscretisation larger = mesh;
-        larger.patch *= growth_at_rim;
+        mesh.patch *= growth_at_rim;
+        physics->press(mesh, 0);
         try {
-          return physics_.measure_clamped(larger).result;
+          return physics->measure().result;
         } catch (const OutgrownPatch&) {
-          physics_.refuse_end_beside();
+          physics->refuse_end_beside();
           throw;
         }
       }
     }();
-    const LevelResult& free = result_.levels.front();
     const auto half = [&](double LevelResult::*quantity) {
       return (clamped.*quantity / free.*quantity - 1) / 2;
     };
     // The arm of the pressure is a length of the contact, and one that no fit blurs.
     const double load = half(&LevelResult::load_N), length = half(&LevelResult::torque_arm_m);
-    result_.wall = {length,
-                    length,
-                    2 * length,
-                    half(&LevelResult::indentation_m),
-                    load - 2 * length,
-                    half(&LevelResult::max_torque_Nm),
-                    load,
-                    half(&LevelResult::max_force_N)};
-    task_.progress(
+    const WallChange wall{length,
+                          length,
+                          2 * length,
+                          half(&LevelResult::indentation_m),
+                          load - 2 * length,
+                          half(&LevelResult::max_torque_Nm),
+                          load,
+                          half(&LevelResult::max_force_N)};
+    tell(
         formatted("side wall: clamped it would change the contact's size by %.2g, d by "
                   "%.2g, load by %.2g %%; half of that is taken",
-                  200 * length, 200 * result_.wall.indentation, 200 * load));
+                  200 * length, 200 * wall.indentation, 200 * load));
+    return wall;
   }
 
   void correct_wall() {
@@ -579,7 +644,8 @@ class LevelLoop {
   double room_ = 1;  ///< of the patch, over that of the usual one
   Measurement trial_;
   Result result_;
-  RelativeError core_error_;  ///< of a core with a ridge
+  LayerDiscretisation measured_on_;  ///< mesh of the last level
+  RelativeError core_error_;         ///< of a core with a ridge
   std::optional<FrictionPlan> plan_;
   std::vector<FrictionOfLevel> friction_;  ///< per level
   double misfit_ = 0;                      ///< largest of the levels

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 
 /// More than one thread within a problem. What is computed does not depend on their number: parts
 /// that may run at a time share no sum. Beside other processes one thread is best.
@@ -9,9 +10,21 @@ namespace softfinger::fem {
 /// That of the environment variable DEAL_II_NUM_THREADS, else that of the processors.
 int thread_count();
 
-/// Calls both functions, at the same time where there is a second thread, and returns when both
-/// have ended.
-/// @throws what `one` throws, else what `other` throws
+/// Calls `part` with 0 to count - 1, at the same time where there are threads for it, and returns
+/// when all have ended. One thread calls them in turn. Parts may call this function too.
+/// @throws what the first one throws, in the order of their numbers; later ones may be left out
+void in_parallel(int count, const std::function<void(int)>& part);
+
+/// The same of two functions.
 void side_by_side(const std::function<void()>& one, const std::function<void()>& other);
+
+/// To be held while a library works that has one state for the whole process: gmsh has one model,
+/// and it and METIS draw from the C library's random numbers. Two at a time would change each
+/// other's meshes and orders.
+std::unique_lock<std::mutex> lock_global_state();
+
+/// CPU time of this thread's work and of the parts of it that other threads have done, from some
+/// time on. What the thread does for other work while it waits is left out.
+double work_seconds();
 
 }  // namespace softfinger::fem
