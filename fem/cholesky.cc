@@ -36,6 +36,8 @@ struct CholeskyFactor::Implementation {
   SparseSymmetricMatrix ordered;
   std::vector<int> source;  ///< of each entry, in the matrix that is given
 
+  void analyse(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
+               const std::vector<int>& of_last, Precision precision);
   void set_ordered(const SparseSymmetricMatrix& matrix);
   void free_factor() {
     full.reset();
@@ -155,34 +157,49 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix,
                                const std::vector<int>& dissection, const std::vector<int>& last,
                                Precision precision)
     : implementation_(std::make_unique<Implementation>()) {
-  auto& common = implementation_->common;
+  implementation_->analyse(matrix, dissection, last, precision);
+  factorise(matrix);
+}
+
+CholeskyFactor::CholeskyFactor() : implementation_(std::make_unique<Implementation>()) {}
+
+std::unique_ptr<CholeskyFactor> CholeskyFactor::analysed(const SparseSymmetricMatrix& matrix,
+                                                         const std::vector<int>& dissection,
+                                                         const std::vector<int>& last,
+                                                         Precision precision) {
+  std::unique_ptr<CholeskyFactor> result(new CholeskyFactor);
+  result->implementation_->analyse(matrix, dissection, last, precision);
+  return result;
+}
+
+void CholeskyFactor::Implementation::analyse(const SparseSymmetricMatrix& matrix,
+                                             const std::vector<int>& dissection,
+                                             const std::vector<int>& of_last, Precision precision) {
   common.print = 0;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.final_ll = 1;
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 1;
-  implementation_->size = matrix.size;
-  implementation_->last = last;
+  size = matrix.size;
+  last = of_last;
 
   cholmod_sparse view = view_of(matrix);
-  std::vector<int> ordering = with_last(dissection, last);
-  cholmod_factor*& analysis = implementation_->analysis;
+  std::vector<int> ordering = with_last(dissection, of_last);
   analysis = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
   if (!analysis || common.status != CHOLMOD_OK)
     throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,
                            "memory ran out; use a lower level");
   require_memory(*analysis, matrix, last.size(), precision);
-  implementation_->set_ordered(matrix);
   if (precision == Precision::single)
-    implementation_->single = std::make_unique<SupernodalFactor<float>>(*analysis);
+    single = std::make_unique<SupernodalFactor<float>>(*analysis);
   else
-    implementation_->full = std::make_unique<SupernodalFactor<double>>(*analysis);
-  factorise(matrix);
+    full = std::make_unique<SupernodalFactor<double>>(*analysis);
 }
 
 void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
   SparseSymmetricMatrix& ordered = implementation_->ordered;
+  if (ordered.column_begin.empty()) implementation_->set_ordered(matrix);
   for (std::size_t i = 0; i < ordered.value.size(); ++i)
     ordered.value[i] = matrix.value[static_cast<std::size_t>(implementation_->source[i])];
   const int failed = implementation_->single ? implementation_->single->factorise(ordered)
@@ -195,7 +212,8 @@ void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
 
 CholeskyFactor::~CholeskyFactor() = default;
 
-/// Takes the ordering over from the analysis, which then is that of the ordered matrix.
+/// Takes the ordering over from the analysis, which then is that of the ordered matrix. It is as
+/// large as the matrix: what made that may be gone by now.
 void CholeskyFactor::Implementation::set_ordered(const SparseSymmetricMatrix& matrix) {
   auto* permutation = static_cast<int*>(analysis->Perm);
   order.assign(permutation, permutation + size);

@@ -210,6 +210,9 @@ class LayerModel {
   /// Rows and columns of components that the parity fixes on the mirror planes are zero. Each call
   /// factorises, unless the model is condensed to all displacements of the nodes.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
+  /// The same for several parities.
+  std::vector<Eigen::MatrixXd> vector_compliances(const std::vector<Parity>& parities,
+                                                  const std::vector<int>& nodes) const;
 
   /// Displacement, stress and contact pressure of what is meshed in SI units, atomically.
   /// @param force  per surface node, in units of E h²

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <mutex>
-#include <utility>
 
 #include "fem/threads.h"
 
@@ -122,22 +120,7 @@ struct SupernodalFactor<Value>::Run {
   const SparseSymmetricMatrix& ordered;
   std::vector<int> first, next, position;
   std::atomic<int> failed;  ///< first column so far; the matrix's size: none
-
-  std::unique_ptr<Workspace> take() {
-    const std::lock_guard lock(mutex);
-    if (idle.empty()) return std::make_unique<Workspace>();
-    std::unique_ptr<Workspace> result = std::move(idle.back());
-    idle.pop_back();
-    return result;
-  }
-  void give_back(std::unique_ptr<Workspace> workspace) {
-    const std::lock_guard lock(mutex);
-    idle.push_back(std::move(workspace));
-  }
-
- private:
-  std::mutex mutex;
-  std::vector<std::unique_ptr<Workspace>> idle;
+  Pool<Workspace> workspaces{[] { return std::make_unique<Workspace>(); }};
 };
 
 template <class Value>
@@ -148,7 +131,7 @@ SupernodalFactor<Value>::SupernodalFactor(const cholmod_factor& analysis)
       rows_(static_cast<const int*>(analysis.s)),
       size_(static_cast<int>(analysis.n)),
       count_(static_cast<int>(analysis.nsuper)),
-      values_(new Value[analysis.xsize]),
+      value_count_(analysis.xsize),
       supernode_of_(analysis.n),
       children_(analysis.nsuper + 1),
       first_of_(analysis.nsuper + 1),
@@ -176,6 +159,7 @@ int SupernodalFactor<Value>::parent(int node) const {
 
 template <class Value>
 int SupernodalFactor<Value>::factorise(const SparseSymmetricMatrix& ordered) {
+  if (!values_) values_.reset(new Value[value_count_]);
   Run run(ordered, count_, size_);
   eliminate_subtree(run, count_);
   return run.failed;
@@ -231,11 +215,28 @@ auto SupernodalFactor<Value>::eliminate_subtree(Run& run, int root) -> Nodes {
 template <class Value>
 void SupernodalFactor<Value>::eliminate(Run& run, int node, int root, Nodes& left) {
   if (run.failed < super_[node]) return;
+  std::vector<Update> updates;
+  run.workspaces.with([&](Workspace& workspace) { updates = gather(run, node, workspace); });
+  for (const Update& update : updates) enlist(run, update.descendant, update.to, root, left);
+  const int columns = column_count(node);
+  if (const int factorised = factorise_columns(node); factorised < columns) {
+    int failed = run.failed;
+    while (super_[node] + factorised < failed &&
+           !run.failed.compare_exchange_weak(failed, super_[node] + factorised)) {
+    }
+    return;
+  }
+  enlist(run, node, columns, root, left);
+}
+
+/// The supernode's entries of the matrix, less what its descendants subtract.
+template <class Value>
+auto SupernodalFactor<Value>::gather(Run& run, int node, Workspace& workspace)
+    -> std::vector<Update> {
   const int columns = column_count(node), row_total = row_count(node);
   Value* const own = values(node);
   std::fill(own, own + static_cast<std::ptrdiff_t>(columns) * row_total, Blas<Value>::none);
-  std::unique_ptr<Workspace> workspace = run.take();
-  std::vector<int>& place = workspace->place;
+  std::vector<int>& place = workspace.place;
   place.resize(at(size_));
   for (int i = 0; i < row_total; ++i) place[at(rows(node)[i])] = i;
   const SparseSymmetricMatrix& ordered = run.ordered;
@@ -257,7 +258,7 @@ void SupernodalFactor<Value>::eliminate(Run& run, int node, int root, Nodes& lef
   }
   if (work < least_work || columns <= block_size) {
     for (const Update& update : updates)
-      subtract(update, node, 0, columns, place, workspace->product, workspace->target);
+      subtract(update, node, 0, columns, place, workspace.product, workspace.target);
   } else {
     by_blocks(0, columns, block_size, [&](int begin, int end) {
       std::vector<Value> product;
@@ -266,16 +267,7 @@ void SupernodalFactor<Value>::eliminate(Run& run, int node, int root, Nodes& lef
         subtract(update, node, begin, end, place, product, target);
     });
   }
-  run.give_back(std::move(workspace));
-  for (const Update& update : updates) enlist(run, update.descendant, update.to, root, left);
-  if (const int factorised = factorise_columns(node); factorised < columns) {
-    int failed = run.failed;
-    while (super_[node] + factorised < failed &&
-           !run.failed.compare_exchange_weak(failed, super_[node] + factorised)) {
-    }
-    return;
-  }
-  enlist(run, node, columns, root, left);
+  return updates;
 }
 
 /// The product of a descendant's rows with those among some of the supernode's columns.

@@ -52,6 +52,7 @@ class SupernodalFactor {
 
   Nodes eliminate_subtree(Run& run, int root);
   void eliminate(Run& run, int node, int root, Nodes& left);
+  std::vector<Update> gather(Run& run, int node, Workspace& workspace);
   void enlist(Run& run, int node, int row, int root, Nodes& left) const;
   void subtract(const Update& update, int node, int begin, int end, const std::vector<int>& place,
                 std::vector<Value>& product, std::vector<int>& target);
@@ -59,11 +60,12 @@ class SupernodalFactor {
 
   const int *super_, *row_begin_, *value_begin_, *rows_;
   const int size_, count_;
-  std::unique_ptr<Value[]> values_;
-  std::vector<int> supernode_of_;  ///< per column
-  std::vector<Nodes> children_;    ///< in the elimination tree; of the last one: its roots
-  std::vector<int> first_of_;      ///< of each subtree, in postorder
-  std::vector<double> work_;       ///< of each subtree, multiplications
+  const std::size_t value_count_;
+  std::unique_ptr<Value[]> values_;  ///< none before the first factorisation
+  std::vector<int> supernode_of_;    ///< per column
+  std::vector<Nodes> children_;      ///< in the elimination tree; of the last one: its roots
+  std::vector<int> first_of_;        ///< of each subtree, in postorder
+  std::vector<double> work_;         ///< of each subtree, multiplications
 };
 
 }  // namespace softfinger::fem

@@ -73,6 +73,17 @@ void side_by_side(const std::function<void()>& one, const std::function<void()>&
   in_parallel(2, [&](int i) { (i == 0 ? one : other)(); });
 }
 
+void in_order(int count, int batch, const std::function<void(int)>& compute,
+              const std::function<void(int)>& add) {
+  for (int begin = 0; begin < count + batch; begin += batch) {
+    const int end = std::min(count, begin + batch);
+    in_parallel(1 + std::max(0, end - begin), [&](int part) {
+      if (part > 0) return compute(begin + part - 1);
+      for (int i = std::max(0, begin - batch); i < std::min(count, begin); ++i) add(i);
+    });
+  }
+}
+
 std::unique_lock<std::mutex> lock_global_state() {
   static std::mutex one_at_a_time;
   return std::unique_lock(one_at_a_time);

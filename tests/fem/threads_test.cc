@@ -48,6 +48,19 @@ TEST(Threads, TheFirstOfWhatPartsThrowComesBack) {
   for (const int from : {0, 1, 5}) EXPECT_EQ(thrown(from), from);
 }
 
+TEST(Threads, AddsInOrderWhatIsComputedAtTheSameTime) {
+  constexpr int batch = 3;
+  for (const int count : {0, 1, 2, 3, 4, 17}) {
+    std::vector<int> places(2 * batch), added;
+    in_order(
+        count, batch, [&](int i) { places[static_cast<std::size_t>(i % (2 * batch))] = i; },
+        [&](int i) { added.push_back(places[static_cast<std::size_t>(i % (2 * batch))]); });
+    std::vector<int> all(static_cast<std::size_t>(count));
+    std::iota(all.begin(), all.end(), 0);
+    EXPECT_EQ(added, all);
+  }
+}
+
 void work() {
   volatile double sum = 0;
   for (int i = 0; i < 2'000'000; ++i) sum = sum + 1;
