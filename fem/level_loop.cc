@@ -167,11 +167,15 @@ class LevelLoop {
     const LevelResult free = coarse();
     const LayerDiscretisation mesh =
         physics_.shares_meshes() ? physics_.discretisation() : measured_on_;
-    const OrderedProgress tell = task_.progress.place();
+    // The finer level may lay a scan's layer anew.
+    Pressing pressing = task_.pressing;
+    if (const auto& shape = pressing.bent.shape)
+      if (std::shared_ptr<const LayerShape> own = shape->copy()) pressing.bent.shape = own;
+    const ContactTask task{problem_, pressing, task_.progress.place(), task_.stop};
     side_by_side(
         [&] {
-          result_.wall = measure_wall(mesh, free, press_other, tell);
-          tell.close();
+          result_.wall = measure_wall(task, mesh, free, press_other);
+          task.progress.close();
         },
         [&] { is_solved = solve_finer_level(); });
     return is_solved;
@@ -492,14 +496,9 @@ class LevelLoop {
   /// A free wall yields too much and a clamped one too little.
   /// @param mesh   of the level
   /// @param press  from its state
-  WallChange measure_wall(LayerDiscretisation mesh, const LevelResult& free,
-                          const ContactPhysics::PressOther& press,
-                          const OrderedProgress& tell) const {
+  WallChange measure_wall(const ContactTask& task, LayerDiscretisation mesh,
+                          const LevelResult& free, const ContactPhysics::PressOther& press) const {
     mesh.clamped_wall = true;
-    Pressing pressing = task_.pressing;
-    if (const auto& shape = pressing.bent.shape)
-      if (std::shared_ptr<const LayerShape> own = shape->copy()) pressing.bent.shape = own;
-    const ContactTask task{problem_, pressing, tell, task_.stop};
     std::unique_ptr<ContactPhysics> physics = press(task, mesh);
     const LevelResult clamped = [&] {
       try {
@@ -528,7 +527,7 @@ class LevelLoop {
                           half(&LevelResult::max_torque_Nm),
                           load,
                           half(&LevelResult::max_force_N)};
-    tell(
+    task.progress(
         formatted("side wall: clamped it would change the contact's size by %.2g, d by "
                   "%.2g, load by %.2g %%; half of that is taken",
                   200 * length, 200 * wall.indentation, 200 * load));

@@ -16,6 +16,8 @@ namespace {
 /// others.
 thread_local double t_elsewhere = 0;
 
+std::atomic<int> g_thread_limit{0};  ///< 0: none
+
 /// Calls the parts that no other thread has begun.
 class Parts {
  public:
@@ -48,7 +50,13 @@ class Parts {
 
 }  // namespace
 
-int thread_count() { return static_cast<int>(dealii::MultithreadInfo::n_threads()); }
+int thread_count() {
+  const int limit = g_thread_limit;
+  return limit > 0 ? limit : static_cast<int>(dealii::MultithreadInfo::n_threads());
+}
+
+ThreadLimit::ThreadLimit(int threads) { g_thread_limit = threads; }
+ThreadLimit::~ThreadLimit() { g_thread_limit = 0; }
 
 void in_parallel(int count, const std::function<void(int)>& part) {
   Parts parts(count, part);

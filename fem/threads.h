@@ -13,6 +13,16 @@ namespace softfinger::fem {
 /// That of the environment variable DEAL_II_NUM_THREADS, else that of the processors.
 int thread_count();
 
+/// Another number of threads while it lives. It tells in how many parts work goes on; the
+/// processors may be fewer.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+};
+
 /// Calls `part` with 0 to count - 1, at the same time where there are threads for it, and returns
 /// when all have ended. One thread calls them in turn. Parts may call this function too.
 /// @throws what the first one throws, in the order of their numbers; later ones may be left out
