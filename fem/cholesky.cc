@@ -1,6 +1,5 @@
 #include "fem/cholesky.h"
 
-#include <omp.h>
 #include <suitesparse/cholmod.h>
 
 #include <algorithm>
@@ -11,176 +10,14 @@
 
 #include "fem/memory.h"
 #include "fem/positive_definite.h"
+#include "fem/supernodal_factor.h"
+#include "fem/threads.h"
 #include "softfinger/input/errors.h"
-
-// BLAS and LAPACK in single precision, declared as Eigen does.
-extern "C" {
-int ssyrk_(const char* uplo, const char* trans, const int* n, const int* k, const float* alpha,
-           const float* a, const int* lda, const float* beta, float* c, const int* ldc);
-int sgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
-           const float* alpha, const float* a, const int* lda, const float* b, const int* ldb,
-           const float* beta, float* c, const int* ldc);
-int strsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
-           const int* n, const float* alpha, const float* a, const int* lda, float* b,
-           const int* ldb);
-void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info);
-int strsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* a,
-           const int* lda, float* x, const int* incx);
-int sgemv_(const char* trans, const int* m, const int* n, const float* alpha, const float* a,
-           const int* lda, const float* x, const int* incx, const float* beta, float* y,
-           const int* incy);
-}
 
 namespace softfinger::fem {
 
-namespace {
-
-/// Numeric part of a supernodal factor in single precision, on CHOLMOD's analysis, which has none.
-/// Left-looking: each supernode takes what its descendants subtract from it (E. G. Ng, B. W.
-/// Peyton, SIAM J. Sci. Comput. 14, 1993).
-class SingleFactor {
- public:
-  /// @param analysis  outlives this
-  explicit SingleFactor(const cholmod_factor& analysis)
-      : super_(static_cast<const int*>(analysis.super)),
-        row_begin_(static_cast<const int*>(analysis.pi)),
-        value_begin_(static_cast<const int*>(analysis.px)),
-        rows_(static_cast<const int*>(analysis.s)),
-        size_(static_cast<int>(analysis.n)),
-        count_(static_cast<int>(analysis.nsuper)),
-        values_(analysis.xsize),
-        subtracted_(std::max(analysis.maxcsize, analysis.maxesize)),
-        supernode_of_(analysis.n) {
-    for (int node = 0; node < count_; ++node)
-      std::fill(supernode_of_.begin() + super_[node], supernode_of_.begin() + super_[node + 1],
-                node);
-  }
-
-  const float* values() const { return values_.data(); }
-
-  /// @returns the first column where the matrix is not positive definite; its size where it is
-  int factorise(const SparseSymmetricMatrix& ordered) {
-    std::fill(values_.begin(), values_.end(), 0.0F);
-    // Descendants in lists, each in that of the supernode which has its next row.
-    std::vector<int> first(static_cast<std::size_t>(count_), -1), next = first, position = first;
-    std::vector<int> place(static_cast<std::size_t>(size_)), target;
-    const auto enlist = [&](int node, int row) {
-      position[at(node)] = row;
-      if (row == row_count(node)) return;
-      int& list = first[at(supernode_of_[at(rows_[row_begin_[node] + row])])];
-      next[at(node)] = list;
-      list = node;
-    };
-    for (int node = 0; node < count_; ++node) {
-      const int columns = column_count(node), rows = row_count(node);
-      float* own = values_.data() + value_begin_[node];
-      for (int i = 0; i < rows; ++i) place[at(rows_[row_begin_[node] + i])] = i;
-      for (int column = 0; column < columns; ++column) {
-        float* of_column = own + static_cast<std::ptrdiff_t>(column) * rows;
-        const auto begin = at(ordered.column_begin[at(super_[node] + column)]),
-                   end = at(ordered.column_begin[at(super_[node] + column + 1)]);
-        for (std::size_t k = begin; k < end; ++k)
-          of_column[place[at(ordered.row[k])]] = static_cast<float>(ordered.value[k]);
-      }
-      for (int other = first[at(node)]; other >= 0;) {
-        const int after = next[at(other)];
-        const int from = position[at(other)], their_rows = row_count(other);
-        const int* rows_of_other = rows_ + row_begin_[other];
-        int to = from;
-        while (to < their_rows && rows_of_other[to] < super_[node + 1]) ++to;
-        subtract(other, from, to);
-        target.clear();
-        for (int i = from; i < their_rows; ++i) target.push_back(place[at(rows_of_other[i])]);
-        const float* entry = subtracted_.data();
-        for (int j = 0; j < to - from; ++j) {
-          float* of_column = own + static_cast<std::ptrdiff_t>(target[at(j)]) * rows;
-          for (int i = j; i < their_rows - from; ++i) of_column[target[at(i)]] -= entry[i];
-          entry += their_rows - from;
-        }
-        enlist(other, to);
-        other = after;
-      }
-      int info = 0;
-      spotrf_("L", &columns, own, &rows, &info);
-      if (info > 0) return super_[node] + info - 1;
-      const int below = rows - columns;
-      const float one = 1;
-      if (below > 0)
-        strsm_("R", "L", "T", "N", &below, &columns, &one, own, &rows, own + columns, &rows);
-      enlist(node, columns);
-    }
-    return size_;
-  }
-
-  /// L^-1 x, in place.
-  void forward(Eigen::VectorXf& x) {
-    const float one = 1, none = 0;
-    const int step = 1;
-    for (int node = 0; node < count_; ++node) {
-      const int columns = column_count(node), rows = row_count(node), below = rows - columns;
-      const float* own = values_.data() + value_begin_[node];
-      float* of_node = x.data() + super_[node];
-      strsv_("L", "N", "N", &columns, own, &rows, of_node, &step);
-      if (below == 0) continue;
-      float* sum = subtracted_.data();
-      sgemv_("N", &below, &columns, &one, own + columns, &rows, of_node, &step, &none, sum, &step);
-      const int* row = rows_ + row_begin_[node] + columns;
-      for (int i = 0; i < below; ++i) x[row[i]] -= sum[i];
-    }
-  }
-
-  /// L^-T x, in place.
-  void backward(Eigen::VectorXf& x) {
-    const float one = 1, minus_one = -1;
-    const int step = 1;
-    for (int node = count_ - 1; node >= 0; --node) {
-      const int columns = column_count(node), rows = row_count(node), below = rows - columns;
-      const float* own = values_.data() + value_begin_[node];
-      float* of_node = x.data() + super_[node];
-      float* gathered = subtracted_.data();
-      const int* row = rows_ + row_begin_[node] + columns;
-      for (int i = 0; i < below; ++i) gathered[i] = x[row[i]];
-      if (below > 0)
-        sgemv_("T", &below, &columns, &minus_one, own + columns, &rows, gathered, &step, &one,
-               of_node, &step);
-      strsv_("L", "T", "N", &columns, own, &rows, of_node, &step);
-    }
-  }
-
- private:
-  static std::size_t at(int index) { return static_cast<std::size_t>(index); }
-  int column_count(int node) const { return super_[node + 1] - super_[node]; }
-  int row_count(int node) const { return row_begin_[node + 1] - row_begin_[node]; }
-
-  /// The product of a supernode's rows from one on with those up to another one, lower triangle.
-  void subtract(int node, int from, int to) {
-    const int columns = column_count(node), rows = row_count(node), all = rows - from,
-              square = to - from, rest = rows - to;
-    const float* begin = values_.data() + value_begin_[node] + from;
-    const float one = 1, none = 0;
-    ssyrk_("L", "N", &square, &columns, &one, begin, &rows, &none, subtracted_.data(), &all);
-    if (rest > 0)
-      sgemm_("N", "T", &rest, &square, &columns, &one, begin + square, &rows, begin, &rows, &none,
-             subtracted_.data() + square, &all);
-  }
-
-  const int *super_, *row_begin_, *value_begin_, *rows_;
-  const int size_, count_;
-  std::vector<float> values_;
-  std::vector<float> subtracted_;  ///< and what else a supernode needs
-  std::vector<int> supernode_of_;  ///< per column
-};
-
-}  // namespace
-
 struct CholeskyFactor::Implementation {
-  Implementation() {
-    // CHOLMOD asks for four threads in loops far too short for them, whatever OMP_NUM_THREADS says.
-    // Waking them took a third of the time of a small factorisation. The BLAS has threads of its
-    // own.
-    omp_set_max_active_levels(0);
-    cholmod_start(&common);
-  }
+  Implementation() { cholmod_start(&common); }
   ~Implementation() {
     free_factor();
     cholmod_finish(&common);
@@ -188,9 +25,10 @@ struct CholeskyFactor::Implementation {
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  mutable cholmod_common common{};
-  cholmod_factor* factor = nullptr;  ///< its analysis alone where there is a single one
-  std::unique_ptr<SingleFactor> single;
+  cholmod_common common{};
+  cholmod_factor* analysis = nullptr;  ///< CHOLMOD's, without numbers
+  std::unique_ptr<SupernodalFactor<double>> full;
+  std::unique_ptr<SupernodalFactor<float>> single;  ///< in its place
   int size = 0;
   std::vector<int> last;
   std::vector<int> order;  ///< unknowns in the order of elimination
@@ -198,10 +36,13 @@ struct CholeskyFactor::Implementation {
   SparseSymmetricMatrix ordered;
   std::vector<int> source;  ///< of each entry, in the matrix that is given
 
+  void analyse(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
+               const std::vector<int>& of_last, Precision precision);
   void set_ordered(const SparseSymmetricMatrix& matrix);
   void free_factor() {
+    full.reset();
     single.reset();
-    cholmod_free_factor(&factor, &common);
+    cholmod_free_factor(&analysis, &common);
   }
 
   /// Columns of the factor's trailing block, in the order of elimination.
@@ -217,7 +58,6 @@ struct CholeskyFactor::Implementation {
   Eigen::MatrixXd in_order_of_last(const Eigen::MatrixXd& lower) const;
   /// Of each of `last`, in the order of elimination.
   std::vector<int> place_of_last() const;
-  Eigen::VectorXd solve(int system, const Eigen::VectorXd& right) const;
 };
 
 namespace {
@@ -296,6 +136,7 @@ SparseSymmetricMatrix quotient_graph(const SparseSymmetricMatrix& matrix,
 }
 
 std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix) {
+  const auto lock = lock_global_state();
   cholmod_common common{};
   cholmod_start(&common);
   common.print = 0;
@@ -316,45 +157,54 @@ CholeskyFactor::CholeskyFactor(const SparseSymmetricMatrix& matrix,
                                const std::vector<int>& dissection, const std::vector<int>& last,
                                Precision precision)
     : implementation_(std::make_unique<Implementation>()) {
-  auto& common = implementation_->common;
+  implementation_->analyse(matrix, dissection, last, precision);
+  factorise(matrix);
+}
+
+CholeskyFactor::CholeskyFactor() : implementation_(std::make_unique<Implementation>()) {}
+
+std::unique_ptr<CholeskyFactor> CholeskyFactor::analysed(const SparseSymmetricMatrix& matrix,
+                                                         const std::vector<int>& dissection,
+                                                         const std::vector<int>& last,
+                                                         Precision precision) {
+  std::unique_ptr<CholeskyFactor> result(new CholeskyFactor);
+  result->implementation_->analyse(matrix, dissection, last, precision);
+  return result;
+}
+
+void CholeskyFactor::Implementation::analyse(const SparseSymmetricMatrix& matrix,
+                                             const std::vector<int>& dissection,
+                                             const std::vector<int>& of_last, Precision precision) {
   common.print = 0;
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.final_ll = 1;
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_GIVEN;
   common.postorder = 1;
-  implementation_->size = matrix.size;
-  implementation_->last = last;
+  size = matrix.size;
+  last = of_last;
 
   cholmod_sparse view = view_of(matrix);
-  std::vector<int> ordering = with_last(dissection, last);
-  implementation_->factor = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
-  if (implementation_->factor) {
-    require_memory(*implementation_->factor, matrix, last.size(), precision);
-    implementation_->set_ordered(matrix);
-    if (precision == Precision::single)
-      implementation_->single = std::make_unique<SingleFactor>(*implementation_->factor);
-  }
-  factorise(matrix);
+  std::vector<int> ordering = with_last(dissection, of_last);
+  analysis = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common);
+  if (!analysis || common.status != CHOLMOD_OK)
+    throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,
+                           "memory ran out; use a lower level");
+  require_memory(*analysis, matrix, last.size(), precision);
+  if (precision == Precision::single)
+    single = std::make_unique<SupernodalFactor<float>>(*analysis);
+  else
+    full = std::make_unique<SupernodalFactor<double>>(*analysis);
 }
 
 void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
-  auto& common = implementation_->common;
   SparseSymmetricMatrix& ordered = implementation_->ordered;
+  if (ordered.column_begin.empty()) implementation_->set_ordered(matrix);
   for (std::size_t i = 0; i < ordered.value.size(); ++i)
     ordered.value[i] = matrix.value[static_cast<std::size_t>(implementation_->source[i])];
-  int failed = implementation_->factor ? matrix.size : 0;
-  if (implementation_->single) {
-    failed = implementation_->single->factorise(ordered);
-  } else if (implementation_->factor) {
-    cholmod_sparse view = view_of(ordered);
-    cholmod_factorize(&view, implementation_->factor, &common);
-    failed = static_cast<int>(implementation_->factor->minor);
-  }
-  if (common.status == CHOLMOD_OUT_OF_MEMORY || common.status == CHOLMOD_TOO_LARGE)
-    throw ConvergenceError("Cholesky factorisation", 0, common.memory_usage / 1e6,
-                           "memory ran out; use a lower level");
-  if (common.status != CHOLMOD_OK || failed < matrix.size)
+  const int failed = implementation_->single ? implementation_->single->factorise(ordered)
+                                             : implementation_->full->factorise(ordered);
+  if (failed < matrix.size)
     throw ConvergenceError(
         "Cholesky factorisation", failed, 0,
         "the stiffness is not positive definite; is the mesh inverted or nu too near 1/2?");
@@ -362,12 +212,13 @@ void CholeskyFactor::factorise(const SparseSymmetricMatrix& matrix) {
 
 CholeskyFactor::~CholeskyFactor() = default;
 
-/// Takes the ordering over from the analysis, which then is that of the ordered matrix.
+/// Takes the ordering over from the analysis, which then is that of the ordered matrix. It is as
+/// large as the matrix: what made that may be gone by now.
 void CholeskyFactor::Implementation::set_ordered(const SparseSymmetricMatrix& matrix) {
-  auto* permutation = static_cast<int*>(factor->Perm);
+  auto* permutation = static_cast<int*>(analysis->Perm);
   order.assign(permutation, permutation + size);
   std::iota(permutation, permutation + size, 0);
-  factor->ordering = CHOLMOD_NATURAL;
+  analysis->ordering = CHOLMOD_NATURAL;
   std::vector<int> place(order.size());
   for (int i = 0; i < size; ++i)
     place[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])] = i;
@@ -415,18 +266,18 @@ void CholeskyFactor::Implementation::for_each_trailing_column(const Visit& visit
   if (single)
     for_each_trailing_column_of(single->values(), visit);
   else
-    for_each_trailing_column_of(static_cast<const double*>(factor->x), visit);
+    for_each_trailing_column_of(full->values(), visit);
 }
 
 template <class Value, class Visit>
 void CholeskyFactor::Implementation::for_each_trailing_column_of(const Value* values,
                                                                  const Visit& visit) const {
-  const auto* super = static_cast<const int*>(factor->super);
-  const auto* row_begin = static_cast<const int*>(factor->pi);
-  const auto* value_begin = static_cast<const int*>(factor->px);
-  const auto* rows = static_cast<const int*>(factor->s);
+  const auto* super = static_cast<const int*>(analysis->super);
+  const auto* row_begin = static_cast<const int*>(analysis->pi);
+  const auto* value_begin = static_cast<const int*>(analysis->px);
+  const auto* rows = static_cast<const int*>(analysis->s);
   const int first = size - static_cast<int>(last.size());
-  for (std::size_t node = 0; node < factor->nsuper; ++node) {
+  for (std::size_t node = 0; node < analysis->nsuper; ++node) {
     if (super[node + 1] <= first) continue;
     const int row_count = row_begin[node + 1] - row_begin[node];
     for (int column = std::max(super[node], first); column < super[node + 1]; ++column) {
@@ -498,41 +349,32 @@ Eigen::MatrixXd CholeskyFactor::stiffness_of_last() const {
   return implementation_->in_order_of_last(block);
 }
 
-Eigen::VectorXd CholeskyFactor::Implementation::solve(int system,
-                                                      const Eigen::VectorXd& right) const {
-  if (single) {
-    Eigen::VectorXf solution = right.cast<float>();
-    if (system == CHOLMOD_L)
-      single->forward(solution);
-    else
-      single->backward(solution);
-    return solution.cast<double>();
-  }
-  cholmod_dense view{};
-  view.nrow = view.nzmax = view.d = static_cast<std::size_t>(right.size());
-  view.ncol = 1;
-  view.x = const_cast<double*>(right.data());
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* solution = cholmod_solve(system, factor, &view, &common);
-  if (!solution) throw ConvergenceError("back-substitution", 0, 0, "memory ran out");
-  const Eigen::VectorXd result =
-      Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(solution->x), right.size());
-  cholmod_free_dense(&solution, &common);
-  return result;
-}
-
 Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side) const {
   return backward(forward(right_hand_side));
 }
 
 Eigen::VectorXd CholeskyFactor::forward(const Eigen::VectorXd& right_hand_side) const {
-  return implementation_->solve(CHOLMOD_L, right_hand_side(implementation_->order));
+  Eigen::VectorXd result = right_hand_side(implementation_->order);
+  if (!implementation_->single) {
+    implementation_->full->forward(result);
+    return result;
+  }
+  Eigen::VectorXf rounded = result.cast<float>();
+  implementation_->single->forward(rounded);
+  return rounded.cast<double>();
 }
 
 Eigen::VectorXd CholeskyFactor::backward(const Eigen::VectorXd& forward) const {
+  Eigen::VectorXd solution = forward;
+  if (implementation_->single) {
+    Eigen::VectorXf rounded = forward.cast<float>();
+    implementation_->single->backward(rounded);
+    solution = rounded.cast<double>();
+  } else {
+    implementation_->full->backward(solution);
+  }
   Eigen::VectorXd result(forward.size());
-  result(implementation_->order) = implementation_->solve(CHOLMOD_Lt, forward);
+  result(implementation_->order) = solution;
   return result;
 }
 

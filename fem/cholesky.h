@@ -49,6 +49,13 @@ class CholeskyFactor {
   /// ConvergenceError when the matrix is not positive definite.
   CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
                  const std::vector<int>& last, Precision precision = Precision::full);
+  /// Its analysis alone, of which the memory is told: of no use before `factorise`.
+  /// @param matrix  of which only the graph counts
+  /// @throws NotEnoughMemory
+  static std::unique_ptr<CholeskyFactor> analysed(const SparseSymmetricMatrix& matrix,
+                                                  const std::vector<int>& dissection,
+                                                  const std::vector<int>& last,
+                                                  Precision precision = Precision::full);
   ~CholeskyFactor();
 
   /// Of another matrix with the same graph, in place. Its analysis is kept.
@@ -81,6 +88,8 @@ class CholeskyFactor {
   Eigen::VectorXd backward(const Eigen::VectorXd& forward) const;
 
  private:
+  CholeskyFactor();
+
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

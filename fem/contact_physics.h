@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,17 +8,18 @@
 
 #include "fem/error_model.h"
 #include "fem/friction_levels.h"
+#include "fem/ordered_progress.h"
 #include "fem/pressing.h"
 #include "fem/reference_solver.h"
 
 namespace softfinger::fem {
 
 /// The problem that a solver is given, and the functions by which it reports progress and asks
-/// whether to stop. All of them outlive the solver.
+/// whether to stop. They outlive the solver.
 struct ContactTask {
   const Problem& problem;
   const Pressing& pressing;  ///< the same in units of the layer
-  const Progress& progress;
+  OrderedProgress progress;
   const StopRequested& stop;
 };
 
@@ -93,19 +95,16 @@ class ContactPhysics {
 
   virtual RoughSize size() const = 0;
 
-  /// Presses and measures on the same mesh with its side wall clamped. What refers to the mesh
-  /// pressed last is lost.
-  /// @throws InputError, ConvergenceError, NotEnoughMemory
-  virtual Measurement measure_clamped(const LayerDiscretisation& mesh) = 0;
-
   /// Refuses a contact that comes so near the layer's end that a clamped wall would be touched.
   /// @throws InputError where it does
   virtual void refuse_end_beside() const = 0;
 
-  /// The same physics for another contact, nearly the same, pressed on a mesh of the same
-  /// discretisation as this one, which stays pressed and outlives it.
+  /// The same physics for another contact, nearly the same, pressed on a mesh of its own.
   /// @throws InputError, ConvergenceError, NotEnoughMemory
-  virtual std::unique_ptr<ContactPhysics> press_other(const ContactTask& other) = 0;
+  using PressOther = std::function<std::unique_ptr<ContactPhysics>(
+      const ContactTask& other, const LayerDiscretisation& mesh)>;
+  /// Starts from what is pressed now. Another thread may call it while this contact goes on.
+  virtual PressOther press_other() = 0;
 
   /// Of the mesh pressed last.
   virtual const LayerDiscretisation& discretisation() const = 0;

@@ -72,6 +72,10 @@ class ScanShape : public LayerShape {
         erosion_(erosion_of(ways)),
         has_edges_(surface_->edge_near(first_touch, farthest_edge * thickness_m).has_value()) {}
 
+  std::shared_ptr<const LayerShape> copy() const override {
+    return std::make_shared<ScanShape>(*this);
+  }
+
   Vector3d position(double x, double y, double z) const override {
     return (layer_->position(h_ * x, h_ * y, z) - first_touch_.position) / h_;
   }
@@ -86,7 +90,8 @@ class ScanShape : public LayerShape {
     // Levels that differ a little in size share a layer.
     constexpr double spare = 1.2;
     radius_ = spare * radius;
-    layer_.emplace(*surface_, first_touch_, x_axis(), h_, radius_ * h_, core_.get(), erosion_);
+    layer_ = std::make_shared<const meshes::ScannedLayer>(*surface_, first_touch_, x_axis(), h_,
+                                                          radius_ * h_, core_.get(), erosion_);
   }
   Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
     switch (layer_->end_in(h_ * low_x, h_ * high_x, h_ * low_y, h_ * high_y)) {
@@ -125,7 +130,7 @@ class ScanShape : public LayerShape {
   std::optional<meshes::Erosion> erosion_;
   bool has_edges_ = false;
   mutable double radius_ = 0;
-  mutable std::optional<meshes::ScannedLayer> layer_;
+  mutable std::shared_ptr<const meshes::ScannedLayer> layer_;
 };
 
 /// The surface's point where the gap to the object is smallest, found from around the aimed point

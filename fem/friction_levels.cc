@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "fem/error_model.h"
+#include "fem/threads.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -81,9 +82,39 @@ std::vector<FrictionIncrement> in_newtons(const std::vector<FrictionState>& stat
   return result;
 }
 
+void twist(const PressedContact& contact, const SurfaceCompliance& surface,
+           const FrictionPlan& plan, const OrderedProgress& progress, const OnState& on_state,
+           FrictionOfLevel& result) {
+  progress("friction: twist of " + std::to_string(plan.twist.size()) + " increments, " +
+           std::to_string(surface.size() * surface.copies) + " contact points");
+  result.twist = move_through(contact, surface, plan.twist, on_state);
+  result.full_slip = slide_through(contact, surface, {plan.twist.back()}).front().wrench.torque;
+  progress("friction: slip on " +
+           std::to_string(std::lround(100 * result.twist.back().slip_fraction)) +
+           " % of the area at the last increment");
+}
+
+/// The limit surface, and ways to it.
+void slide(const PressedContact& contact, const SurfaceCompliance& surface,
+           const FrictionPlan& plan, const OrderedProgress& progress, FrictionOfLevel& result) {
+  progress("friction: limit surface of " + std::to_string(plan.velocities.size()) + " points, " +
+           std::to_string(surface.size()) + " contact points");
+  result.limit_surface = slide_through(contact, surface, plan.velocities);
+  const std::size_t paths = plan.paths.size();
+  result.paths.resize(paths);
+  std::vector<OrderedProgress> tell;
+  for (std::size_t i = 0; i < paths; ++i) tell.push_back(progress.place());
+  in_parallel(static_cast<int>(paths), [&](int number) {
+    const auto i = static_cast<std::size_t>(number);
+    result.paths[i] = move_through(contact, surface, plan.paths[i], [](auto&&...) {});
+    tell[i]("friction: path " + std::to_string(i + 1) + " of " + std::to_string(paths));
+    tell[i].close();
+  });
+}
+
 FrictionOfLevel friction_within_margin(const PressedContact& contact, const Problem& problem,
                                        KeptCompliances* kept, std::optional<FrictionPlan>& plan,
-                                       const Progress& progress, const OnState& on_state) {
+                                       const OrderedProgress& progress, const OnState& on_state) {
   const FrictionRequest& request = problem.friction;
   FrictionOfLevel result;
   const bool central = turns_about_centre(request);
@@ -96,39 +127,30 @@ FrictionOfLevel friction_within_margin(const PressedContact& contact, const Prob
     plan = plan_friction({result.stiffness, torque_of_pressure(contact),
                           copies(contact) * largest_friction(contact).sum(), contact.b},
                          problem);
-  std::optional<SurfaceCompliance> of_any_motion;
-  if (request.torsion) {
-    SurfaceCompliance surface = surface_compliance(quarters, of_twist);
-    progress("friction: twist of " + std::to_string(plan->twist.size()) + " increments, " +
-             std::to_string(surface.size() * surface.copies) + " contact points");
-    result.twist = move_through(contact, surface, plan->twist, on_state);
-    result.full_slip = slide_through(contact, surface, {plan->twist.back()}).front().wrench.torque;
-    progress("friction: slip on " +
-             std::to_string(std::lround(100 * result.twist.back().slip_fraction)) +
-             " % of the area at the last increment");
-    if (of_twist == Invariance::none) of_any_motion = std::move(surface);
-  }
+  std::optional<SurfaceCompliance> of_twisted, of_any_motion;
+  if (request.torsion) of_twisted = surface_compliance(quarters, of_twist);
+  const bool is_shared = of_twisted && of_twist == Invariance::none;
   const auto learn = [&](const std::vector<FrictionState>& states) {
     // The edge is known to half the distance of the nodes, which is a quarter of a cell.
     const double blur = 0.25 / contact.model.discretisation().elements_per_semi_axis;
     for (const FrictionState& state : states) plan->edge = std::max(plan->edge, state.edge + blur);
   };
-  learn(result.twist);
-  if (request.limit_surface == 0) return result;
-  if (!of_any_motion)
-    of_any_motion = surface_compliance(
-        quarters, Invariance::none,
-        request.increments_to_slip > 0 ? Blocks::all : Blocks::without_tangential);
-  const SurfaceCompliance& surface = *of_any_motion;
-  progress("friction: limit surface of " + std::to_string(plan->velocities.size()) + " points, " +
-           std::to_string(surface.size()) + " contact points");
-  result.limit_surface = slide_through(contact, surface, plan->velocities);
+  const OrderedProgress of_first = progress.place();
+  side_by_side(
+      [&] {
+        if (of_twisted) twist(contact, *of_twisted, *plan, of_first, on_state, result);
+        learn(result.twist);
+        of_first.close();
+      },
+      [&] {
+        if (request.limit_surface == 0) return;
+        if (!is_shared)
+          of_any_motion = surface_compliance(
+              quarters, Invariance::none,
+              request.increments_to_slip > 0 ? Blocks::all : Blocks::without_tangential);
+        slide(contact, is_shared ? *of_twisted : *of_any_motion, *plan, progress, result);
+      });
   learn(result.limit_surface);
-  for (std::size_t i = 0; i < plan->paths.size(); ++i) {
-    result.paths.push_back(move_through(contact, surface, plan->paths[i], [](auto&&...) {}));
-    progress("friction: path " + std::to_string(i + 1) + " of " +
-             std::to_string(plan->paths.size()));
-  }
   return result;
 }
 
@@ -155,7 +177,7 @@ TouchedRegion region_of(const PressedContact& contact, const FrictionOfLevel& fr
 }  // namespace
 
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
-                            std::optional<FrictionPlan>& plan, const Progress& progress,
+                            std::optional<FrictionPlan>& plan, const OrderedProgress& progress,
                             const OnState& on_state) {
   // A margin of one cell around the contact is enough for nearly every one, and each node in it
   // costs time.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fem/friction_study.h"
+#include "fem/ordered_progress.h"
 #include "fem/reference_solver.h"
 
 namespace softfinger::fem {
@@ -54,7 +55,7 @@ FrictionPlan plan_friction(const FrictionScale& scale, const Problem& problem);
 /// @param plan      made here when it has none, by the first level, and followed by the next
 /// @param on_state  called after each increment of the twist, for output
 FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, KeptCompliances* kept,
-                            std::optional<FrictionPlan>& plan, const Progress& progress,
+                            std::optional<FrictionPlan>& plan, const OrderedProgress& progress,
                             const OnState& on_state);
 
 /// The finer mesh's answer with what the coarse one was corrected by, if it was.

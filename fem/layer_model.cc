@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <deque>
+#include <memory>
 #include <utility>
 
 #include "fem/cholesky.h"
 #include "fem/element_stiffness.h"
 #include "fem/layer_space.h"
 #include "fem/surface_frame.h"
+#include "fem/threads.h"
 #include "fem/write_vtu.h"
 #include "softfinger/input/errors.h"
 
@@ -35,7 +37,16 @@ struct LayerModel::Implementation : LayerSpace {
 
   void set_frames();
   void factorise(const Rubs& rubs);
+  void make_pattern();
   void assemble();
+  SparseSymmetricMatrix lower_triangle_of(const Unknowns& free) const {
+    SparseSymmetricMatrix result = lower_triangle(pattern, free);
+    copy_entries(stiffness, free, result);
+    return result;
+  }
+  /// A parity's problem with the unknowns of some nodes last: analysed, for `condense`.
+  struct Condensation;
+  Condensation analyse(Parity parity, const std::vector<int>& of_nodes) const;
 };
 
 namespace {
@@ -49,27 +60,59 @@ void turn_normals_inwards(Eigen::MatrixXd& blocks) {
 
 }  // namespace
 
+void LayerModel::Implementation::make_pattern() {
+  dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
+  dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
+  pattern.copy_from(dynamic);
+}
+
 void LayerModel::Implementation::assemble() {
-  {
-    dealii::DynamicSparsityPattern dynamic(dofs.n_dofs());
-    dealii::DoFTools::make_sparsity_pattern(dofs, dynamic, constraints, /*keep_constrained=*/false);
-    pattern.copy_from(dynamic);
-  }
   stiffness.reinit(pattern);
-  std::deque<ElementStiffness> of_sublayer;  // which cannot be moved
-  for (const ElasticConstants& constants : sublayers)
-    of_sublayer.emplace_back(*mapping, element, constants.poisson_ratio, shape != nullptr);
   dealii::AffineConstraints<double> turned;
   if (!frames.empty()) turned = constraints_in(frames);
-  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
-  for (const auto& cell : dofs.active_cell_iterators()) {
-    cell->get_dof_indices(indices);
-    dealii::FullMatrix<double> of_element = of_sublayer[cell->material_id()](cell);
-    of_element *= sublayers[cell->material_id()].youngs_ratio;
-    if (!frames.empty()) turn_to_frames(frames, indices, of_element);
-    (frames.empty() ? constraints : turned)
-        .distribute_local_to_global(of_element, indices, stiffness);
+  const auto& of_unknowns = frames.empty() ? constraints : turned;
+  // One for each sublayer. They cannot be moved.
+  using Elements = std::deque<ElementStiffness>;
+  Pool<Elements> elements([&] {
+    auto result = std::make_unique<Elements>();
+    for (const ElasticConstants& constants : sublayers)
+      result->emplace_back(*mapping, element, constants.poisson_ratio, shape != nullptr);
+    return result;
+  });
+  struct Entries {
+    std::vector<global_dof_index> indices;
+    dealii::FullMatrix<double> stiffness;
+  };
+  const auto find = [&](const auto& cell, Entries& entries) {
+    entries.indices.resize(element.n_dofs_per_cell());
+    cell->get_dof_indices(entries.indices);
+    elements.with(
+        [&](Elements& of_sublayer) { entries.stiffness = of_sublayer[cell->material_id()](cell); });
+    entries.stiffness *= sublayers[cell->material_id()].youngs_ratio;
+    if (!frames.empty()) turn_to_frames(frames, entries.indices, entries.stiffness);
+  };
+  const auto add = [&](const Entries& entries) {
+    of_unknowns.distribute_local_to_global(entries.stiffness, entries.indices, stiffness);
+  };
+  if (!shape) {
+    // Elements of one shape are integrated once, which takes no time.
+    Entries entries;
+    for (const auto& cell : dofs.active_cell_iterators()) {
+      find(cell, entries);
+      add(entries);
+    }
+    return;
   }
+  constexpr int batch = 32;
+  std::vector<dealii::DoFHandler<dim>::active_cell_iterator> cells;
+  for (const auto& cell : dofs.active_cell_iterators()) cells.push_back(cell);
+  std::vector<Entries> entries(2 * batch);
+  const auto of = [&](int i) -> Entries& {
+    return entries[static_cast<std::size_t>(i) % entries.size()];
+  };
+  in_order(
+      static_cast<int>(cells.size()), batch,
+      [&](int i) { find(cells[static_cast<std::size_t>(i)], of(i)); }, [&](int i) { add(of(i)); });
 }
 
 void LayerModel::Implementation::set_frames() {
@@ -108,7 +151,7 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation,
 }
 
 void LayerModel::Implementation::factorise(const Rubs& rubs) {
-  assemble();
+  make_pattern();
   even = free_unknowns(Parity{});
   std::vector<int> last;
   std::vector<Eigen::Index> normals;
@@ -119,14 +162,23 @@ void LayerModel::Implementation::factorise(const Rubs& rubs) {
       last.push_back(even.of_dof[node_dofs[i][c]]);
     normals.push_back(static_cast<Eigen::Index>(last.size()) - 1);
   }
-  const SparseSymmetricMatrix matrix = lower_triangle(stiffness, even);
+  SparseSymmetricMatrix matrix = lower_triangle(pattern, even);
+  // Of the entries' values the order of elimination does not know.
+  side_by_side(
+      [&] {
+        assemble();
+        copy_entries(stiffness, even, matrix);
+      },
+      [&] {
+        dissect(matrix, even);
+        factor = CholeskyFactor::analysed(matrix, dissection_of(even), last);
+      });
   // A quarter's other parities need it again. The larger ones rather need the memory.
   if (!planes.both()) {
     stiffness.clear();
     pattern.reinit(0, 0, 0);
   }
-  dissect(matrix, even);
-  factor = std::make_unique<CholeskyFactor>(matrix, dissection_of(even), last);
+  factor->factorise(matrix);
   if (last.size() == nodes.size()) {
     compliance = factor->compliance_of_last();
     return;
@@ -137,38 +189,72 @@ void LayerModel::Implementation::factorise(const Rubs& rubs) {
   compliance = of_rubbing(normals, normals);
 }
 
-Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
+/// Of a parity's problem, analysed with the unknowns of some nodes last.
+struct LayerModel::Implementation::Condensation {
+  SparseSymmetricMatrix matrix;
+  std::unique_ptr<CholeskyFactor> factor;
+  std::vector<Eigen::Index> place;  ///< of each of the last unknowns in the 3 x 3 blocks
+};
+
+auto LayerModel::Implementation::analyse(Parity parity, const std::vector<int>& of_nodes) const
+    -> Condensation {
+  const Unknowns free = free_unknowns(parity);
+  Condensation result;
+  std::vector<int> last;
+  for (std::size_t i = 0; i < of_nodes.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int unknown = free.of_dof[node_dofs[static_cast<std::size_t>(of_nodes[i])][c]];
+      if (unknown < 0) continue;
+      last.push_back(unknown);
+      result.place.push_back(static_cast<Eigen::Index>(3 * i + c));
+    }
+  result.matrix = lower_triangle_of(free);
+  result.factor = CholeskyFactor::analysed(result.matrix, dissection_of(free), last);
+  return result;
+}
+
+std::vector<Eigen::MatrixXd> LayerModel::vector_compliances(const std::vector<Parity>& parities,
+                                                            const std::vector<int>& nodes) const {
   auto& self = *implementation_;
   const auto rubbing_row = [&](int node) {
     return self.rubbing_row[static_cast<std::size_t>(node)];
   };
+  // Then there are no mirror planes, and one parity.
   if (std::all_of(nodes.begin(), nodes.end(), [&](int node) { return rubbing_row(node) >= 0; })) {
     std::vector<Eigen::Index> rows;
     for (const int node : nodes)
       for (int c = 0; c < 3; ++c) rows.push_back(rubbing_row(node) + c);
     Eigen::MatrixXd compliance = self.of_rubbing(rows, rows);
     turn_normals_inwards(compliance);
-    return compliance;
+    return {compliance};
   }
-  if (self.stiffness.empty()) self.assemble();
-  const Unknowns free = self.free_unknowns(parity);
-  std::vector<int> last;
-  std::vector<Eigen::Index> place;  // of each in the 3 x 3 blocks
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int unknown = free.of_dof[self.node_dofs[static_cast<std::size_t>(nodes[i])][c]];
-      if (unknown < 0) continue;
-      last.push_back(unknown);
-      place.push_back(static_cast<Eigen::Index>(3 * i + c));
-    }
-  const Eigen::MatrixXd condensed =
-      CholeskyFactor(self.lower_triangle(self.stiffness, free), self.dissection_of(free), last)
-          .compliance_of_last();
+  if (self.stiffness.empty()) {
+    self.make_pattern();
+    self.assemble();
+  }
   const auto size = static_cast<Eigen::Index>(3 * nodes.size());
-  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(size, size);
-  compliance(place, place) = condensed;
-  turn_normals_inwards(compliance);
-  return compliance;
+  std::vector<Eigen::MatrixXd> compliances(parities.size());
+  Implementation::Condensation next = self.analyse(parities.front(), nodes);
+  // One factor at a time has room, beside the next one's analysis.
+  for (std::size_t i = 0; i < parities.size(); ++i) {
+    Implementation::Condensation present = std::exchange(next, {});
+    side_by_side(
+        [&] {
+          present.factor->factorise(present.matrix);
+          compliances[i] = Eigen::MatrixXd::Zero(size, size);
+          compliances[i](present.place, present.place) =
+              std::move(*present.factor).compliance_of_last();
+          turn_normals_inwards(compliances[i]);
+        },
+        [&] {
+          if (i + 1 < parities.size()) next = self.analyse(parities[i + 1], nodes);
+        });
+  }
+  return compliances;
+}
+
+Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
+  return vector_compliances({parity}, nodes).front();
 }
 
 LayerModel::~LayerModel() = default;
@@ -189,10 +275,10 @@ void LayerModel::write_vtu(const std::string& path, const Eigen::VectorXd& force
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
     load[self.even.of_dof[self.node_dofs[i][2]]] = -force[static_cast<Eigen::Index>(i)];
   if (!self.factor) {
+    self.make_pattern();
     self.assemble();
-    self.factor =
-        std::make_unique<CholeskyFactor>(self.lower_triangle(self.stiffness, self.even),
-                                         self.dissection_of(self.even), std::vector<int>());
+    self.factor = std::make_unique<CholeskyFactor>(
+        self.lower_triangle_of(self.even), self.dissection_of(self.even), std::vector<int>());
   }
   const Eigen::VectorXd solution = self.factor->solve(load);
   dealii::Vector<double> displacement_m(self.dofs.n_dofs()), pressure_Pa(self.dofs.n_dofs());

@@ -49,6 +49,9 @@ struct LayerDiscretisation {
 class LayerShape {
  public:
   virtual ~LayerShape() = default;
+  /// For another thread: what the copy covers changes nothing here. Null where threads may share
+  /// this one.
+  virtual std::shared_ptr<const LayerShape> copy() const { return nullptr; }
   /// Position in space of the block's point (x, y, z), -1 <= z <= 0; z = 0 is the surface, z = -1
   /// the rigid core.
   virtual Eigen::Vector3d position(double x, double y, double z) const = 0;
@@ -207,6 +210,9 @@ class LayerModel {
   /// Rows and columns of components that the parity fixes on the mirror planes are zero. Each call
   /// factorises, unless the model is condensed to all displacements of the nodes.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
+  /// The same for several parities.
+  std::vector<Eigen::MatrixXd> vector_compliances(const std::vector<Parity>& parities,
+                                                  const std::vector<int>& nodes) const;
 
   /// Displacement, stress and contact pressure of what is meshed in SI units, atomically.
   /// @param force  per surface node, in units of E h²

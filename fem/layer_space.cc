@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "fem/edge_shape.h"
+#include "fem/threads.h"
 #include "meshes/generation/divide_sheets.h"
 #include "meshes/generation/layer_block.h"
 #include "meshes/generation/layer_mesh.h"
@@ -763,7 +764,10 @@ std::vector<double> lines_of(const meshes::HexahedralMesh& block, int component)
 bool LayerSpace::mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
                             std::vector<dealii::Point<dim>>& support) {
   const Lattice lattice = plan_lattice(discretisation, coarsest);
-  meshes::HexahedralMesh block = with_images(meshes::mesh_layer_block(lattice.block), planes);
+  meshes::HexahedralMesh block = [&] {
+    const auto lock = lock_global_state();
+    return with_images(meshes::mesh_layer_block(lattice.block), planes);
+  }();
   bool is_whole = true;
   if (discretisation.is_scan) {
     // Cells that lie partly within the side wall belong to the layer too.
@@ -1110,26 +1114,33 @@ Unknowns LayerSpace::free_unknowns(Parity parity) const {
   return result;
 }
 
-SparseSymmetricMatrix LayerSpace::lower_triangle(const dealii::SparseMatrix<double>& stiffness,
+SparseSymmetricMatrix LayerSpace::lower_triangle(const dealii::SparsityPattern& pattern,
                                                  const Unknowns& free) const {
   SparseSymmetricMatrix lower;
   lower.size = free.count;
   lower.column_begin.reserve(static_cast<std::size_t>(free.count) + 1);
   lower.column_begin.push_back(0);
-  lower.row.reserve(stiffness.n_nonzero_elements() / 2 + static_cast<std::size_t>(free.count));
-  lower.value.reserve(lower.row.capacity());
+  lower.row.reserve(pattern.n_nonzero_elements() / 2 + static_cast<std::size_t>(free.count));
   for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
     if (free.of_dof[i] < 0) continue;
     // Row i of a symmetric matrix is its column i; deal.II puts the diagonal first, then ascends.
-    for (auto entry = stiffness.begin(i); entry != stiffness.end(i); ++entry) {
-      const int row = free.of_dof[entry->column()];
-      if (row < free.of_dof[i]) continue;
-      lower.row.push_back(row);
-      lower.value.push_back(entry->value());
-    }
+    for (auto entry = pattern.begin(i); entry != pattern.end(i); ++entry)
+      if (const int row = free.of_dof[entry->column()]; row >= free.of_dof[i])
+        lower.row.push_back(row);
     lower.column_begin.push_back(static_cast<int>(lower.row.size()));
   }
+  lower.value.resize(lower.row.size());
   return lower;
+}
+
+void LayerSpace::copy_entries(const dealii::SparseMatrix<double>& stiffness, const Unknowns& free,
+                              SparseSymmetricMatrix& lower) const {
+  auto value = lower.value.begin();
+  for (global_dof_index i = 0; i < dofs.n_dofs(); ++i) {
+    if (free.of_dof[i] < 0) continue;
+    for (auto entry = stiffness.begin(i); entry != stiffness.end(i); ++entry)
+      if (free.of_dof[entry->column()] >= free.of_dof[i]) *value++ = entry->value();
+  }
 }
 
 /// The node of each free unknown, nodes that have one numbered by their first.

@@ -93,9 +93,12 @@ struct LayerSpace {
 
   Unknowns free_unknowns(Parity parity) const;
 
-  /// The rows and columns of the free unknowns alone.
-  SparseSymmetricMatrix lower_triangle(const dealii::SparseMatrix<double>& stiffness,
+  /// The rows and columns of the free unknowns alone: where entries are.
+  SparseSymmetricMatrix lower_triangle(const dealii::SparsityPattern& pattern,
                                        const Unknowns& free) const;
+  /// The entries, of such a triangle.
+  void copy_entries(const dealii::SparseMatrix<double>& stiffness, const Unknowns& free,
+                    SparseSymmetricMatrix& lower) const;
 
   /// Finds `dissection`, an order of elimination with little fill. The problems of all
   /// parities differ only in components on the mirror planes: an order of the nodes that is good

@@ -11,6 +11,7 @@
 #include "fem/friction_study.h"
 #include "fem/memory.h"
 #include "fem/stopwatch.h"
+#include "fem/threads.h"
 #include "fem/touching_outline.h"
 #include "meshes/generation/object_surface.h"
 
@@ -116,15 +117,9 @@ class LevelLoop {
   std::optional<Result> run() {
     tell_first_touch();
     find_size();
-    check_twist_axis(problem_, trial_.result);
-    for (const int level : {problem_.level - 1, problem_.level}) {
-      if (task_.stop()) {
-        keep_finished_level(level - 1);
-        break;
-      }
-      if (!solve_level(level)) return std::nullopt;
-    }
-    if (!meshes_serve()) return std::nullopt;
+    const bool is_solved =
+        problem_.fingertip.scan ? solve_levels_beside_readings() : solve_levels();
+    if (!is_solved || !meshes_serve()) return std::nullopt;
     correct_wall();
     estimate();
     describe();
@@ -155,14 +150,61 @@ class LevelLoop {
     }
     trial_ = physics_.measure();
     trial_.result.level = 0;
-    if (problem_.fingertip.scan) {
-      measure_core();
-      measure_readings();
-    }
     fit_mesh_to(trial_.block_a, trial_.block_b);
     if (physics_.shares_meshes())
       task_.progress(
           formatted("meshes of an earlier contact, %.3g times as large", trial_.result.oversize));
+  }
+
+  /// @returns false where shared meshes are too small for the contact
+  bool solve_levels() {
+    check_twist_axis(problem_, trial_.result);
+    if (task_.stop()) throw Interrupted();
+    if (!solve_level(problem_.level - 1)) return false;
+    if (!wall_is_near(measured_on_)) return solve_finer_level();
+    // What the finer level asks for does not depend on the wall.
+    bool is_solved = false;
+    const auto press_other = physics_.press_other();
+    const LevelResult free = coarse();
+    const LayerDiscretisation mesh =
+        physics_.shares_meshes() ? physics_.discretisation() : measured_on_;
+    // The finer level may lay a scan's layer anew.
+    Pressing pressing = task_.pressing;
+    if (const auto& shape = pressing.bent.shape)
+      if (std::shared_ptr<const LayerShape> own = shape->copy()) pressing.bent.shape = own;
+    const ContactTask task{problem_, pressing, task_.progress.place(), task_.stop};
+    side_by_side(
+        [&] {
+          result_.wall = measure_wall(task, mesh, free, press_other);
+          task.progress.close();
+        },
+        [&] { is_solved = solve_finer_level(); });
+    return is_solved;
+  }
+
+  bool solve_finer_level() {
+    if (!task_.stop()) return solve_level(problem_.level);
+    keep_finished_level(problem_.level - 1);
+    return true;
+  }
+
+  /// What other readings of the scan tell does not change the levels.
+  bool solve_levels_beside_readings() {
+    const Readings readings{physics_.press_other(), physics_.discretisation(), trial_.result,
+                            task_.progress.place()};
+    const auto read = [&] {
+      core_error_ = measure_core(readings);
+      result_.geometry_error = measure_readings(readings);
+      readings.tell.close();
+    };
+    // Friction takes most of the memory: the readings have given theirs back by then.
+    if (problem_.friction.any()) {
+      read();
+      return solve_levels();
+    }
+    bool is_solved = false;
+    side_by_side(read, [&] { is_solved = solve_levels(); });
+    return is_solved;
   }
 
   /// A hint for which the layer has no room would refuse what may fit.
@@ -333,12 +375,10 @@ class LevelLoop {
     result.wall_s = watch.seconds();
     result.cpu_s = watch.cpu_seconds();
     tell(found);
-    const LayerDiscretisation measured = mesh_;
     result_.levels.push_back(result);
     misfit_ = std::max(misfit_, misfit(mesh_, found.block_a, found.block_b));
+    measured_on_ = mesh_;
     fit_mesh_to(found.block_a, found.block_b);
-    if (result_.levels.size() > 1) return;
-    if (wall_is_near(measured)) measure_wall(measured);
   }
 
   /// Whether what lies beyond the side wall may change the contact.
@@ -346,19 +386,28 @@ class LevelLoop {
     return mesh.is_scan || std::min(mesh.reach_x - mesh.a, mesh.reach_y - mesh.b) < mesh.extent;
   }
 
+  /// Where other readings of a scan start from.
+  struct Readings {
+    ContactPhysics::PressOther press;
+    LayerDiscretisation mesh;
+    LevelResult best;
+    OrderedProgress tell;
+  };
+
   /// The core's ridge is drawn by ways from the surface that end on it, and by cells that are not
   /// fitted to it. How far other ways change the answer tells what that leaves open: all of the
   /// largest change is stated.
   /// @throws FoldedLayer where no other ways can be pressed
-  void measure_core() {
+  RelativeError measure_core(const Readings& readings) const {
     const CoreWays own = task_.pressing.bent.ways;
-    if (own == CoreWays::smoothed) return;
+    if (own == CoreWays::smoothed) return {};
+    std::vector<std::pair<Reading, CoreWays>> others;
+    for (const CoreWays ways :
+         {CoreWays::eroded, CoreWays::eroded_nearer, CoreWays::eroded_smoother, CoreWays::smoothed})
+      if (ways != own) others.emplace_back(Reading(), ways);
     RelativeError largest;
     bool is_known = false;
-    for (const CoreWays ways : {CoreWays::eroded, CoreWays::eroded_nearer,
-                                CoreWays::eroded_smoother, CoreWays::smoothed}) {
-      if (ways == own) continue;
-      const std::optional<RelativeError> change = change_by({}, ways);
+    for (const std::optional<RelativeError>& change : changes_by(others, readings)) {
       if (!change) continue;
       is_known = true;
       for (const auto quantity : relative_errors)
@@ -368,144 +417,166 @@ class LevelLoop {
       throw FoldedLayer(InputError("contact", "room on the finger",
                                    "its layer would fold with all ways to its core but one",
                                    "less load, or another point"));
-    core_error_ = largest;
-    task_.progress(formatted(
+    readings.tell(formatted(
         "core: what its ridge leaves open changes a by %.2g, area by %.2g, d by %.2g, torque by "
         "%.2g %%",
         100 * largest.a, 100 * largest.area, 100 * largest.indentation, 100 * largest.max_torque));
+    return largest;
   }
 
   /// What the scan's triangles tell, read in other ways. At random: where the surface lies, with
   /// vertices moved by what facets leave open. The finger is held by its own normal, which they
   /// change, too. Beyond that interval, not at random: what is smoothed away, and the frame, whose
   /// normal was fitted over a larger region than the contact asks for where facets are large.
-  void measure_readings() {
+  std::optional<RelativeError> measure_readings(const Readings& readings) const {
     constexpr double wider = 1.5;
     // Of random samples the interval of 95 % around no change is stated: Student's factors.
     constexpr unsigned int patterns = 4;
     constexpr std::array<double, patterns + 1> student = {0, 12.706, 4.303, 3.182, 2.776};
     const FingertipShape& bent = task_.pressing.bent;
-    std::vector<RelativeError> moved;
+    std::vector<std::pair<Reading, CoreWays>> others;
     for (unsigned int pattern = 1; pattern <= patterns; ++pattern)
-      if (const auto change = change_by_doubt(pattern)) moved.push_back(*change);
-    if (moved.empty()) return;
-    std::vector<RelativeError> others;
-    Reading smoother;
-    smoother.smoothing = wider;
-    if (const auto change = change_by(smoother, bent.ways)) others.push_back(*change);
+      others.emplace_back(Reading{1, 1, pattern, bent.own_normal}, bent.ways);
+    others.emplace_back(Reading{wider, 0, 0, std::nullopt}, bent.ways);
     if (const double share = problem_.fingertip.region_excess; share > 0) {
-      Reading held;
-      held.normal = Eigen::Quaterniond::Identity().slerp(
-                        share, Eigen::Quaterniond::FromTwoVectors(bent.own_normal,
-                                                                  Eigen::Vector3d::UnitZ())) *
-                    bent.own_normal;
-      if (const auto change = change_by(held, bent.ways)) others.push_back(*change);
+      const auto to_frame =
+          Eigen::Quaterniond::FromTwoVectors(bent.own_normal, Eigen::Vector3d::UnitZ());
+      const Eigen::Vector3d held =
+          Eigen::Quaterniond::Identity().slerp(share, to_frame) * bent.own_normal;
+      others.emplace_back(Reading{1, 0, 0, held}, bent.ways);
     }
-    result_.geometry_error.emplace();
-    for (const auto quantity : relative_errors) {
-      double variance = 0, squares = 0;
-      for (const RelativeError& change : moved)
-        variance += change.*quantity * change.*quantity / static_cast<double>(moved.size());
-      for (const RelativeError& change : others) squares += change.*quantity * change.*quantity;
-      *result_.geometry_error.*quantity =
-          student[moved.size()] * std::sqrt(variance) + std::sqrt(squares);
-    }
-    const RelativeError& stated = *result_.geometry_error;
-    task_.progress(formatted(
+    const Changes changes = changes_by(others, readings);
+    const auto drawn = changes.begin() + patterns;
+    const auto count = static_cast<std::size_t>(std::count_if(
+        changes.begin(), drawn, [](const auto& change) { return change.has_value(); }));
+    if (count == 0) return std::nullopt;
+    const auto sum_of_squares = [&](auto from, auto to, double RelativeError::*quantity) {
+      double sum = 0;
+      for (auto change = from; change != to; ++change)
+        if (*change) sum += (**change).*quantity * (**change).*quantity;
+      return sum;
+    };
+    RelativeError stated;
+    for (const auto quantity : relative_errors)
+      stated.*quantity =
+          student[count] * std::sqrt(sum_of_squares(changes.begin(), drawn, quantity) /
+                                     static_cast<double>(count)) +
+          std::sqrt(sum_of_squares(drawn, changes.end(), quantity));
+    readings.tell(formatted(
         "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
         "torque by %.2g %%",
         100 * stated.a, 100 * stated.area, 100 * stated.indentation, 100 * stated.max_torque));
+    return stated;
+  }
+
+  using Changes = std::vector<std::optional<RelativeError>>;
+
+  /// Relative changes by other readings, on the trial mesh. None where one cannot be pressed.
+  Changes changes_by(const std::vector<std::pair<Reading, CoreWays>>& others,
+                     const Readings& readings) const {
+    Changes changes(others.size());
+    std::vector<OrderedProgress> tell;
+    for (std::size_t i = 0; i < others.size(); ++i) tell.push_back(readings.tell.place());
+    in_parallel(static_cast<int>(others.size()), [&](int number) {
+      const auto i = static_cast<std::size_t>(number);
+      changes[i] = change_or_less(others[i].first, others[i].second, readings, tell[i]);
+      tell[i].close();
+    });
+    return changes;
   }
 
   /// Where vertices moved by all that is left open make a layer fold, less of it is tried: changes
   /// are taken to be in proportion.
-  std::optional<RelativeError> change_by_doubt(unsigned int pattern) {
-    const FingertipShape& bent = task_.pressing.bent;
-    for (const double doubt : {1.0, 0.5, 0.25}) {
-      std::optional<RelativeError> change =
-          change_by({1, doubt, pattern, bent.own_normal}, bent.ways);
-      if (!change) continue;
-      for (const auto quantity : relative_errors) *change.*quantity /= doubt;
-      return change;
+  std::optional<RelativeError> change_or_less(Reading reading, CoreWays ways,
+                                              const Readings& readings,
+                                              const OrderedProgress& tell) const {
+    constexpr double least_part = 0.25;
+    for (double part = 1; part >= least_part; part /= 2, reading.doubt /= 2) {
+      try {
+        RelativeError change = change_by(reading, ways, readings, tell);
+        for (const auto quantity : relative_errors) change.*quantity /= part;
+        return change;
+      } catch (const std::runtime_error& error) {
+        tell(std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
+             error.what());
+      }
+      if (!(reading.doubt > 0)) break;
     }
     return std::nullopt;
   }
 
-  /// Relative changes by another reading, on the trial mesh. None where it cannot be pressed.
-  std::optional<RelativeError> change_by(const Reading& reading, CoreWays ways) {
-    const LevelResult& best = trial_.result;
+  RelativeError change_by(const Reading& reading, CoreWays ways, const Readings& readings,
+                          const OrderedProgress& tell) const {
     Pressing other = task_.pressing;
-    try {
-      other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
-      const ContactTask task{problem_, other, task_.progress, task_.stop};
-      const std::unique_ptr<ContactPhysics> physics = physics_.press_other(task);
-      // It touches first elsewhere, so that it may lie beside the patch that was refined.
-      const auto fits = [&] {
-        const RoughSize size = physics->size();
-        const LayerDiscretisation& mesh = physics->discretisation();
-        return !size.reaches_rim && std::max(size.a / mesh.a, size.b / mesh.b) < 1 + spare_size;
-      };
-      for (int trial = 1; !fits() && trial < most_trials; ++trial) {
-        LayerDiscretisation mesh = physics->discretisation();
-        const RoughSize size = physics->size();
-        const double growth = size.reaches_rim ? growth_at_rim : 1;
-        mesh.a = rounded(growth * size.a);
-        mesh.b = rounded(growth * size.b);
-        physics->press(mesh, 0);
-      }
-      const LevelResult found = physics->measure().result;
-      const auto change = [&](double LevelResult::*quantity) {
-        return std::abs(found.*quantity / best.*quantity - 1);
-      };
-      return RelativeError{change(&LevelResult::a_m),
-                           change(&LevelResult::b_m),
-                           change(&LevelResult::area_projected_m2),
-                           change(&LevelResult::indentation_m),
-                           change(&LevelResult::peak_pressure_Pa),
-                           change(&LevelResult::max_torque_Nm),
-                           change(&LevelResult::load_N)};
-    } catch (const std::runtime_error& error) {
-      task_.progress(
-          std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
-          error.what());
-      return std::nullopt;
+    other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
+    const ContactTask task{problem_, other, tell, task_.stop};
+    const std::unique_ptr<ContactPhysics> physics = readings.press(task, readings.mesh);
+    // It touches first elsewhere, so that it may lie beside the patch that was refined.
+    const auto fits = [&] {
+      const RoughSize size = physics->size();
+      const LayerDiscretisation& mesh = physics->discretisation();
+      return !size.reaches_rim && std::max(size.a / mesh.a, size.b / mesh.b) < 1 + spare_size;
+    };
+    for (int trial = 1; !fits() && trial < most_trials; ++trial) {
+      LayerDiscretisation mesh = physics->discretisation();
+      const RoughSize size = physics->size();
+      const double growth = size.reaches_rim ? growth_at_rim : 1;
+      mesh.a = rounded(growth * size.a);
+      mesh.b = rounded(growth * size.b);
+      physics->press(mesh, 0);
     }
+    const LevelResult found = physics->measure().result;
+    const auto change = [&](double LevelResult::*quantity) {
+      return std::abs(found.*quantity / readings.best.*quantity - 1);
+    };
+    return RelativeError{change(&LevelResult::a_m),
+                         change(&LevelResult::b_m),
+                         change(&LevelResult::area_projected_m2),
+                         change(&LevelResult::indentation_m),
+                         change(&LevelResult::peak_pressure_Pa),
+                         change(&LevelResult::max_torque_Nm),
+                         change(&LevelResult::load_N)};
   }
 
   /// A free wall yields too much and a clamped one too little.
-  void measure_wall(const LayerDiscretisation& mesh) {
+  /// @param mesh   of the level
+  /// @param press  from its state
+  WallChange measure_wall(const ContactTask& task, LayerDiscretisation mesh,
+                          const LevelResult& free, const ContactPhysics::PressOther& press) const {
+    mesh.clamped_wall = true;
+    std::unique_ptr<ContactPhysics> physics = press(task, mesh);
     const LevelResult clamped = [&] {
       try {
-        return physics_.measure_clamped(mesh).result;
+        return physics->measure().result;
       } catch (const OutgrownPatch&) {
-        LayerDiscretisation larger = mesh;
-        larger.patch *= growth_at_rim;
+        mesh.patch *= growth_at_rim;
+        physics->press(mesh, 0);
         try {
-          return physics_.measure_clamped(larger).result;
+          return physics->measure().result;
         } catch (const OutgrownPatch&) {
-          physics_.refuse_end_beside();
+          physics->refuse_end_beside();
           throw;
         }
       }
     }();
-    const LevelResult& free = result_.levels.front();
     const auto half = [&](double LevelResult::*quantity) {
       return (clamped.*quantity / free.*quantity - 1) / 2;
     };
     // The arm of the pressure is a length of the contact, and one that no fit blurs.
     const double load = half(&LevelResult::load_N), length = half(&LevelResult::torque_arm_m);
-    result_.wall = {length,
-                    length,
-                    2 * length,
-                    half(&LevelResult::indentation_m),
-                    load - 2 * length,
-                    half(&LevelResult::max_torque_Nm),
-                    load,
-                    half(&LevelResult::max_force_N)};
-    task_.progress(
+    const WallChange wall{length,
+                          length,
+                          2 * length,
+                          half(&LevelResult::indentation_m),
+                          load - 2 * length,
+                          half(&LevelResult::max_torque_Nm),
+                          load,
+                          half(&LevelResult::max_force_N)};
+    task.progress(
         formatted("side wall: clamped it would change the contact's size by %.2g, d by "
                   "%.2g, load by %.2g %%; half of that is taken",
-                  200 * length, 200 * result_.wall.indentation, 200 * load));
+                  200 * length, 200 * wall.indentation, 200 * load));
+    return wall;
   }
 
   void correct_wall() {
@@ -617,7 +688,8 @@ class LevelLoop {
   double room_ = 1;  ///< of the patch, over that of the usual one
   Measurement trial_;
   Result result_;
-  RelativeError core_error_;  ///< of a core with a ridge
+  LayerDiscretisation measured_on_;  ///< mesh of the last level
+  RelativeError core_error_;         ///< of a core with a ridge
   std::optional<FrictionPlan> plan_;
   std::vector<FrictionOfLevel> friction_;  ///< per level
   double misfit_ = 0;                      ///< largest of the levels

@@ -119,21 +119,12 @@ class LinearContact : public ContactPhysics {
     fem::refuse_end_beside(pressed_.model->nodes(), pressed_.contact.force, task_.pressing);
   }
 
-  Measurement measure_clamped(const LayerDiscretisation& meant) override {
-    LayerDiscretisation mesh = shares_meshes() ? pressed_.model->discretisation() : meant;
-    mesh.clamped_wall = true;
-    pressed_.model.reset();
-    pressed_ = press_on(make_layer(mesh, task_.pressing), task_.pressing);
-    const auto made_for = meshes_.made_for;
-    Measurement measurement = measure();
-    meshes_.made_for = made_for;
-    return measurement;
-  }
-
-  std::unique_ptr<ContactPhysics> press_other(const ContactTask& task) override {
-    auto other = std::make_unique<LinearContact>(task, /*keeps_meshes=*/false);
-    other->press(discretisation(), level_);
-    return other;
+  PressOther press_other() override {
+    return [](const ContactTask& task, const LayerDiscretisation& mesh) {
+      auto other = std::make_unique<LinearContact>(task, /*keeps_meshes=*/false);
+      other->press(mesh, no_level);
+      return other;
+    };
   }
 
   const LayerDiscretisation& discretisation() const override {
@@ -207,6 +198,8 @@ class LinearContact : public ContactPhysics {
   }
 
  private:
+  static constexpr int no_level = -1;  ///< of a mesh on which no friction follows
+
   void check_covered() const {
     for (const SurfaceNode& node : pressed_.model->nodes())
       if (std::hypot(node.x / pressed_.moment_a, node.y / pressed_.moment_b) < 1 &&

@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
@@ -59,14 +60,15 @@ const fem::MeshReaders& mesh_readers() {
   return readers;
 }
 
-// A signal handler can reach nothing but a global.
-volatile std::sig_atomic_t g_stop = 0;
+// A signal handler can reach nothing but a global. It runs on any thread, and any thread asks.
+std::atomic<bool> g_stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 /// The first Ctrl-C ends the work after its present stage, with the results so far. The second one
 /// ends the program at once.
 void stop_when_convenient() {
   struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = 1; };
+  action.sa_handler = [](int) { g_stop = true; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
 }
@@ -107,7 +109,7 @@ void answer(const json& input, const std::string& prefix, fem::ModelCache& model
   const fem::Problem problem = fem::read_problem(input, mesh_readers());
   const fem::Result result = fem::solve(
       problem, [&](const std::string& line) { std::cerr << prefix << line << std::endl; },
-      [] { return g_stop != 0; }, &models);
+      [] { return g_stop.load(); }, &models);
   std::cout << fem::to_json(problem, result).dump() << std::endl;
   if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
 }

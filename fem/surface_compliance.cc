@@ -76,8 +76,7 @@ std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest) {
   QuarterCompliances result{model, std::move(nodes), {}};
-  for (const Parity parity : parities_for(model.planes(), fewest))
-    result.by_parity.push_back(model.vector_compliance(parity, result.nodes));
+  result.by_parity = model.vector_compliances(parities_for(model.planes(), fewest), result.nodes);
   return result;
 }
 

@@ -225,9 +225,6 @@ SolvedLoads solve(const FemOptions& options, const Plan& plan, system::Progress&
   reference::FemBatch batch;
   batch.limits = options.limits;
   batch.single_thread = false;
-  // Threads speed up large factorisations only. In small ones they wait for each other longer than
-  // they save.
-  batch.single_thread_algebra = plan.level <= 2;
   for (const std::size_t load : plan.order)
     batch.problems.push_back(problem_of(options, plan, load));
   SolvedLoads solved;

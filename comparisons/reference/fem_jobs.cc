@@ -61,9 +61,6 @@ int run_fem_jobs(const std::vector<const FemJob*>& jobs, const FemJobOptions& op
       batches.back().limits = options.limits;
       jobs_of.emplace_back();
     }
-    // Threads speed up large factorisations only.
-    if (!options.single_thread && job->problem.level > 2)
-      batches.back().single_thread_algebra = false;
     batches.back().problems.push_back(job->problem);
     if (!job->output_directory.empty()) {
       system::make_writable_folder(job->output_directory);

@@ -87,8 +87,8 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       system::ProcessJob job;
       job.command = {program, "-"};
       job.input = left.dump() + "\n";
-      if (batches[batch].single_thread || batches[batch].single_thread_algebra)
-        job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"};
+      // Its threads are its own, not the linear algebra's.
+      job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"};
       if (batches[batch].single_thread) job.environment.push_back("DEAL_II_NUM_THREADS=1");
       // Under mpirun this program is a rank; the finite elements are not.
       job.hidden = {"OMPI_", "PMIX_", "PMI_"};

@@ -22,8 +22,7 @@ struct FemLimits {
 /// Solved by one process, one after the other, which lets contacts share meshes: the largest first.
 struct FemBatch {
   std::vector<FemProblem> problems;
-  bool single_thread = true;          ///< with several processes side by side
-  bool single_thread_algebra = true;  ///< the linear algebra's library alone: of small problems
+  bool single_thread = true;  ///< with several processes side by side
   FemLimits limits;
 };
 

@@ -70,19 +70,7 @@ class FiniteContact : public ContactPhysics {
   void press(const LayerDiscretisation& mesh, int level) override {
     level_ = level;
     if (pressing_) pressing_->release_factor();
-    auto pressing = std::make_unique<FinitePressing>(make_layer(mesh), object_);
-    // The state on the mesh before is near the one on this mesh.
-    if (pressing_ && !task_.pressing.mesh) pressing->continue_from(*pressing_);
-    try {
-      pressing->press({task_.pressing.load, task_.pressing.approach});
-    } catch (const ConvergenceError& error) {
-      const Equilibrium& last = pressing->equilibrium();
-      const ConvergenceError told = not_reached(last, mesh, error);
-      if (last.steepest_rad > wrapped_rad) throw told;
-      throw NotReached(told, last.moment_a, last.moment_b);
-    }
-    pressing_ = std::move(pressing);
-    refuse_ends();
+    press_from(pressing_.get(), mesh);
   }
 
   RoughSize size() const override {
@@ -95,28 +83,19 @@ class FiniteContact : public ContactPhysics {
             text_of(pressing_->history())};
   }
 
-  Measurement measure_clamped(const LayerDiscretisation& mesh) override {
-    LayerDiscretisation clamped = mesh;
-    clamped.clamped_wall = true;
-    tells_what_fits_ = false;
-    press(clamped, 0);
-    return measure();
-  }
-
   void refuse_end_beside() const override {
     fem::refuse_end_beside(pressing_->layer().nodes(), equilibrium().force, task_.pressing);
   }
 
-  std::unique_ptr<ContactPhysics> press_other(const ContactTask& task) override {
-    auto other = std::make_unique<FiniteContact>(task);
-    other->tells_what_fits_ = false;
+  PressOther press_other() override {
     pressing_->release_factor();
-    other->pressing_ =
-        std::make_unique<FinitePressing>(other->make_layer(discretisation()), other->object_);
-    other->pressing_->continue_from(*pressing_);
-    other->pressing_->press({task.pressing.load, task.pressing.approach});
-    other->refuse_ends();
-    return other;
+    return [start = std::shared_ptr<const FinitePressing>(pressing_)](
+               const ContactTask& task, const LayerDiscretisation& mesh) {
+      auto other = std::make_unique<FiniteContact>(task);
+      other->tells_what_fits_ = false;
+      other->press_from(start.get(), mesh);
+      return other;
+    };
   }
 
   const LayerDiscretisation& discretisation() const override {
@@ -203,6 +182,22 @@ class FiniteContact : public ContactPhysics {
  private:
   const Equilibrium& equilibrium() const { return pressing_->equilibrium(); }
 
+  /// @param start  the state on another mesh, near the one on this mesh; null: none
+  void press_from(const FinitePressing* start, const LayerDiscretisation& mesh) {
+    auto pressing = std::make_shared<FinitePressing>(make_layer(mesh), object_);
+    if (start && !task_.pressing.mesh) pressing->continue_from(*start);
+    try {
+      pressing->press({task_.pressing.load, task_.pressing.approach});
+    } catch (const ConvergenceError& error) {
+      const Equilibrium& last = pressing->equilibrium();
+      const ConvergenceError told = not_reached(last, mesh, error);
+      if (last.steepest_rad > wrapped_rad) throw told;
+      throw NotReached(told, last.moment_a, last.moment_b);
+    }
+    pressing_ = std::move(pressing);
+    refuse_ends();
+  }
+
   std::shared_ptr<FiniteLayer> make_layer(const LayerDiscretisation& mesh) const {
     const Pressing& pressing = task_.pressing;
     if (pressing.mesh) return std::make_shared<FiniteLayer>(mesh, *pressing.mesh, h_, materials_);
@@ -224,7 +219,9 @@ class FiniteContact : public ContactPhysics {
     const SurfaceNode* const end = touched_end(*pressing_);
     if (!end) return;
     if (task_.pressing.mesh) refuse_end_of_surface(*end, h_);
-    refuse_end_of_layer(*end, task_.pressing, tells_what_fits_ ? share_that_fits() : std::nullopt);
+    // That takes ten presses, too many on the finer mesh.
+    const bool tells_what_fits = tells_what_fits_ && level_ < problem_.level;
+    refuse_end_of_layer(*end, task_.pressing, tells_what_fits ? share_that_fits() : std::nullopt);
   }
 
   /// None where Newton's method stops on the way.
@@ -427,13 +424,13 @@ class FiniteContact : public ContactPhysics {
   }
 
   const ContactTask& task_;
-  bool tells_what_fits_ = true;  ///< where it refuses; that takes ten presses
+  bool tells_what_fits_ = true;  ///< where it refuses
   const Problem& problem_;
   const double h_, E_;
   const ShearLaw law_;  ///< in the units of the model
   const Materials materials_;
   const std::shared_ptr<const RigidObject> object_;
-  std::unique_ptr<FinitePressing> pressing_;
+  std::shared_ptr<FinitePressing> pressing_;
   int level_ = 0;            ///< of that mesh
   DeformedContact contact_;  ///< as measured last
   SurfaceSeries series_;

@@ -11,11 +11,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "fem/finite/tangent_assembly.h"
 #include "fem/layer_space.h"
+#include "fem/threads.h"
 #include "fem/write_file.h"
 #include "softfinger/input/errors.h"
 
@@ -84,10 +86,13 @@ struct FiniteLayer::Implementation : LayerSpace {
 
   void set_up(std::vector<std::shared_ptr<const Material>> of_sublayers);
   void set_geometries();
-  template <class Visit>
-  void for_each_batch(const dealii::Vector<double>& field, const Visit& visit) const;
-  template <class Visit>
-  void for_each_element(const dealii::Vector<double>& field, const Visit& visit) const;
+  Eigen::MatrixXd gradients_of(const dealii::Vector<double>& field, std::size_t first,
+                               std::size_t count) const;
+  template <class Found, class Compute, class Add>
+  void for_each_batch(const Compute& compute, const Add& add) const;
+  template <class OfElement>
+  std::vector<double> of_elements(const dealii::Vector<double>& field,
+                                  const OfElement& of_element) const;
   double smallest_volume_ratio() const;
   TangentAssembly& tangent_of_free();
   double assemble(const std::vector<NodeFrame>& node_frames, const Eigen::Matrix3Xd& force,
@@ -154,44 +159,76 @@ void FiniteLayer::Implementation::set_geometries() {
   }
 }
 
-/// Gradients in the unit cell of a field of all degrees of freedom, of many elements at a time:
-/// products of large matrices.
-/// @param visit  called with the first element of each batch, and with the gradients of all in it
-///               side by side
-template <class Visit>
-void FiniteLayer::Implementation::for_each_batch(const dealii::Vector<double>& field,
-                                                 const Visit& visit) const {
-  constexpr std::size_t most = 32;  // they stay in the cache
-  Eigen::MatrixXd of_nodes, gradients;
-  for (std::size_t first = 0; first < geometries.size(); first += most) {
-    const Eigen::MatrixXd& unit_gradients = *geometries[first].unit_gradients;
-    const std::size_t count = std::min(most, geometries.size() - first);
-    of_nodes.resize(unit_gradients.rows(), static_cast<Eigen::Index>(3 * count));
-    double* value = of_nodes.data();
-    for (std::size_t cell = first; cell < first + count; ++cell)
-      for (const Dof dof : dofs_of_cells[cell]) *value++ = field[dof];
-    gradients.noalias() = unit_gradients.transpose() * of_nodes;
-    visit(first, gradients);
-  }
+/// Gradients in the unit cell of a field of all degrees of freedom, of elements from one on, side
+/// by side: products of large matrices.
+Eigen::MatrixXd FiniteLayer::Implementation::gradients_of(const dealii::Vector<double>& field,
+                                                          std::size_t first,
+                                                          std::size_t count) const {
+  const Eigen::MatrixXd& unit_gradients = *geometries[first].unit_gradients;
+  Eigen::MatrixXd of_nodes(unit_gradients.rows(), static_cast<Eigen::Index>(3 * count));
+  double* value = of_nodes.data();
+  for (std::size_t cell = first; cell < first + count; ++cell)
+    for (const Dof dof : dofs_of_cells[cell]) *value++ = field[dof];
+  return unit_gradients.transpose() * of_nodes;
 }
 
-/// @param visit  called with each element and its gradient
-template <class Visit>
-void FiniteLayer::Implementation::for_each_element(const dealii::Vector<double>& field,
-                                                   const Visit& visit) const {
-  for_each_batch(field, [&](std::size_t first, const Eigen::MatrixXd& gradients) {
-    for (Eigen::Index k = 0; 3 * k < gradients.cols(); ++k)
-      visit(first + static_cast<std::size_t>(k), gradients.middleCols<3>(3 * k));
-  });
+/// Batches of elements, which stay in the cache.
+/// @param compute  called with the first element of a batch, their number, and a place for what is
+///                 found, which is the batch's own until it is added; several at a time
+/// @param add      called with the first element and that place, in the order of the elements
+template <class Found, class Compute, class Add>
+void FiniteLayer::Implementation::for_each_batch(const Compute& compute, const Add& add) const {
+  constexpr std::size_t most = 8;
+  constexpr int at_a_time = 4;
+  std::vector<Found> found(2 * at_a_time);
+  const auto place = [&](int batch) -> Found& {
+    return found[static_cast<std::size_t>(batch) % found.size()];
+  };
+  const auto first = [](int batch) { return most * static_cast<std::size_t>(batch); };
+  in_order(
+      static_cast<int>((geometries.size() + most - 1) / most), at_a_time,
+      [&](int batch) {
+        compute(first(batch), std::min(most, geometries.size() - first(batch)), place(batch));
+      },
+      [&](int batch) { add(first(batch), place(batch)); });
 }
+
+/// @param of_element  of each element and the field's gradient in it; several at a time
+/// @returns in the order of the elements
+template <class OfElement>
+std::vector<double> FiniteLayer::Implementation::of_elements(const dealii::Vector<double>& field,
+                                                             const OfElement& of_element) const {
+  std::vector<double> result;
+  for_each_batch<std::vector<double>>(
+      [&](std::size_t first, std::size_t count, std::vector<double>& found) {
+        const Eigen::MatrixXd gradients = gradients_of(field, first, count);
+        found.clear();
+        for (std::size_t k = 0; k < count; ++k)
+          found.push_back(
+              of_element(first + k, gradients.middleCols<3>(3 * static_cast<Eigen::Index>(k))));
+      },
+      [&](std::size_t, const std::vector<double>& found) {
+        result.insert(result.end(), found.begin(), found.end());
+      });
+  return result;
+}
+
+namespace {
+
+/// Of volume ratios, which are 1 where nothing is strained.
+double smallest_of(const std::vector<double>& ratios) {
+  double smallest = 1;
+  for (const double ratio : ratios) smallest = std::min(smallest, ratio);
+  return smallest;
+}
+
+}  // namespace
 
 double FiniteLayer::Implementation::smallest_volume_ratio() const {
-  double smallest = 1;
-  for_each_element(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
-    smallest = std::min(smallest, finite::smallest_volume_ratio(
-                                      geometries[cell], state.elements[cell], displacement));
-  });
-  return smallest;
+  return smallest_of(
+      of_elements(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
+        return finite::smallest_volume_ratio(geometries[cell], state.elements[cell], displacement);
+      }));
 }
 
 FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
@@ -264,13 +301,12 @@ double FiniteLayer::smallest_volume_ratio() const {
 
 double FiniteLayer::strain_energy() const {
   const auto& self = *implementation_;
-  double energy = 0;
-  self.for_each_element(
+  const std::vector<double> energies = self.of_elements(
       self.state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
-        energy += finite::strain_energy(self.geometries[cell], *self.material_of_cells[cell],
-                                        self.state.elements[cell], displacement);
+        return finite::strain_energy(self.geometries[cell], *self.material_of_cells[cell],
+                                     self.state.elements[cell], displacement);
       });
-  return energy;
+  return std::accumulate(energies.begin(), energies.end(), 0.0);
 }
 
 namespace {
@@ -320,18 +356,27 @@ double FiniteLayer::Implementation::assemble(const std::vector<NodeFrame>& node_
   std::vector<Eigen::Matrix3d> axes;
   for (const NodeFrame& frame : frames) axes.push_back(frame.axes);
   assembly.start(axes);
-  for_each_element(state.displacement, [&](std::size_t cell, const UnitGradient& displacement) {
-    const std::vector<Dof>& indices = dofs_of_cells[cell];
-    ElementLinearisation linear =
-        finite::linearise(geometries[cell], *material_of_cells[cell], state.elements[cell],
-                          displacement, of_stiffness);
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      residual_of_dofs[indices[i]] += linear.residual[static_cast<Eigen::Index>(i)];
-      internal[indices[i]] += linear.force[static_cast<Eigen::Index>(i)];
-    }
-    assembly.add(cell, std::move(linear.stiffness));
-    balances[cell] = std::move(linear);
-  });
+  using Linearisations = std::vector<ElementLinearisation>;
+  for_each_batch<Linearisations>(
+      [&](std::size_t first, std::size_t count, Linearisations& found) {
+        const Eigen::MatrixXd gradients = gradients_of(state.displacement, first, count);
+        found.clear();
+        for (std::size_t k = 0; k < count; ++k)
+          found.push_back(finite::linearise(
+              geometries[first + k], *material_of_cells[first + k], state.elements[first + k],
+              gradients.middleCols<3>(3 * static_cast<Eigen::Index>(k)), of_stiffness));
+      },
+      [&](std::size_t first, Linearisations& found) {
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          const std::vector<Dof>& indices = dofs_of_cells[first + k];
+          for (std::size_t i = 0; i < indices.size(); ++i) {
+            residual_of_dofs[indices[i]] += found[k].residual[static_cast<Eigen::Index>(i)];
+            internal[indices[i]] += found[k].force[static_cast<Eigen::Index>(i)];
+          }
+          assembly.add(first + k, std::move(found[k].stiffness));
+          balances[first + k] = std::move(found[k]);
+        }
+      });
   constraints.condense(internal);
   set_residual(residual_of_dofs);
 
@@ -373,19 +418,23 @@ void FiniteLayer::Implementation::update_residual(const std::vector<NodeFrame>& 
   frames = node_frames;
   borne = force;
   dealii::Vector<double> residual_of_dofs(dofs.n_dofs());
-  Eigen::MatrixXd stresses, forces;
-  for_each_batch(state.displacement, [&](std::size_t first, const Eigen::MatrixXd& gradients) {
-    stresses.resize(gradients.rows(), gradients.cols());
-    for (Eigen::Index k = 0; 3 * k < gradients.cols(); ++k) {
-      const std::size_t cell = first + static_cast<std::size_t>(k);
-      balances[cell] = balance(geometries[cell], *material_of_cells[cell], state.elements[cell],
-                               gradients.middleCols<3>(3 * k), stresses.middleCols<3>(3 * k));
-    }
-    forces.noalias() = *geometries[first].unit_gradients * stresses;
-    const double* entry = forces.data();
-    for (std::size_t cell = first; entry < forces.data() + forces.size(); ++cell)
-      for (const Dof dof : dofs_of_cells[cell]) residual_of_dofs[dof] += *entry++;
-  });
+  for_each_batch<Eigen::MatrixXd>(
+      [&](std::size_t first, std::size_t count, Eigen::MatrixXd& forces) {
+        const Eigen::MatrixXd gradients = gradients_of(state.displacement, first, count);
+        Eigen::MatrixXd stresses(gradients.rows(), gradients.cols());
+        for (std::size_t k = 0; k < count; ++k) {
+          const auto own = 3 * static_cast<Eigen::Index>(k);
+          balances[first + k] = balance(geometries[first + k], *material_of_cells[first + k],
+                                        state.elements[first + k], gradients.middleCols<3>(own),
+                                        stresses.middleCols<3>(own));
+        }
+        forces.noalias() = *geometries[first].unit_gradients * stresses;
+      },
+      [&](std::size_t first, const Eigen::MatrixXd& forces) {
+        const double* entry = forces.data();
+        for (std::size_t cell = first; entry < forces.data() + forces.size(); ++cell)
+          for (const Dof dof : dofs_of_cells[cell]) residual_of_dofs[dof] += *entry++;
+      });
   set_residual(residual_of_dofs);
 }
 
@@ -563,14 +612,12 @@ double FiniteLayer::take_step(double fraction) {
   auto& self = *implementation_;
   self.state.displacement = self.start.displacement;
   self.state.displacement.add(fraction, self.step);
-  double smallest = 1;
-  self.for_each_element(self.step, [&](std::size_t cell, const UnitGradient& step) {
+  return smallest_of(self.of_elements(self.step, [&](std::size_t cell, const UnitGradient& step) {
     const ElementAdvance advanced = advance(self.geometries[cell], self.balances[cell],
                                             self.start.elements[cell], step, fraction);
     self.state.elements[cell] = advanced.state;
-    smallest = std::min(smallest, advanced.smallest_volume_ratio);
-  });
-  return smallest;
+    return advanced.smallest_volume_ratio;
+  }));
 }
 
 namespace {

@@ -41,17 +41,17 @@ class KnownContact : public ContactPhysics {
         b > 1.2 * mesh.b || (!is_trial && (outgrows || mesh.patch < patch_for_contact));
     return {std::min(told_a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
   }
-  std::unique_ptr<ContactPhysics> press_other(const ContactTask&) override {
-    throw std::logic_error("no scan");
+  PressOther press_other() override {
+    return [this](const ContactTask&, const LayerDiscretisation& mesh) {
+      walls_clamped_on.push_back(mesh.elements_per_semi_axis);
+      auto other = std::make_unique<KnownContact>();
+      other->press(mesh, 0);
+      other->is_clamped = mesh.clamped_wall;
+      return other;
+    };
   }
-  const LayerDiscretisation& discretisation() const override { throw std::logic_error("no scan"); }
+  const LayerDiscretisation& discretisation() const override { return pressed.back(); }
   void refuse_end_beside() const override {}
-  Measurement measure_clamped(const LayerDiscretisation& mesh) override {
-    walls_clamped_on.push_back(mesh.elements_per_semi_axis);
-    Measurement measurement = measure();
-    measurement.result.indentation_m *= 0.98;
-    return measurement;
-  }
   Measurement measure() override {
     const int elements = pressed.back().elements_per_semi_axis;
     const double off = 1 + error_of_one_cell / (elements * elements);
@@ -64,7 +64,7 @@ class KnownContact : public ContactPhysics {
     result.b_m = b * off;
     result.area_m2 = result.area_projected_m2 = M_PI * result.a_m * result.b_m;
     result.fitted = true;
-    result.indentation_m = 0.1 * off;
+    result.indentation_m = (is_clamped ? 0.98 : 1) * 0.1 * off;
     result.peak_pressure_Pa = off;
     result.max_torque_Nm = result.torque_arm_m = off;
     result.max_force_N = 1;
@@ -88,7 +88,7 @@ class KnownContact : public ContactPhysics {
   }
   OutputFiles write_files() override { return {"v", "p"}; }
 
-  bool shares = false, trial_serves = true, outgrows = false;
+  bool is_clamped = false, shares = false, trial_serves = true, outgrows = false;
   int mesh_outside = 0;
   double oversize = 1, edge_with_friction = 1, patch_for_friction = 0, patch_for_contact = 0;
   double jump = 1;            ///< of the size that trial meshes tell
