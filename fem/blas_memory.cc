@@ -26,9 +26,9 @@ void reserve_blas_memory() {
   const auto set_thread_count = reinterpret_cast<SetThreadCount>(find("openblas_set_num_threads"));
   const auto take_buffer = reinterpret_cast<TakeBuffer>(find("blas_memory_alloc"));
   const auto give_buffer = reinterpret_cast<GiveBuffer>(find("blas_memory_free"));
-  if (!set_thread_count || !take_buffer || !give_buffer) return;
   // Two that call it at a time would wait for each other's helpers.
-  set_thread_count(1);
+  if (set_thread_count) set_thread_count(1);
+  if (!take_buffer || !give_buffer) return;
   const std::size_t bytes = kBuffer_bytes * static_cast<std::size_t>(fem::thread_count());
   void* const room = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                           MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "fem/check_problem.h"
+#include "fem/cholesky.h"
 #include "fem/formatted.h"
 #include "fem/friction_study.h"
 #include "fem/memory.h"
@@ -190,16 +192,17 @@ class LevelLoop {
 
   /// What other readings of the scan tell does not change the levels.
   bool solve_levels_beside_readings() {
-    const Readings readings{physics_.press_other(), physics_.discretisation(), trial_.result,
-                            task_.progress.place()};
+    std::optional<Readings> readings{
+        {physics_.press_other(), physics_.discretisation(), trial_.result, task_.progress.place()}};
     const auto read = [&] {
-      core_error_ = measure_core(readings);
-      result_.geometry_error = measure_readings(readings);
-      readings.tell.close();
+      core_error_ = measure_core(*readings);
+      result_.geometry_error = measure_readings(*readings);
+      readings->tell.close();
     };
     // Friction takes most of the memory: the readings have given theirs back by then.
     if (problem_.friction.any()) {
       read();
+      readings.reset();
       return solve_levels();
     }
     bool is_solved = false;
@@ -401,10 +404,10 @@ class LevelLoop {
   RelativeError measure_core(const Readings& readings) const {
     const CoreWays own = task_.pressing.bent.ways;
     if (own == CoreWays::smoothed) return {};
-    std::vector<std::pair<Reading, CoreWays>> others;
+    std::vector<Other> others;
     for (const CoreWays ways :
          {CoreWays::eroded, CoreWays::eroded_nearer, CoreWays::eroded_smoother, CoreWays::smoothed})
-      if (ways != own) others.emplace_back(Reading(), ways);
+      if (ways != own) others.push_back({{}, ways});
     RelativeError largest;
     bool is_known = false;
     for (const std::optional<RelativeError>& change : changes_by(others, readings)) {
@@ -413,7 +416,7 @@ class LevelLoop {
       for (const auto quantity : relative_errors)
         largest.*quantity = std::max(largest.*quantity, *change.*quantity);
     }
-    if (!is_known)
+    if (!is_known && !task_.stop())
       throw FoldedLayer(InputError("contact", "room on the finger",
                                    "its layer would fold with all ways to its core but one",
                                    "less load, or another point"));
@@ -430,77 +433,112 @@ class LevelLoop {
   /// normal was fitted over a larger region than the contact asks for where facets are large.
   std::optional<RelativeError> measure_readings(const Readings& readings) const {
     constexpr double wider = 1.5;
-    // Of random samples the interval of 95 % around no change is stated: Student's factors.
-    constexpr unsigned int patterns = 4;
-    constexpr std::array<double, patterns + 1> student = {0, 12.706, 4.303, 3.182, 2.776};
     const FingertipShape& bent = task_.pressing.bent;
-    std::vector<std::pair<Reading, CoreWays>> others;
-    for (unsigned int pattern = 1; pattern <= patterns; ++pattern)
-      others.emplace_back(Reading{1, 1, pattern, bent.own_normal}, bent.ways);
-    others.emplace_back(Reading{wider, 0, 0, std::nullopt}, bent.ways);
+    const auto moved = [&](unsigned int pattern) {
+      return Other{[&bent, pattern](double part) {
+                     return Reading{1, part, pattern, bent.own_normal};
+                   },
+                   bent.ways};
+    };
+    const auto smoother = [](double part) {
+      return Reading{1 + part * (wider - 1), 0, 0, std::nullopt};
+    };
+    std::vector<Other> others{moved(1), moved(2), {smoother, bent.ways}};
     if (const double share = problem_.fingertip.region_excess; share > 0) {
       const auto to_frame =
           Eigen::Quaterniond::FromTwoVectors(bent.own_normal, Eigen::Vector3d::UnitZ());
-      const Eigen::Vector3d held =
-          Eigen::Quaterniond::Identity().slerp(share, to_frame) * bent.own_normal;
-      others.emplace_back(Reading{1, 0, 0, held}, bent.ways);
+      const auto held = [=, &bent](double part) {
+        const Eigen::Vector3d normal =
+            Eigen::Quaterniond::Identity().slerp(part * share, to_frame) * bent.own_normal;
+        return Reading{1, 0, 0, normal};
+      };
+      others.push_back({held, bent.ways});
     }
     const Changes changes = changes_by(others, readings);
-    const auto drawn = changes.begin() + patterns;
-    const auto count = static_cast<std::size_t>(std::count_if(
-        changes.begin(), drawn, [](const auto& change) { return change.has_value(); }));
-    if (count == 0) return std::nullopt;
-    const auto sum_of_squares = [&](auto from, auto to, double RelativeError::*quantity) {
-      double sum = 0;
-      for (auto change = from; change != to; ++change)
-        if (*change) sum += (**change).*quantity * (**change).*quantity;
-      return sum;
+    Changes random(changes.begin(), changes.begin() + 2);
+    const Changes systematic(changes.begin() + 2, changes.end());
+    std::optional<RelativeError> stated = left_open(random, systematic);
+    // Two samples make a wide interval. What is less than this hardly matters to a choice of model.
+    constexpr double worth_more_samples = 0.03;
+    const auto is_large = [&](double RelativeError::*quantity) {
+      return (*stated).*quantity > worth_more_samples;
     };
-    RelativeError stated;
-    for (const auto quantity : relative_errors)
-      stated.*quantity =
-          student[count] * std::sqrt(sum_of_squares(changes.begin(), drawn, quantity) /
-                                     static_cast<double>(count)) +
-          std::sqrt(sum_of_squares(drawn, changes.end(), quantity));
+    if (!stated || std::any_of(relative_errors.begin(), relative_errors.end(), is_large)) {
+      for (const auto& change : changes_by({moved(3), moved(4)}, readings))
+        random.push_back(change);
+      stated = left_open(random, systematic);
+    }
+    if (!stated) return std::nullopt;
     readings.tell(formatted(
         "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
         "torque by %.2g %%",
-        100 * stated.a, 100 * stated.area, 100 * stated.indentation, 100 * stated.max_torque));
+        100 * stated->a, 100 * stated->area, 100 * stated->indentation, 100 * stated->max_torque));
     return stated;
   }
 
   using Changes = std::vector<std::optional<RelativeError>>;
 
+  /// The interval of 95 % around no change, by Student's factor for as many samples as could be
+  /// pressed, and the systematic changes. None without a sample, or without one of these.
+  static std::optional<RelativeError> left_open(const Changes& random, const Changes& systematic) {
+    constexpr std::array<double, 5> student = {0, 12.706, 4.303, 3.182, 2.776};
+    const auto count = static_cast<std::size_t>(std::count_if(
+        random.begin(), random.end(), [](const auto& change) { return change.has_value(); }));
+    if (count == 0 || std::count(systematic.begin(), systematic.end(), std::nullopt) > 0)
+      return std::nullopt;
+    const auto norm = [](const Changes& changes, double RelativeError::*quantity) {
+      double squares = 0;
+      for (const std::optional<RelativeError>& change : changes)
+        if (change) squares += (*change).*quantity * (*change).*quantity;
+      return std::sqrt(squares);
+    };
+    RelativeError result;
+    for (const auto quantity : relative_errors)
+      result.*quantity =
+          student.at(count) * norm(random, quantity) / std::sqrt(static_cast<double>(count)) +
+          norm(systematic, quantity);
+    return result;
+  }
+
+  /// Another reading of the scan, by how much of its change is made, and ways to the core.
+  struct Other {
+    std::function<Reading(double part)> reading;  ///< none: the best one
+    CoreWays ways;
+  };
+
   /// Relative changes by other readings, on the trial mesh. None where one cannot be pressed.
-  Changes changes_by(const std::vector<std::pair<Reading, CoreWays>>& others,
-                     const Readings& readings) const {
+  Changes changes_by(const std::vector<Other>& others, const Readings& readings) const {
     Changes changes(others.size());
     std::vector<OrderedProgress> tell;
     for (std::size_t i = 0; i < others.size(); ++i) tell.push_back(readings.tell.place());
     in_parallel(static_cast<int>(others.size()), [&](int number) {
       const auto i = static_cast<std::size_t>(number);
-      changes[i] = change_or_less(others[i].first, others[i].second, readings, tell[i]);
+      changes[i] = change_or_less(others[i], readings, tell[i]);
       tell[i].close();
     });
     return changes;
   }
 
-  /// Where vertices moved by all that is left open make a layer fold, less of it is tried: changes
-  /// are taken to be in proportion.
-  std::optional<RelativeError> change_or_less(Reading reading, CoreWays ways,
-                                              const Readings& readings,
+  /// Where a layer would fold, less of the change is made: what follows is taken to be in
+  /// proportion.
+  std::optional<RelativeError> change_or_less(const Other& other, const Readings& readings,
                                               const OrderedProgress& tell) const {
     constexpr double least_part = 0.25;
-    for (double part = 1; part >= least_part; part /= 2, reading.doubt /= 2) {
+    for (double part = 1; part >= least_part && !task_.stop(); part /= 2) {
       try {
-        RelativeError change = change_by(reading, ways, readings, tell);
+        RelativeError change =
+            change_by(other.reading ? other.reading(part) : Reading(), other.ways, readings, tell);
         for (const auto quantity : relative_errors) change.*quantity /= part;
         return change;
+      } catch (const NotEnoughMemory&) {
+        throw;
+      } catch (const Interrupted&) {
+        return std::nullopt;
       } catch (const std::runtime_error& error) {
         tell(std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
              error.what());
       }
-      if (!(reading.doubt > 0)) break;
+      if (!other.reading) break;
     }
     return std::nullopt;
   }

@@ -15,10 +15,12 @@
 #include <optional>
 
 #include "fem/blas_memory.h"
+#include "fem/memory.h"
 #include "fem/model_cache.h"
 #include "fem/read_problem.h"
 #include "fem/reference_solver.h"
 #include "fem/result_json.h"
+#include "fem/threads.h"
 #include "meshes/generation/layer_mesh.h"
 #include "meshes/io/read_surface.h"
 #include "meshes/io/whole_file.h"
@@ -157,6 +159,10 @@ void keep_freed_memory() {
 int answer_file(const std::string& path) {
   const json input = fem::parse_problems(read(path), path == "-" ? "standard input" : path);
   stop_when_convenient();
+  // What runs side by side needs its memory at the same time: how much there is would decide.
+  constexpr double enough_for_two_MB = 4096;
+  std::optional<fem::ThreadLimit> one_thread;
+  if (fem::available_memory_MB() < enough_for_two_MB) one_thread.emplace(1);
   fem::reserve_blas_memory();
   if (input.is_array()) return answer_all(input);
   fem::ModelCache nothing_to_share(0);

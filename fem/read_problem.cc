@@ -127,6 +127,11 @@ class Entry {
     return direction;
   }
   std::string dump() const { return value_->dump(); }
+  std::string dump_without(const char* key) const {
+    json rest = *value_;
+    rest.erase(key);
+    return rest.dump();
+  }
 
  private:
   const json* value_;
@@ -154,7 +159,8 @@ Fingertip read_fingertip(const Entry& input, const MeshReaders& readers) {
     const Entry pad = input.at("pad");
     const std::string shape =
         pad.at("shape").choice({"paraboloid", "ellipsoid", "sphere", "tapered", "mesh"});
-    fingertip.pad_name = pad.dump();
+    // What tells about the frame's error only makes no other pad.
+    fingertip.pad_name = pad.dump_without("region_excess");
     const std::vector<Entry> radii = pad.at("radii_m").list(2, 2);
     const double x = radii[0].radius(), y = radii[1].radius(), turn_rad = turn_of(pad);
     if (shape == "paraboloid") {

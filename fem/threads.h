@@ -54,11 +54,17 @@ class Pool {
 
  private:
   std::unique_ptr<Object> take() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return make_();
-    std::unique_ptr<Object> object = std::move(idle_.back());
-    idle_.pop_back();
-    return object;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        std::unique_ptr<Object> object = std::move(idle_.back());
+        idle_.pop_back();
+        return object;
+      }
+    }
+    // Not under the lock: deal.II's objects are made by tasks, and who waits for these may take
+    // another one that needs an object, too.
+    return make_();
   }
 
   std::function<std::unique_ptr<Object>()> make_;
