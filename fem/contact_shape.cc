@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fem/threads.h"
 #include "meshes/generation/planar_triangulation.h"
 #include "softfinger/input/errors.h"
 
@@ -131,7 +132,10 @@ ContactShape from_nodes(const NodalContact& contact) {
   ContactShape shape;
   TouchingState touching{pressure.nodes, pressure.faces,  contact.position, contact.nodal_pressure,
                          clearance,      contact.modulus, contact.planes};
-  if (!contact.regular) touching.triangles = meshes::triangulate(contact.position);
+  if (!contact.regular) {
+    const auto lock = lock_global_state();
+    touching.triangles = meshes::triangulate(contact.position);
+  }
   shape.outlines = touching_outlines(touching);
   if (!(shape_of(shape.outlines).area > 0))
     throw ConvergenceError("outline of the contact", 0, 0,

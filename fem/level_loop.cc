@@ -457,6 +457,8 @@ class LevelLoop {
     const Changes changes = changes_by(others, readings);
     Changes random(changes.begin(), changes.begin() + 2);
     const Changes systematic(changes.begin() + 2, changes.end());
+    // What a systematic change would be cannot be told from the others.
+    if (std::count(systematic.begin(), systematic.end(), std::nullopt) > 0) return std::nullopt;
     std::optional<RelativeError> stated = left_open(random, systematic);
     // Two samples make a wide interval. What is less than this hardly matters to a choice of model.
     constexpr double worth_more_samples = 0.03;
@@ -479,13 +481,12 @@ class LevelLoop {
   using Changes = std::vector<std::optional<RelativeError>>;
 
   /// The interval of 95 % around no change, by Student's factor for as many samples as could be
-  /// pressed, and the systematic changes. None without a sample, or without one of these.
+  /// pressed, and the systematic changes. None without a sample.
   static std::optional<RelativeError> left_open(const Changes& random, const Changes& systematic) {
     constexpr std::array<double, 5> student = {0, 12.706, 4.303, 3.182, 2.776};
     const auto count = static_cast<std::size_t>(std::count_if(
         random.begin(), random.end(), [](const auto& change) { return change.has_value(); }));
-    if (count == 0 || std::count(systematic.begin(), systematic.end(), std::nullopt) > 0)
-      return std::nullopt;
+    if (count == 0) return std::nullopt;
     const auto norm = [](const Changes& changes, double RelativeError::*quantity) {
       double squares = 0;
       for (const std::optional<RelativeError>& change : changes)

@@ -199,8 +199,11 @@ void require_surface(const Pressed& pressed, const Pressing& pressing, const Sol
   const Eigen::MatrixXd compliance = pressed.cosine.cwiseInverse().asDiagonal() *
                                      pressed.model->compliance() *
                                      pressed.cosine.cwiseInverse().asDiagonal();
-  const double fits = share_that_fits(
-      [&](double share) { return !touched_end(nodes, solve(compliance, share).force); });
+  // Nor does what linear elasticity would press through the layer.
+  const double fits = share_that_fits([&](double share) {
+    const NormalContact contact = solve(compliance, share);
+    return contact.approach < 1 && !touched_end(nodes, contact.force);
+  });
   refuse_end_of_layer(*end, pressing, fits);
 }
 

@@ -170,16 +170,19 @@ TriangleSurface box_with_shelf(double low_x, double high_x, double low_y, double
 
 TEST(SmoothSurface, KnowsHowFarItsSharpEdgesAre) {
   constexpr double low_x = -6e-3, high_x = 7e-3, low_y = -2e-3, high_y = 9e-3;
-  const SmoothSurface surface(box_with_shelf(low_x, high_x, low_y, high_y, 4e-3),
+  constexpr double shelf_end = low_x + 0.6 * (high_x - low_x);  // ends nothing, but is an edge
+  constexpr double depth = 4e-3, shelf_depth = 0.3 * depth;
+  const SmoothSurface surface(box_with_shelf(low_x, high_x, low_y, high_y, depth),
                               {0.5e-3, 1.05, 30e-3});
   for (const double x : {-5e-3, -1e-3, 1.6e-3, 3e-3, 6.5e-3})
     for (const double y : {-1.5e-3, 0.0, 4e-3, 8e-3}) {
       const auto beyond = surface.beyond_edge({{x, y, 0}, Vector3d::UnitZ()});
       ASSERT_TRUE(beyond);
-      const double distance = std::min({x - low_x, high_x - x, y - low_y, high_y - y});
-      // The nearest may be the shelf's edge, which ends nothing here.
-      EXPECT_LE(-distance, *beyond + 1e-9);
-      EXPECT_LT(*beyond, 0) << x << ' ' << y;
+      const double of_box = std::min({x - low_x, high_x - x, y - low_y, high_y - y});
+      const double of_shelf = std::abs(x - shelf_end);
+      // The nearest edge counts, by how far the point lies from it along the surface.
+      const double distance = std::hypot(of_shelf, shelf_depth) < of_box ? of_shelf : of_box;
+      EXPECT_NEAR(*beyond, -distance, 1e-9) << x << ' ' << y;
     }
   for (const double x : {-5e-3, 1.6e-3, 6e-3})
     for (const double distance : {-0.4e-3, 0.2e-3, 0.6e-3}) {
