@@ -86,11 +86,12 @@ void check_reach(const LayerDiscretisation& mesh, const Problem& problem) {
 
 /// Expected from the level before: cells fourfold, and the factorisation's cost grows a little
 /// faster than their number.
-std::string time_to_go(const std::vector<LevelResult>& done, int elements) {
+/// @param once_s  of its time, what the next one does not need again
+std::string time_to_go(const std::vector<LevelResult>& done, int elements, double once_s) {
   if (done.empty()) return "";
   constexpr double order = 2.5;
   const double more = static_cast<double>(elements) / done.back().elements_per_semi_axis;
-  return formatted(", about %.2g s to go", done.back().wall_s * std::pow(more, order));
+  return formatted(", about %.2g s to go", (done.back().wall_s - once_s) * std::pow(more, order));
 }
 
 /// Pressure along x or y, from the nodes on that axis of the block.
@@ -357,9 +358,11 @@ class LevelLoop {
     // than both levels ask for and would stay as it is: its cells are halved for the second level.
     if (problem_.mesh && !result_.levels.empty())
       mesh_.elements_per_semi_axis = 2 * result_.levels.back().elements_per_semi_axis;
-    task_.progress(formatted("level %d: %d elements per semi-axis%s", level,
-                             mesh_.elements_per_semi_axis,
-                             time_to_go(result_.levels, mesh_.elements_per_semi_axis).c_str()));
+    const bool was_corrected = !friction_.empty() && friction_.back().correction;
+    const double once_s = was_corrected ? friction_.back().correction->wall_s : 0;
+    task_.progress(
+        formatted("level %d: %d elements per semi-axis%s", level, mesh_.elements_per_semi_axis,
+                  time_to_go(result_.levels, mesh_.elements_per_semi_axis, once_s).c_str()));
     tell_unknowns(formatted("level %d", level));
     check_reach(mesh_, problem_);
   }

@@ -88,14 +88,20 @@ bool is_geometry_unknown(const reference::ReferenceResult& result) {
   return error != result.document.end() && error->is_null();
 }
 
+/// Two digits, or as many as stand before the point.
+std::string per_cent(double ratio) {
+  return ratio < 0.995 ? fmt::format("{:.2g} %", 100 * ratio)
+                       : fmt::format("{:.0f} %", 100 * ratio);
+}
+
 std::string table_row(const reference::ReferenceResult& result) {
   using reference::ReferenceErrors;
   const auto within = [&](std::optional<double> ReferenceErrors::*quantity) {
     const std::optional<double>& elements = result.error.*quantity;
-    std::string text = elements ? fmt::format("± {:.2g} %", 100 * *elements) : "";
+    std::string text = elements ? "± " + per_cent(*elements) : "";
     if (const auto& facets = result.geometry_error; facets && (*facets).*quantity)
-      text += fmt::format("{}± {:.2g} % by the scan's facets", text.empty() ? "" : ", ",
-                          100 * *((*facets).*quantity));
+      text += fmt::format("{}± {} by the scan's facets", text.empty() ? "" : ", ",
+                          per_cent(*((*facets).*quantity)));
     return text;
   };
   return fmt::format(
