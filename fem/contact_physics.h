@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -36,7 +39,8 @@ struct RoughSize {
 struct Measurement {
   LevelResult result;
   double block_a = 0, block_b = 0;  ///< semi-axes along the surface, in h, for the next mesh
-  double residual = 0;              ///< worst of the equilibrium's and the contact's, relative
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of the pressure, across the load, in h
+  double residual = 0;  ///< worst of the equilibrium's and the contact's, relative
 };
 
 /// The load was not reached on a mesh, which may be far too wide and coarse for it.
@@ -50,6 +54,22 @@ class NotReached : public ConvergenceError {
 
  private:
   double a_, b_;
+};
+
+/// Friction is about the contact's centre, and coordinates do not begin there.
+class OffCentre : public std::exception {
+ public:
+  /// @param centre  of the pressure, in h
+  /// @param size_m  semi-axes of the contact
+  OffCentre(const Eigen::Vector2d& centre, const std::array<double, 2>& size_m)
+      : centre_(centre), size_m_(size_m) {}
+  const char* what() const noexcept override { return "coordinates begin beside the contact"; }
+  const Eigen::Vector2d& centre() const { return centre_; }
+  const std::array<double, 2>& size_m() const { return size_m_; }
+
+ private:
+  Eigen::Vector2d centre_;
+  std::array<double, 2> size_m_;
 };
 
 /// Sets what the result takes from the shape of the contact.

@@ -59,6 +59,39 @@ std::optional<meshes::Erosion> erosion_of(CoreWays ways) {
   }
 }
 
+/// In coordinates in space that begin elsewhere. Those of the block stay.
+class MovedShape : public LayerShape {
+ public:
+  MovedShape(std::shared_ptr<const LayerShape> shape, const Eigen::Vector2d& origin)
+      : shape_(std::move(shape)), origin_(origin.x(), origin.y(), 0) {}
+
+  std::shared_ptr<const LayerShape> copy() const override {
+    const std::shared_ptr<const LayerShape> own = shape_->copy();
+    return own ? std::make_shared<MovedShape>(own, origin_.head<2>()) : nullptr;
+  }
+  Vector3d position(double x, double y, double z) const override {
+    return shape_->position(x, y, z) - origin_;
+  }
+  Vector3d normal(double x, double y) const override { return shape_->normal(x, y); }
+  double area_ratio(double x, double y) const override { return shape_->area_ratio(x, y); }
+  MirrorPlanes planes() const override {
+    MirrorPlanes planes = shape_->planes();
+    planes.x = planes.x && origin_.x() == 0;
+    planes.y = planes.y && origin_.y() == 0;
+    return planes;
+  }
+  void cover(double radius) const override { shape_->cover(radius); }
+  Cover covers(double low_x, double high_x, double low_y, double high_y) const override {
+    return shape_->covers(low_x, high_x, low_y, high_y);
+  }
+  bool has_edges() const override { return shape_->has_edges(); }
+  double beyond_edge(double x, double y) const override { return shape_->beyond_edge(x, y); }
+
+ private:
+  std::shared_ptr<const LayerShape> shape_;
+  Vector3d origin_;
+};
+
 /// A scan's layer, with the first touch as its origin. It is laid as far as it is asked for.
 class ScanShape : public LayerShape {
  public:
@@ -187,6 +220,12 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
       step /= 2;
     }
   }
+  // Along a line, or on a flat, the lowest of the facets' bumps may lie anywhere. So far from the
+  // aimed point a curved finger has left the object by more.
+  const double bump = 1e-3 * thickness_m;
+  if ((at.position - start->position).norm() > thickness_m && gap(*start) <= lowest + bump &&
+      !is_beyond_edge(*start))
+    at = *start;
   if (!std::isfinite(lowest))
     throw InputError("object", "surface", "none over the aimed point", "an object over the finger");
   constexpr double steepest = 0.5;
@@ -259,6 +298,13 @@ FingertipShape shape_fingertip(const Fingertip& fingertip, double thickness_m,
   result.reach_x = layer.reach_x() / thickness_m;
   result.reach_y = layer.reach_y() / thickness_m;
   result.shape = std::make_shared<BentLayer>(std::move(layer));
+  return result;
+}
+
+FingertipShape FingertipShape::seen_from(const Eigen::Vector2d& place) const {
+  FingertipShape result = *this;
+  result.centre += place;
+  result.shape = std::make_shared<MovedShape>(shape, place);
   return result;
 }
 

@@ -52,6 +52,13 @@ struct FingertipShape {
   /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere
   /// than the aimed point where the scan's surface is inclined there.
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
+  /// Where coordinates in space begin, seen from the first touch across the load: motions turn the
+  /// object about it, and torques are about it.
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+
+  /// The same in coordinates that begin elsewhere.
+  /// @param place  seen from where they begin here
+  FingertipShape seen_from(const Eigen::Vector2d& place) const;
 };
 
 /// How a scan's triangles are read. How far the answers of other readings differ tells what facets

@@ -154,9 +154,23 @@ class LevelLoop {
     trial_ = physics_.measure();
     trial_.result.level = 0;
     fit_mesh_to(trial_.block_a, trial_.block_b);
+    require_centre();
     if (physics_.shares_meshes())
       task_.progress(
           formatted("meshes of an earlier contact, %.3g times as large", trial_.result.oversize));
+  }
+
+  /// The object turns about where coordinates begin. A hundredth of the contact beside its centre
+  /// is worth 1e-4 of its torque.
+  /// @throws OffCentre
+  void require_centre() const {
+    constexpr double tolerated = 0.01;
+    const FingertipShape& bent = task_.pressing.bent;
+    if (!problem_.friction.any() || !bent.shape || !bent.centre.isZero(0) ||
+        trial_.centre.norm() <= tolerated * trial_.block_b)
+      return;
+    const double h = task_.pressing.thickness_m;
+    throw OffCentre(trial_.centre, {h * mesh_.a, h * mesh_.b});
   }
 
   /// @returns false where shared meshes are too small for the contact
@@ -710,6 +724,8 @@ class LevelLoop {
     for (std::size_t c = 0; c < 3; ++c)
       result_.first_touch_m[c] = task_.pressing.thickness_m *
                                  task_.pressing.bent.first_touch[static_cast<Eigen::Index>(c)];
+    for (Eigen::Matrix2Xd& outline : result_.finest.outlines_m)
+      outline.colwise() += task_.pressing.thickness_m * task_.pressing.bent.centre;
     const LevelResult& finest = result_.finest;
     result_.pressure_exponent =
         finest.area_projected_m2 * finest.peak_pressure_Pa / finest.load_N - 1;

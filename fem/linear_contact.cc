@@ -139,6 +139,7 @@ class LinearContact : public ContactPhysics {
     Measurement measurement;
     measurement.block_a = shape_.block_a;
     measurement.block_b = shape_.block_b;
+    measurement.centre = pressed_.centre();
     LevelResult& result = measurement.result;
     result.elements_per_semi_axis = pressed_.model->discretisation().elements_per_semi_axis;
     result.unknowns = pressed_.model->unknowns();
@@ -191,8 +192,10 @@ class LinearContact : public ContactPhysics {
     if (!problem.compliance_file.empty()) {
       const QuarterCompliances quarters =
           friction_compliances(start_of_friction(), Invariance::none);
-      write_compliance(problem.compliance_file, surface_compliance(quarters, Invariance::none),
-                       layer.thickness_m, layer.youngs_modulus_Pa, layer.poisson_ratio);
+      SurfaceCompliance surface = surface_compliance(quarters, Invariance::none);
+      surface.position.colwise() += task_.pressing.bent.centre;
+      write_compliance(problem.compliance_file, surface, layer.thickness_m, layer.youngs_modulus_Pa,
+                       layer.poisson_ratio);
     }
     return files;
   }
@@ -204,7 +207,7 @@ class LinearContact : public ContactPhysics {
     for (const SurfaceNode& node : pressed_.model->nodes())
       if (std::hypot(node.x / pressed_.moment_a, node.y / pressed_.moment_b) < 1 &&
           task_.pressing.gap(node) >= Pressing::beside_object)
-        refuse_end_of_object(node.position.x(), node.position.y(), task_.pressing.thickness_m);
+        refuse_end_of_object(node.position.head<2>(), task_.pressing);
   }
 
   /// Nodes of the present level's mesh that friction may reach. With mirror planes it has other
@@ -286,8 +289,10 @@ LayerIdentity identity_of(const ContactTask& task) {
   const std::string scale = formatted(", h %.17g", pressing.thickness_m);
   if (problem.mesh) identity.fingertip = problem.mesh_name + scale;
   if (problem.fingertip)
-    identity.fingertip = problem.fingertip.pad_name + scale +
-                         formatted(", core %d", static_cast<int>(pressing.bent.ways));
+    identity.fingertip =
+        problem.fingertip.pad_name + scale +
+        formatted(", core %d", static_cast<int>(pressing.bent.ways)) +
+        formatted(", seen from %.17g, %.17g", pressing.bent.centre.x(), pressing.bent.centre.y());
   return identity;
 }
 

@@ -33,11 +33,11 @@ MirrorPlanes Pressing::planes() const {
 double Pressing::gap(const SurfaceNode& node) const {
   const double x = node.position.x(), y = node.position.y();
   if (fingertip) {
-    const Eigen::Vector3d& first = bent.first_touch;
+    const Eigen::Vector2d origin = bent.first_touch.head<2>() + bent.centre;
     const auto height =
-        fingertip.object->height(thickness_m * (x + first.x()), thickness_m * (y + first.y()));
+        fingertip.object->height(thickness_m * (x + origin.x()), thickness_m * (y + origin.y()));
     if (!height) return beside_object;
-    return *height / thickness_m - first.z() - node.position.z();
+    return *height / thickness_m - bent.first_touch.z() - node.position.z();
   }
   const double z = node.position.z();
   if (!std::isfinite(sphere)) return x * x / (2 * major) + y * y / (2 * minor) - z;
@@ -53,17 +53,20 @@ double Pressed::pressure(Index node) const {
 
 double Pressed::torque_arm() const { return moment_of(contact.force) / contact.force.sum(); }
 
-double Pressed::moment_of(const Eigen::VectorXd& force) const {
-  const auto position = [&](Index i) -> Eigen::Vector2d {
-    return model->nodes()[static_cast<std::size_t>(i)].position.head<2>();
-  };
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+Eigen::Vector2d Pressed::centre() const {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (Index i = 0; i < contact.force.size(); ++i)
-    centre += contact.force[i] / contact.force.sum() * position(i);
-  centre = model->planes().middle(centre);
+    sum += contact.force[i] / contact.force.sum() *
+           model->nodes()[static_cast<std::size_t>(i)].position.head<2>();
+  return model->planes().middle(sum);
+}
+
+double Pressed::moment_of(const Eigen::VectorXd& force) const {
+  const Eigen::Vector2d middle = centre();
   double moment = 0;
   for (Index i = 0; i < contact.force.size(); ++i)
-    moment += force[i] * (position(i) - centre).norm();
+    moment +=
+        force[i] * (model->nodes()[static_cast<std::size_t>(i)].position.head<2>() - middle).norm();
   return moment;
 }
 
@@ -239,9 +242,10 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
   else if (fits)
     allowed = formatted("a load of %.3g N at most, or another point",
                         pressing.unit_of_force_N * *fits * pressing.load);
+  const Eigen::Vector2d from_first_touch = end.position.head<2>() + pressing.bent.centre;
   const std::string where =
       formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
-                mm * end.position.head<2>().norm(), mm * end.position.x(), mm * end.position.y());
+                mm * from_first_touch.norm(), mm * from_first_touch.x(), mm * from_first_touch.y());
   const InputError refusal("contact", "room on the finger", where, allowed);
   if (is_rim) throw refusal;
   throw FoldedLayer(refusal, fits);
@@ -337,9 +341,10 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
 std::shared_ptr<const RigidObject> rigid_object(const Pressing& pressing) {
   if (pressing.fingertip) {
     const auto height = [object = pressing.fingertip.object, h = pressing.thickness_m,
-                         first = pressing.bent.first_touch](double x,
-                                                            double y) -> std::optional<double> {
-      const auto found = object->height(h * (x + first.x()), h * (y + first.y()));
+                         first = pressing.bent.first_touch, centre = pressing.bent.centre](
+                            double x, double y) -> std::optional<double> {
+      const auto found =
+          object->height(h * (x + first.x() + centre.x()), h * (y + first.y() + centre.y()));
       if (!found) return std::nullopt;
       return *found / h - first.z();
     };
@@ -360,11 +365,12 @@ void refuse_end_of_surface(const SurfaceNode& node, double thickness_m) {
                    "one that covers the contact, which reaches that end; or a smaller load");
 }
 
-void refuse_end_of_object(double x, double y, double thickness_m) {
+void refuse_end_of_object(const Eigen::Vector2d& place, const Pressing& pressing) {
+  const Eigen::Vector2d at_mm = 1e3 * pressing.thickness_m * (place + pressing.bent.centre);
   throw InputError(
       "object", "surface",
-      formatted("ends at x %.4g mm, y %.4g mm from the first touch, inside the contact",
-                1e3 * thickness_m * x, 1e3 * thickness_m * y),
+      formatted("ends at x %.4g mm, y %.4g mm from the first touch, inside the contact", at_mm.x(),
+                at_mm.y()),
       "an object that covers the contact, or less load");
 }
 

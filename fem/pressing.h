@@ -74,6 +74,8 @@ struct Pressed {
   int copies() const { return model->planes().images(); }
   /// P / (E h²)
   double load() const { return copies() * contact.force.sum(); }
+  /// Of the pressure, seen along the load.
+  Eigen::Vector2d centre() const;
   /// int p r dA / P over the contact seen along the load, r the distance from the pressure's
   /// centre: the deformed surface has the object's slope, not the finger's.
   double torque_arm() const;
@@ -87,9 +89,9 @@ struct Pressed {
 
 /// An object that ends within the contact has an edge there, which is no contact of two smooth
 /// surfaces any more.
-/// @param x, y  where it has no surface, seen from the first touch
+/// @param place  where it has no surface
 /// @throws InputError
-[[noreturn]] void refuse_end_of_object(double x, double y, double thickness_m);
+[[noreturn]] void refuse_end_of_object(const Eigen::Vector2d& place, const Pressing& pressing);
 
 /// Largest share of a load or approach with which a contact keeps off the end of a layer, to a
 /// thousandth of the whole, which does not.

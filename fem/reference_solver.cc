@@ -2,6 +2,7 @@
 
 #include "fem/check_problem.h"
 #include "fem/finite/finite_contact.h"
+#include "fem/formatted.h"
 #include "fem/linear_contact.h"
 #include "fem/memory.h"
 #include "fem/stopwatch.h"
@@ -44,11 +45,26 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
   if (stop()) throw Interrupted();
   const Stopwatch watch;
   ModelCache none(0);
+  const auto solve_pressing = [&](const Problem& posed, const Pressing& pressing) {
+    const ContactTask task{posed, pressing, progress, stop};
+    return posed.finite_strain ? finite::solve_finite(task)
+                               : solve_linear(task, cache ? *cache : none);
+  };
   Result result = solve_with_any_core(problem, progress, [&](CoreWays ways) {
-    const Pressing pressing = pressing_of(problem, ways);
-    const ContactTask task{problem, pressing, progress, stop};
-    return problem.finite_strain ? finite::solve_finite(task)
-                                 : solve_linear(task, cache ? *cache : none);
+    Pressing pressing = pressing_of(problem, ways);
+    try {
+      return solve_pressing(problem, pressing);
+    } catch (const OffCentre& found) {
+      const Eigen::Vector2d at_mm = 1e3 * pressing.thickness_m * found.centre();
+      progress(
+          formatted("friction: about the pressure's centre, x %.3g, y %.3g mm from the first "
+                    "touch; once more in coordinates that begin there",
+                    at_mm.x(), at_mm.y()));
+      pressing.bent = pressing.bent.seen_from(found.centre());
+      Problem hinted = problem;
+      hinted.size_hint_m = found.size_m();
+      return solve_pressing(hinted, pressing);
+    }
   });
   result.wall_s = watch.seconds();
   result.cpu_s = watch.cpu_seconds();

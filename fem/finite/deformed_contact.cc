@@ -106,6 +106,7 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
     moment += equilibrium.normal_force[row] * radius;
     projected += equilibrium.force[row] * radius;
   }
+  contact.centre = centre;
   contact.torque_arm = moment / equilibrium.force.sum();
   contact.projected_arm = projected / equilibrium.force.sum();
   return contact;

@@ -7,8 +7,9 @@ namespace softfinger::fem::finite {
 
 /// A contact as measured on the deformed surface, in units of h and E.
 struct DeformedContact {
-  ContactShape shape;     ///< deformed, seen along the load; pressures are Cauchy's
-  double area = 0;        ///< of the deformed, inclined surface in contact
+  ContactShape shape;  ///< deformed, seen along the load; pressures are Cauchy's
+  double area = 0;     ///< of the deformed, inclined surface in contact
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of the pressure
   double torque_arm = 0;  ///< int p r dA / P on the deformed surface, r from the pressure's centre
   double projected_arm = 0;  ///< int p n_z r dA / P
 };

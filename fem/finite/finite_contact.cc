@@ -111,6 +111,7 @@ class FiniteContact : public ContactPhysics {
     Measurement measurement;
     measurement.block_a = contact_.shape.block_a;
     measurement.block_b = contact_.shape.block_b;
+    measurement.centre = contact_.centre;
     measurement.residual = found.out_of_balance;
     LevelResult& result = measurement.result;
     result.elements_per_semi_axis = pressing_->layer().discretisation().elements_per_semi_axis;
@@ -163,7 +164,8 @@ class FiniteContact : public ContactPhysics {
     const auto& nodes = pressing_->layer().nodes();
     std::vector<PressurePoint> result;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const Eigen::Vector3d at = pressing_->layer().position(i);
+      const Eigen::Vector2d at =
+          pressing_->layer().position(i).head<2>() + task_.pressing.bent.centre;
       result.push_back(
           {nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[static_cast<Eigen::Index>(i)]});
     }
@@ -262,7 +264,7 @@ class FiniteContact : public ContactPhysics {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       if (std::hypot(nodes[i].x / found.moment_a, nodes[i].y / found.moment_b) > 1) continue;
       const Eigen::Vector3d at = pressing_->layer().position(i);
-      if (!object_->over(at.x(), at.y())) refuse_end_of_object(at.x(), at.y(), h_);
+      if (!object_->over(at.x(), at.y())) refuse_end_of_object(at.head<2>(), task_.pressing);
     }
   }
 

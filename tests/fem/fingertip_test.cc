@@ -272,6 +272,63 @@ TEST(ScannedFinger, IsPressedUpToItsSharpEdge) {
   EXPECT_GT((beyond > -0.01 * h).count(), outline.cols() / 10);
 }
 
+// At the edge the pressure's centre lies beside the first touch. Motions turn about it: every part
+// of the contact then rubs across its arm.
+TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
+  const CutPad pad;
+  Problem problem;
+  problem.level = 1;
+  problem.contact = {{0.1, 0.1, 0}, {1e-3 * pad.thickness, 1e5, 0.45}, {1, 0.5}};
+  problem.fingertip.scan = std::make_shared<const TriangleSurface>(facets_of(pad));
+  problem.fingertip.object = meshes::sphere_object(15e-3);
+  const Result pressed = solve(problem, quiet);
+  problem.friction.torsion = true;
+  problem.friction.increments = 3;
+  bool is_moved = false;
+  const Result twisted = solve(problem, [&](const std::string& line) {
+    is_moved = is_moved || line.find("once more in coordinates that begin there") != line.npos;
+  });
+  EXPECT_TRUE(is_moved);
+  EXPECT_NEAR(twisted.torsion->full_slip_Nm / pressed.finest.max_torque_Nm, 1,
+              twisted.torsion->full_slip_error + pressed.error.max_torque);
+  // What is reported is seen from the first touch, as without friction.
+  const Eigen::Matrix2Xd &one = pressed.finest.outlines_m.front(),
+                         &other = twisted.finest.outlines_m.front();
+  EXPECT_NEAR(other.row(0).maxCoeff(), one.row(0).maxCoeff(), 0.02 * pressed.finest.a_m);
+  EXPECT_NEAR(other.row(1).maxCoeff(), one.row(1).maxCoeff(), 0.02 * pressed.finest.a_m);
+}
+
+// A plane touches a straight finger along a line, and presses it up to both of its ends, wherever
+// it is aimed at.
+TEST(ScannedFinger, WithStraightSidesIsPressedAlongItsLength) {
+  constexpr double radius_m = 8e-3, length_m = 12e-3, edge_m = 1e-3, aside_m = 2e-3;
+  const TriangleSurface finger = meshes::cylinder(radius_m, length_m, edge_m);
+  const auto press = [&](double along_m) {
+    Problem problem;
+    problem.level = 1;
+    // The first guess: of these radii alone no contact could be meshed.
+    problem.contact = {{2, radius_m, 0}, {2e-3, 3e5, 0.45}, {5, 0.5}};
+    problem.fingertip.scan = std::make_shared<const TriangleSurface>(
+        meshes::PlacedSurface(
+            finger, {{radius_m, 0, along_m}, Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), 0},
+            meshes::PlacedSurface::Body::below)
+            .in_contact_frame());
+    problem.fingertip.object = meshes::plane_object();
+    return solve(problem, quiet);
+  };
+  const Result middle = press(0), beside = press(aside_m);
+  EXPECT_NEAR(beside.first_touch_m[0], 0, 1e-6 * length_m);
+  const auto expect_same = [&](double LevelResult::*quantity, double RelativeError::*error) {
+    EXPECT_NEAR(beside.finest.*quantity / (middle.finest.*quantity), 1,
+                beside.error.*error + middle.error.*error);
+  };
+  expect_same(&LevelResult::indentation_m, &RelativeError::indentation);
+  expect_same(&LevelResult::area_projected_m2, &RelativeError::area);
+  expect_same(&LevelResult::torque_arm_m, &RelativeError::max_torque);
+  const Eigen::Matrix2Xd& outline = beside.finest.outlines_m.front();
+  EXPECT_NEAR(outline.row(0).maxCoeff() - outline.row(0).minCoeff(), length_m, 0.01 * length_m);
+}
+
 /// A spheroid's mesh with its tip at the origin, upwards.
 TriangleSurface spheroid(double across_m, double along_m) {
   constexpr double radius_m = 10e-3, edge = 0.05;
