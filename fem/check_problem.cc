@@ -55,7 +55,7 @@ void check_radii(const Problem& problem) {
   if (radii.major_m < radii.minor_m)
     throw InputError(problem.name, "R'", radii.major_m, "R' >= R''");
   const double ratio = radii.major_m / radii.minor_m;
-  // A scan ends where it ends: its radii are but the first guess.
+  // A scan's contact ends where it ends: its radii are but the first guess.
   if (!problem.fingertip.scan && ratio > largest_ratio_of_radii * (1 + agreement))
     throw InputError(problem.name, "R'/R''", ratio,
                      formatted("at most %g for finite elements; longer contacts need a plane model",

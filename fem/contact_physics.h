@@ -56,7 +56,8 @@ class NotReached : public ConvergenceError {
   double a_, b_;
 };
 
-/// Friction is about the contact's centre, and coordinates do not begin there.
+/// The pressure's centre lies beside where coordinates begin, about which friction turns: the
+/// contact is solved again in coordinates that begin there.
 class OffCentre : public std::exception {
  public:
   /// @param centre  of the pressure, in h

@@ -39,9 +39,6 @@ class BentLayer : public LayerShape {
   meshes::FingertipLayer layer_;
 };
 
-/// Facets are looked at as far as contact and surroundings may reach, in thicknesses.
-constexpr double farthest_facet = 20;
-
 /// Sharp edges farther from the first touch, in thicknesses, do not matter.
 constexpr double farthest_edge = 15;
 

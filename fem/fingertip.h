@@ -50,7 +50,8 @@ struct FingertipShape {
   /// quadric over a region, which is another one where the finger is no quadric.
   Eigen::Vector3d own_normal = Eigen::Vector3d::UnitZ();
   /// Where object and finger touch first, in the contact's frame: the shape's origin. Elsewhere
-  /// than the aimed point where the scan's surface is inclined there.
+  /// than the aimed point where the scan's surface is inclined there. Where they touch along a line
+  /// it is the aimed point.
   Eigen::Vector3d first_touch = Eigen::Vector3d::Zero();
   /// Where coordinates in space begin, seen from the first touch across the load: motions turn the
   /// object about it, and torques are about it.
@@ -73,6 +74,9 @@ struct Reading {
   /// it is held as it is given.
   std::optional<Eigen::Vector3d> normal;
 };
+
+/// Facets are looked at as far as contact and surroundings may reach, in thicknesses.
+constexpr double farthest_facet = 20;
 
 /// With what is seen of its scan and of its core from outside: of an exported shell not the inner
 /// walls. To be called once, it takes seconds for shells of 500,000 facets.

@@ -17,7 +17,7 @@ struct FrictionCorrection {
   double full_slip = 0;  ///< torque
   /// Relative errors of what is so corrected.
   double twist_error = 0, slide_error = 0;
-  double wall_s = 0;  ///< spent on it, on this mesh alone
+  double wall_s = 0;  ///< spent on it, which a finer level does not need again
 };
 
 /// One mesh's answer about friction, in the units of the model.

@@ -64,8 +64,10 @@ double rounded(double semi_axis) {
 }
 
 void keep_guess_sensible(LayerDiscretisation& mesh) {
-  mesh.b = rounded(std::clamp(mesh.b, smallest_guess, largest_guess_b));
-  mesh.a = rounded(std::clamp(mesh.a, smallest_guess, largest_guess_a));
+  // A straight finger's radius may be anything.
+  const double largest_a = mesh.is_scan ? farthest_facet : largest_guess_a;
+  mesh.b = rounded(std::clamp(mesh.b, smallest_guess, std::min(largest_guess_b, largest_a)));
+  mesh.a = rounded(std::clamp(mesh.a, smallest_guess, largest_a));
 }
 
 /// How far a contact and the mesh it is on differ in size.
@@ -161,7 +163,7 @@ class LevelLoop {
   }
 
   /// The object turns about where coordinates begin. A hundredth of the contact beside its centre
-  /// is worth 1e-4 of its torque.
+  /// is worth 1e-4 of the torque of a symmetric pressure, up to 3e-3 of one that ends at an edge.
   /// @throws OffCentre
   void require_centre() const {
     constexpr double tolerated = 0.01;
@@ -438,8 +440,8 @@ class LevelLoop {
                                    "its layer would fold with all ways to its core but one",
                                    "less load, or another point"));
     readings.tell(formatted(
-        "core: what its ridge leaves open changes a by %.2g, area by %.2g, d by %.2g, torque by "
-        "%.2g %%",
+        "core: what its ridge leaves open changes a by %.3g, area by %.3g, d by %.3g, torque by "
+        "%.3g %%",
         100 * largest.a, 100 * largest.area, 100 * largest.indentation, 100 * largest.max_torque));
     return largest;
   }
@@ -489,8 +491,8 @@ class LevelLoop {
     }
     if (!stated) return std::nullopt;
     readings.tell(formatted(
-        "geometry: what facets and noise leave open changes a by %.2g, area by %.2g, d by %.2g, "
-        "torque by %.2g %%",
+        "geometry: what facets and noise leave open changes a by %.3g, area by %.3g, d by %.3g, "
+        "torque by %.3g %%",
         100 * stated->a, 100 * stated->area, 100 * stated->indentation, 100 * stated->max_torque));
     return stated;
   }
@@ -565,6 +567,9 @@ class LevelLoop {
                           const OrderedProgress& tell) const {
     Pressing other = task_.pressing;
     other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
+    // What starts from this contact has its coordinates.
+    const Eigen::Vector2d& centre = task_.pressing.bent.centre;
+    if (!centre.isZero(0)) other.bent = other.bent.seen_from(centre);
     const ContactTask task{problem_, other, tell, task_.stop};
     const std::unique_ptr<ContactPhysics> physics = readings.press(task, readings.mesh);
     // It touches first elsewhere, so that it may lie beside the patch that was refined.
@@ -724,8 +729,9 @@ class LevelLoop {
     for (std::size_t c = 0; c < 3; ++c)
       result_.first_touch_m[c] = task_.pressing.thickness_m *
                                  task_.pressing.bent.first_touch[static_cast<Eigen::Index>(c)];
-    for (Eigen::Matrix2Xd& outline : result_.finest.outlines_m)
-      outline.colwise() += task_.pressing.thickness_m * task_.pressing.bent.centre;
+    const Eigen::Vector2d centre_m = task_.pressing.thickness_m * task_.pressing.bent.centre;
+    result_.friction_centre_m = {centre_m.x(), centre_m.y()};
+    for (Eigen::Matrix2Xd& outline : result_.finest.outlines_m) outline.colwise() += centre_m;
     const LevelResult& finest = result_.finest;
     result_.pressure_exponent =
         finest.area_projected_m2 * finest.peak_pressure_Pa / finest.load_N - 1;

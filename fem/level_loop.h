@@ -15,7 +15,7 @@ namespace softfinger::fem {
 /// When it is stopped after its first level, the last trial mesh takes the coarse level's place.
 /// Times and memory of the result are left to the caller.
 /// @returns none where the physics shares meshes that turn out not to serve this contact
-/// @throws InputError, ConvergenceError, Interrupted
+/// @throws InputError, ConvergenceError, Interrupted, OffCentre
 std::optional<Result> solve_on_levels(ContactPhysics& physics, const ContactTask& task);
 
 }  // namespace softfinger::fem

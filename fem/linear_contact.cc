@@ -192,10 +192,8 @@ class LinearContact : public ContactPhysics {
     if (!problem.compliance_file.empty()) {
       const QuarterCompliances quarters =
           friction_compliances(start_of_friction(), Invariance::none);
-      SurfaceCompliance surface = surface_compliance(quarters, Invariance::none);
-      surface.position.colwise() += task_.pressing.bent.centre;
-      write_compliance(problem.compliance_file, surface, layer.thickness_m, layer.youngs_modulus_Pa,
-                       layer.poisson_ratio);
+      write_compliance(problem.compliance_file, surface_compliance(quarters, Invariance::none),
+                       layer.thickness_m, layer.youngs_modulus_Pa, layer.poisson_ratio);
     }
     return files;
   }
@@ -289,10 +287,11 @@ LayerIdentity identity_of(const ContactTask& task) {
   const std::string scale = formatted(", h %.17g", pressing.thickness_m);
   if (problem.mesh) identity.fingertip = problem.mesh_name + scale;
   if (problem.fingertip)
-    identity.fingertip =
-        problem.fingertip.pad_name + scale +
-        formatted(", core %d", static_cast<int>(pressing.bent.ways)) +
-        formatted(", seen from %.17g, %.17g", pressing.bent.centre.x(), pressing.bent.centre.y());
+    identity.fingertip = problem.fingertip.pad_name + scale +
+                         formatted(", core %d", static_cast<int>(pressing.bent.ways)) +
+                         formatted(", touched at %.17g, %.17g, seen from %.17g, %.17g",
+                                   pressing.bent.first_touch.x(), pressing.bent.first_touch.y(),
+                                   pressing.bent.centre.x(), pressing.bent.centre.y());
   return identity;
 }
 

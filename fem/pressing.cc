@@ -228,8 +228,11 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
     for (const double y : {-around, around})
       is_rim = is_rim ||
                ends_finger(pressing.bent.shape->covers(end.x + x, end.x + x, end.y + y, end.y + y));
-  const char* const why =
-      is_rim ? "the finger's surface ends" : "its layer would fold or turn away";
+  constexpr double nearly = 0.9;
+  const bool is_cut = end.position.head<2>().norm() > nearly * farthest_facet;
+  const char* const why = is_rim && is_cut ? "the finger is not looked at any farther"
+                          : is_rim         ? "the finger's surface ends"
+                                           : "its layer would fold or turn away";
   std::string allowed = "less load, or another point";
   if (fits == 0.0)
     allowed = formatted(

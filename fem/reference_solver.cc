@@ -55,6 +55,7 @@ Result solve(const Problem& problem, const Progress& progress, const StopRequest
     try {
       return solve_pressing(problem, pressing);
     } catch (const OffCentre& found) {
+      if (stop()) throw Interrupted();
       const Eigen::Vector2d at_mm = 1e3 * pressing.thickness_m * found.centre();
       progress(
           formatted("friction: about the pressure's centre, x %.3g, y %.3g mm from the first "

@@ -189,6 +189,8 @@ struct Result {
   /// Where a scanned finger touches the object first, from the aimed point in the contact's frame;
   /// outlines and profiles count from there.
   std::array<double, 3> first_touch_m{};
+  /// Where friction's motions turn about, and what its torques are about, from the first touch.
+  std::array<double, 2> friction_centre_m{};
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1
   Profile along_x, along_y;  ///< nodal pressure from the centre outwards

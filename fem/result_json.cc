@@ -145,6 +145,8 @@ json to_json(const Problem& problem, const Result& result) {
     output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
     output["strain_energy_J"] = finest.strain_energy_J;
   }
+  if (problem.fingertip && problem.friction.any())
+    output["friction_centre_m"] = result.friction_centre_m;
   if (problem.fingertip.scan) {
     output["first_touch_m"] = result.first_touch_m;
     output["geometry_error"] =

@@ -16,6 +16,7 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
 #include "comparisons/text/json_text.h"
+#include "comparisons/text/percent.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -44,18 +45,18 @@ reference::FrictionRequest friction_request(const FemOptions& options) {
   return request;
 }
 
-/// In per cent; NaN when the error is not known.
-double in_percent(const std::optional<double>& error) {
-  return 100 * error.value_or(std::numeric_limits<double>::quiet_NaN());
+/// "nan %" when the error is not known.
+std::string in_percent(const std::optional<double>& error) {
+  return text::percent(error.value_or(std::numeric_limits<double>::quiet_NaN()));
 }
 
 std::string twist_table(const reference::ReferenceResult& result) {
   const reference::TwistedContact& twist = *result.twist;
   std::string text = fmt::format(
-      "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {:.2g} %\n"
-      "  torque at full slip        {:>10.5g} mN·m     ± {:.2g} %, {:+.2g} % against int tau r "
+      "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {}\n"
+      "  torque at full slip        {:>10.5g} mN·m     ± {}, {:+.2g} % against int tau r "
       "dA\n"
-      "  twist: angle (deg), torque (mN·m, ± {:.2g} % of full slip), slipping share of the "
+      "  twist: angle (deg), torque (mN·m, ± {} of full slip), slipping share of the "
       "area\n",
       twist.stiffness_Nm_per_rad, in_percent(result.error.torsional_stiffness),
       1e3 * twist.full_slip_torque_Nm, in_percent(result.error.full_slip_torque),
@@ -69,7 +70,7 @@ std::string twist_table(const reference::ReferenceResult& result) {
 
 std::string limit_surface_table(const reference::ReferenceResult& result) {
   std::string text = fmt::format(
-      "  limit surface, ± {:.2g} % of the largest force and torque: fx, fy (N), torque (mN·m)\n",
+      "  limit surface, ± {} of the largest force and torque: fx, fy (N), torque (mN·m)\n",
       in_percent(result.error.limit_surface));
   for (const reference::FrictionWrench& point : result.limit_surface)
     text += fmt::format("    {:>10.5g} {:>10.5g} {:>10.5g}\n", point.force_x_N, point.force_y_N,
@@ -88,20 +89,14 @@ bool is_geometry_unknown(const reference::ReferenceResult& result) {
   return error != result.document.end() && error->is_null();
 }
 
-/// Two digits, or as many as stand before the point.
-std::string per_cent(double ratio) {
-  return ratio < 0.995 ? fmt::format("{:.2g} %", 100 * ratio)
-                       : fmt::format("{:.0f} %", 100 * ratio);
-}
-
 std::string table_row(const reference::ReferenceResult& result) {
   using reference::ReferenceErrors;
   const auto within = [&](std::optional<double> ReferenceErrors::*quantity) {
     const std::optional<double>& elements = result.error.*quantity;
-    std::string text = elements ? "± " + per_cent(*elements) : "";
+    std::string text = elements ? "± " + text::percent(*elements) : "";
     if (const auto& facets = result.geometry_error; facets && (*facets).*quantity)
       text += fmt::format("{}± {} by the scan's facets", text.empty() ? "" : ", ",
-                          per_cent(*((*facets).*quantity)));
+                          text::percent(*((*facets).*quantity)));
     return text;
   };
   return fmt::format(

@@ -16,6 +16,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/percent.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -125,7 +126,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   else
     system::write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n",
                                              choice.scene.id,
-                                             judgement::percent(options.selection.tolerance)) +
+                                             text::percent(options.selection.tolerance)) +
                                  table(choice, options.selection.tolerance));
   return 0;
 }

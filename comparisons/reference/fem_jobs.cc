@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "comparisons/system/files.h"
+#include "comparisons/text/percent.h"
 
 namespace softfinger::reference {
 namespace fs = std::filesystem;
@@ -159,9 +160,9 @@ std::string describe(const FemAnswer& answer) {
   if (!answer.result) return "FEM failed: " + answer.failure;
   const ReferenceResult& result = *answer.result;
   const auto in_percent = [](const std::optional<double>& error) {
-    return 100 * error.value_or(std::numeric_limits<double>::quiet_NaN());
+    return text::percent(error.value_or(std::numeric_limits<double>::quiet_NaN()));
   };
-  return fmt::format("{:.0f} unknowns, a ±{:.2g} %, torque ±{:.2g} %, {:.1f} s",
+  return fmt::format("{:.0f} unknowns, a ±{}, torque ±{}, {:.1f} s",
                      result.unknowns.value_or(std::numeric_limits<double>::quiet_NaN()),
                      in_percent(result.error.a), in_percent(result.error.max_torque),
                      result.wall_s);

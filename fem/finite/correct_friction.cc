@@ -82,11 +82,10 @@ class Corrector {
     const std::vector<FrictionState>& twist = result_.twist;
     const ShearedContact last =
         twist.empty() ? ShearedContact() : twist.back().sheared.value_or(ShearedContact());
-    result_.wall_s = watch.seconds();
     correcting_.progress(formatted(
         "friction: solved on the deformed layer, %d iterations, %d factorisations, %.1f s%s",
         solving.iterations + of_coarser.iterations,
-        solving.factorisations + of_coarser.factorisations, result_.wall_s,
+        solving.factorisations + of_coarser.factorisations, watch.seconds(),
         twist.empty() ? ""
                       : formatted("; after the twist area %+.1f %%, peak pressure %+.1f %%",
                                   100 * (last.area_ratio - 1), 100 * (last.peak_pressure_ratio - 1))

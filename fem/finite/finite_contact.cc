@@ -305,13 +305,18 @@ class FiniteContact : public ContactPhysics {
     }
     const double unit_of_force_N = E_ * h_ * h_;
     result.max_force_N = largest_force() * unit_of_force_N;
-    result.max_torque_Nm = slide(*pressing_, bound(), {0, 0, 1}).torque * unit_of_force_N * h_;
+    // Of a turn about the pressure's centre.
+    const Eigen::Vector2d& centre = contact_.centre;
+    const FrictionWrench turning = slide(*pressing_, bound(), {centre.y(), -centre.x(), 1});
+    const double torque =
+        turning.torque - centre.x() * turning.force_y + centre.y() * turning.force_x;
+    result.max_torque_Nm = torque * unit_of_force_N * h_;
     const TouchingNodes nodes = pressing_->touching_nodes();
     const Eigen::VectorXd friction = bound().of(equilibrium().normal_force)(nodes.node);
     double projected = 0;
     for (Eigen::Index i = 0; i < nodes.size(); ++i)
       projected += friction[i] * nodes.axes[static_cast<std::size_t>(i)](2, 2) *
-                   nodes.position.col(i).head<2>().norm();
+                   (nodes.position.col(i).head<2>() - centre).norm();
     result.max_torque_projected_Nm = pressing_->copies() * projected * unit_of_force_N * h_;
   }
 
@@ -376,6 +381,7 @@ class FiniteContact : public ContactPhysics {
   /// @param tangent  of a whole layer
   FrictionCorrection correction(const FrictionOfLevel& superposed, const Eigen::MatrixXd& tangent,
                                 bool has_room) {
+    const Stopwatch watch;
     std::unique_ptr<FinitePressing> own_whole;
     if (pressing_->layer().planes().any()) own_whole = press_whole(discretisation());
     FinitePressing& whole = own_whole ? *own_whole : *pressing_;
@@ -393,7 +399,9 @@ class FiniteContact : public ContactPhysics {
     correcting.on_solved = [this](double turn_rad, const RubbedSurface& surface) {
       series_.add(turn_rad, surface);
     };
-    return correct_friction(correcting, superposed);
+    FrictionCorrection result = correct_friction(correcting, superposed);
+    result.wall_s = watch.seconds();
+    return result;
   }
 
   /// The same contact on another mesh, of the whole layer. Its object is its own: one keeps what it

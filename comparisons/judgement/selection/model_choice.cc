@@ -12,6 +12,7 @@
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/percent.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -81,7 +82,7 @@ void judge(Candidate& candidate, const SelectionOptions& options) {
 }
 
 std::string worst_text(const Candidate& candidate) {
-  return fmt::format("{} within {} ({})", candidate.model, percent(candidate.worst),
+  return fmt::format("{} within {} ({})", candidate.model, text::percent(candidate.worst),
                      kQuantityNames[std::size_t(candidate.worst_quantity)]);
 }
 
@@ -97,11 +98,11 @@ std::string refusal(const Choice& choice, const SelectionOptions& options) {
     return fmt::format(
         "none within {} costs at most {}: the cheapest that is accurate enough, {}, "
         "takes {}",
-        percent(options.tolerance), duration_text(options.budget_us), worst_text(*accurate),
+        text::percent(options.tolerance), duration_text(options.budget_us), worst_text(*accurate),
         duration_text(accurate->cost_us));
   if (nearest)
     return fmt::format("none of the allowed models is known to be within {}: the nearest is {}",
-                       percent(options.tolerance), worst_text(*nearest));
+                       text::percent(options.tolerance), worst_text(*nearest));
   // The slowest one's reason is the contact's, not a model's own.
   return "no error is known of any of the allowed models: " +
          (choice.candidates.empty() ? std::string("there is none")
@@ -109,11 +110,6 @@ std::string refusal(const Choice& choice, const SelectionOptions& options) {
 }
 
 }  // namespace
-
-std::string percent(double ratio) {
-  return ratio < 0.0995 ? fmt::format("{:.2g} %", 100 * ratio)
-                        : fmt::format("{:.0f} %", 100 * ratio);
-}
 
 std::string duration_text(double time_us) {
   if (time_us < 0.9995) return fmt::format("{:.3g} ns", time_us * 1e3);
@@ -174,7 +170,7 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
   for (int i = 0; i < choice.chosen; ++i)
     if (at(i).bound) choice.next_cheaper = i;
   choice.reason =
-      fmt::format("the cheapest that meets {}: {}, {} per answer", percent(options.tolerance),
+      fmt::format("the cheapest that meets {}: {}, {} per answer", text::percent(options.tolerance),
                   worst_text(chosen), duration_text(chosen.cost_us));
   if (choice.next_cheaper >= 0)
     choice.reason += fmt::format("; cheaper, but only {}, {}", worst_text(at(choice.next_cheaper)),
@@ -231,7 +227,7 @@ std::string table(const Choice& choice, const SelectionOptions& options) {
       remarks += fmt::format("  {}: {}\n", candidate.model, candidate.remark);
       continue;
     }
-    for (const double bound : *candidate.bound) text += fmt::format("{:>15}", percent(bound));
+    for (const double bound : *candidate.bound) text += fmt::format("{:>15}", text::percent(bound));
     text += candidate.meets()       ? "  meets it\n"
             : candidate.accurate    ? "  too slow\n"
             : candidate.affordable  ? "\n"

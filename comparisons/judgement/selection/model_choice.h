@@ -56,9 +56,6 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
 /// @throws InputError for an unknown one
 std::vector<Quantity> quantities_by_name(const std::string& names);
 
-/// "0.42 %", "17 %", "310 %"
-std::string percent(double ratio);
-
 /// "420 ns", "1.7 s"
 std::string duration_text(double time_us);
 

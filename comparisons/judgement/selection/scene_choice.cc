@@ -9,6 +9,7 @@
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/text/json_text.h"
+#include "comparisons/text/percent.h"
 #include "softfinger/friction/friction_shape.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -176,7 +177,8 @@ void decide(PairUse& use, double tolerance) {
 
   if (choice.torsion <= tolerance) {
     choice.detail = ContactDetail::point;
-    choice.reason = fmt::format("carries {} of the torque that it could", percent(choice.torsion));
+    choice.reason =
+        fmt::format("carries {} of the torque that it could", text::percent(choice.torsion));
     return;
   }
   constexpr double kLongest = 100;  // R'/R'' that finite elements take
@@ -203,13 +205,13 @@ void decide(PairUse& use, double tolerance) {
                                                               : ContactDetail::limit_surface;
   choice.reason =
       fmt::format("works at {} of its limit, so e_n may be off by {}; {} is within {}; ",
-                  percent(choice.utilisation), percent(choice.allowed_error), model.model,
-                  percent(model.worst));
+                  text::percent(choice.utilisation), text::percent(choice.allowed_error),
+                  model.model, text::percent(model.worst));
   choice.reason += !is_ellipsoid ? fmt::format("at its limit the ellipsoid is off by {}",
-                                               percent(choice.surface_change))
+                                               text::percent(choice.surface_change))
                    : choice.surface_change > 0
                        ? fmt::format("at its limit the ellipsoid is off by {} only",
-                                     percent(choice.surface_change))
+                                     text::percent(choice.surface_change))
                        : std::string("where it works ellipsoid and exact limit surface agree");
 }
 
@@ -263,7 +265,7 @@ bool ask_finite_elements(Uses& uses, const FemTable& fem_table) {
     const double error = found.error + interpolation_error(found.eccentricity_m);
     for (auto use = asking.begin(); use != others; ++use) {
       PairChoice& choice = (*use)->choice;
-      choice.reason += "; the table of finite elements is within " + percent(error);
+      choice.reason += "; the table of finite elements is within " + text::percent(error);
       if (error > choice.allowed_error) choice.reason += ", no better is known";
       const Candidate* nearest = nearest_model(choice.pressure);
       if (nearest && nearest->worst <= error) {
@@ -449,7 +451,7 @@ std::string saving_in_words(const SceneChoice& choice) {
     return fmt::format(
         "a step saves {} of its {:.3g} µs, by the friction laws and what the solver needs for "
         "them: {}",
-        percent(saved), 1e3 * choice.accurate_step_ms, models);
+        text::percent(saved), 1e3 * choice.accurate_step_ms, models);
   return fmt::format(
       "there is no time to save in this scene: {}, and the rest, finding contacts and solving for "
       "them, remains whatever the models are",
@@ -520,7 +522,7 @@ std::string table(const SceneChoice& choice, double tolerance) {
       choice.chosen_step_ms, choice.accurate_step_ms, 1e3 * change.position_m,
       1e3 * change.travel_m, change.body, change.rotation_rad * 180 / kPi,
       change.turn_rad * 180 / kPi, choice.motion_holds ? "within" : "more than",
-      percent(tolerance));
+      text::percent(tolerance));
   return text;
 }
 
