@@ -228,8 +228,10 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
     for (const double y : {-around, around})
       is_rim = is_rim ||
                ends_finger(pressing.bent.shape->covers(end.x + x, end.x + x, end.y + y, end.y + y));
+  const Eigen::Vector2d from_first_touch = end.position.head<2>() + pressing.bent.centre;
   constexpr double nearly = 0.9;
-  const bool is_cut = end.position.head<2>().norm() > nearly * farthest_facet;
+  const bool is_cut =
+      (from_first_touch + pressing.bent.first_touch.head<2>()).norm() > nearly * farthest_facet;
   const char* const why = is_rim && is_cut ? "the finger is not looked at any farther"
                           : is_rim         ? "the finger's surface ends"
                                            : "its layer would fold or turn away";
@@ -245,7 +247,6 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
   else if (fits)
     allowed = formatted("a load of %.3g N at most, or another point",
                         pressing.unit_of_force_N * *fits * pressing.load);
-  const Eigen::Vector2d from_first_touch = end.position.head<2>() + pressing.bent.centre;
   const std::string where =
       formatted("%s %.3g mm from the first touch, at x %.3g, y %.3g mm", why,
                 mm * from_first_touch.norm(), mm * from_first_touch.x(), mm * from_first_touch.y());

@@ -272,15 +272,20 @@ TEST(ScannedFinger, IsPressedUpToItsSharpEdge) {
   EXPECT_GT((beyond > -0.01 * h).count(), outline.cols() / 10);
 }
 
-// At the edge the pressure's centre lies beside the first touch. Motions turn about it: every part
-// of the contact then rubs across its arm.
-TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
+Problem sphere_at_edge() {
   const CutPad pad;
   Problem problem;
   problem.level = 1;
   problem.contact = {{0.1, 0.1, 0}, {1e-3 * pad.thickness, 1e5, 0.45}, {1, 0.5}};
   problem.fingertip.scan = std::make_shared<const TriangleSurface>(facets_of(pad));
   problem.fingertip.object = meshes::sphere_object(15e-3);
+  return problem;
+}
+
+// At the edge the pressure's centre lies beside the first touch. Motions turn about it: every part
+// of the contact then rubs across its arm.
+TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
+  Problem problem = sphere_at_edge();
   const Result pressed = solve(problem, quiet);
   problem.friction.torsion = true;
   problem.friction.increments = 3;
@@ -303,12 +308,7 @@ TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
 // The largest torque is about that centre whether friction is followed or not, and where a law
 // other than Coulomb's bounds it.
 TEST(ScannedFinger, HasOneLargestTorqueWithFrictionAndWithout) {
-  const CutPad pad;
-  Problem problem;
-  problem.level = 1;
-  problem.contact = {{0.1, 0.1, 0}, {1e-3 * pad.thickness, 1e5, 0.45}, {1, 0.5}};
-  problem.fingertip.scan = std::make_shared<const TriangleSurface>(facets_of(pad));
-  problem.fingertip.object = meshes::sphere_object(15e-3);
+  Problem problem = sphere_at_edge();
   problem.finite_strain = finite::MaterialChoice();
   problem.shear_law = ShearLaw::Kind::limited;
   problem.shear_strength_Pa = 2e4;
