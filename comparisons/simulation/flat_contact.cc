@@ -101,19 +101,38 @@ void add_bearing_points(const ShapePair& pair, bool from_a, const Vector3d& pair
   }
 }
 
+/// A straight line along which a shape may touch.
 struct Edge {
   Vector3d start, along;  ///< world
-  int number = 0;         ///< of the box's twelve
+  int number = 0;         ///< within the shape, below slot::kMostEdges
 };
 
-/// The edges of a box that face a direction: both ends lie within reach of its farthest point.
-std::vector<Edge> edges_facing(const Vector3d& direction, const input::Box& box, const Part& part,
-                               double reach_m) {
+/// The edge of a cylinder's flat end.
+struct Rim {
+  Vector3d centre, axis;  ///< world
+  double radius_m = 0;
+};
+
+/// What bounds the side of a shape that faces a direction, or the line that faces it.
+struct Outline {
+  std::vector<Edge> edges;
+  std::optional<Rim> rim;
+};
+
+/// All shapes without a flat side or a straight line.
+template <class Round>
+Outline outline_of(const Round&, const Part&, const Vector3d&, double) {
+  return {};
+}
+
+/// Of a box those edges of which both ends lie within reach of its farthest point.
+Outline outline_of(const input::Box& box, const Part& part, const Vector3d& direction,
+                   double reach_m) {
   const Vector3d local = part.local_direction(direction), half = box.size_m / 2;
   // The depth is limited, so that of a thin plate only the side facing the other body counts.
   const double depth_m = std::min(reach_m, box.size_m.minCoeff() / 4);
   const double farthest = half.dot(local.cwiseAbs());
-  std::vector<Edge> edges;
+  Outline outline;
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 4; ++side) {
       Vector3d start = -half, along = Vector3d::Zero();
@@ -121,39 +140,148 @@ std::vector<Edge> edges_facing(const Vector3d& direction, const input::Box& box,
       if (side & 2) start[(axis + 2) % 3] *= -1;
       along[axis] = box.size_m[axis];
       if (std::min(start.dot(local), (start + along).dot(local)) < farthest - depth_m) continue;
-      edges.push_back({part.pose * start, part.pose.linear() * along, 4 * axis + side});
+      outline.edges.push_back({part.pose * start, part.pose.linear() * along, 4 * axis + side});
     }
-  return edges;
+  return outline;
 }
 
-/// Adds the point where two edges cross, seen along the normal; none where they do not.
-void add_crossing(const ShapePair& pair, const Edge& on_a, const Edge& on_b, const Vector3d& normal,
-                  Places& places) {
-  const double turn = normal.dot(on_a.along.cross(on_b.along));
-  constexpr double kParallel = 1e-9;
-  if (!(std::abs(turn) > kParallel * on_a.along.norm() * on_b.along.norm())) return;
-  const Vector3d apart = on_b.start - on_a.start;
-  const double part_a = normal.dot(apart.cross(on_b.along)) / turn;
-  const double part_b = normal.dot(apart.cross(on_a.along)) / turn;
-  if (!(part_a > 0 && part_a < 1 && part_b > 0 && part_b < 1)) return;
-  const Vector3d point_a = on_a.start + part_a * on_a.along;
-  const Vector3d point_b = on_b.start + part_b * on_b.along;
-  const double gap_m = normal.dot(point_b - point_a);
-  if (gap_m > pair.reach_m) return;
-  places.add(point_a, point_b, normal, gap_m,
-             slot::kCrossing + slot::kBoxEdges * on_a.number + on_b.number);
+Edge edge_between(const Part& part, const Vector3d& from, const Vector3d& to, int number) {
+  return {part.pose * from, part.pose.linear() * (to - from), number};
 }
 
-/// Flat on flat: adds the corners of the polygon that both faces share that are corners of neither.
-void add_crossing_edges(const ShapePair& pair, const Vector3d& normal, Places& places) {
-  const auto* box_a = std::get_if<input::Box>(&pair.a.kind());
-  const auto* box_b = std::get_if<input::Box>(&pair.b.kind());
-  if (!box_a || !box_b) return;
-  const std::vector<Edge> edges_a = edges_facing(normal, *box_a, pair.a, pair.reach_m);
-  const std::vector<Edge> edges_b = edges_facing(-normal, *box_b, pair.b, pair.reach_m);
-  for (const Edge& on_a : edges_a)
-    for (const Edge& on_b : edges_b) add_crossing(pair, on_a, on_b, normal, places);
+/// Whether the direction is nearer to the sides of a shape around its z axis than to its ends.
+bool faces_side(const Vector3d& local) { return local.head<2>().norm() > std::abs(local.z()); }
+
+Outline outline_of(const input::Cylinder& cylinder, const Part& part, const Vector3d& direction,
+                   double) {
+  const Vector3d local = part.local_direction(direction);
+  const Vector3d end(0, 0, std::copysign(cylinder.length_m / 2, local.z()));
+  if (!faces_side(local))
+    return {{}, Rim{part.pose * end, part.pose.linear().col(2), cylinder.radius_m}};
+  const Vector3d side =
+      cylinder.radius_m * Vector3d(local.x(), local.y(), 0) / local.head<2>().norm();
+  return {{edge_between(part, side - end, side + end, 0)}, std::nullopt};
 }
+
+Outline outline_of(const input::Capsule& capsule, const Part& part, const Vector3d& direction,
+                   double) {
+  const Vector3d local = part.local_direction(direction);
+  if (!faces_side(local)) return {};
+  const std::vector<Vector3d> ends = bearing_points(capsule, local);
+  return {{edge_between(part, ends[0], ends[1], 0)}, std::nullopt};
+}
+
+/// Of a mesh the polygon of its bearing points, which are in order around the direction.
+Outline outline_of(const input::Mesh&, const Part& part, const Vector3d& direction,
+                   double reach_m) {
+  const Vector3d local = part.local_direction(direction);
+  const double least = support_point(part, local).dot(local) - reach_m;
+  const std::vector<Vector3d> corners = bearing_points(part, local);
+  Outline outline;
+  const int count = int(corners.size());
+  for (int i = 0; i < (count > 2 ? count : count - 1); ++i) {
+    const Vector3d &from = corners[std::size_t(i)], &to = corners[std::size_t((i + 1) % count)];
+    if (std::min(from.dot(local), to.dot(local)) < least) continue;
+    outline.edges.push_back(edge_between(part, from, to, i));
+  }
+  return outline;
+}
+
+Outline outline_facing(const Vector3d& direction, const Part& part, double reach_m) {
+  return std::visit([&](const auto& kind) { return outline_of(kind, part, direction, reach_m); },
+                    part.kind());
+}
+
+/// A place of a rim, seen along the normal from a point.
+Vector3d on_plane_of(const Rim& rim, const Vector3d& point, const Vector3d& normal) {
+  return point - normal * (rim.axis.dot(point - rim.centre) / rim.axis.dot(normal));
+}
+
+/// Two shapes whose outlines cross, seen along the normal.
+class Crossings {
+ public:
+  Crossings(const ShapePair& pair, const Vector3d& normal, Places& places)
+      : pair_(pair), normal_(normal), places_(places) {}
+
+  void add(const Outline& a, const Outline& b) {
+    for (const Edge& on_a : a.edges)
+      for (const Edge& on_b : b.edges) add(on_a, on_b);
+    if (a.rim)
+      for (const Edge& on_b : b.edges) add(*a.rim, on_b, true);
+    if (b.rim)
+      for (const Edge& on_a : a.edges) add(*b.rim, on_a, false);
+    if (a.rim && b.rim) add(*a.rim, *b.rim);
+  }
+
+ private:
+  void add(const Edge& on_a, const Edge& on_b) {
+    const double turn = normal_.dot(on_a.along.cross(on_b.along));
+    constexpr double kParallel = 1e-9;
+    if (!(std::abs(turn) > kParallel * on_a.along.norm() * on_b.along.norm())) return;
+    const Vector3d apart = on_b.start - on_a.start;
+    const double part_a = normal_.dot(apart.cross(on_b.along)) / turn;
+    const double part_b = normal_.dot(apart.cross(on_a.along)) / turn;
+    if (!(part_a > 0 && part_a < 1 && part_b > 0 && part_b < 1)) return;
+    add(on_a.start + part_a * on_a.along, on_b.start + part_b * on_b.along, on_a.number,
+        on_b.number);
+  }
+
+  /// Where |c + t along - centre| = radius in the rim's plane.
+  void add(const Rim& rim, const Edge& edge, bool rim_is_of_a) {
+    const Vector3d start = on_plane_of(rim, edge.start, normal_) - rim.centre;
+    const Vector3d along = on_plane_of(rim, edge.start + edge.along, normal_) - rim.centre - start;
+    const double square = along.squaredNorm(), half = start.dot(along);
+    const double root = half * half - square * (start.squaredNorm() - std::pow(rim.radius_m, 2));
+    if (!(square > 0 && root > 0)) return;
+    for (const int which : {0, 1}) {
+      const double part = (-half + (which ? 1 : -1) * std::sqrt(root)) / square;
+      if (!(part > 0 && part < 1)) continue;
+      const Vector3d on_rim = rim.centre + start + part * along;
+      const Vector3d on_edge = edge.start + part * edge.along;
+      if (rim_is_of_a)
+        add(on_rim, on_edge, which, edge.number);
+      else
+        add(on_edge, on_rim, edge.number, which);
+    }
+  }
+
+  /// Two circles in planes across the normal.
+  void add(const Rim& a, const Rim& b) {
+    const Vector3d apart = on_plane_of(a, b.centre, normal_) - a.centre;
+    const double distance_m = apart.norm();
+    if (!(distance_m > std::abs(a.radius_m - b.radius_m) && distance_m < a.radius_m + b.radius_m))
+      return;
+    const Vector3d towards = apart / distance_m, aside = a.axis.cross(towards);
+    const double along_m =
+        (distance_m * distance_m + std::pow(a.radius_m, 2) - std::pow(b.radius_m, 2)) /
+        (2 * distance_m);
+    const double aside_m = std::sqrt(std::pow(a.radius_m, 2) - along_m * along_m);
+    for (const int which : {0, 1}) {
+      const Vector3d on_a = a.centre + along_m * towards + (which ? 1 : -1) * aside_m * aside;
+      add(on_a, on_plane_of(b, on_a, normal_), which, which);
+    }
+  }
+
+  void add(const Vector3d& on_a, const Vector3d& on_b, int number_of_a, int number_of_b) {
+    const double gap_m = normal_.dot(on_b - on_a);
+    if (gap_m > pair_.reach_m || !is_material(pair_.a, on_a) || !is_material(pair_.b, on_b)) return;
+    places_.add(on_a, on_b, normal_, gap_m,
+                slot::kCrossing + slot::kMostEdges * number_of_a + number_of_b);
+  }
+
+  /// The polygon of a mesh may span a gap between its feet.
+  static bool is_material(const Part& part, const Vector3d& point) {
+    constexpr double kNear = 1e-3;  // of the size: how far a side that counts as flat is from flat
+    if (!part.tree) return true;
+    const Vector3d local = part.local_point(point);
+    return part.tree->nearest(TriangleTree::Segment{local, local}, kNear * part.radius_m)
+               .triangle >= 0;
+  }
+
+  const ShapePair& pair_;
+  const Vector3d& normal_;
+  Places& places_;
+};
 
 }  // namespace
 
@@ -168,7 +296,9 @@ void find_flat_contact(const ShapePair& pair, const Nearest& nearest,
     return;
   }
   for (const bool from_a : {true, false}) add_bearing_points(pair, from_a, nearest.normal, places);
-  add_crossing_edges(pair, nearest.normal, places);
+  Crossings(pair, nearest.normal, places)
+      .add(outline_facing(nearest.normal, pair.a, pair.reach_m),
+           outline_facing(-nearest.normal, pair.b, pair.reach_m));
   // Where none of these is as near as the nearest point, two edges or rims cross there.
   if (places.least_gap_m() > nearest.gap_m + places.same_m() / 10) add_nearest();
 }

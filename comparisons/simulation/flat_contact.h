@@ -9,8 +9,8 @@ namespace softfinger::simulation {
 /// Appends the points that hold two shapes apart where no single point with an ellipse does:
 /// - of a sphere or an ellipsoid, the nearest point alone;
 /// - corners, points of a rim, ends of a line of either shape that lie over the other one;
-/// - where edges of two boxes cross, seen along the normal: with the corners, the polygon that both
-///   faces share;
+/// - where edges, rims or lines of both cross, seen along the normal: with the corners, the polygon
+///   that both faces share, or the part of a line that lies over a face;
 /// - the nearest point, where none of these is as near.
 /// @param nearest  of the pair, at poses where the normal is that of the contact
 void find_flat_contact(const ShapePair& pair, const Nearest& nearest,

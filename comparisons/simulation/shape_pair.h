@@ -32,9 +32,9 @@ constexpr long kElliptic = 0;      ///< the one point of two round surfaces
 constexpr long kNearest = 1;       ///< the nearest point
 constexpr long kBearing = 2;       ///< + number of the bearing point of shape a, then of shape b
 constexpr long kMostBearing = 16;  ///< of one shape: more than `bearing_points` gives
-constexpr long kBoxEdges = 12;
-constexpr long kCrossing = kBearing + 2 * kMostBearing;  ///< + 12 edge of box a + edge of box b
+constexpr long kMostEdges = 12;    ///< of one shape: a box has as many
+constexpr long kCrossing = kBearing + 2 * kMostBearing;  ///< + 12 edge of a + edge of b
 }  // namespace slot
-constexpr long kSlots = slot::kCrossing + slot::kBoxEdges * slot::kBoxEdges;
+constexpr long kSlots = slot::kCrossing + slot::kMostEdges * slot::kMostEdges;
 
 }  // namespace softfinger::simulation

@@ -454,6 +454,44 @@ TEST(Bearing, RodsLieOnTheEndsOfALine) {
     }
 }
 
+/// A rod that is longer than the face it lies on, and turned on it.
+TEST(Bearing, RodsAreHeldWhereTheirLineLeavesAFace) {
+  const double half = 0.01;  // of the square, or the radius of the disc
+  for (const char* rod :
+       {"cylinder_radius_length_mm = [20, 60]", "capsule_radius_length_mm = [20, 60]"})
+    for (const bool on_disc : {false, true})
+      for (const double angle : {0.0, 0.4, -0.7}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", rod, on_disc, angle));
+        const std::string block =
+            on_disc ? "cylinder_radius_length_mm = [10, 20]" : "box_size_mm = [20, 20, 20]";
+        Isometry3d lying = turned(at(0, 0, 0.02), kPi / 2, Vector3d::UnitY());
+        lying.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitZ()) * lying.linear();
+        const auto points = find({{block, at(0, 0, -0.01)}, {rod, lying}}, 0);
+        ASSERT_EQ(points.size(), 2u);
+        const double leaves = on_disc ? half : half / std::cos(angle);
+        for (const TouchingPoint& point : points) {
+          expect_frame(point);
+          EXPECT_NEAR(point.gap_m, 0, 1e-12);
+          const Vector3d expected = leaves * Vector3d(std::cos(angle), std::sin(angle), 0);
+          const double side = point.point_m.dot(expected) > 0 ? 1 : -1;
+          EXPECT_LE((point.point_m - side * expected).norm(), 1e-8) << "of FCL's normal";
+        }
+        EXPECT_LT(points[0].point_m.dot(points[1].point_m), 0) << "both ends";
+      }
+}
+
+/// A can that stands half beside another one: the two tips of the lens that they share.
+TEST(Bearing, RimsCrossAtTheTipsOfTheirLens) {
+  const std::string can = "cylinder_radius_length_mm = [20, 40]";
+  const auto points = find({{can, at(0, 0, 0)}, {can, at(0.02, 0, 0.04)}}, 0);
+  for (const double side : {-1, 1}) {
+    const Vector3d tip(0.01, side * 0.01 * std::sqrt(3), 0.02);
+    EXPECT_TRUE(std::any_of(points.begin(), points.end(), [&](const TouchingPoint& point) {
+      return (point.point_m - tip).norm() < 1e-9 && std::abs(point.gap_m) < 1e-12;
+    })) << side;
+  }
+}
+
 // --- identity, order, meshes ---------------------------------------------------------------------
 
 TEST(CollisionDetector, DoesNotDependOnTheOrderOfTheBodies) {
@@ -615,6 +653,55 @@ TEST(MeshContact, OfABoxIsHeldByItsCorners) {
     for (const TouchingPoint& point : points) {
       EXPECT_NEAR(point.gap_m, 0, 0.02 * 1e-7) << "files are read in single precision";
       EXPECT_NEAR(std::abs(point.point_m.x()), 0.02, 1e-9);
+    }
+  }
+}
+
+/// A plank across a cube that is a mesh, and one across the gap between two feet of another.
+TEST(MeshContact, APlankIsHeldWhereItCrossesTheEdges) {
+  const Folder folder;
+  TriangleSurface boxes;
+  const auto add_box = [&](const Vector3d& low, const Vector3d& high) {
+    const int first = int(boxes.vertices_m.size());
+    for (int i = 0; i < 8; ++i)
+      boxes.vertices_m.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(),
+                                    i & 4 ? high.z() : low.z());
+    for (const auto& [a, b, c] : std::vector<std::array<int, 3>>{{0, 2, 3},
+                                                                 {0, 3, 1},
+                                                                 {4, 5, 7},
+                                                                 {4, 7, 6},
+                                                                 {0, 1, 5},
+                                                                 {0, 5, 4},
+                                                                 {2, 6, 7},
+                                                                 {2, 7, 3},
+                                                                 {0, 4, 6},
+                                                                 {0, 6, 2},
+                                                                 {1, 3, 7},
+                                                                 {1, 7, 5}})
+      boxes.triangles.push_back({first + a, first + b, first + c});
+  };
+  add_box({-0.02, -0.01, -0.02}, {0.02, 0.01, 0});
+  folder.write("block.obj", boxes);
+  boxes = {};
+  add_box({-0.02, -0.01, -0.02}, {-0.01, 0.01, 0});
+  add_box({0.01, -0.01, -0.02}, {0.02, 0.01, 0});
+  folder.write("feet.obj", boxes);
+  for (const bool on_feet : {false, true}) {
+    // Along y: over the gap of the feet the hull's edges span nothing.
+    Detection detection(
+        {{on_feet ? "mesh = \"feet.obj\", unit = \"m\"" : "mesh = \"block.obj\", unit = \"m\""},
+         {on_feet ? "box_size_mm = [10, 60, 20]" : "box_size_mm = [20, 60, 20]", at(0, 0, 0.01)}},
+        "", folder.path / "scene.toml");
+    const auto points = detection.find(0);
+    if (on_feet) {
+      for (const TouchingPoint& point : points) EXPECT_GT(std::abs(point.point_m.x()), 0.0099);
+      continue;
+    }
+    ASSERT_EQ(points.size(), 4u);
+    for (const TouchingPoint& point : points) {
+      EXPECT_NEAR(std::abs(point.point_m.x()), 0.01, 1e-9);
+      EXPECT_NEAR(std::abs(point.point_m.y()), 0.01, 1e-9);
+      EXPECT_NEAR(point.gap_m, 0, 0.02 * 1e-7) << "files are read in single precision";
     }
   }
 }
