@@ -48,6 +48,49 @@ TEST(RedundantContacts, FourCornersOfABoxShare) {
   }
 }
 
+/// A rod between two jaws, along its whole length or over a part of it, and a torque about the
+/// jaws' normal. Each jaw bears at the two ends of the common line, l apart: the limit is 2 mu P
+/// l/2.
+double fastest_turn_in_jaws(double jaw_mm, double torque_Nm, double from_s) {
+  std::string bodies =
+      "[[body]]\nname = \"rod\"\nmass_g = 100\n"
+      "shapes = [{ cylinder_radius_length_mm = [10, 40] }]\n";
+  for (const int side : {-1, 1}) {
+    const std::string name = side < 0 ? "left" : "right";
+    bodies += box(name, {20, 20, jaw_mm}, {side * 20., 0, 0}, "mass_g = 10") +
+              fmt::format(
+                  "[[joint]]\nname = \"j{0}\"\nkind = \"prismatic\"\nparent = \"world\"\n"
+                  "child = \"{0}\"\naxis = [{1}, 0, 0]\n"
+                  "[[motor]]\njoint = \"j{0}\"\ntime_s = [0]\neffort_N = [5]\n",
+                  name, -side);
+  }
+  bodies += fmt::format(
+      "[[force]]\nbody = \"rod\"\ntime_s = [0, {0}, {0}1]\n"
+      "torque_Nm = [[0, 0, 0], [0, 0, 0], [{1}, 0, 0]]\n",
+      from_s, torque_Nm);
+  const Simulation result = simulate(input::parse_scene(
+      "id = \"test\"\n[simulation]\ntime_step_ms = 0.2\nduration_s = 0.2\n"
+      "gravity_m_per_s2 = [0, 0, 0]\n" +
+          bodies + "[[contact]]\nbodies = [\"*\", \"*\"]\nfriction_coefficient = 0.5\n",
+      "test.toml"));
+  EXPECT_EQ(result.failure, "");
+  double fastest = 0;
+  for (const Frame& frame : result.recording.frames)
+    fastest = std::max(fastest, frame.angular_velocities_rad_per_s[0].norm());
+  return fastest;
+}
+
+TEST(RedundantContacts, ARodInJawsTurnsAtItsLimitOnly) {
+  for (const double jaw_mm : {20., 60.})
+    for (const double from_s : {0.0001, 0.05}) {
+      const double limit_Nm = 0.5 * 5 * std::min(jaw_mm, 40.) * 1e-3;
+      EXPECT_LE(fastest_turn_in_jaws(jaw_mm, 0.99 * limit_Nm, from_s), 1e-9)
+          << jaw_mm << ' ' << from_s;
+      EXPECT_GT(fastest_turn_in_jaws(jaw_mm, 1.05 * limit_Nm, from_s), 1e-2)
+          << jaw_mm << ' ' << from_s;
+    }
+}
+
 std::string stack(bool turned_round, double twist_deg = 0) {
   std::vector<std::string> boxes;
   for (int i = 0; i < 5; ++i)

@@ -16,6 +16,8 @@ constexpr int kSweeps[] = {20, 40, 80, 160, 320, 640};
 /// From that many contacts on, with friction of the ball or of shapes, proximal points are tried
 /// before any path, which would take longer. Shapes cost more per iteration.
 constexpr int kManyContacts = 16, kManyShapes = 40;
+/// Of fewer contacts without any, because a path is quick.
+constexpr int kMostIterationsOfFew = 60;
 /// Where Newton's method does not converge from a path's end, proximal points may.
 constexpr int kMostIterationsAfterPath = 150;
 /// Newton's method may stop short of round-off between contacts that are nearly the same. After
@@ -156,7 +158,11 @@ bool ExactFriction::is_many(const Task& task) const {
 
 bool ExactFriction::do_before_path(const Task& task) {
   effort_ = {kFirst.newton_passes, kUsualPatience};
-  return is_many(task) && starts_.find_from_given(task, search_, effort_);
+  if (is_many(task)) return starts_.find_from_given(task, search_, effort_);
+  if (system_.contacts() == 1) return false;
+  search_.start_from([](int) { return 0.; }, 0);
+  search_.approach(task, kMostIterationsOfFew, effort_);
+  return best().residual <= kSolved;
 }
 
 bool ExactFriction::do_more_before_path(const Task& task) {
