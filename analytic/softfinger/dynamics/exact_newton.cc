@@ -62,6 +62,8 @@ ExactNewton::ExactNewton(int contact_capacity)
       point_(4 * contact_capacity),
       common_(4 * contact_capacity),
       centre_(4 * contact_capacity),
+      reached_(4 * contact_capacity),
+      move_(4 * contact_capacity),
       elimination_(4 * contact_capacity) {}
 
 /// F at `impulse`: map_, and in contacts_ what its derivative is made of. Returns its size.
@@ -398,8 +400,9 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
   const int n = 4 * contacts.contacts();
   iterations_ = 0;
   compliance_ = kFirst;
-  centre_.head(n) = point_.head(n) = impulse.head(n);
-  double residual = evaluate(contacts, point_), best = residual, halved = residual;
+  centre_.head(n) = point_.head(n) = reached_.head(n) = impulse.head(n);
+  move_.head(n).setZero();
+  double residual = evaluate(contacts, point_), best = residual, halved = residual, stride = 1;
   int last_halved = 0;
   while (best > kGood && iterations_ < most_iterations) {
     if (best < halved / 2) {
@@ -416,19 +419,41 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
       reached = evaluate(contacts, point_) < kReached * residual;
     }
     if (reached) {
-      centre_.head(n) = point_.head(n);
+      stride = next_stride(stride, n);
       compliance_ = std::max(kStiffer * compliance_, kLeast);
+    } else if (stride > 1) {
+      stride = 1;
     } else {
-      point_.head(n) = centre_.head(n);
       compliance_ = std::min(kSofter * compliance_, kMost);
     }
+    centre_.head(n) = point_.head(n) = reached_.head(n);
     residual = evaluate(contacts, centre_);
-    if (residual >= best) continue;
-    best = residual;
-    impulse.head(n) = centre_.head(n);
+    if (residual < best) {
+      best = residual;
+      impulse.head(n) = centre_.head(n);
+    }
+    if (stride == 1) continue;
+    centre_.head(n) += (stride - 1) * move_.head(n);
+    point_.head(n) = centre_.head(n);
+    residual = evaluate(contacts, centre_);
   }
   compliance_ = 0;
   return best;
+}
+
+/// Heavy bodies that press through light ones have impulses that must change a lot to change
+/// velocities a little, while c cannot be small for what the light ones do meanwhile: points crawl
+/// along a line. The next centre then lies ahead on it, as many moves as this says, 1 being the
+/// point itself. Takes `point_` as reached.
+double ExactNewton::next_stride(double stride, int size) {
+  constexpr double kStraight = 0.97;  // cosine between two moves
+  constexpr double kLonger = 1.3, kLongest = 256;
+  step_.head(size) = point_.head(size) - reached_.head(size);
+  const bool is_straight = step_.head(size).dot(move_.head(size)) >
+                           kStraight * step_.head(size).norm() * move_.head(size).norm();
+  move_.head(size) = step_.head(size);
+  reached_.head(size) = point_.head(size);
+  return is_straight ? std::min(kLonger * stride, kLongest) : 1;
 }
 
 }  // namespace softfinger::internal

@@ -39,6 +39,7 @@ class ExactNewton {
   /// 1976). The contacts give way, u = W r + v_free + c A (r - r0), around the last point r0: no
   /// other impulse is as good as one close to it, however redundant the contacts are. Full steps of
   /// Newton's method find the next r0. Where they succeed, c is halved, else it grows tenfold.
+  /// Points that follow each other on a line make the next r0 lie ahead.
   /// Not monotone, so that |F| may rise: the best point is kept. Returns its |F|. No allocation.
   /// @param is_needed  asked at each proximal point; no: it ends
   double approach(const ContactOperator& contacts, Eigen::VectorXd& impulse, int most_iterations,
@@ -86,6 +87,7 @@ class ExactNewton {
                  int size);
   bool factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                          double proximal);
+  double next_stride(double stride, int size);
   Eigen::Matrix3d sliding_part(const Contact& contact, double pressure) const;
   void substitute_all(const ContactOperator& contacts);
 
@@ -93,8 +95,9 @@ class ExactNewton {
   std::vector<int> first_;  ///< of each contact's unknowns; -1: it has none
   VelocityFactor factor_;
   Eigen::VectorXd velocity_, map_, trial_, step_, right_, start_, point_, common_;
-  Eigen::VectorXd centre_;  ///< r0
-  double compliance_ = 0;   ///< c
+  Eigen::VectorXd centre_;          ///< r0
+  Eigen::VectorXd reached_, move_;  ///< the last proximal point, and how it differs from before
+  double compliance_ = 0;           ///< c
   DenseElimination elimination_;
   int factored_contacts_ = 0;
   bool is_reduced_ = false;  ///< the decomposition is the one in few unknowns

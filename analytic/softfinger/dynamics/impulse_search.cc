@@ -11,7 +11,7 @@ constexpr double kClose = 1e-6;
 /// Of wedged bodies: velocities over their natural size that rounding may make, tried in turn, and
 /// the proximal points from each.
 constexpr double kStillOfWedged[] = {1e-9, 1e-8, 1e-7, 1e-6};
-constexpr int kMostIterationsOfWedged = 100;
+constexpr int kMostIterationsOfWedged = 400;
 
 /// Newton's values are within their bounds to the rounding of velocities. The torque of a short arm
 /// hardly makes any, so that it can be much farther outside. Taken is the impulse within that
