@@ -554,6 +554,122 @@ TEST_F(Robots, OfSdfMoveAsTheirLinksDo) {
   EXPECT_LE((end.poses[0].linear() - end.poses[2].linear()).norm(), 1e-6);
 }
 
+/// A box of 0.1 kg on a ground, in gravity that pulls it along the ground, too.
+std::string sdf_world(const std::string& ground, const std::string& box,
+                      const std::string& model = "name='box'") {
+  const auto collision = [](const std::string& shape, const std::string& surface) {
+    return "<collision name='c'><geometry>" + shape + "</geometry><surface>" + surface +
+           "</surface></collision>";
+  };
+  return "<sdf version='1.9'><world name='w'><gravity>12 0 -9.81</gravity><model name='ground'>"
+         "<static>true</static><link name='l'>" +
+         collision("<plane><normal>0 0 1</normal><size>1 1</size></plane>", ground) +
+         "</link></model><model " + model +
+         "><pose>0 0 0.01 0 0 0</pose><link name='l'><pose>0 0 0 0 0 0</pose><inertial>"
+         "<mass>0.1</mass><inertia><ixx>4e-5</ixx><iyy>4e-5</iyy><izz>4e-5</izz></inertia>"
+         "</inertial>" +
+         collision("<box><size>.1 .1 .02</size></box>", box) + "</link></model></world></sdf>";
+}
+
+std::string ode_friction(const std::string& mu) {
+  return "<friction><ode><mu>" + mu + "</mu><mu2>" + mu + "</mu2></ode></friction>";
+}
+
+/// As the program reads SDF, in which this test has no part.
+class SdfRobots : public Robots {
+ protected:
+  input::Scene import_sdf(const std::string& text) {
+    Start start;
+    start.folder = folder_.path();
+    const fs::path toml = folder_.path() / "w.toml";
+    const ProgramRun run =
+        run_softfinger(start, {"simulate", folder_.write("w.sdf", text).string(), "--write-scene",
+                               toml.string(), "--set", "simulation.duration_s=1"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    notes_ = lines(run.err);
+    return input::read_scene(toml);
+  }
+  /// The line that the program refuses the file with.
+  std::string refusal(const std::string& text) {
+    Start start;
+    start.folder = folder_.path();
+    const ProgramRun run =
+        run_softfinger(start, {"simulate", folder_.write("bad.sdf", text).string()});
+    EXPECT_EQ(run.status, 2) << text;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    return run.err;
+  }
+};
+
+TEST_F(SdfRobots, HaveTheSmallerFrictionOfTwoSurfaces) {
+  const input::Scene holds = import_sdf(sdf_world(ode_friction("2"), ode_friction("2")));
+  EXPECT_EQ(holds.rule(0, 1).shear_law.friction_coefficient, 2);
+  EXPECT_NEAR(way_m(holds, 1, 0), 0, 1e-6) << "2 times 9.81 is above 12";
+  // Without a word a surface has 1.
+  EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), "")).rule(0, 1).shear_law.friction_coefficient,
+            1);
+  EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), ode_friction("0.5")))
+                .rule(0, 1)
+                .shear_law.friction_coefficient,
+            0.5);
+  EXPECT_FALSE(import_sdf(sdf_world("<contact><collide_bitmask>1</collide_bitmask></contact>",
+                                    "<contact><collide_bitmask>2</collide_bitmask></contact>"))
+                   .rule(0, 1)
+                   .collide);
+}
+
+TEST_F(SdfRobots, KeepCollisionsApartThatTouchDifferently) {
+  std::string text = sdf_world(ode_friction("0.5"), ode_friction("0.5"));
+  text.insert(text.rfind("</link>"),
+              "<collision name='d'><pose>0 0 0.02 0 0 0</pose><geometry><sphere><radius>0.01"
+              "</radius></sphere></geometry><surface>" +
+                  ode_friction("0.1") + "</surface></collision>");
+  const input::Scene scene = import_sdf(text);
+  ASSERT_EQ(scene.bodies.size(), 3u);
+  EXPECT_TRUE(is_noted("have 2 surfaces"));
+  EXPECT_NEAR(scene.descriptions[1].mass.mass_kg + scene.descriptions[2].mass.mass_kg, 0.1, 1e-15);
+  EXPECT_EQ(scene.rule(0, 2).shear_law.friction_coefficient, 0.1);
+  // Newton, for the box on its own surface; a step of 1 ms late or early at 7 m/s.
+  EXPECT_NEAR(way_m(scene, 1, 0), 0.5 * (12 - 0.5 * 9.81), 7e-3);
+}
+
+TEST_F(SdfRobots, WithoutGravityStay) {
+  std::string text = sdf_world("", "");
+  text.insert(text.rfind("<inertial>"), "<gravity>false</gravity>");
+  const input::Scene scene = import_sdf(text);
+  EXPECT_TRUE(is_noted("has no gravity"));
+  for (const int axis : {0, 2}) EXPECT_NEAR(way_m(scene, 1, axis), 0, 1e-9);
+}
+
+TEST_F(SdfRobots, ArePlacedByTheirPlacementFrame) {
+  std::string text = sdf_world("", "", "name='box' placement_frame='l'");
+  text.replace(text.rfind("<pose>0 0 0 0 0 0"), 17, "<pose>3 0 1 0 0.5 0");
+  const input::Scene scene = import_sdf(text);
+  EXPECT_TRUE(scene.descriptions[1].pose.isApprox(
+      Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.01)), 1e-12))
+      << scene.descriptions[1].pose.matrix();
+}
+
+TEST_F(SdfRobots, SayOrRefuseWhatASceneCannotHold) {
+  const auto changed = [](const std::string& old, const std::string& text) {
+    std::string result = kParallelogram;
+    return result.replace(result.find(old), old.size(), text);
+  };
+  import_sdf(changed("<xyz>0 1 0</xyz></axis></joint>\n  <joint name=\"c\"",
+                     "<xyz>0 1 0</xyz><mimic joint='a'><multiplier>1</multiplier></mimic>"
+                     "<limit><velocity>2</velocity></limit></axis></joint>\n  <joint name=\"c\""));
+  EXPECT_TRUE(is_noted("joint \"b\" moves by itself, not as joint \"a\""));
+  EXPECT_TRUE(is_noted("the velocity limit of joint \"b\""));
+  EXPECT_NE(
+      refusal(changed("<upper>2", "<upper>nan")).find("the limits of joint \"a\" = -1 to nan"),
+      std::string::npos);
+  EXPECT_NE(refusal(changed("<upper>2", "<upper>-3")).find("lower <= upper"), std::string::npos);
+  EXPECT_NE(refusal(changed("<damping>0.2", "<damping>nan")).find("joint \"c\""),
+            std::string::npos);
+  EXPECT_NE(refusal(changed("<mass>0.3</mass>", "<mass>0</mass>")).find("link \"bar\""),
+            std::string::npos);
+}
+
 TEST_F(Robots, OfSdfAreRefusedInOneLine) {
   const auto refusal = [&](const std::string& old, const std::string& changed) {
     std::string text = kParallelogram;
