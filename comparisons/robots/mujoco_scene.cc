@@ -73,8 +73,7 @@ Model load(const std::filesystem::path& file, const std::vector<FingerLayer>& la
   notes = std::move(urdf.notes);
   Model merged(file);
   for (const FingerLayer& layer : layers)
-    if (urdf.links.count(layer.body) > 0 &&
-        mj_name2id(merged.model.get(), mjOBJ_BODY, layer.body.c_str()) < 0)
+    if (mj_name2id(merged.model.get(), mjOBJ_BODY, layer.body.c_str()) < 0)
       return Model(file, urdf.with_all_links);
   return merged;
 }

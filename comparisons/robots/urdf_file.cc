@@ -99,9 +99,6 @@ UrdfFile read_urdf(const std::filesystem::path& file) {
   if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS || !document.RootElement())
     throw InputError(file.string(), "not an XML file", "", "");
   const XMLElement& root = *document.RootElement();
-  for (const XMLElement* link = root.FirstChildElement("link"); link;
-       link = link->NextSiblingElement("link"))
-    urdf.links.insert(attribute(*link, "name"));
   for (const XMLElement* joint = root.FirstChildElement("joint"); joint;
        joint = joint->NextSiblingElement("joint"))
     check_limits(file, *joint, urdf);

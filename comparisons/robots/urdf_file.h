@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -10,8 +9,7 @@ namespace softfinger::robots {
 /// What MuJoCo does not read of a URDF file.
 struct UrdfFile {
   std::vector<std::string> notes;  ///< what is left out, a sentence each
-  std::set<std::string> links;
-  std::string with_all_links;  ///< the file, so that MuJoCo keeps links on fixed joints apart
+  std::string with_all_links;      ///< the file, so that MuJoCo keeps links on fixed joints apart
 };
 
 /// @throws InputError for limits of a joint that no position fulfils, or that are no numbers

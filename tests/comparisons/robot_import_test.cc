@@ -706,6 +706,48 @@ TEST_F(Robots, SayWhatTheyLeaveOut) {
     EXPECT_TRUE(is_noted(words)) << words;
 }
 
+TEST_F(Robots, AreBlamedByTheirOwnNames) {
+  Start start;
+  start.folder = folder_.path();
+  const auto refusal = [&](const std::string& file, const std::string& text,
+                           const std::vector<std::string>& more = {}) {
+    folder_.write(file, text);
+    std::vector<std::string> words = {"simulate", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = run_softfinger(start, words);
+    EXPECT_EQ(run.status, 2) << run.err;
+    const auto said = lines(run.err);
+    return said.empty() ? "" : said.back();
+  };
+  const auto begins = [](const std::string& line, const std::string& start_of_it) {
+    EXPECT_EQ(line.rfind("softfinger: error: " + start_of_it, 0), 0u) << line;
+  };
+  for (const char* layer : {"left:2,300,0.6", "left:0,300,0.4", "left:2,inf,0.4", "left:2,3,nan"})
+    begins(refusal("grip.urdf", kGripper, {"--finger-layer", layer}),
+           std::string("command line: --finger-layer = \"") + layer + "\": allowed: ");
+  // Names links on fixed joints, too.
+  EXPECT_NE(refusal("grip.urdf", kGripper, {"--finger-layer", "tip:2,300,0.4"})
+                .find("a body of the robot: base, left, left_tip, right"),
+            std::string::npos);
+  std::string crossed = kGripper;
+  crossed.replace(crossed.find("-0.5"), 4, "0.5");
+  begins(refusal("crossed.urdf", crossed), "crossed.urdf:16: joint \"jr\": limits");
+  const char* const box = "<freejoint/><geom type='box' size='1 1 1'/></body>";
+  const std::string overlapping = std::string("<mujoco><worldbody><body name='a'>") + box +
+                                  "<body name='b' pos='1 0 0'>" + box + "</worldbody></mujoco>";
+  const std::string overlap = refusal("Over.XML", overlapping);
+  begins(overlap, "Over.XML: overlap of \"a\" and \"b\"");
+  EXPECT_NE(overlap.find("collide = false"), std::string::npos) << overlap;
+  begins(refusal("step.xml", "<mujoco><option timestep='0'/></mujoco>"),
+         "step.xml: <option> timestep = 0");
+  // Longer than the scene.
+  begins(refusal("long.xml", "<mujoco><option timestep='5'/><worldbody><body name='a'>" +
+                                 std::string(box) + "</worldbody></mujoco>"),
+         "long.xml: the scene made of it, which --write-scene SCENE.toml would keep, line ");
+  for (const char* file : {"robot.txt", "robot.toml"})
+    EXPECT_NE(refusal(file, kGripper).find(".xml, .mjcf, .urdf or .sdf"), std::string::npos);
+}
+
 TEST_F(Robots, AreRefusedInOneLine) {
   const auto refusal = [&](const std::string& text, const std::vector<std::string>& more = {}) {
     std::vector<std::string> words = {"simulate", folder_.write("bad.xml", text).string()};
