@@ -218,8 +218,9 @@ void add_apply(CLI::App& app, Action& action) {
   add_case(*command, options->contact.typed_case, true);
   command
       ->add_option("--finger", options->fingers,
-                   "MJCF: a geom, or a body for all its geoms; URDF, SDF: a collision, a link for "
-                   "all its collisions, or LINK::COLLISION; may be repeated")
+                   "MJCF: a geom, or a body for all its geoms that touch others; URDF, SDF: a "
+                   "collision, a link for all its collisions, LINK::COLLISION or "
+                   "MODEL::LINK::COLLISION; may be repeated")
       ->required()
       ->allow_extra_args(false);
   command

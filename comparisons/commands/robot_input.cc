@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cmath>
 #include <cstdlib>
 #include <system_error>
 
@@ -36,12 +37,12 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-/// "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO" as four words; the scene's reader judges
-/// the numbers.
+/// "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO" as four words.
 std::vector<std::string> layer_words(const std::string& typed) {
   const auto refuse = [&] {
     throw InputError("command line", "--finger-layer", "\"" + typed + "\"",
-                     "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO, such as tip:2,300,0.49");
+                     "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO, such as "
+                     "tip:2,300,0.49; thickness and modulus > 0, Poisson's ratio from 0 to 0.5");
   };
   const std::size_t colon = typed.rfind(':');
   if (colon == std::string::npos || colon == 0) refuse();
@@ -52,12 +53,14 @@ std::vector<std::string> layer_words(const std::string& typed) {
     if (comma == std::string::npos) refuse();
     const std::string word = rest.substr(0, comma);
     std::size_t used = 0;
+    double value = 0;
     try {
-      std::stod(word, &used);
+      value = std::stod(word, &used);
     } catch (const std::exception&) {
       refuse();
     }
-    if (used != word.size()) refuse();
+    const bool is_allowed = i < 2 ? value > 0 && std::isfinite(value) : value >= 0 && value <= 0.5;
+    if (used != word.size() || !is_allowed) refuse();
     words.push_back(word);
     rest = i < 2 ? rest.substr(comma + 1) : "";
   }
@@ -86,7 +89,8 @@ void add_robot(CLI::App& command, RobotInput& typed) {
 }
 
 bool is_robot(const std::string& file) {
-  const std::string suffix = fs::path(file).extension().string();
+  std::string suffix = fs::path(file).extension().string();
+  for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
   return suffix == ".xml" || suffix == ".mjcf" || suffix == ".urdf" || suffix == ".sdf";
 }
 
@@ -115,9 +119,13 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
     throw system::Interrupted(signal);
   if (!outcome.succeeded()) {
     if (outcome.exit_status >= 0 && !outcome.last_line.empty()) {
-      const std::string path = job.command[1] + ": ";
-      const bool is_named = outcome.last_line.rfind(path, 0) == 0;
-      throw InputError(file, outcome.last_line.substr(is_named ? path.size() : 0), "", "");
+      const std::string& path = job.command[1];
+      if (outcome.last_line.rfind(path + ":", 0) != 0)
+        throw InputError(file, outcome.last_line, "", "");
+      // The file as it was typed, and the line where there is one.
+      const std::size_t colon = outcome.last_line.find(": ");
+      throw InputError(file + outcome.last_line.substr(path.size(), colon - path.size()),
+                       outcome.last_line.substr(colon + 2), "", "");
     }
     throw InputError(file, "reading it ended the program softfinger-robot",
                      outcome.exceeded == system::ProcessLimit::time     ? "after two minutes"
@@ -130,12 +138,20 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
     system::write_file_atomically(scene_file, outcome.output);
     remark("the scene is in " + typed.write_scene);
   }
+  if (writes) return input::parse_scene(outcome.output, scene_file, settings);
   try {
-    return input::parse_scene(outcome.output, scene_file, settings);
+    input::Scene scene = input::parse_scene(outcome.output, scene_file, settings);
+    scene.file = file;  // the other one is gone when the scene is simulated
+    return scene;
   } catch (const InputError& error) {
+    const std::string path = scene_file.string();
+    if (error.where().rfind(path, 0) != 0) throw;
+    const std::string line = error.where().substr(path.size());  // ":13", or nothing
     throw InputError(
-        file, std::string("the scene made of it, which --write-scene keeps: ") + error.what(), "",
-        "");
+        file,
+        fmt::format("the scene made of it, which --write-scene SCENE.toml would keep{}: {}",
+                    line.empty() ? "" : ", line " + line.substr(1), error.field()),
+        error.value(), error.allowed());
   }
 }
 

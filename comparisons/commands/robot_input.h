@@ -17,7 +17,8 @@ struct RobotInput {
 
 void add_robot(CLI::App& command, RobotInput& typed);
 
-/// Whether a file is a robot's, by its suffix: .xml, .mjcf, .urdf or .sdf.
+/// Whether a file is a robot's, by its suffix: .xml, .mjcf, .urdf or .sdf, in small or
+/// capital letters.
 bool is_robot(const std::string& file);
 
 /// The scene of a robot's file, as the program softfinger-robot writes it.

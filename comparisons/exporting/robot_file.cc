@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <set>
 
 #include "comparisons/exporting/simulators/drake.h"
@@ -105,17 +106,74 @@ std::string elsewhere(const XmlFile& file) {
   return "";
 }
 
+double numeric(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
+
+/// The default of the class that a geom has: of itself, else the nearest childclass around it.
+const XmlElement* default_of(const XmlFile& file, const XmlElement& geom) {
+  std::string name = geom.value("class");
+  for (const XmlElement* body = geom.parent; body && name.empty(); body = body->parent)
+    name = body->value("childclass");
+  for (const auto& element : file.elements()) {
+    if (element->name != "default") continue;
+    const bool is_main = element->parent == &file.root();
+    if (name.empty() || name == "main" ? is_main : element->value("class") == name)
+      return element.get();
+  }
+  return nullptr;
+}
+
+/// An attribute of a geom of MJCF, else of its class or of one around that; empty: nowhere.
+std::string value_of_geom(const XmlFile& file, const XmlElement& geom, const char* name) {
+  if (geom.attribute(name)) return geom.value(name);
+  for (const XmlElement* around = default_of(file, geom); around; around = around->parent)
+    for (const XmlElement* child : around->children)
+      if (around->name == "default" && child->name == "geom" && child->attribute(name))
+        return child->value(name);
+  return "";
+}
+
+/// Whether a geom is only there to be seen, or one of a <pair>.
+bool touches_nothing(const XmlFile& file, const XmlElement& geom) {
+  for (const char* mask : {"contype", "conaffinity"}) {
+    const std::string value = value_of_geom(file, geom, mask);
+    if (value.empty() || numeric(value) != 0) return false;  // MuJoCo's own is 1
+  }
+  const std::string name = geom.value("name");
+  for (const auto& element : file.elements())
+    if (element->name == "pair" && !name.empty() &&
+        (element->value("geom1") == name || element->value("geom2") == name))
+      return false;
+  return true;
+}
+
+/// Names that tell apart what one name has in several places: "; name it a::c or b::c".
+std::string longer_names(const std::vector<Part>& parts, const std::string& finger) {
+  std::map<std::string, std::set<const XmlElement*>> owners;
+  for (const Part& part : parts)
+    for (const std::string& name : part.names) owners[name].insert(part.element->parent);
+  std::string text;
+  std::set<const XmlElement*> named;
+  const std::string end = "::" + finger;
+  for (const Part& part : parts)
+    for (const std::string& name : part.names) {
+      const bool ends_so =
+          name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+      if (!ends_so || owners[name].size() > 1 || !named.insert(part.element->parent).second)
+        continue;
+      text += (text.empty() ? "; name it " : " or ") + text::shortened(name);
+    }
+  return text;
+}
+
 std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat format,
                                                const std::vector<Part>& parts,
                                                const std::string& finger) {
   std::vector<const XmlElement*> found;
   std::set<std::string> owners;
-  bool is_own_name = false;
   for (const Part& part : parts) {
     if (std::find(part.names.begin(), part.names.end(), finger) == part.names.end()) continue;
     found.push_back(part.element);
     owners.insert(std::to_string(part.element->parent->begin));
-    is_own_name = is_own_name || part.element->value("name") == finger;
   }
   const char* const kind = format == RobotFormat::mjcf ? "geom or body" : "collision or link";
   if (found.empty()) {
@@ -132,12 +190,20 @@ std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat 
   }
   if (owners.size() > 1)
     throw InputError(file.where(), "--finger", "\"" + text::shortened(finger) + "\"",
-                     fmt::format("one {0}: {1} have this name{2}", kind, owners.size(),
-                                 format == RobotFormat::mjcf ? "" : "; name it LINK::COLLISION"));
+                     fmt::format("one {}: {} have this name{}", kind, owners.size(),
+                                 longer_names(parts, finger)));
+  if (format != RobotFormat::mjcf) return found;
+  const int line = found.front()->line;
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [&](const XmlElement* geom) { return touches_nothing(file, *geom); }),
+              found.end());
+  if (found.empty())
+    throw InputError(fmt::format("{}:{}", file.where(), line), "--finger",
+                     "\"" + text::shortened(finger) + "\"",
+                     "a geom that touches others: its contype and conaffinity are 0, so that "
+                     "friction has no effect");
   return found;
 }
-
-double numeric(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 
 /// The largest of an attribute over all of the file, at least 0.
 int largest(const XmlFile& file, const std::string& name,

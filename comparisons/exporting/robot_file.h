@@ -36,9 +36,10 @@ struct RobotContact {
 };
 
 /// Writes the contact of each finger into the file.
-/// @param fingers  MJCF: geoms, or bodies for all their geoms; URDF, SDF: collisions, or links for
-/// all their collisions; also LINK::COLLISION
+/// @param fingers  MJCF: geoms, or bodies for all their geoms that touch others; URDF, SDF:
+/// collisions, or links for all their collisions; also LINK::COLLISION, MODEL::LINK::COLLISION
 /// @throws InputError for a finger that the file has not or has several of, with the nearest name,
+/// for a geom of MJCF that touches nothing,
 /// for a simulator that does not read such files, and for a shape whose depth is not known
 void apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
                    const Simulator& simulator, const RobotContact& contact);

@@ -123,6 +123,11 @@ void require_shallow(std::string_view text, const std::string& file) {
 
 toml::table parse_toml(const std::string& text, const std::string& file) {
   constexpr std::size_t kLongestReason = 300;  // limited, because it repeats what was typed
+  if (const std::size_t first = text.find_first_not_of(" \t\r\n");
+      first != std::string::npos && text[first] == '<')
+    throw InputError(file, "not a TOML file: it begins as XML does", "",
+                     "TOML; robots' files are for simulate, with the suffix .xml, .mjcf, .urdf or "
+                     ".sdf");
   require_shallow(text, file);
   try {
     return toml::parse(text, file);

@@ -2,6 +2,7 @@
 // Writes a robot's file as a scene to standard output, and what is not as in the file to standard
 // error, a line each. `softfinger simulate` runs it: a program of its own, so that `softfinger`
 // does not load MuJoCo, and so that a file at which MuJoCo gives up ends nothing else.
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -57,7 +58,9 @@ using softfinger::robots::ImportedScene;
 ImportedScene import(const std::vector<std::string>& words,
                      const std::vector<FingerLayer>& layers) {
   const std::filesystem::path file = words[0];
-  if (file.extension() == ".sdf") {
+  std::string suffix = file.extension().string();
+  for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
+  if (suffix == ".sdf") {
 #ifdef SOFTFINGER_HAS_SDFORMAT
     return softfinger::robots::import_sdf(file, words[2], layers);
 #else
@@ -79,7 +82,7 @@ ImportedScene import(const std::vector<std::string>& words,
     throw;
   }
 #else
-  throw InputError(words[0], "suffix", file.extension().string(),
+  throw InputError(words[0], "suffix", suffix,
                    ".sdf: this program was built without libmujoco-dev");
 #endif
 }

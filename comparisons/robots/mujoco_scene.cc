@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
 #include <set>
 
+#include "comparisons/robots/mujoco_contacts.h"
+#include "comparisons/robots/urdf_file.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -36,9 +39,19 @@ Isometry3d pose(const mjtNum* position, const mjtNum* wxyz) {
 
 /// The model of a file, and what the library said about it.
 struct Model {
-  explicit Model(const std::filesystem::path& file) {
+  /// @param text  read in place of the file's own; empty: that
+  explicit Model(const std::filesystem::path& file, const std::string& text = "") {
     char error[1000] = "";
-    model.reset(mj_loadXML(file.c_str(), nullptr, error, sizeof error));
+    if (text.empty()) {
+      model.reset(mj_loadXML(file.c_str(), nullptr, error, sizeof error));
+    } else {
+      const auto files = std::make_unique<mjVFS>();
+      mj_defaultVFS(files.get());
+      mj_makeEmptyFileVFS(files.get(), file.filename().c_str(), int(text.size()));
+      std::memcpy(files->filedata[0], text.data(), text.size());
+      model.reset(mj_loadXML(file.c_str(), files.get(), error, sizeof error));
+      mj_deleteVFS(files.get());
+    }
     if (!model) {
       std::string reason = error;
       std::replace(reason.begin(), reason.end(), '\n', ' ');
@@ -51,6 +64,20 @@ struct Model {
   std::unique_ptr<mjData, void (*)(mjData*)> data{nullptr, mj_deleteData};
 };
 
+/// MuJoCo merges a URDF file's links on fixed joints into those that carry them, which a layer on
+/// one of them forbids.
+Model load(const std::filesystem::path& file, const std::vector<FingerLayer>& layers,
+           std::vector<std::string>& notes) {
+  if (!is_urdf(file)) return Model(file);
+  UrdfFile urdf = read_urdf(file);
+  notes = std::move(urdf.notes);
+  Model merged(file);
+  for (const FingerLayer& layer : layers)
+    if (mj_name2id(merged.model.get(), mjOBJ_BODY, layer.body.c_str()) < 0)
+      return Model(file, urdf.with_all_links);
+  return merged;
+}
+
 class Importer {
  public:
   Importer(const std::filesystem::path& file, const std::filesystem::path& meshes, std::string id,
@@ -59,9 +86,12 @@ class Importer {
         meshes_(meshes),
         id_(std::move(id)),
         layers_(layers),
-        loaded_(file),
+        loaded_(load(file, layers, result_.notes)),
         m_(loaded_.model.get()),
-        d_(loaded_.data.get()) {}
+        d_(loaded_.data.get()),
+        contacts_(*m_) {
+    for (int b = 0; b < m_->nbody; ++b) names_.insert(body_name(b));
+  }
 
   ImportedScene run() {
     if (std::size_t(m_->nbody) > kMostBodies)
@@ -103,9 +133,19 @@ class Importer {
     const std::string own = name(mjOBJ_BODY, b, "body");
     return own == "world" || own == "ground" || own == "*" ? own + "_" : own;
   }
+  /// A name that no body has.
+  std::string new_name(std::string name) {
+    while (!names_.insert(name).second) name += "_";
+    return name;
+  }
   std::string joint_name(int j) const { return name(mjOBJ_JOINT, j, "joint"); }
   Isometry3d body_pose(int b) const { return pose(d_->xpos + 3 * b, d_->xquat + 4 * b); }
   bool moves(int b) const { return m_->body_weldid[b] != 0; }
+  /// Whether the file's <flag> switches one of these off.
+  bool is_off(int flags) const { return (m_->opt.disableflags & flags) != 0; }
+  bool is_limited(int j) const {
+    return m_->jnt_limited[j] && !is_off(mjDSBL_LIMIT | mjDSBL_CONSTRAINT);
+  }
 
   /// Sets the starting position.
   void place() {
@@ -116,7 +156,8 @@ class Importer {
     }
     for (int j = 0; j < m_->njnt; ++j) {
       const int type = m_->jnt_type[j];
-      if (!m_->jnt_limited[j] || (type != mjJNT_HINGE && type != mjJNT_SLIDE)) continue;
+      refuse_velocity(j);
+      if (!is_limited(j) || (type != mjJNT_HINGE && type != mjJNT_SLIDE)) continue;
       double& position = d_->qpos[m_->jnt_qposadr[j]];
       const double inside =
           std::clamp(position, double(m_->jnt_range[2 * j]),
@@ -129,12 +170,29 @@ class Importer {
     mj_kinematics(m_, d_);
   }
 
+  void refuse_velocity(int j) const {
+    const int type = m_->jnt_type[j];
+    if (type == mjJNT_FREE) return;
+    const double* velocity = d_->qvel + m_->jnt_dofadr[j];
+    for (int i = 0; i < (type == mjJNT_BALL ? 3 : 1); ++i)
+      if (velocity[i] != 0)
+        throw InputError(
+            file_.string(),
+            fmt::format("the velocity of joint {} in keyframe {}", in_quotes(joint_name(j)),
+                        in_quotes(name(mjOBJ_KEY, 0, "key"))),
+            fmt::format("{:g}", velocity[i]),
+            "0: in a scene only free bodies start with a velocity");
+  }
+
   void add_simulation() {
+    if (!(m_->opt.timestep > 0))
+      throw InputError(file_.string(), "<option> timestep", fmt::format("{:g}", m_->opt.timestep),
+                       "a time in s > 0");
     result_.text += fmt::format(
         "# From {} by softfinger simulate.\n"
         "id = {}\n\n[simulation]\ntime_step_ms = {}\nduration_s = 1\ngravity_m_per_s2 = {}\n\n",
         file_.filename().string(), in_quotes(id_), 1e3 * m_->opt.timestep,
-        list(vector(m_->opt.gravity)));
+        list(is_off(mjDSBL_GRAVITY) ? Vector3d(0, 0, 0) : vector(m_->opt.gravity)));
   }
 
   void add_layers() {
@@ -143,11 +201,14 @@ class Importer {
     result_.text += layer_tables(layers_, names);
   }
 
-  /// A body, and for each of its joints but the last a massless one before it.
+  /// A body, and for each of its joints but the last a massless one before it. A scene has one
+  /// friction for two bodies: geoms that meet others differently are bodies of their own, fixed to
+  /// the first.
   void add_body(int b) {
-    const std::string shapes = shapes_of(b);
-    has_shapes_.push_back(!shapes.empty());
-    if (b == 0 && shapes.empty()) return;
+    const std::vector<std::vector<int>> groups = contacts_.groups(b);
+    for (const std::vector<int>& group : groups) visual_geoms_ -= int(group.size());
+    visual_geoms_ += m_->body_geomnum[b];
+    if (b == 0 && groups.empty()) return;
     const int first = m_->body_jntadr[b], count = m_->body_jntnum[b];
     std::string parent =
         b == 0 || !moves(m_->body_parentid[b]) ? "world" : body_name(m_->body_parentid[b]);
@@ -156,34 +217,64 @@ class Importer {
       const int j = first + i;
       std::string child = body_name(b);
       if (i + 1 < count) {
-        child += fmt::format("_{}", i + 1);
+        child = new_name(child + fmt::format("_{}", i + 1));
         bodies_ += fmt::format("[[body]]\nname = {}\nmassless = true\n{}\n", in_quotes(child),
                                placed_lines(at));
       }
       add_joint(j, parent, child);
       parent = child;
     }
-    bodies_ += fmt::format("[[body]]\nname = {}\n{}", in_quotes(body_name(b)), placed_lines(at));
-    if (!moves(b)) {
-      bodies_ += "fixed = true\n";
-    } else {
-      add_mass(b);
-      if (count == 0)
-        joints_ += fmt::format(
-            "[[joint]]\nname = {}\nkind = \"fixed\"\nparent = {}\nchild = {}\n\n",
-            in_quotes("fixed_" + body_name(b)), in_quotes(parent), in_quotes(body_name(b)));
+    if (moves(b) && count == 0) fix(body_name(b), parent);
+    const std::size_t parts = std::max<std::size_t>(1, groups.size());
+    for (std::size_t i = 0; i < parts; ++i) {
+      const std::string part =
+          i == 0 ? body_name(b) : new_name(fmt::format("{}_geoms_{}", body_name(b), i + 1));
+      bodies_ += fmt::format("[[body]]\nname = {}\n{}", in_quotes(part), placed_lines(at));
+      if (moves(b))
+        add_mass(b, 1. / double(parts));
+      else
+        bodies_ += "fixed = true\n";
+      if (i == 0 && count > 0 && m_->jnt_type[first] == mjJNT_FREE) add_velocity(b);
+      if (i > 0 && moves(b)) fix(part, body_name(b));
+      bodies_ += layer_line(layers_, body_name(b));
+      if (!groups.empty()) {
+        parts_.push_back({part, b, groups[i].front()});
+        bodies_ += fmt::format("shapes = [\n{}]\n", shapes_of(groups[i]));
+      }
+      bodies_ += "\n";
     }
-    bodies_ += layer_line(layers_, body_name(b));
-    bodies_ += shapes.empty() ? "\n" : fmt::format("shapes = [\n{}]\n\n", shapes);
+    if (parts > 1)
+      note("the geoms of body {} touch others in {} ways: it is {} bodies, fixed to each other",
+           in_quotes(body_name(b)), parts, parts);
   }
 
-  void add_mass(int b) {
+  void fix(const std::string& child, const std::string& parent) {
+    joints_ += fmt::format("[[joint]]\nname = {}\nkind = \"fixed\"\nparent = {}\nchild = {}\n\n",
+                           in_quotes("fixed_" + child), in_quotes(parent), in_quotes(child));
+  }
+
+  /// @param share  of the body's mass: parts with one centre of mass add up to the body
+  void add_mass(int b, double share) {
     if (!(m_->body_mass[b] > 0)) {
       bodies_ += "massless = true\n";
       return;
     }
-    bodies_ += mass_lines(m_->body_mass[b], pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b),
-                          vector(m_->body_inertia + 3 * b).asDiagonal());
+    bodies_ +=
+        mass_lines(share * m_->body_mass[b], pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b),
+                   (share * vector(m_->body_inertia + 3 * b)).asDiagonal());
+  }
+
+  /// MuJoCo has the velocity of the body's origin in the world, and the angular one in the body's
+  /// axes; a scene that of the centre of mass, both in the world.
+  void add_velocity(int b) {
+    const double* velocity = d_->qvel + m_->body_dofadr[b];
+    const Matrix3d turn = body_pose(b).linear();
+    const Vector3d angular = turn * vector(velocity + 3);
+    const Vector3d linear = vector(velocity) + angular.cross(turn * vector(m_->body_ipos + 3 * b));
+    if (!linear.isZero(0))
+      bodies_ += fmt::format("velocity_mm_per_s = {}\n", list(kMillimetres * linear));
+    if (!angular.isZero(0))
+      bodies_ += fmt::format("angular_velocity_deg_per_s = {}\n", list(kDegrees * angular));
   }
 
   void add_joint(int j, const std::string& parent, const std::string& child) {
@@ -199,7 +290,7 @@ class Importer {
     if (type != mjJNT_SLIDE)
       joints_ += fmt::format("anchor_mm = {}\n", list(kMillimetres * vector(d_->xanchor + 3 * j)));
     if (type == mjJNT_BALL) {
-      if (m_->jnt_limited[j])
+      if (is_limited(j))
         note("the limit of the ball joint {} is left out", in_quotes(joint_name(j)));
       joints_ += "\n";
       return;
@@ -207,7 +298,7 @@ class Importer {
     const double unit = turns ? kDegrees : kMillimetres;
     joints_ += fmt::format("axis = {}\nstart{} = {}\n", list(vector(d_->xaxis + 3 * j)),
                            turns ? "_deg" : "_mm", unit * d_->qpos[m_->jnt_qposadr[j]]);
-    if (m_->jnt_limited[j])
+    if (is_limited(j))
       joints_ += fmt::format("limits{} = [{}, {}]\n", turns ? "_deg" : "_mm",
                              unit * m_->jnt_range[2 * j], unit * m_->jnt_range[2 * j + 1]);
     const int dof = m_->jnt_dofadr[j];
@@ -219,18 +310,9 @@ class Importer {
     joints_ += "\n";
   }
 
-  bool collides(int geom) const {
-    return m_->geom_contype[geom] != 0 || m_->geom_conaffinity[geom] != 0;
-  }
-
-  std::string shapes_of(int b) {
+  std::string shapes_of(const std::vector<int>& geoms) {
     std::string text;
-    const int first = m_->body_geomadr[b];
-    for (int g = first; g < first + m_->body_geomnum[b]; ++g) {
-      if (!collides(g)) {
-        ++visual_geoms_;
-        continue;
-      }
+    for (const int g : geoms) {
       const double* size = m_->geom_size + 3 * g;
       std::string shape;
       switch (m_->geom_type[g]) {
@@ -289,6 +371,7 @@ class Importer {
   }
 
   void add_loops() {
+    if (is_off(mjDSBL_EQUALITY | mjDSBL_CONSTRAINT)) return;
     for (int e = 0; e < m_->neq; ++e) {
       const std::string own = name(mjOBJ_EQUALITY, e, "equality");
       if (!m_->eq_active[e]) continue;
@@ -314,8 +397,8 @@ class Importer {
   /// Actuators, springs and dampers of a joint become its motor.
   struct JointMotor {
     double stiffness = 0, damping = 0, pulls = 0;  ///< pulls: stiffness times target
-    double most = std::numeric_limits<double>::infinity();
-    bool is_there = false;
+    double most = 0;                               ///< of its actuators together
+    int actuators = 0;
   };
 
   void add_actuator(int a) {
@@ -334,7 +417,9 @@ class Importer {
       return;
     }
     JointMotor& motor = motors_[j];
-    motor.is_there = true;
+    if (++motor.actuators == 2)
+      note("the actuators of joint {} are one motor with the sum of their limits",
+           in_quotes(joint_name(j)));
     const double gear = m_->actuator_gear[6 * a];
     if (m_->actuator_biastype[a] == mjBIAS_AFFINE) {
       const double* bias = m_->actuator_biasprm + mjNBIAS * a;
@@ -351,20 +436,24 @@ class Importer {
       if (range[0] != -range[1])
         note("the force range of actuator {} is taken to be its larger side both ways",
              in_quotes(own));
-      motor.most = std::abs(gear) * std::max(std::abs(range[0]), std::abs(range[1]));
+      motor.most += std::abs(gear) * std::max(std::abs(range[0]), std::abs(range[1]));
+    } else {
+      motor.most = std::numeric_limits<double>::infinity();
     }
   }
 
   void add_motors() {
-    for (int a = 0; a < m_->nu; ++a) add_actuator(a);
-    if (m_->nu > 0)
+    const bool has_actuators = m_->nu > 0 && !is_off(mjDSBL_ACTUATION);
+    for (int a = 0; a < m_->nu && has_actuators; ++a) add_actuator(a);
+    if (has_actuators)
       note(
           "actuators hold their joints where they start, or rest, until --control, a position or "
           "an "
           "effort in the scene moves them");
     for (int j = 0; j < m_->njnt; ++j) {
-      const double damping = m_->dof_damping[m_->jnt_dofadr[j]];
-      const double stiffness = m_->jnt_stiffness[j];
+      const bool is_passive = !is_off(mjDSBL_PASSIVE);
+      const double damping = is_passive ? m_->dof_damping[m_->jnt_dofadr[j]] : 0;
+      const double stiffness = is_passive ? m_->jnt_stiffness[j] : 0;
       const int type = m_->jnt_type[j];
       if (type != mjJNT_HINGE && type != mjJNT_SLIDE) {
         if (damping > 0 || stiffness > 0)
@@ -375,7 +464,8 @@ class Importer {
       auto found = motors_.find(j);
       if (damping == 0 && stiffness == 0 && found == motors_.end()) continue;
       JointMotor& motor = motors_[j];
-      if (motor.is_there && std::isfinite(motor.most) && (damping > 0 || stiffness > 0))
+      if (motor.actuators == 0) motor.most = std::numeric_limits<double>::infinity();
+      if (std::isfinite(motor.most) && (damping > 0 || stiffness > 0))
         note("damping and stiffness of joint {} share its actuator's force limit",
              in_quotes(joint_name(j)));
       motor.damping += damping;
@@ -397,54 +487,44 @@ class Importer {
 
   /// Which bodies collide, and with which friction.
   void add_contacts() {
-    std::set<std::pair<int, int>> excluded;
-    for (int e = 0; e < m_->nexclude; ++e) {
-      const int a = (m_->exclude_signature[e] >> 16) - 1,
-                b = (m_->exclude_signature[e] & 0xffff) - 1;
-      excluded.insert(std::minmax(a, b));
-    }
-    const auto friction_of = [this](int body) {
-      double most = 0;
-      const int first = m_->body_geomadr[body];
-      for (int g = first; g < first + m_->body_geomnum[body]; ++g)
-        if (collides(g)) most = std::max(most, double(m_->geom_friction[3 * g]));
-      return most;
-    };
-    for (int a = 0; a < m_->nbody; ++a)
-      for (int b = a + 1; b < m_->nbody; ++b) {
-        if (!has_shapes_[std::size_t(a)] || !has_shapes_[std::size_t(b)]) continue;
-        if (!moves(a) && !moves(b)) continue;
-        // As MuJoCo does it: a body and its parent pass through each other.
-        const bool are_parent_and_child =
-            m_->body_weldid[m_->body_parentid[m_->body_weldid[b]]] == m_->body_weldid[a] &&
-            moves(a);
-        const bool collide = !excluded.count({a, b}) && !are_parent_and_child && masks_meet(a, b) &&
-                             m_->body_weldid[a] != m_->body_weldid[b];
+    for (auto a = parts_.begin(); a != parts_.end(); ++a)
+      for (auto b = a + 1; b != parts_.end(); ++b) {
+        if (!moves(a->body) && !moves(b->body)) continue;
         if (++rules_ > kMostRules)
           refuse("pairs of bodies with shapes", fmt::format("at most {}", kMostRules));
-        result_.text += fmt::format("[[contact]]\nbodies = [{}, {}]\n{}\n\n",
-                                    in_quotes(body_name(a)), in_quotes(body_name(b)),
-                                    collide ? fmt::format("friction_coefficient = {}",
-                                                          std::max(friction_of(a), friction_of(b)))
-                                            : "collide = false");
+        const bool hang_together = m_->body_weldid[a->body] == m_->body_weldid[b->body];
+        const auto friction = contacts_.friction_coefficient(a->geom, b->geom);
+        result_.text += fmt::format(
+            "[[contact]]\nbodies = [{}, {}]\n{}\n\n", in_quotes(a->name), in_quotes(b->name),
+            friction && !hang_together ? fmt::format("friction_coefficient = {}", *friction)
+                                       : "collide = false");
       }
   }
 
-  bool masks_meet(int a, int b) const {
-    for (int g = m_->body_geomadr[a]; g < m_->body_geomadr[a] + m_->body_geomnum[a]; ++g)
-      for (int h = m_->body_geomadr[b]; h < m_->body_geomadr[b] + m_->body_geomnum[b]; ++h)
-        if ((m_->geom_contype[g] & m_->geom_conaffinity[h]) != 0 ||
-            (m_->geom_contype[h] & m_->geom_conaffinity[g]) != 0)
-          return true;
-    return false;
+  void note_what_is_off() {
+    std::string off;
+    for (const auto& [flag, what] :
+         {std::pair(mjDSBL_CONSTRAINT, "contacts, limits and equalities"),
+          std::pair(mjDSBL_CONTACT, "contacts"), std::pair(mjDSBL_GRAVITY, "gravity"),
+          std::pair(mjDSBL_LIMIT, "limits"), std::pair(mjDSBL_EQUALITY, "equalities"),
+          std::pair(mjDSBL_PASSIVE, "springs and dampers"),
+          std::pair(mjDSBL_ACTUATION, "actuators")})
+      if (is_off(flag)) off += (off.empty() ? "" : ", ") + std::string(what);
+    if (!off.empty()) note("the file switches off, and so does the scene: {}", off);
   }
 
   void note_the_rest() {
+    note_what_is_off();
+    if (m_->opt.collision == mjCOL_PAIR) note("only the contact pairs of the file touch");
+    for (int p = 0; p < m_->npair; ++p)
+      if (m_->pair_friction[5 * p] != m_->pair_friction[5 * p + 1])
+        note("the contact pair of {} and {} has the first of its friction coefficients both ways",
+             in_quotes(name(mjOBJ_GEOM, m_->pair_geom1[p], "geom")),
+             in_quotes(name(mjOBJ_GEOM, m_->pair_geom2[p], "geom")));
     if (visual_geoms_ > 0) note("{} geoms that collide with nothing are left out", visual_geoms_);
     if (!written_meshes_.empty())
       note("meshes collide as they are; MuJoCo takes their convex hulls");
     if (m_->ntendon > 0) note("{} tendons are left out", m_->ntendon);
-    if (m_->npair > 0) note("{} contact pairs with settings of their own are left out", m_->npair);
     if (m_->nsensor > 0) note("{} sensors are left out", m_->nsensor);
     if (m_->opt.density > 0 || m_->opt.viscosity > 0) note("the medium's drag is left out");
     if (m_->nmocap > 0) note("mocap bodies stand still");
@@ -459,12 +539,19 @@ class Importer {
   const std::filesystem::path& meshes_;
   std::string id_;
   const std::vector<FingerLayer>& layers_;
+  ImportedScene result_;
   Model loaded_;
   const mjModel* m_;
   mjData* d_;
-  ImportedScene result_;
+  MujocoContacts contacts_;
   std::string bodies_, joints_;
-  std::vector<char> has_shapes_;
+  /// A body of the scene with shapes, and a geom that stands for all of them.
+  struct Part {
+    std::string name;
+    int body = 0, geom = 0;
+  };
+  std::vector<Part> parts_;
+  std::set<std::string> names_;  ///< of bodies
   std::set<int> written_meshes_;
   std::map<int, JointMotor> motors_;
   int visual_geoms_ = 0;

@@ -64,13 +64,15 @@ class Importer {
 
     std::vector<std::string> names;
     for (const Body& body : bodies_) names.push_back(body.name);
+    names_.insert(names.begin(), names.end());
     result_.text = fmt::format(
         "# From {} by softfinger simulate.\n"
         "id = {}\n\n[simulation]\ntime_step_ms = {}\nduration_s = 1\ngravity_m_per_s2 = {}\n\n",
         file_.filename().string(), in_quotes(id_), 1e3 * time_step_s, list(gravity));
     result_.text += layer_tables(layers_, names);
-    for (const Body& body : bodies_) add_body(body);
-    result_.text += joints_ + loops_ + motors_;
+    gravity_m_per_s2_ = gravity;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) add_body(b);
+    result_.text += joints_ + loops_ + motors_ + forces_;
     add_contacts();
     note("plugins, sensors and visuals are left out");
     note("contacts are rigid points with Coulomb's friction, or soft where --finger-layer says so");
@@ -106,19 +108,37 @@ class Importer {
              fmt::format("1 to {} bytes without control characters", kLongestName));
     return name == "world" || name == "*" ? name + "_" : name;
   }
+  /// A name that no body has.
+  std::string new_name(std::string name) {
+    while (!names_.insert(name).second) name += "_";
+    return name;
+  }
   Isometry3d resolved(const sdf::SemanticPose& semantic, const std::string& frame) const {
     ignition::math::Pose3d result;
     require(semantic.Resolve(result, frame));
     return pose(result);
   }
 
+  /// The frame of a model that its pose places.
+  Isometry3d placement(const sdf::Model& model, const std::string& frame) const {
+    if (const sdf::Link* link = model.LinkByName(frame))
+      return resolved(link->SemanticPose(), "__model__");
+    if (const sdf::Joint* joint = model.JointByName(frame))
+      return resolved(joint->SemanticPose(), "__model__");
+    if (const sdf::Frame* own = model.FrameByName(frame))
+      return resolved(own->SemanticPose(), "__model__");
+    refuse("placement_frame " + in_quotes(frame), "a link, joint or frame of the model");
+  }
+
   void add_links(const sdf::Model& model) {
     if (model.ModelCount() > 0)
       refuse("model " + in_quotes(model.Name()),
              "links and joints: models in models are not known");
-    const Isometry3d at = pose(model.RawPose());
+    Isometry3d at = pose(model.RawPose());
     if (!model.PoseRelativeTo().empty())
       refuse("model " + in_quotes(model.Name()), "a pose in the world, without relative_to");
+    if (const std::string& frame = model.PlacementFrameName(); !frame.empty())
+      at = at * placement(model, frame).inverse();
     for (std::uint64_t i = 0; i < model.LinkCount(); ++i) {
       Body body;
       body.model = &model;
@@ -197,6 +217,18 @@ class Importer {
     }
   }
 
+  /// libsdformat 12 does not know the element.
+  void note_mimic(const std::string& name, const sdf::JointAxis& axis) {
+    const sdf::ElementPtr element = axis.Element();
+    if (!element) return;
+    for (sdf::ElementPtr child = element->GetFirstElement(); child; child = child->GetNextElement())
+      if (child->GetName() == "mimic")
+        note(
+            "joint {} moves by itself, not as joint {}: <mimic> is left out, a [[motor]] of its "
+            "own can move it",
+            in_quotes(name), in_quotes(child->Get<std::string>("joint", "").first));
+  }
+
   void add_axis(const std::string& name, const sdf::JointAxis& axis, bool turns) {
     const double unit = turns ? kDegree : kMillimetre;
     // Without limits SDF has 1e16.
@@ -206,6 +238,16 @@ class Importer {
                  ? std::copysign(std::numeric_limits<double>::infinity(), value)
                  : value / unit;
     };
+    if (!(axis.Lower() <= axis.Upper()))
+      throw InputError(file_.string(), "the limits of joint " + in_quotes(name),
+                       fmt::format("{} to {}", axis.Lower(), axis.Upper()), "lower <= upper");
+    for (const double value : {axis.Damping(), axis.Friction(), axis.SpringStiffness(),
+                               axis.SpringReference(), axis.Effort(), axis.MaxVelocity()})
+      if (std::isnan(value))
+        throw InputError(file_.string(), "the axis of joint " + in_quotes(name), "nan", "numbers");
+    note_mimic(name, axis);
+    if (std::isfinite(axis.MaxVelocity()) && axis.MaxVelocity() > 0 && axis.MaxVelocity() < kNone)
+      note("the velocity limit of joint {} is left out", in_quotes(name));
     if (axis.Lower() > 0 || axis.Upper() < 0)
       note("the limits of joint {} are widened to the 0 at which it starts", in_quotes(name));
     const double lower = std::min(0., limit(axis.Lower())),
@@ -231,26 +273,111 @@ class Importer {
     motors_ += "\n";
   }
 
-  void add_body(const Body& body) {
-    result_.text +=
-        fmt::format("[[body]]\nname = {}\n{}", in_quotes(body.name), placed_lines(body.pose));
-    if (body.is_fixed) {
-      result_.text += "fixed = true\n";
-    } else {
-      const auto& inertial = body.link->Inertial();
-      const ignition::math::Matrix3d moi = inertial.MassMatrix().Moi();
-      Matrix3d inertia;
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) inertia(i, j) = moi(std::size_t(i), std::size_t(j));
-      result_.text += mass_lines(inertial.MassMatrix().Mass(), pose(inertial.Pose()), inertia);
+  /// What a collision's <surface> says about touching others.
+  struct Surface {
+    double friction_coefficient = 1;
+    unsigned collide = 0xffff, category = 0xffff;
+
+    bool operator==(const Surface& other) const {
+      return friction_coefficient == other.friction_coefficient && collide == other.collide &&
+             category == other.category;
     }
-    result_.text += layer_line(layers_, body.name);
-    std::string shapes;
+    bool meets(const Surface& other) const {
+      return ((category & other.collide) | (other.category & collide)) != 0;
+    }
+  };
+
+  /// An element in others, or null.
+  static sdf::ElementPtr inner(sdf::ElementPtr element, std::initializer_list<const char*> path) {
+    for (const char* part : path)
+      element = element && element->HasElement(part) ? element->GetElement(part) : nullptr;
+    return element;
+  }
+
+  Surface surface(const sdf::Collision& collision) {
+    Surface result;
+    if (const sdf::ElementPtr ode = inner(collision.Element(), {"surface", "friction", "ode"})) {
+      const double along = ode->Get<double>("mu", 1.).first;
+      const double across = ode->Get<double>("mu2", 1.).first;
+      result.friction_coefficient = std::min(along, across);
+      if (along != across)
+        note("collision {} has the smaller of its two friction coefficients both ways",
+             in_quotes(collision.Name()));
+    }
+    if (const sdf::ElementPtr contact = inner(collision.Element(), {"surface", "contact"})) {
+      result.collide = contact->Get<unsigned>("collide_bitmask", 0xffffU).first;
+      result.category = contact->HasElement("category_bitmask")
+                            ? contact->Get<unsigned>("category_bitmask")
+                            : result.collide;
+    }
+    return result;
+  }
+
+  /// A scene has one friction for two bodies: collisions whose surfaces differ are bodies of their
+  /// own, fixed to the first.
+  void add_body(std::size_t b) {
+    const Body& body = bodies_[b];
+    std::vector<Part> parts;
+    std::vector<std::string> shapes;
     for (std::uint64_t i = 0; i < body.link->CollisionCount(); ++i) {
       const sdf::Collision& collision = *body.link->CollisionByIndex(i);
-      shapes += shape(collision, resolved(collision.SemanticPose(), body.link->Name()));
+      const Surface own = surface(collision);
+      std::size_t p = 0;
+      while (p < parts.size() && !(parts[p].surface == own)) ++p;
+      if (p == parts.size()) {
+        parts.push_back(
+            {p == 0 ? body.name : new_name(fmt::format("{}_collisions_{}", body.name, p + 1)), b,
+             own});
+        shapes.emplace_back();
+      }
+      shapes[p] += shape(collision, resolved(collision.SemanticPose(), body.link->Name()));
     }
-    result_.text += shapes.empty() ? "\n" : "shapes = [\n" + shapes + "]\n\n";
+    const std::size_t count = std::max<std::size_t>(1, parts.size());
+    for (std::size_t p = 0; p < count; ++p) {
+      const std::string name = parts.empty() ? body.name : parts[p].name;
+      result_.text +=
+          fmt::format("[[body]]\nname = {}\n{}", in_quotes(name), placed_lines(body.pose));
+      if (body.is_fixed)
+        result_.text += "fixed = true\n";
+      else
+        add_mass(body, 1. / double(count));
+      if (p > 0 && !body.is_fixed)
+        joints_ +=
+            fmt::format("[[joint]]\nname = {}\nkind = \"fixed\"\nparent = {}\nchild = {}\n\n",
+                        in_quotes("fixed_" + name), in_quotes(body.name), in_quotes(name));
+      result_.text += layer_line(layers_, body.name);
+      const bool has_shapes = !shapes.empty() && !shapes[p].empty();
+      result_.text += has_shapes ? "shapes = [\n" + shapes[p] + "]\n\n" : "\n";
+      if (has_shapes) parts_.push_back(parts[p]);
+    }
+    if (count > 1)
+      note("the collisions of link {} have {} surfaces: it is {} bodies, fixed to each other",
+           in_quotes(body.name), count, count);
+    if (!body.is_fixed && !body.link->Element()->Get<bool>("gravity", true).first) add_lift(body);
+  }
+
+  /// @param share  of the link's mass: parts with one centre of mass add up to the link
+  void add_mass(const Body& body, double share) {
+    const auto& inertial = body.link->Inertial();
+    const double mass_kg = inertial.MassMatrix().Mass();
+    if (!(mass_kg > 0))
+      throw InputError(file_.string(), "the mass of link " + in_quotes(body.name),
+                       fmt::format("{}", mass_kg), "a number > 0, in kg");
+    const ignition::math::Matrix3d moi = inertial.MassMatrix().Moi();
+    Matrix3d inertia;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) inertia(i, j) = moi(std::size_t(i), std::size_t(j));
+    result_.text += mass_lines(share * mass_kg, pose(inertial.Pose()), share * inertia);
+  }
+
+  /// A scene has gravity for all bodies: one without it is held by its weight at its centre of
+  /// mass.
+  void add_lift(const Body& body) {
+    const Vector3d force = -body.link->Inertial().MassMatrix().Mass() * gravity_m_per_s2_;
+    forces_ += fmt::format("[[force]]\nbody = {}\ntime_s = [0]\nforce_N = [{}]\n\n",
+                           in_quotes(body.name), list(force));
+    note("link {} has no gravity: a [[force]] holds its weight in the file's gravity",
+         in_quotes(body.name));
   }
 
   std::string shape(const sdf::Collision& collision, Isometry3d at) const {
@@ -308,35 +435,23 @@ class Importer {
                        in_quotes(std::filesystem::absolute(path).string()));
   }
 
-  /// The least coefficient of the link's collisions; SDF's own is 1.
-  double friction(const Body& body) const {
-    double least = 1;
-    for (std::uint64_t i = 0; i < body.link->CollisionCount(); ++i) {
-      sdf::ElementPtr element = body.link->CollisionByIndex(i)->Element();
-      for (const char* part : {"surface", "friction", "ode"})
-        element = element && element->HasElement(part) ? element->GetElement(part) : nullptr;
-      if (element) least = std::min(least, element->Get<double>("mu", 1.).first);
-    }
-    return least;
-  }
-
+  /// Of two surfaces the smaller friction counts.
   void add_contacts() {
     std::size_t rules = 0;
-    for (std::size_t a = 0; a < bodies_.size(); ++a)
-      for (std::size_t b = a + 1; b < bodies_.size(); ++b) {
-        if (bodies_[a].link->CollisionCount() == 0 || bodies_[b].link->CollisionCount() == 0)
-          continue;
-        if (bodies_[a].is_fixed && bodies_[b].is_fixed) continue;
+    for (auto a = parts_.begin(); a != parts_.end(); ++a)
+      for (auto b = a + 1; b != parts_.end(); ++b) {
+        const Body &first = bodies_[a->body], &second = bodies_[b->body];
+        if (first.is_fixed && second.is_fixed) continue;
         if (++rules > kMostRules)
           refuse("pairs of links with collisions", fmt::format("at most {}", kMostRules));
-        const bool collide =
-            bodies_[a].model != bodies_[b].model || bodies_[a].model->SelfCollide();
-        result_.text +=
-            fmt::format("[[contact]]\nbodies = [{}, {}]\n{}\n\n", in_quotes(bodies_[a].name),
-                        in_quotes(bodies_[b].name),
-                        collide ? fmt::format("friction_coefficient = {}",
-                                              std::min(friction(bodies_[a]), friction(bodies_[b])))
-                                : "collide = false");
+        const bool collide = a->surface.meets(b->surface) && a->body != b->body &&
+                             (first.model != second.model || first.model->SelfCollide());
+        result_.text += fmt::format("[[contact]]\nbodies = [{}, {}]\n{}\n\n", in_quotes(a->name),
+                                    in_quotes(b->name),
+                                    collide ? fmt::format("friction_coefficient = {}",
+                                                          std::min(a->surface.friction_coefficient,
+                                                                   b->surface.friction_coefficient))
+                                            : "collide = false");
       }
   }
 
@@ -349,7 +464,16 @@ class Importer {
   std::vector<std::size_t> group_;  ///< of links that hang together
   std::map<std::pair<const sdf::Model*, std::string>, std::size_t> place_of_link_;
   std::set<std::size_t> has_parent_;
-  std::string joints_, loops_, motors_;
+  /// A body of the scene with shapes.
+  struct Part {
+    std::string name;
+    std::size_t body = 0;
+    Surface surface;
+  };
+  std::vector<Part> parts_;
+  std::set<std::string> names_;  ///< of bodies
+  Vector3d gravity_m_per_s2_ = Vector3d::Zero();
+  std::string joints_, loops_, motors_, forces_;
 };
 
 }  // namespace

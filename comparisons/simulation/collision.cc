@@ -467,7 +467,8 @@ void CollisionDetector::require_no_overlap(const Multibody& bodies) {
                      fmt::format("overlap of \"{}\" and \"{}\" at the start, in mm",
                                  bodies.body(point.a).name, bodies.body(point.b).name),
                      fmt::format("{:.4g}", -point.gap_m * 1e3),
-                     "bodies that do not interpenetrate");
+                     "bodies that do not interpenetrate, or collide = false in their [[contact]] "
+                     "(of a robot's file: in the scene that --write-scene keeps)");
   }
 }
 

@@ -139,6 +139,45 @@ TEST_F(Apply, TakesPairsOptionsAndHigherPrioritiesOfMjcfAlong) {
   expect("<pair geom1='floor' geom2='tip' condim=\"4\" friction=\"0.8 0.8 0.0012");
 }
 
+TEST_F(Apply, LeavesOutGeomsThatTouchNothing) {
+  const auto model = [&](const std::string& more = "") {
+    folder.write(
+        "seen.xml",
+        "<mujoco><default><default class='hand'><default class='seen'><geom contype='0' "
+        "conaffinity='0'/></default></default></default><worldbody><body name='finger' "
+        "childclass='seen'><geom name='a' size='.01'/><geom name='b' size='.01' class='hand'/>"
+        "</body><body name='shown'><geom name='c' size='.01' contype='0' conaffinity='0'/></body>"
+        "</worldbody>" +
+            more + "</mujoco>");
+  };
+  model();
+  ASSERT_EQ(apply("seen.xml", {"--finger", "finger", "--to", "mujoco", "-o", "soft.xml"}).status,
+            0);
+  const std::string text = file_text(folder.path() / "soft.xml");
+  EXPECT_NE(text.find("<geom name='a' size='.01'/>"), std::string::npos) << text;
+  EXPECT_NE(text.find("<geom name='b' size='.01' class='hand' condim"), std::string::npos) << text;
+  for (const char* finger : {"a", "shown"})
+    expect_refusal("seen.xml", {"--finger", finger, "--to", "mujoco", "-o", "out"},
+                   "contype and conaffinity are 0");
+  // A pair makes it touch.
+  model("<contact><pair geom1='a' geom2='c'/></contact>");
+  EXPECT_EQ(apply("seen.xml", {"--finger", "a", "--to", "mujoco", "-o", "out"}).status, 0);
+}
+
+TEST_F(Apply, SaysTheNamesThatTellCollisionsApart) {
+  const auto model = [](const std::string& name) {
+    return "<model name='" + name +
+           "'><link name='l'><collision name='c'><geometry><sphere><radius>0.01</radius></sphere>"
+           "</geometry></collision></link></model>";
+  };
+  folder.write("two.sdf",
+               "<sdf version='1.9'><world name='w'>" + model("m") + model("n") + "</world></sdf>");
+  for (const char* finger : {"l::c", "c"})
+    expect_refusal("two.sdf", {"--finger", finger, "--to", "gazebo", "-o", "out"},
+                   "2 have this name; name it m::l::c or n::l::c");
+  EXPECT_EQ(apply("two.sdf", {"--finger", "n::l::c", "--to", "gazebo", "-o", "out"}).status, 0);
+}
+
 TEST_F(Apply, NeedsTheDepthOfAMeshForDrake) {
   std::string text = kUrdf;
   const std::string sphere = "<sphere radius=\"0.01\"/>";

@@ -105,6 +105,22 @@ TEST_F(CommandLine, RefusesNumbersByTheOptionThatTypedThem) {
   refuse("--friction", "[", {"--friction ["});
 }
 
+TEST_F(CommandLine, TakesNumbersWithoutADigitOnOneSideOfThePoint) {
+  const auto numbers = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"predict", "--json"});
+    return words;
+  };
+  json full =
+      answer_of(numbers({"--radii-mm", "0.5,20.0", "--thickness-mm", "2.0", "--youngs-modulus-kPa",
+                         "300", "--poisson-ratio", "0.49", "--load", "0.1"}));
+  json bare =
+      answer_of(numbers({"--radii-mm", ".5,20.", "--thickness-mm", "2.", "--youngs-modulus-kPa",
+                         "300", "--poisson-ratio", ".49", "--load", ".1"}));
+  for (json* object : {&full, &bare})
+    for (json& answer : (*object)["results"]) answer.erase("cost_ns");
+  EXPECT_EQ(full, bare);
+}
+
 TEST_F(CommandLine, ReplacesValuesOfEveryFile) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 5.0]")).string();
   const auto other = [&] {

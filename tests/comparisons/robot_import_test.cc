@@ -7,9 +7,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
+#include <random>
 
 #include "comparisons/input/scene.h"
+#include "comparisons/robots/mujoco_contacts.h"
 #include "comparisons/robots/mujoco_scene.h"
 #include "comparisons/simulation/simulate.h"
 #include "softfinger/dynamics/time_stepper.h"
@@ -86,14 +89,16 @@ class Robots : public testing::Test {
   std::string text_;
 };
 
-/// The same file in MuJoCo, without contacts, stepped by RK4.
+/// The same file in MuJoCo, with its contacts and steps or without contacts, stepped by RK4.
 struct Mujoco {
-  explicit Mujoco(const fs::path& file) {
+  explicit Mujoco(const fs::path& file, bool as_it_is = false) {
     char error[1000] = "";
     model.reset(mj_loadXML(file.c_str(), nullptr, error, sizeof error));
     EXPECT_TRUE(model) << error;
-    model->opt.disableflags |= mjDSBL_CONTACT;
-    model->opt.integrator = mjINT_RK4;
+    if (!as_it_is) {
+      model->opt.disableflags |= mjDSBL_CONTACT;
+      model->opt.integrator = mjINT_RK4;
+    }
     data.reset(mj_makeData(model.get()));
     mj_forward(model.get(), data.get());
   }
@@ -235,6 +240,272 @@ TEST_F(Robots, KeepActuatorsLimitsAndLoops) {
   EXPECT_EQ(run.steps, 500);
 }
 
+/// A random model whose geoms all overlap: bodies in and beside each other, some with a joint.
+std::string crowded_model(std::mt19937& random) {
+  const auto any = [&](int most) { return int(random() % unsigned(most + 1)); };
+  std::string text = "<mujoco><size nconmax='500' njmax='1'/><option collision='" +
+                     std::string(std::vector<const char*>{"all", "all", "predefined",
+                                                          "dynamic"}[std::size_t(any(3))]) +
+                     "'><flag filterparent='" + (any(3) ? "enable" : "disable") + "' contact='" +
+                     (any(7) ? "enable" : "disable") + "'/></option><worldbody>";
+  int geoms = 0, bodies = 0;
+  const auto add_geoms = [&] {
+    for (int i = any(2); i >= 0; --i)
+      text += "<geom name='g" + std::to_string(geoms++) + "' size='1' pos='0." +
+              std::to_string(any(9)) + " 0 0' contype='" + std::to_string(any(3)) +
+              "' conaffinity='" + std::to_string(any(3)) + "' priority='" +
+              std::to_string(any(2) / 2) + "' condim='" +
+              std::vector<const char*>{"1", "3", "4", "6"}[std::size_t(any(3))] + "' friction='0." +
+              std::to_string(1 + any(8)) + " 0 0'/>";
+  };
+  add_geoms();
+  int open = 0;
+  while (bodies < 6) {
+    text += "<body name='b" + std::to_string(bodies++) + "'>";
+    if (any(2)) text += "<joint/>";
+    add_geoms();
+    ++open;
+    while (open > 0 && any(1)) {
+      text += "</body>";
+      --open;
+    }
+  }
+  for (; open > 0; --open) text += "</body>";
+  text += "</worldbody><contact><exclude body1='b0' body2='b4'/>";
+  for (int i = 0; i < 2; ++i) {
+    // MuJoCo has no pairs within a body.
+    text += "<pair geom1='g0' geom2='g" + std::to_string(geoms - 1 - i) + "' condim='" +
+            (any(1) ? "1" : "3") + "' friction='0.95 0.95 0 0 0'/>";
+    if (any(1)) break;
+  }
+  return text + "</contact></mujoco>";
+}
+
+TEST_F(Robots, OfMjcfTouchAsInMujoco) {
+  std::mt19937 random(1);
+  std::size_t touching = 0;
+  for (int n = 0; n < 300; ++n) {
+    const std::string text = crowded_model(random);
+    char error[1000] = "";
+    const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
+        mj_loadXML(folder_.write("crowd.xml", text).c_str(), nullptr, error, sizeof error),
+        mj_deleteModel);
+    ASSERT_TRUE(model) << error << text;
+    const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(model.get()), mj_deleteData);
+    mj_kinematics(model.get(), data.get());
+    mj_collision(model.get(), data.get());
+    std::map<std::pair<int, int>, double> expected, found;
+    for (int i = 0; i < data->ncon; ++i) {
+      const mjContact& contact = data->contact[i];
+      expected[std::minmax(contact.geom1, contact.geom2)] =
+          contact.dim == 1 ? 0 : contact.friction[0];
+    }
+    const robots::MujocoContacts contacts(*model);
+    for (int g = 0; g < model->ngeom; ++g)
+      for (int h = g + 1; h < model->ngeom; ++h)
+        if (const auto friction = contacts.friction_coefficient(g, h)) found[{g, h}] = *friction;
+    ASSERT_EQ(found, expected) << text;
+    touching += expected.size();
+  }
+  EXPECT_GT(touching, 5000u) << "the models show something";
+}
+
+/// A box of 0.1 kg on a plane, in gravity that pulls it along the plane, too.
+std::string sled(const std::string& option, const std::string& floor, const std::string& box) {
+  return "<mujoco><option gravity='4 0 -9.81'" + option +
+         "</option><worldbody><geom name='floor' type='plane' size='1 1 1' " + floor +
+         "/><body name='box' pos='0 0 .02'><freejoint/><geom name='g' type='box' "
+         "size='.04 .04 .01' mass='.1' pos='0 0 -.01' " +
+         box + "/></body></worldbody></mujoco>";
+}
+
+/// How far body `b` of a scene gets along an axis within its second.
+double way_m(const input::Scene& scene, std::size_t b, int axis) {
+  const simulation::Simulation run = simulation::simulate(scene);
+  EXPECT_EQ(run.failure, "");
+  return run.recording.frames.back().poses[b].translation()(axis) -
+         run.recording.frames.front().poses[b].translation()(axis);
+}
+
+/// The same of MuJoCo's body `b`, which counts the world.
+double mujoco_way_m(const fs::path& file, int b, int axis) {
+  Mujoco reference(file, true);
+  const double start = reference.data->xpos[3 * b + axis];
+  while (reference.data->time < 1 - 1e-9) mj_step(reference.model.get(), reference.data.get());
+  return reference.data->xpos[3 * b + axis] - start;
+}
+
+TEST_F(Robots, OfMjcfSlideWithThePrioritysFriction) {
+  // Newton: a box that slides accelerates by g_x - mu g_z.
+  const auto way = [](double friction) { return 0.5 * std::max(0., 4 - friction * 9.81); };
+  struct Sled {
+    const char *floor, *box;
+    double friction;
+  };
+  for (const Sled& one :
+       {Sled{"friction='1 0 0'", "friction='.3 0 0' priority='1'", 0.3},
+        Sled{"friction='.2 0 0' priority='2'", "friction='.3 0 0' priority='1'", 0.2},
+        Sled{"friction='.1 0 0'", "friction='.3 0 0'", 0.3}, Sled{"condim='1'", "condim='1'", 0},
+        Sled{"condim='1'", "condim='3'", 1}}) {
+    const std::string text = sled(">", one.floor, one.box);
+    const input::Scene scene = import("sled.xml", text);
+    EXPECT_EQ(scene.rule(0, 1).shear_law.friction_coefficient, one.friction) << text;
+    const double ours = way_m(scene, 1, 0),
+                 theirs = mujoco_way_m(folder_.path() / "sled.xml", 1, 0);
+    std::printf("sled: %.4f m, MuJoCo %.4f m, Newton %.4f m\n", ours, theirs, way(one.friction));
+    // A step of 2 ms late or early at 4 m/s.
+    EXPECT_NEAR(ours, way(one.friction), 8e-3) << text;
+    // MuJoCo's friction creeps and its contacts are soft.
+    EXPECT_NEAR(theirs, way(one.friction), 3e-2) << text;
+  }
+}
+
+TEST_F(Robots, OfMjcfKnowWhatTheFileSwitchesOff) {
+  const double fall_m = 0.5 * 9.81;
+  import("off.xml", sled("><flag gravity='disable'/>", "", ""));
+  EXPECT_TRUE(is_noted("switches off, and so does the scene: gravity"));
+  EXPECT_EQ(input::parse_scene(text_, "off.toml").gravity.value(0), Eigen::Vector3d::Zero());
+  for (const char* option : {"><flag contact='disable'/>", "><flag constraint='disable'/>",
+                             " collision='predefined'>"}) {
+    const input::Scene scene = import("off.xml", sled(option, "", ""));
+    // The first step of two falls by g dt^2.
+    EXPECT_NEAR(way_m(scene, 1, 2), -fall_m, 9.81 * 2e-3) << option;
+    EXPECT_NEAR(mujoco_way_m(folder_.path() / "off.xml", 1, 2), -fall_m, 9.81 * 2e-3) << option;
+  }
+  const char* const limited = R"(<mujoco><option gravity='0 0 -1'><flag limit='disable'
+    passive='disable' actuation='disable' equality='disable'/></option><worldbody><body name='a'>
+    <joint name='j' type='slide' axis='0 0 1' range='-.1 .1' limited='true' damping='1'
+    stiffness='9'/><geom size='.1'/></body></worldbody>
+    <equality><connect body1='a' body2='world' anchor='0 0 0'/></equality>
+    <actuator><position joint='j' kp='10'/></actuator></mujoco>)";
+  const input::Scene scene = import("limited.xml", limited);
+  EXPECT_EQ(scene.loops.size() + scene.motors.size(), 0u);
+  EXPECT_NEAR(way_m(scene, 0, 2), -0.5, 2e-3);
+  EXPECT_NEAR(mujoco_way_m(folder_.path() / "limited.xml", 1, 2), -0.5, 2e-3);
+}
+
+TEST_F(Robots, OfMjcfKeepGeomsApartThatTouchDifferently) {
+  // A second geom of the body that touches nothing here, but has another friction or group.
+  for (const char* other :
+       {"size='.01 .01 .01' friction='1 0 0'", "size='.2 .2 .2' contype='2' conaffinity='2'"}) {
+    std::string text = sled(">", "friction='.1 0 0'", "friction='.1 0 0'");
+    const std::string end = "</body>";
+    text.insert(text.find(end),
+                std::string("<geom type='box' pos='.01 0 .01' mass='.02' ") + other + "/>");
+    const input::Scene scene = import("two.xml", text, {{"box", 2, 300, 0.49}});
+    ASSERT_EQ(scene.bodies.size(), 3u);
+    EXPECT_TRUE(scene.bodies[1].layer && scene.bodies[2].layer) << "one finger still";
+    EXPECT_TRUE(is_noted("the geoms of body \"box\" touch others in 2 ways"));
+    // Together they weigh what the body does.
+    const Mujoco reference(folder_.path() / "two.xml", true);
+    const MassProperties &first = scene.descriptions[1].mass, &second = scene.descriptions[2].mass;
+    const double mass_kg = reference.model->body_mass[1];
+    EXPECT_NEAR(first.mass_kg + second.mass_kg, mass_kg, 1e-15);
+    EXPECT_EQ(first.center_m, second.center_m);
+    const double* const inertia = reference.model->body_inertia + 3;
+    EXPECT_NEAR((first.inertia_kg_m2 + second.inertia_kg_m2).trace(),
+                inertia[0] + inertia[1] + inertia[2], 1e-15);
+    const input::Scene rigid = import("two.xml", text);
+    EXPECT_NEAR(way_m(rigid, 1, 0), 0.5 * (4 - 0.981), 8e-3);
+    EXPECT_NEAR(way_m(rigid, 1, 2), 0, 1e-4);
+    EXPECT_NEAR(mujoco_way_m(folder_.path() / "two.xml", 1, 0), 0.5 * (4 - 0.981), 3e-2);
+  }
+}
+
+TEST_F(Robots, OfMjcfStartWithTheKeyframesVelocity) {
+  const std::string text = R"(<mujoco><option gravity='0 0 0' integrator='RK4'/><worldbody>
+    <body name='ball' pos='0 0 .5' euler='0 0 90'><freejoint/>
+      <geom type='box' size='.01 .02 .03' mass='.1' pos='.1 0 0'/></body>
+    <body name='arm' pos='1 0 0'><joint name='h' axis='0 1 0'/><geom size='.01'/></body></worldbody>
+    <keyframe><key name='home' qpos='0 0 .5 .6 0 0 .8 0' qvel='1 .2 0 0.3 0 2 0'/></keyframe>
+    </mujoco>)";
+  const input::Scene scene = import("key.xml", text);
+  Mujoco reference(folder_.path() / "key.xml");
+  mj_resetDataKeyframe(reference.model.get(), reference.data.get(), 0);
+  while (reference.data->time < 1 - 1e-9) mj_step(reference.model.get(), reference.data.get());
+  const simulation::Simulation run = simulation::simulate(scene);
+  const Eigen::Vector3d end = run.recording.frames.back().poses[0].translation(),
+                        expected(reference.data->xpos[3], reference.data->xpos[4],
+                                 reference.data->xpos[5]);
+  std::printf("free body of a keyframe: off by %.1e m\n", (end - expected).norm());
+  // It spins by 2 rad/s about a centre 0.1 m away; the error is of second order in steps of 2 ms.
+  EXPECT_LE((end - expected).norm(), 1e-5);
+  std::string turning = text;
+  turning.replace(turning.find("2 0'/>"), 6, "2 7'/>");
+  try {
+    import("key.xml", turning);
+    FAIL() << "a joint with a velocity";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("the velocity of joint \"h\" in keyframe \"home\""),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(Robots, AddTheLimitsOfActuatorsOnOneJoint) {
+  const std::string start = R"(<mujoco><worldbody><body name='a'><joint name='j' type='slide'/>
+    <geom size='.01'/></body></worldbody><actuator>
+    <position joint='j' kp='100' forcerange='-3 3' forcelimited='true'/>
+    <motor joint='j' forcerange='-5 5' forcelimited='true'/>)";
+  EXPECT_NEAR(import("two.xml", start + "</actuator></mujoco>").motors[0].max_effort, 8, 1e-12);
+  EXPECT_TRUE(is_noted("the actuators of joint \"j\" are one motor with the sum of their limits"));
+  EXPECT_TRUE(std::isinf(
+      import("three.xml", start + "<motor joint='j'/></actuator></mujoco>").motors[0].max_effort));
+}
+
+/// A two-finger gripper: its right finger mimics the left, whose tip is a link of its own.
+const char* const kGripper = R"(<robot name="gripper">
+  <link name="base"><collision><geometry><box size="0.12 0.04 0.02"/></geometry></collision></link>
+  <link name="left"><inertial><mass value="0.05"/>
+    <inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>
+  <link name="left_tip"><inertial><mass value="0.01"/>
+    <inertia ixx="1e-6" ixy="0" ixz="0" iyy="1e-6" iyz="0" izz="1e-6"/></inertial>
+    <collision><geometry><sphere radius="0.01"/></geometry></collision></link>
+  <link name="right"><inertial><mass value="0.05"/>
+    <inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>
+  <joint name="jl" type="prismatic"><parent link="base"/><child link="left"/>
+    <origin xyz="-0.04 0 0.01"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.04" effort="10" velocity="0.1"/></joint>
+  <joint name="jlt" type="fixed"><parent link="left"/><child link="left_tip"/>
+    <origin xyz="0 0 0.06"/></joint>
+  <joint name="jr" type="prismatic"><parent link="base"/><child link="right"/>
+    <origin xyz="0.04 0 0.01"/><axis xyz="-1 0 0"/><limit lower="-0.5" upper="0.04"/>
+    <mimic joint="jl" multiplier="1" offset="0"/></joint>
+  <gazebo reference="left"/>
+</robot>)";
+
+TEST_F(Robots, OfUrdfSayWhatMujocoDoesNotRead) {
+  EXPECT_EQ(import("grip.urdf", kGripper).bodies.size(), 3u);
+  for (const char* words :
+       {"joint \"jr\" moves by itself, not as joint \"jl\"",
+        "the effort and velocity limits of joints \"jl\" are left out", "1 <gazebo> are left out"})
+    EXPECT_TRUE(is_noted(words)) << words;
+  for (const char* upper : {"-1", "nan", "x"}) {
+    std::string text = kGripper;
+    text.replace(text.find("upper=\"0.04\"/>"), 14, std::string("upper=\"") + upper + "\"");
+    EXPECT_THROW(import("bad.urdf", text), InputError) << upper;
+  }
+  std::string locked = kGripper;
+  locked.replace(locked.find("-0.5"), 4, "0.04");
+  EXPECT_TRUE(std::isinf(import("locked.urdf", locked).joints[1].upper));
+  EXPECT_TRUE(is_noted("joint \"jr\" has no limits"));
+}
+
+TEST_F(Robots, OfUrdfHaveLayersOnFixedLinks) {
+  const input::Scene merged = import("grip.urdf", kGripper);
+  const input::Scene scene = import("grip.urdf", kGripper, {{"left_tip", 2, 300, 0.49}});
+  ASSERT_EQ(scene.bodies.size(), 4u);
+  double mass_kg = 0, merged_mass_kg = 0;
+  for (std::size_t b = 0; b < 4; ++b) {
+    EXPECT_EQ(scene.bodies[b].layer.has_value(), scene.bodies[b].name == "left_tip");
+    EXPECT_EQ(scene.descriptions[b].fixed, scene.bodies[b].name == "base");
+    mass_kg += scene.descriptions[b].mass.mass_kg;
+    if (b < 3) merged_mass_kg += merged.descriptions[b].mass.mass_kg;
+  }
+  EXPECT_NEAR(mass_kg, merged_mass_kg, 1e-15);
+  EXPECT_EQ(scene.joints.size(), merged.joints.size() + 1);
+}
+
 #ifdef SOFTFINGER_HAS_SDFORMAT
 /// A parallelogram of two cranks and a coupler, whose last joint closes a ring.
 const char* const kParallelogram = R"(<sdf version="1.9"><model name="m">
@@ -283,6 +554,122 @@ TEST_F(Robots, OfSdfMoveAsTheirLinksDo) {
   EXPECT_LE((end.poses[0].linear() - end.poses[2].linear()).norm(), 1e-6);
 }
 
+/// A box of 0.1 kg on a ground, in gravity that pulls it along the ground, too.
+std::string sdf_world(const std::string& ground, const std::string& box,
+                      const std::string& model = "name='box'") {
+  const auto collision = [](const std::string& shape, const std::string& surface) {
+    return "<collision name='c'><geometry>" + shape + "</geometry><surface>" + surface +
+           "</surface></collision>";
+  };
+  return "<sdf version='1.9'><world name='w'><gravity>12 0 -9.81</gravity><model name='ground'>"
+         "<static>true</static><link name='l'>" +
+         collision("<plane><normal>0 0 1</normal><size>1 1</size></plane>", ground) +
+         "</link></model><model " + model +
+         "><pose>0 0 0.01 0 0 0</pose><link name='l'><pose>0 0 0 0 0 0</pose><inertial>"
+         "<mass>0.1</mass><inertia><ixx>4e-5</ixx><iyy>4e-5</iyy><izz>4e-5</izz></inertia>"
+         "</inertial>" +
+         collision("<box><size>.1 .1 .02</size></box>", box) + "</link></model></world></sdf>";
+}
+
+std::string ode_friction(const std::string& mu) {
+  return "<friction><ode><mu>" + mu + "</mu><mu2>" + mu + "</mu2></ode></friction>";
+}
+
+/// As the program reads SDF, in which this test has no part.
+class SdfRobots : public Robots {
+ protected:
+  input::Scene import_sdf(const std::string& text) {
+    Start start;
+    start.folder = folder_.path();
+    const fs::path toml = folder_.path() / "w.toml";
+    const ProgramRun run =
+        run_softfinger(start, {"simulate", folder_.write("w.sdf", text).string(), "--write-scene",
+                               toml.string(), "--set", "simulation.duration_s=1"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    notes_ = lines(run.err);
+    return input::read_scene(toml);
+  }
+  /// The line that the program refuses the file with.
+  std::string refusal(const std::string& text) {
+    Start start;
+    start.folder = folder_.path();
+    const ProgramRun run =
+        run_softfinger(start, {"simulate", folder_.write("bad.sdf", text).string()});
+    EXPECT_EQ(run.status, 2) << text;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    return run.err;
+  }
+};
+
+TEST_F(SdfRobots, HaveTheSmallerFrictionOfTwoSurfaces) {
+  const input::Scene holds = import_sdf(sdf_world(ode_friction("2"), ode_friction("2")));
+  EXPECT_EQ(holds.rule(0, 1).shear_law.friction_coefficient, 2);
+  EXPECT_NEAR(way_m(holds, 1, 0), 0, 1e-6) << "2 times 9.81 is above 12";
+  // Without a word a surface has 1.
+  EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), "")).rule(0, 1).shear_law.friction_coefficient,
+            1);
+  EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), ode_friction("0.5")))
+                .rule(0, 1)
+                .shear_law.friction_coefficient,
+            0.5);
+  EXPECT_FALSE(import_sdf(sdf_world("<contact><collide_bitmask>1</collide_bitmask></contact>",
+                                    "<contact><collide_bitmask>2</collide_bitmask></contact>"))
+                   .rule(0, 1)
+                   .collide);
+}
+
+TEST_F(SdfRobots, KeepCollisionsApartThatTouchDifferently) {
+  std::string text = sdf_world(ode_friction("0.5"), ode_friction("0.5"));
+  text.insert(text.rfind("</link>"),
+              "<collision name='d'><pose>0 0 0.02 0 0 0</pose><geometry><sphere><radius>0.01"
+              "</radius></sphere></geometry><surface>" +
+                  ode_friction("0.1") + "</surface></collision>");
+  const input::Scene scene = import_sdf(text);
+  ASSERT_EQ(scene.bodies.size(), 3u);
+  EXPECT_TRUE(is_noted("have 2 surfaces"));
+  EXPECT_NEAR(scene.descriptions[1].mass.mass_kg + scene.descriptions[2].mass.mass_kg, 0.1, 1e-15);
+  EXPECT_EQ(scene.rule(0, 2).shear_law.friction_coefficient, 0.1);
+  // Newton, for the box on its own surface; a step of 1 ms late or early at 7 m/s.
+  EXPECT_NEAR(way_m(scene, 1, 0), 0.5 * (12 - 0.5 * 9.81), 7e-3);
+}
+
+TEST_F(SdfRobots, WithoutGravityStay) {
+  std::string text = sdf_world("", "");
+  text.insert(text.rfind("<inertial>"), "<gravity>false</gravity>");
+  const input::Scene scene = import_sdf(text);
+  EXPECT_TRUE(is_noted("has no gravity"));
+  for (const int axis : {0, 2}) EXPECT_NEAR(way_m(scene, 1, axis), 0, 1e-9);
+}
+
+TEST_F(SdfRobots, ArePlacedByTheirPlacementFrame) {
+  std::string text = sdf_world("", "", "name='box' placement_frame='l'");
+  text.replace(text.rfind("<pose>0 0 0 0 0 0"), 17, "<pose>3 0 1 0 0.5 0");
+  const input::Scene scene = import_sdf(text);
+  EXPECT_TRUE(scene.descriptions[1].pose.isApprox(
+      Eigen::Isometry3d(Eigen::Translation3d(0, 0, 0.01)), 1e-12))
+      << scene.descriptions[1].pose.matrix();
+}
+
+TEST_F(SdfRobots, SayOrRefuseWhatASceneCannotHold) {
+  const auto changed = [](const std::string& old, const std::string& text) {
+    std::string result = kParallelogram;
+    return result.replace(result.find(old), old.size(), text);
+  };
+  import_sdf(changed("<xyz>0 1 0</xyz></axis></joint>\n  <joint name=\"c\"",
+                     "<xyz>0 1 0</xyz><mimic joint='a'><multiplier>1</multiplier></mimic>"
+                     "<limit><velocity>2</velocity></limit></axis></joint>\n  <joint name=\"c\""));
+  EXPECT_TRUE(is_noted("joint \"b\" moves by itself, not as joint \"a\""));
+  EXPECT_TRUE(is_noted("the velocity limit of joint \"b\""));
+  EXPECT_NE(
+      refusal(changed("<upper>2", "<upper>nan")).find("the limits of joint \"a\" = -1 to nan"),
+      std::string::npos);
+  EXPECT_NE(refusal(changed("<upper>2", "<upper>-3")).find("lower <= upper"), std::string::npos);
+  EXPECT_NE(refusal(changed("<damping>0.2", "<damping>nan")).find("joint \"c\""),
+            std::string::npos);
+  EXPECT_NE(refusal(changed("<mass>0.3</mass>", "<mass>0</mass>")).find("link \"bar\""),
+            std::string::npos);
+}
+
 TEST_F(Robots, OfSdfAreRefusedInOneLine) {
   const auto refusal = [&](const std::string& old, const std::string& changed) {
     std::string text = kParallelogram;
@@ -317,6 +704,48 @@ TEST_F(Robots, SayWhatTheyLeaveOut) {
   for (const char* words :
        {"dry friction of joint \"j\"", "actuator \"g\"", "1 tendons", "1 sensors"})
     EXPECT_TRUE(is_noted(words)) << words;
+}
+
+TEST_F(Robots, AreBlamedByTheirOwnNames) {
+  Start start;
+  start.folder = folder_.path();
+  const auto refusal = [&](const std::string& file, const std::string& text,
+                           const std::vector<std::string>& more = {}) {
+    folder_.write(file, text);
+    std::vector<std::string> words = {"simulate", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramRun run = run_softfinger(start, words);
+    EXPECT_EQ(run.status, 2) << run.err;
+    const auto said = lines(run.err);
+    return said.empty() ? "" : said.back();
+  };
+  const auto begins = [](const std::string& line, const std::string& start_of_it) {
+    EXPECT_EQ(line.rfind("softfinger: error: " + start_of_it, 0), 0u) << line;
+  };
+  for (const char* layer : {"left:2,300,0.6", "left:0,300,0.4", "left:2,inf,0.4", "left:2,3,nan"})
+    begins(refusal("grip.urdf", kGripper, {"--finger-layer", layer}),
+           std::string("command line: --finger-layer = \"") + layer + "\": allowed: ");
+  // Names links on fixed joints, too.
+  EXPECT_NE(refusal("grip.urdf", kGripper, {"--finger-layer", "tip:2,300,0.4"})
+                .find("a body of the robot: base, left, left_tip, right"),
+            std::string::npos);
+  std::string crossed = kGripper;
+  crossed.replace(crossed.find("-0.5"), 4, "0.5");
+  begins(refusal("crossed.urdf", crossed), "crossed.urdf:16: joint \"jr\": limits");
+  const char* const box = "<freejoint/><geom type='box' size='1 1 1'/></body>";
+  const std::string overlapping = std::string("<mujoco><worldbody><body name='a'>") + box +
+                                  "<body name='b' pos='1 0 0'>" + box + "</worldbody></mujoco>";
+  const std::string overlap = refusal("Over.XML", overlapping);
+  begins(overlap, "Over.XML: overlap of \"a\" and \"b\"");
+  EXPECT_NE(overlap.find("collide = false"), std::string::npos) << overlap;
+  begins(refusal("step.xml", "<mujoco><option timestep='0'/></mujoco>"),
+         "step.xml: <option> timestep = 0");
+  // Longer than the scene.
+  begins(refusal("long.xml", "<mujoco><option timestep='5'/><worldbody><body name='a'>" +
+                                 std::string(box) + "</worldbody></mujoco>"),
+         "long.xml: the scene made of it, which --write-scene SCENE.toml would keep, line ");
+  for (const char* file : {"robot.txt", "robot.toml"})
+    EXPECT_NE(refusal(file, kGripper).find(".xml, .mjcf, .urdf or .sdf"), std::string::npos);
 }
 
 TEST_F(Robots, AreRefusedInOneLine) {

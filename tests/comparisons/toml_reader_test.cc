@@ -59,6 +59,11 @@ TEST(TomlReader, RefusesWhatTheParserDoesNotExpectOfItself) {
   expect_words("a = \"\"\" \\\n \xC3\xA9\"\"\"", "unknown key \"a\"");
 }
 
+TEST(TomlReader, SaysWhereRobotsFilesBelong) {
+  expect_words(" \n<mujoco/>", "x.toml: not a TOML file: it begins as XML does");
+  expect_words("<mujoco/>", ".xml, .mjcf, .urdf or .sdf");
+}
+
 // Found by fuzzing: the parser's own way of writing a table measures its numbers' widths, and not
 // all of them fit the type that it takes for that.
 TEST(TomlReader, NamesATableThatStandsWhereATextShould) {

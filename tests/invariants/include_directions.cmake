@@ -75,7 +75,7 @@ room(calibration "^toml[+][+]/")
 room(report "^png[.]h$")
 room(suite)
 room(sweep "^toml[+][+]/")
-room(robots "^mujoco/" "^sdf/")
+room(robots "^mujoco/" "^sdf/" "^tinyxml2[.]h$")
 room(commands "^CLI/" "^meshes/")
 room(distributed "^CLI/" "^mpi[.]h$")
 # An engine may include its simulator.
