@@ -203,6 +203,31 @@ std::string in_words(const Hold& hold, const Recording& recording,
   return text;
 }
 
+std::string outcome_of(const Hold& hold) {
+  if (hold.contacts.empty()) return "touches nothing";
+  const bool is_left =
+      std::any_of(hold.contacts.begin(), hold.contacts.end(),
+                  [](const Hold::Contact& contact) { return contact.touches_at_end; });
+  if (!is_left) return "lets go";
+  if (hold.holds()) return "holds";
+  return hold.holds_again_s() ? "slips and holds again" : "slips";
+}
+
+std::string outcome_in_words(const Recording& plain, const Recording& chosen,
+                             const std::string& change) {
+  const auto tracks_plain = follow_contacts(plain), tracks_chosen = follow_contacts(chosen);
+  const Hold before = examine_hold(plain, tracks_plain), now = examine_hold(chosen, tracks_chosen);
+  const std::string was = outcome_of(before), is = outcome_of(now);
+  if (was == is)
+    return fmt::format(
+        "The outcome stays, it {}: against the scene as it is written the motion changes {}.", is,
+        change);
+  return fmt::format(
+      "The outcome changes: as the scene is written, it {}; with what is chosen here, it {}. "
+      "Between the two the motion changes {}. As written: {} As chosen: {}",
+      was, is, change, in_words(before, plain, tracks_plain), in_words(now, chosen, tracks_chosen));
+}
+
 Json to_json(const Hold& hold, const Recording& recording,
              const std::vector<ContactTrack>& tracks) {
   const auto bodies = [&](const Hold::Contact* contact) {

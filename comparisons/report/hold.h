@@ -52,6 +52,15 @@ Hold examine_hold(const simulation::Recording& recording, const std::vector<Cont
 std::string in_words(const Hold& hold, const simulation::Recording& recording,
                      const std::vector<ContactTrack>& tracks);
 
+/// "holds", "slips", "slips and holds again", "lets go" (no counted contact is left at the end) or
+/// "touches nothing".
+std::string outcome_of(const Hold& hold);
+
+/// What becomes of a scene as it is written and with other models of its contacts, in a sentence
+/// that begins with whether that is the same.
+std::string outcome_in_words(const simulation::Recording& plain,
+                             const simulation::Recording& chosen, const std::string& change);
+
 /// Keys `holds`, `until_s`, `first_slip`, `again_s`, `nearest`, `utilisation`; SI units, absent
 /// values null.
 Json to_json(const Hold& hold, const simulation::Recording& recording,

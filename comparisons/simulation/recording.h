@@ -25,6 +25,7 @@ struct RecordedContact {
   /// Columns: first tangent (along the long axis), second tangent, normal from `a` to `b`.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   RelativeRadii radii;                          ///< of the quadrics there; zero: a point contact
+  SurfaceCurvature finger_curvature;            ///< of the body with the layer, along `axes`
   double semi_axis_a_m = 0, semi_axis_b_m = 0;  ///< of the contact ellipse; 0: a point contact
   double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
   double friction_coefficient = 0;  ///< largest force over normal force, that was used

@@ -56,6 +56,7 @@ class ModelEccentricity final : public EccentricityLaw {
     return model_.predict(at_load);
   }
   const PressureModel& model() const { return model_; }
+  const ContactProblem& problem() const { return problem_; }
 
  private:
   FrictionEllipsoid limit(const Prediction& prediction, double load_N) const noexcept {
@@ -215,6 +216,7 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
     result.semi_axis_b_m = prediction.b_m;
     result.pressure_exponent = origin.pressure->limit_exponent(prediction, wrench.normal_force_N);
     result.model = std::string(origin.pressure->model().card().name);
+    result.finger_curvature = origin.pressure->problem().finger_curvature;
   }
   result.utilisation = utilisation(result, contact.shape);
   // The solver's own decision: its slip lambda is complementary to what is left of the friction
