@@ -308,8 +308,9 @@ TimeStepper stepper_of(const input::Scene& scene) {
   options.friction_vertices.resize(3, facets.count());
   for (int i = 0; i < facets.count(); ++i)
     options.friction_vertices.col(i) = facets.vertices()[std::size_t(i)];
-  TimeStepper stepper(Multibody(scene.descriptions, scene.joints, scene.loops), scene.motors,
-                      options);
+  Multibody bodies(scene.descriptions, scene.joints, scene.loops);
+  if (scene.start_velocity.size() > 0) bodies.set_velocity(scene.start_velocity);
+  TimeStepper stepper(std::move(bodies), scene.motors, options);
   for (const input::ForceOverTime& force : scene.forces)
     stepper.applied_forces().push_back(
         {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
