@@ -36,12 +36,14 @@ SlipStep slip_between(const Frame& before, const Frame& after, const RecordedCon
 Hold::Contact examine(const Recording& recording, const ContactTrack& track, std::size_t index) {
   Hold::Contact result;
   result.track = index;
+  result.states.assign(recording.frames.size(), Hold::State::absent);
   bool touches = false, has_touched = false;
   double path_m = 0;  // since it began to slide
   // A contact at its limit may stick for single steps; it slides on.
   constexpr int kRest = 10;
   int at_rest = 0;  // instants without sliding
   std::optional<double> slides_from_s;
+  std::size_t first_of_slide = 0;  // instants
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const Frame& frame = recording.frames[i];
     if (!track.contacts[i]) {
@@ -57,6 +59,7 @@ Hold::Contact examine(const Recording& recording, const ContactTrack& track, std
     }
     touches = true;
     result.last_s = frame.time_s;
+    result.states[i] = contact.slides ? Hold::State::at_limit : Hold::State::sticks;
     at_rest = contact.slides ? 0 : at_rest + 1;
     if (at_rest > kRest) {
       path_m = 0;
@@ -64,13 +67,20 @@ Hold::Contact examine(const Recording& recording, const ContactTrack& track, std
     }
     if (contact.slides && i > 0) {
       const SlipStep step = slip_between(recording.frames[i - 1], frame, contact);
-      if (!slides_from_s) slides_from_s = frame.time_s;
+      if (!slides_from_s) {
+        slides_from_s = frame.time_s;
+        first_of_slide = i;
+      }
       path_m += step.along_m + contact.eccentricity_m * step.turn_rad;
       result.slip_m += step.along_m;
       result.turn_rad += step.turn_rad;
       if (path_m > Hold::kLeastSlip_m) {
         if (!result.slips_from_s) result.slips_from_s = slides_from_s;
         result.slips_until_s = frame.time_s;
+        // The slide is a slip from its beginning; it is marked once.
+        for (; first_of_slide <= i; ++first_of_slide)
+          if (result.states[first_of_slide] == Hold::State::at_limit)
+            result.states[first_of_slide] = Hold::State::slips;
       }
     }
     if (!result.slips_from_s && contact.utilisation > result.utilisation) {
@@ -104,6 +114,23 @@ std::string slip_in_words(const Hold::Contact& contact) {
 std::string instant(double time_s) { return fmt::format("{:.4g}\u00a0s", time_s); }
 
 }  // namespace
+
+std::vector<Hold::State> states_of(const Recording& recording, const ContactTrack& track) {
+  return examine(recording, track, 0).states;
+}
+
+const char* in_words(Hold::State state) {
+  switch (state) {
+    case Hold::State::sticks:
+      return "sticks";
+    case Hold::State::at_limit:
+      return "at its limit";
+    case Hold::State::slips:
+      return "slips";
+    default:
+      return "";
+  }
+}
 
 const Hold::Contact* Hold::first_slip() const {
   const Contact* first = nullptr;
