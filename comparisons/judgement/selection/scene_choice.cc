@@ -237,6 +237,7 @@ void decide(PairUse& use, double tolerance) {
   const Candidate& model = choice.pressure.candidates[std::size_t(choice.pressure.chosen)];
   choice.model = model.model;
   const bool is_ellipsoid = choice.friction == &input::kEllipsoidLaw;
+  constexpr double kRoundOff = 1e-9;
   choice.detail = is_ellipsoid                                ? ContactDetail::ellipsoid
                   : choice.friction == &input::kSixPatchesLaw ? ContactDetail::six_patches
                                                               : ContactDetail::limit_surface;
@@ -246,7 +247,7 @@ void decide(PairUse& use, double tolerance) {
                   model.model, text::percent(model.worst));
   choice.reason += !is_ellipsoid ? fmt::format("at its limit the ellipsoid is off by {}",
                                                text::percent(choice.surface_change))
-                   : choice.surface_change > 0
+                   : choice.surface_change > kRoundOff
                        ? fmt::format("at its limit the ellipsoid is off by {} only",
                                      text::percent(choice.surface_change))
                        : std::string("where it works ellipsoid and exact limit surface agree");
