@@ -12,11 +12,13 @@
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/reference/fem_process.h"
+#include "comparisons/report/hold.h"
 #include "comparisons/report/select_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/percent.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -47,24 +49,110 @@ std::vector<std::string> allowed_models(const std::string& typed) {
   return names;
 }
 
-/// e_n by finite elements of a flat layer at finite strain at six loads, evenly spaced in ln P.
-judgement::FemEccentricity fem_table(const ContactProblem& problem, double least_N,
-                                     double largest_N) {
-  constexpr int kLoads = 6;
+/// A surface by its principal radii, along axes turned by `turn_rad` from the contact's.
+struct PrincipalRadii {
+  double x_m = kInfinity, y_m = kInfinity, turn_rad = 0;
+
+  bool is_flat() const { return std::isinf(x_m) && std::isinf(y_m); }
+  bool is_round() const { return x_m > 0 && std::isfinite(x_m) && x_m == y_m; }
+};
+
+PrincipalRadii principal_radii(const SurfaceCurvature& curvature, const RelativeRadii& gap) {
+  // What is less of the gap's curvature is round-off.
+  constexpr double kFlat = 1e-6;
+  const double mean_per_m = (curvature.xx_per_m + curvature.yy_per_m) / 2;
+  const double half_per_m = (curvature.xx_per_m - curvature.yy_per_m) / 2;
+  const double spread_per_m = std::hypot(half_per_m, curvature.xy_per_m);
+  const double flat_per_m = kFlat / gap.minor_m;
+  const auto radius_m = [&](double per_m) {
+    return std::abs(per_m) < flat_per_m ? kInfinity : 1 / per_m;
+  };
+  PrincipalRadii result;
+  if (spread_per_m < flat_per_m) {
+    result.x_m = result.y_m = radius_m(mean_per_m);
+  } else {
+    result.x_m = radius_m(mean_per_m + spread_per_m);
+    result.y_m = radius_m(mean_per_m - spread_per_m);
+    result.turn_rad = std::atan2(curvature.xy_per_m, half_per_m) / 2;
+  }
+  return result;
+}
+
+/// Shapes that bodies of the same radii may have.
+struct Shapes {
+  input::FingerShape finger = input::FingerShape::ellipsoid;
+  bool is_object_spherical = false;
+};
+
+/// Finite elements of the whole finger at one load: its own layer, bent over its radii, at finite
+/// strain, against the object's radii.
+reference::FemProblem whole_finger(const ContactProblem& problem, const Shapes& shapes,
+                                   double load_N) {
+  const RelativeRadii& gap = problem.radii;
+  const SurfaceCurvature& of_finger = problem.finger_curvature;
+  const PrincipalRadii finger = principal_radii(of_finger, gap);
+  const PrincipalRadii object =
+      principal_radii({1 / gap.major_m - of_finger.xx_per_m, 1 / gap.minor_m - of_finger.yy_per_m,
+                       -of_finger.xy_per_m},
+                      gap);
   input::Case contact;
   contact.id = "contact";
   contact.layer = problem.layer;
   contact.fem_finite = input::FiniteStrain{};
+  contact.fem_curved = !finger.is_flat();
   contact.shear_law.friction_coefficient = problem.load.friction_coefficient;
+  input::BodyPair pair;
+  pair.finger = input::QuadricBody{finger.x_m, finger.y_m, shapes.finger, 0};
+  pair.object = input::QuadricBody{object.x_m, object.y_m, input::FingerShape::paraboloid, 0};
+  if (shapes.is_object_spherical) pair.object = input::SphereBody{object.x_m};
+  pair.angle_rad = object.turn_rad - finger.turn_rad;
+  contact.geometry = pair;
   prediction::LocalGeometry geometry;
-  geometry.radii = problem.radii;
+  geometry.radii = gap;
+  geometry.radii.axis_rad = -finger.turn_rad;
+  if (shapes.is_object_spherical && finger.is_flat()) geometry.sphere_radius_m = object.x_m;
+  return reference::fem_problem(contact, geometry, load_N, contact.fem_level);
+}
+
+/// The shapes for the table, then those that differ in one body's shape from it, as far as that is
+/// not known.
+std::vector<Shapes> possible_shapes(const judgement::FingerContact& contact) {
+  const ContactProblem& problem = contact.problem;
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  const RelativeRadii& gap = problem.radii;
+  std::vector<Shapes> shapes = {{input::FingerShape::ellipsoid, problem.is_object_spherical}};
+  if (!contact.is_finger_spherical && !principal_radii(finger, gap).is_flat())
+    shapes.push_back({input::FingerShape::paraboloid, problem.is_object_spherical});
+  const SurfaceCurvature object = {1 / gap.major_m - finger.xx_per_m,
+                                   1 / gap.minor_m - finger.yy_per_m, -finger.xy_per_m};
+  if (!problem.is_object_spherical && principal_radii(object, gap).is_round())
+    shapes.push_back({input::FingerShape::ellipsoid, true});
+  return shapes;
+}
+
+/// What the shape of an object that is not round can change, where finite elements press its
+/// paraboloid: as much as it changes for the model that knows spheres.
+double error_of_object_shape(ContactProblem problem) {
+  const PressureModel& model = *find_pressure_model("fingertip_layer");
+  problem.is_object_spherical = false;
+  const double paraboloid_m = model.predict(problem).torque_arm_exact_m;
+  problem.is_object_spherical = true;
+  return std::abs(model.predict(problem).torque_arm_exact_m / paraboloid_m - 1);
+}
+
+/// e_n at six loads, evenly spaced in ln P, and at the largest one with the bodies' other shapes.
+judgement::FemEccentricity fem_table(const judgement::FingerContact& finger, double least_N,
+                                     double largest_N) {
+  constexpr int kLoads = 6;
+  const std::vector<Shapes> shapes = possible_shapes(finger);
   reference::FemBatch batch;
   for (int i = 0; i < kLoads; ++i)
-    batch.problems.push_back(reference::fem_problem(
-        contact, geometry, least_N * std::pow(largest_N / least_N, i / (kLoads - 1.)),
-        contact.fem_level));
-  judgement::FemEccentricity found;
-  found.eccentricity_m.assign(kLoads, 0);
+    batch.problems.push_back(whole_finger(
+        finger.problem, shapes[0], least_N * std::pow(largest_N / least_N, i / (kLoads - 1.))));
+  for (std::size_t other = 1; other < shapes.size(); ++other)
+    batch.problems.push_back(whole_finger(finger.problem, shapes[other], largest_N));
+  std::vector<double> found_m(batch.problems.size(), 0);
+  double stated = 0;
   std::string failure;
   reference::FemCallbacks callbacks;
   callbacks.on_answer = [&](reference::FemIndex which, const reference::FemAnswer& answer) {
@@ -72,16 +160,27 @@ judgement::FemEccentricity fem_table(const ContactProblem& problem, double least
       failure = answer.failure;
       return;
     }
-    found.eccentricity_m[which.problem] = answer.result->eccentricity_m;
-    if (const auto& stated = answer.result->error.max_torque)
-      found.error = std::max(found.error, *stated);
+    found_m[which.problem] = answer.result->eccentricity_m;
+    if (const auto& error = answer.result->error.max_torque)
+      stated = std::max(stated, *error);
     else
       failure = "the error of the torque is not known";
   };
-  remark(fmt::format("finite elements at {} loads", kLoads));
+  remark(fmt::format("finite elements of the finger itself: {} problems", batch.problems.size()));
   if (const int signal = reference::run_fem(system::fem_program().string(), {batch}, 1, callbacks))
     throw system::Interrupted(signal);
   if (!failure.empty()) throw ConvergenceError("finite elements of a contact", 0, 0, failure);
+  judgement::FemEccentricity found;
+  found.eccentricity_m.assign(found_m.begin(), found_m.begin() + kLoads);
+  found.error = stated;
+  const double at_largest_m = found.eccentricity_m.back();
+  for (std::size_t other = kLoads; other < found_m.size(); ++other)
+    found.error += std::abs(found_m[other] / at_largest_m - 1);
+  const bool object_is_asked = finger.problem.is_object_spherical ||
+                               (shapes.size() > 1 && shapes.back().is_object_spherical);
+  ContactProblem at_largest = finger.problem;
+  at_largest.load.normal_force_N = largest_N;
+  if (!object_is_asked) found.error += error_of_object_shape(at_largest);
   return found;
 }
 
@@ -116,7 +215,10 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
           "\"coulomb\" for select: errors of the models' torque are known for it only");
   const judgement::SceneChoice choice =
       judgement::choose_for_scene(scene, options.selection.tolerance, fem_table, remark);
-  const nlohmann::json result = to_json(choice, options.selection.tolerance);
+  const std::string outcome =
+      report::outcome_in_words(choice.plain, choice.chosen, in_words(choice.plain_change));
+  nlohmann::json result = to_json(choice, options.selection.tolerance);
+  result["outcome"] = outcome;
   if (options.write_page)
     write_page(
         options.output, result,
@@ -127,7 +229,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
     system::write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n",
                                              choice.scene.id,
                                              text::percent(options.selection.tolerance)) +
-                                 table(choice, options.selection.tolerance));
+                                 table(choice, options.selection.tolerance, outcome));
   return 0;
 }
 
@@ -203,8 +305,10 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "CASE may be a scene, too: which contacts can be points, ellipsoids or exact limit surfaces, "
       "and with\n"
       "which model. It measures how much of its friction limit each contact uses, how much the\n"
-      "simpler models change the motion, and what of a step's time they save. Contacts that are\n"
-      "alike get the same.\n"
+      "simpler models change the motion, and what of a step's time they save. It says first "
+      "whether\n"
+      "the scene holds, slips or lets go as it does with the models that it is written with.\n"
+      "Contacts that are alike get the same.\n"
       "Stated errors are bounds against the finger itself, curved and at finite strain, fitted to\n"
       "finite-element runs: 95 % of them lie inside. What the fit of a mesh leaves open is added.\n"
       "predict states the same ones. Models that take milliseconds are not asked.\n"

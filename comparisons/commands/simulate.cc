@@ -42,7 +42,26 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
   const Frame& last = recording.frames.back();
   const auto tracks = report::follow_contacts(recording);
   const report::Hold hold = report::examine_hold(recording, tracks);
+  nlohmann::json contacts = contacts_json(last, recording.bodies);
+  for (const report::ContactTrack& track : tracks)
+    if (const auto index = track.contacts.back())
+      contacts[*index]["state"] = report::in_words(report::states_of(recording, track).back());
+  nlohmann::json unknown = nlohmann::json::array();
+  for (const UnknownContact& contact : recording.unknown)
+    unknown.push_back({{"bodies",
+                        {recording.bodies[std::size_t(contact.a)].name,
+                         recording.bodies[std::size_t(contact.b)].name}},
+                       {"rigid_points", contact.why.empty()},
+                       {"why", contact.why},
+                       {"in_words", in_words(contact, recording.bodies, run.steps)},
+                       {"steps", contact.steps},
+                       {"first_s", contact.first_s},
+                       {"slope", contact.slope},
+                       {"strain", contact.strain},
+                       {"size", contact.size},
+                       {"load_N", contact.load_N}});
   return {{"scene", scene.id},
+          {"unknown_errors", unknown},
           {"hold", report::to_json(hold, recording, tracks)},
           {"verdict", report::in_words(hold, recording, tracks)},
           {"steps", run.steps},
@@ -60,7 +79,7 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
           {"motor_disagreements", run.motor_disagreements},
           {"failure", run.failure.empty() ? nlohmann::json() : nlohmann::json(run.failure)},
           {"bodies", bodies_json(last, recording.bodies)},
-          {"contacts", contacts_json(last, recording.bodies)}};
+          {"contacts", contacts}};
 }
 
 std::string summary(const nlohmann::json& result) {
@@ -76,6 +95,8 @@ std::string summary(const nlohmann::json& result) {
       number("wall_s"), number("steps_per_s"), number("step_ms_p50"), number("step_ms_p99"),
       number("max_residual"), result["most_contacts"].get<int>(), number("load_disagreement"),
       result["load_iterations"].get<int>(), result["quadric_fits"].get<int>());
+  for (const auto& unknown : result["unknown_errors"])
+    text += unknown["in_words"].get<std::string>() + "\n";
   text += fmt::format("\n  {:<32} {:>9} {:>15} {:>15} {:>9}  {}\n", "contacts at the end", "P (N)",
                       "tangential (N)", "torque (mN·m)", "of limit", "model");
   for (const auto& contact : result["contacts"]) {
@@ -87,7 +108,7 @@ std::string summary(const nlohmann::json& result) {
         contact["bodies"][0].get<std::string>() + " / " + contact["bodies"][1].get<std::string>(),
         normal, std::sqrt(std::max(0., square)), 1e3 * contact["torque_Nm"].get<double>(),
         100 * contact["utilisation"].get<double>(), contact["model"].get<std::string>(),
-        contact["slides"].get<bool>() ? ", slides" : "");
+        contact["slides"].get<bool>() ? ", " + contact["state"].get<std::string>() : "");
   }
   return text;
 }

@@ -34,8 +34,8 @@ class Reader {
     if (text_.size() > kLargestFile)
       throw InputError(file_, "size of the file", "",
                        fmt::format("at most {} MiB", kLargestFile >> 20));
-    if (!next_line() || key_ != "softlcp" || integer("softlcp", 1, 1) != 1)
-      refuse("first line", line_text_, "\"softlcp 1\"");
+    if (!next_line() || key_ != "softlcp" || word() != "1" || !word().empty())
+      refuse("first line", line_text_, "\"softlcp 1\": no other version of the format is known");
     while (next_line()) {
       const std::string key(key_);
       if (key == "nc")
@@ -64,6 +64,7 @@ class Reader {
   /// Each key may be given once: arrays have already been sized by the first value.
   template <typename Value>
   Value once(const std::string& key, Value value) {
+    require_end_of_line(key);
     if (!keys_.insert(key).second) refuse(key, "", "one line with this key");
     return value;
   }
@@ -124,10 +125,12 @@ class Reader {
     constexpr std::size_t kShortest = 2;  // " 1"
     std::vector<double> list(count(key, kShortest));
     for (double& value : list) value = number(key);
+    return list;
+  }
+  void require_end_of_line(const std::string& key) {
     if (const std::string_view typed = word(); !typed.empty())
       refuse(key, fmt::format("\"{}\"", text::shortened(typed)),
-             "as many numbers as the count says");
-    return list;
+             "as many numbers as the count says, and nothing behind them");
   }
   SparseMatrix read_jacobian() {
     if (contacts_ < 0 || bodies_ < 0) refuse("J", "", "nc and nb before it");
@@ -136,6 +139,7 @@ class Reader {
     std::vector<Eigen::Triplet<double>> triplets;
     triplets.reserve(entries);
     for (std::size_t i = 0; i < entries; ++i) {
+      require_end_of_line("J");
       if (!read_line()) refuse("J", std::to_string(i), "as many lines as said");
       const int row = integer("J row", 0, 4 * contacts_ - 1);
       const int column = integer("J column", 0, 6 * bodies_ - 1);

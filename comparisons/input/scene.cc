@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -28,6 +29,7 @@ constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, 
 constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
 /// Beyond these a step only rounds: larger loads than any machine's, half a turn per step.
 constexpr double kMostLoad = 1e12, kMostTurnPerStep = kPi;
+constexpr double kMostGravity = 1e9;  // m/s2, each component
 constexpr int kMostCopies = 100, kFewestVertices = 6, kMostVertices = 1024;
 
 constexpr double kGram = 1e-3, kKilogramSquareMillimetre = 1e-6;
@@ -54,6 +56,7 @@ class SceneReader {
   std::vector<const toml::table*> tables(const char* key, std::size_t most,
                                          bool required = false) const;
   Eigen::Vector3d vector(const toml::node& node, const std::string& field, double si) const;
+  Eigen::Vector3d gravity_of(const toml::node& node) const;
   Eigen::Vector3d vector_or_zero(const toml::table& table, const std::string& key, double si) const;
   Eigen::Isometry3d pose(const toml::table& table) const;
   int body_named(const toml::node& node, const std::string& field, bool world_allowed) const;
@@ -72,6 +75,7 @@ class SceneReader {
   void read_forces();
   void read_rules();
   ContactRule read_rule(const toml::table& table) const;
+  void start_joints(Multibody bodies);
   ContactModel read_model(const toml::table& table) const;
   const FrictionLaw* read_own_law(const toml::table& table) const;
   EccentricityOverLoad eccentricity_table(const toml::node& node) const;
@@ -81,7 +85,7 @@ class SceneReader {
   fs::path folder_;
   Scene& scene_;
   std::map<std::string, ElasticLayer> layers_;
-  std::vector<const toml::table*> joint_tables_, loop_tables_;
+  std::vector<const toml::table*> body_tables_, joint_tables_, loop_tables_;
 };
 
 std::vector<const toml::table*> SceneReader::tables(const char* key, std::size_t most,
@@ -160,6 +164,14 @@ const FrictionLaw& SceneReader::read_law(const toml::node& node) const {
                         [&](const FrictionLaw* law) { return law->name == typed; });
 }
 
+Eigen::Vector3d SceneReader::gravity_of(const toml::node& node) const {
+  const Eigen::Vector3d typed = vector(node, "gravity_m_per_s2", 1);
+  if (!(typed.lpNorm<Eigen::Infinity>() <= kMostGravity))
+    reader_.refuse(node, "gravity_m_per_s2",
+                   fmt::format("[x, y, z], each at most {:g}", kMostGravity));
+  return typed;
+}
+
 void SceneReader::read_simulation() {
   const toml::table& table = reader_.required_table(root_, "simulation");
   reader_.check_keys(table, "[simulation]",
@@ -194,11 +206,10 @@ void SceneReader::read_simulation() {
         scene_.gravity.time_s.push_back(reader_.number((*times)[n], "gravity_time_s", allowed));
         if (n > 0 && !(scene_.gravity.time_s[n] > scene_.gravity.time_s[n - 1]))
           reader_.refuse(typed_times, "gravity_time_s", allowed);
-        scene_.gravity.values.row(Eigen::Index(n)) =
-            vector((*list)[n], "gravity_m_per_s2", 1).transpose();
+        scene_.gravity.values.row(Eigen::Index(n)) = gravity_of((*list)[n]).transpose();
       }
     } else {
-      scene_.gravity.values = vector(*gravity, "gravity_m_per_s2", 1).transpose();
+      scene_.gravity.values = gravity_of(*gravity).transpose();
     }
   }
   if (const toml::node* friction = table.get("friction"))
@@ -420,6 +431,9 @@ void SceneReader::read_bodies() {
     if (const toml::node* fixed = table->get("fixed"))
       description.fixed = reader_.boolean(*fixed, "fixed");
     description.pose = pose(*table);
+    for (const char* key : {"velocity_mm_per_s", "angular_velocity_deg_per_s"})
+      if (description.fixed && table->contains(key))
+        reader_.say(*table->get(key), where + " is fixed: it has no " + std::string(key));
     description.velocity_m_per_s = vector_or_zero(*table, "velocity_mm_per_s", kMillimetre);
     description.angular_velocity_rad_per_s =
         vector_or_zero(*table, "angular_velocity_deg_per_s", kDegree);
@@ -477,6 +491,7 @@ void SceneReader::read_bodies() {
           if (!body_names.insert(copy.name).second) reader_.refuse(name, "name", "each body once");
           scene_.bodies.push_back(copy);
           scene_.descriptions.push_back(description);
+          body_tables_.push_back(table);
         }
   }
 }
@@ -783,11 +798,80 @@ void SceneReader::read_rules() {
       }
       if (chosen[side].empty()) body_named((*names)[side], "bodies", false);  // refuses
     }
+    if (chosen[0].size() == 1 && chosen[0] == chosen[1])
+      reader_.refuse(pair, "bodies", "two bodies: one does not touch itself");
     const int index = int(scene_.rules.size());
     scene_.rules.push_back(read_rule(*table));
     for (const std::size_t a : chosen[0])
       for (const std::size_t b : chosen[1])
         scene_.rule_of_pair[a * count + b] = scene_.rule_of_pair[b * count + a] = index;
+  }
+}
+
+/// Gives the joints the velocities that are typed for the bodies on them. A key that is not there
+/// leaves it to the others; joints of which nothing is told are at rest.
+void SceneReader::start_joints(Multibody bodies) {
+  struct Typed {
+    int body;
+    bool is_angular;
+    const toml::node* node;
+    const char* key;
+    Eigen::Vector3d velocity;
+  };
+  std::vector<Typed> typed;
+  std::vector<int> joint_of(scene_.bodies.size(), -1);
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j)
+    joint_of[std::size_t(scene_.joints[j].child)] = int(j);
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    if (joint_of[b] < 0) continue;
+    const BodyDescription& body = scene_.descriptions[b];
+    if (const toml::node* node = body_tables_[b]->get("velocity_mm_per_s"))
+      typed.push_back({int(b), false, node, "velocity_mm_per_s", body.velocity_m_per_s});
+    if (const toml::node* node = body_tables_[b]->get("angular_velocity_deg_per_s"))
+      typed.push_back(
+          {int(b), true, node, "angular_velocity_deg_per_s", body.angular_velocity_rad_per_s});
+  }
+  if (typed.empty()) return;
+  const auto velocity_of = [&](const Typed& of) -> Eigen::Vector3d {
+    if (!bodies.moves(of.body)) return Eigen::Vector3d::Zero();
+    return of.is_angular ? bodies.angular_velocity(of.body)
+                         : bodies.velocity_at(of.body, bodies.center_of_mass_m(of.body));
+  };
+  // The velocities of the bodies are linear in those of the joints; free bodies keep their own.
+  const auto moves_free_body = [&] {
+    for (std::size_t b = 0; b < joint_of.size(); ++b)
+      if (joint_of[b] < 0 && bodies.moves(int(b)) &&
+          (!bodies.angular_velocity(int(b)).isZero(0) ||
+           !bodies.velocity_at(int(b), bodies.center_of_mass_m(int(b))).isZero(0)))
+        return true;
+    return false;
+  };
+  const Eigen::VectorXd of_free = bodies.velocity();
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3 * Eigen::Index(typed.size()), bodies.velocities());
+  Eigen::VectorXd wanted(rows.rows());
+  for (std::size_t t = 0; t < typed.size(); ++t)
+    wanted.segment<3>(3 * Eigen::Index(t)) = typed[t].velocity - velocity_of(typed[t]);
+  for (int dof = 0; dof < bodies.velocities(); ++dof) {
+    bodies.set_velocity(Eigen::VectorXd::Unit(bodies.velocities(), dof));
+    if (moves_free_body()) continue;
+    for (std::size_t t = 0; t < typed.size(); ++t)
+      rows.block<3, 1>(3 * Eigen::Index(t), dof) = velocity_of(typed[t]);
+  }
+  scene_.start_velocity =
+      of_free + Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(rows).solve(wanted);
+  bodies.set_velocity(scene_.start_velocity);
+  for (const Typed& of : typed) {
+    // What is typed is rounded.
+    constexpr double kRounding = 1e-3, kLeast = 1e-9;
+    const double unit = of.is_angular ? kDegree : kMillimetre;
+    const Eigen::Vector3d nearest = velocity_of(of);
+    if ((nearest - of.velocity).norm() <= kRounding * of.velocity.norm() + kLeast) continue;
+    const JointDescription& joint = scene_.joints[std::size_t(joint_of[std::size_t(of.body)])];
+    reader_.refuse(*of.node, of.key,
+                   fmt::format("what joint \"{}\" lets body \"{}\" do; nearest to what is typed "
+                               "comes [{:.4g}, {:.4g}, {:.4g}]",
+                               joint.name, scene_.bodies[std::size_t(of.body)].name,
+                               nearest.x() / unit, nearest.y() / unit, nearest.z() / unit));
   }
 }
 
@@ -823,6 +907,7 @@ void SceneReader::read() {
         where = reader_.where(*loop_tables_[l]);
     throw InputError(where, error.where() + ": " + error.field(), error.value(), error.allowed());
   }
+  start_joints(Multibody(scene_.descriptions, scene_.joints, scene_.loops));
 }
 
 }  // namespace

@@ -102,6 +102,9 @@ struct Scene {
   std::vector<Motion> motions;
   std::vector<ForceOverTime> forces;
   TimeTable gravity;  ///< three columns, m/s2
+  /// Generalised, as Multibody has them, where bodies on joints have velocities; empty: those of
+  /// the free bodies' descriptions.
+  Eigen::VectorXd start_velocity;
 
   const ContactRule& rule(int body, int other) const {
     return rules[std::size_t(rule_of_pair[std::size_t(body) * bodies.size() + std::size_t(other)])];

@@ -1,8 +1,11 @@
 #include "comparisons/input/toml_path.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -21,15 +24,37 @@ bool is_bare_word(const std::string& value) {
   });
 }
 
-/// The value as the only entry, "value", of a table.
-toml::table parse_value(const Setting& setting) {
-  try {
-    toml::table parsed = parse_toml("value = " + setting.value, setting.where);
-    if (parsed.size() == 1 && parsed.contains("value")) return parsed;
-  } catch (const InputError&) {
-    if (is_bare_word(setting.value))
-      return parse_toml("value = \"" + setting.value + "\"", setting.where);
+/// Numbers as other programs write them, ".5" and "5.", with the digit that TOML wants there.
+std::string with_digits(const std::string& value) {
+  const auto is_digit = [&](std::size_t place) {
+    return place < value.size() && std::isdigit(static_cast<unsigned char>(value[place]));
+  };
+  std::string result;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const bool is_point = value[i] == '.';
+    if (is_point && is_digit(i + 1) && (i == 0 || !is_digit(i - 1))) result += '0';
+    result += value[i];
+    if (is_point && i > 0 && is_digit(i - 1) && !is_digit(i + 1)) result += '0';
   }
+  return result;
+}
+
+/// The value as the only entry, "value", of a table; nothing where the text is no value.
+std::optional<toml::table> parsed(const std::string& value, const std::string& where) {
+  try {
+    toml::table table = parse_toml("value = " + value, where);
+    if (table.size() == 1 && table.contains("value")) return table;
+  } catch (const InputError&) {
+    // Refused by the caller, in other words.
+  }
+  return std::nullopt;
+}
+
+toml::table parse_value(const Setting& setting) {
+  for (const std::string& value : {setting.value, with_digits(setting.value)})
+    if (auto table = parsed(value, setting.where)) return std::move(*table);
+  if (is_bare_word(setting.value))
+    return parse_toml("value = \"" + setting.value + "\"", setting.where);
   throw InputError(setting.where, "value", text::shortened(setting.value),
                    "a number, a list [1, 2], true, false or a text in quotes, as in a file");
 }

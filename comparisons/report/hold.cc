@@ -36,12 +36,14 @@ SlipStep slip_between(const Frame& before, const Frame& after, const RecordedCon
 Hold::Contact examine(const Recording& recording, const ContactTrack& track, std::size_t index) {
   Hold::Contact result;
   result.track = index;
+  result.states.assign(recording.frames.size(), Hold::State::absent);
   bool touches = false, has_touched = false;
   double path_m = 0;  // since it began to slide
   // A contact at its limit may stick for single steps; it slides on.
   constexpr int kRest = 10;
   int at_rest = 0;  // instants without sliding
   std::optional<double> slides_from_s;
+  std::size_t first_of_slide = 0;  // instants
   for (std::size_t i = 0; i < recording.frames.size(); ++i) {
     const Frame& frame = recording.frames[i];
     if (!track.contacts[i]) {
@@ -57,6 +59,7 @@ Hold::Contact examine(const Recording& recording, const ContactTrack& track, std
     }
     touches = true;
     result.last_s = frame.time_s;
+    result.states[i] = contact.slides ? Hold::State::at_limit : Hold::State::sticks;
     at_rest = contact.slides ? 0 : at_rest + 1;
     if (at_rest > kRest) {
       path_m = 0;
@@ -64,13 +67,20 @@ Hold::Contact examine(const Recording& recording, const ContactTrack& track, std
     }
     if (contact.slides && i > 0) {
       const SlipStep step = slip_between(recording.frames[i - 1], frame, contact);
-      if (!slides_from_s) slides_from_s = frame.time_s;
+      if (!slides_from_s) {
+        slides_from_s = frame.time_s;
+        first_of_slide = i;
+      }
       path_m += step.along_m + contact.eccentricity_m * step.turn_rad;
       result.slip_m += step.along_m;
       result.turn_rad += step.turn_rad;
       if (path_m > Hold::kLeastSlip_m) {
         if (!result.slips_from_s) result.slips_from_s = slides_from_s;
         result.slips_until_s = frame.time_s;
+        // The slide is a slip from its beginning; it is marked once.
+        for (; first_of_slide <= i; ++first_of_slide)
+          if (result.states[first_of_slide] == Hold::State::at_limit)
+            result.states[first_of_slide] = Hold::State::slips;
       }
     }
     if (!result.slips_from_s && contact.utilisation > result.utilisation) {
@@ -104,6 +114,23 @@ std::string slip_in_words(const Hold::Contact& contact) {
 std::string instant(double time_s) { return fmt::format("{:.4g}\u00a0s", time_s); }
 
 }  // namespace
+
+std::vector<Hold::State> states_of(const Recording& recording, const ContactTrack& track) {
+  return examine(recording, track, 0).states;
+}
+
+const char* in_words(Hold::State state) {
+  switch (state) {
+    case Hold::State::sticks:
+      return "sticks";
+    case Hold::State::at_limit:
+      return "at its limit";
+    case Hold::State::slips:
+      return "slips";
+    default:
+      return "";
+  }
+}
 
 const Hold::Contact* Hold::first_slip() const {
   const Contact* first = nullptr;
@@ -201,6 +228,31 @@ std::string in_words(const Hold& hold, const Recording& recording,
   else if (std::none_of(hold.contacts.begin(), hold.contacts.end(), touches))
     text += fmt::format(" At the end no {} is left.", kind);
   return text;
+}
+
+std::string outcome_of(const Hold& hold) {
+  if (hold.contacts.empty()) return "touches nothing";
+  const bool is_left =
+      std::any_of(hold.contacts.begin(), hold.contacts.end(),
+                  [](const Hold::Contact& contact) { return contact.touches_at_end; });
+  if (!is_left) return "lets go";
+  if (hold.holds()) return "holds";
+  return hold.holds_again_s() ? "slips and holds again" : "slips";
+}
+
+std::string outcome_in_words(const Recording& plain, const Recording& chosen,
+                             const std::string& change) {
+  const auto tracks_plain = follow_contacts(plain), tracks_chosen = follow_contacts(chosen);
+  const Hold before = examine_hold(plain, tracks_plain), now = examine_hold(chosen, tracks_chosen);
+  const std::string was = outcome_of(before), is = outcome_of(now);
+  if (was == is)
+    return fmt::format(
+        "The outcome stays, it {}: against the scene as it is written the motion changes {}.", is,
+        change);
+  return fmt::format(
+      "The outcome changes: as the scene is written, it {}; with what is chosen here, it {}. "
+      "Between the two the motion changes {}. As written: {} As chosen: {}",
+      was, is, change, in_words(before, plain, tracks_plain), in_words(now, chosen, tracks_chosen));
 }
 
 Json to_json(const Hold& hold, const Recording& recording,

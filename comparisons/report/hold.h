@@ -20,6 +20,14 @@ namespace softfinger::report {
 struct Hold {
   static constexpr double kLeastSlip_m = 1e-5;
 
+  /// What a contact does at an instant.
+  enum class State {
+    absent,
+    sticks,
+    at_limit,  ///< its wrench is at its friction limit and it creeps: less than `kLeastSlip_m`
+    slips      ///< at its limit too, in a slide that goes farther
+  };
+
   /// A counted contact over the motion.
   struct Contact {
     std::size_t track = 0;
@@ -30,6 +38,7 @@ struct Hold {
     double utilisation = 0;              ///< largest one before it slips
     double utilisation_s = 0;            ///< when
     bool touches_at_end = false;
+    std::vector<State> states;  ///< per instant
   };
   std::vector<Contact> contacts;
   bool soft_only = false;  ///< whether only the soft contacts are counted
@@ -47,10 +56,26 @@ struct Hold {
 /// @param tracks  those of `follow_contacts`
 Hold examine_hold(const simulation::Recording& recording, const std::vector<ContactTrack>& tracks);
 
+/// What a contact does at each instant, whether it is counted or not.
+std::vector<Hold::State> states_of(const simulation::Recording& recording,
+                                   const ContactTrack& track);
+
+/// "sticks", "at its limit" or "slips"; empty where it does not touch.
+const char* in_words(Hold::State state);
+
 /// The answer in a sentence or two: whether it holds, until when, which contact slips first, and
 /// how near the others come. Empty when nothing touches.
 std::string in_words(const Hold& hold, const simulation::Recording& recording,
                      const std::vector<ContactTrack>& tracks);
+
+/// "holds", "slips", "slips and holds again", "lets go" (no counted contact is left at the end) or
+/// "touches nothing".
+std::string outcome_of(const Hold& hold);
+
+/// What becomes of a scene as it is written and with other models of its contacts, in a sentence
+/// that begins with whether that is the same.
+std::string outcome_in_words(const simulation::Recording& plain,
+                             const simulation::Recording& chosen, const std::string& change);
 
 /// Keys `holds`, `until_s`, `first_slip`, `again_s`, `nearest`, `utilisation`; SI units, absent
 /// values null.

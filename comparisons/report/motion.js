@@ -44,7 +44,10 @@ const history = (() => {
 })();
 const allContacts = history.flatMap((contacts) => contacts.filter(Boolean));
 
-const STICKS = "var(--model-1)", SLIDES = "var(--model-2)";
+// A contact that has reached its limit need not slip: see the table of contacts at the end.
+const STICKS = "var(--model-1)", AT_LIMIT = "var(--model-5)", SLIPS = "var(--model-2)";
+const stateOf = (contact) => (contact.slips ? "slips" : contact.slides ? "at its limit" : "sticks");
+const stateColour = (contact) => (contact.slips ? SLIPS : contact.slides ? AT_LIMIT : STICKS);
 const useColour = (use) => d3.interpolateYlOrRd(0.12 + 0.88 * Math.min(1, Math.max(0, use || 0)));
 
 // --- numbers as text ---------------------------------------------------------------------------
@@ -216,7 +219,7 @@ function createView(canvas) {
   element("force_scale").append(...[[0, "hidden"], [0.5, "½ × length"], [1, "shown"], [2, "2 × length"], [4, "4 × length"]]
     .map(([scale, label]) => option(scale, label, scale === 1)));
 
-  const colours = {"var(--model-1)": colourOf("--model-1"), "var(--model-2)": colourOf("--model-2")};
+  const colours = Object.fromEntries([STICKS, AT_LIMIT, SLIPS].map((name) => [name, colourOf(name.slice(4, -1))]));
   let frame = 0, selected = 0;
   let pending = 0;
   const drawNow = () => { pending = 0; renderer.render(scene, camera); };
@@ -239,7 +242,7 @@ function createView(canvas) {
       const isPoint = !(contact.a > 0);
       const point = 0.006 * size;
       marker.scale.set(isPoint ? point : magnification * contact.a, isPoint ? point : magnification * Math.max(contact.b, 1e-3 * contact.a), 1);
-      const colour = element("colouring").value === "use" ? useColour(contact.use) : colours[contact.slides ? SLIDES : STICKS];
+      const colour = element("colouring").value === "use" ? useColour(contact.use) : colours[stateColour(contact)];
       fill.material.color.set(colour);
       fill.material.opacity = isPoint ? 0.25 : track === selected ? 0.95 : 0.6;
       edge.material.color.set(track === selected ? colourOf("--normal-force") : colour);
@@ -334,20 +337,21 @@ function createView(canvas) {
 
 // --- charts of the selected contact ------------------------------------------------------------
 const QUANTITIES = {
-  normal: {name: "Normal force P", unit: "N", value: (c) => c.P, note: "shaded: slides"},
+  normal: {name: "Normal force P", unit: "N", value: (c) => c.P, note: "shaded: at its limit, darker where it slips"},
   tangential: {name: "Tangential force", unit: "N", value: (c) => c.f, limit: (c) => c.mu * c.P, note: "dashed: μP"},
   torque: {name: "Torque about the normal", unit: "N·m", value: (c) => c.tau, limit: (c) => c.mu * c.P * c.e_n, note: "dashed: μP eₙ"},
   use: {name: "Utilisation", unit: "", value: (c) => c.use, limit: () => 1, note: "dashed: the limit"},
 };
 const span = last > 0 && times[last] > times[0] ? [times[0], times[last]] : [times[0] - 0.5, times[0] + 0.5];
 const seriesOf = (track, value) => history.map((contacts, i) => ({x: times[i], y: contacts[track] ? value(contacts[track]) : NaN}));
-/** Stretches of time in which the contact slides: [from, to]. */
-function slidingSpans(track) {
+/** Stretches of time in which `is` holds of the contact: [from, to]. */
+function spansOf(track, is) {
   const spans = [];
   const step = (span[1] - span[0]) / Math.max(1, last);
   history.forEach((contacts, i) => {
-    if (!contacts[track]?.slides) return;
-    if (i > 0 && history[i - 1][track]?.slides) spans[spans.length - 1].to = times[i];
+    const holds = (contact) => Boolean(contact && is(contact));
+    if (!holds(contacts[track])) return;
+    if (i > 0 && holds(history[i - 1][track])) spans[spans.length - 1].to = times[i];
     else spans.push({from: i > 0 ? times[i - 1] : times[0], to: Math.max(times[i], times[i] === times[0] ? times[0] + step : 0)});
   });
   return spans;
@@ -374,7 +378,8 @@ function timeChart(width, track, key, isLowest) {
     x: {domain: span, label: isLowest ? "time, s →" : null, labelAnchor: "right", ticks: width < 420 ? 5 : 8},
     y: {domain: isNegative ? d3.scaleLinear().domain([Math.min(smallest, -factor * (d3.max(limits, (p) => p.y || 0) ?? 0)), domain[1]]).nice(3).domain() : domain, label: null, ticks: 3},
     marks: [
-      Plot.rectX(slidingSpans(track), {x1: "from", x2: "to", fill: SLIDES, fillOpacity: 0.13}),
+      Plot.rectX(spansOf(track, (c) => c.slides), {x1: "from", x2: "to", fill: AT_LIMIT, fillOpacity: 0.13}),
+      Plot.rectX(spansOf(track, (c) => c.slips), {x1: "from", x2: "to", fill: SLIPS, fillOpacity: 0.22}),
       Plot.ruleY([0], {strokeOpacity: 0.4}),
       ...(limit ? [Plot.line(limitPoints, {x: "x", y: "y", stroke: "currentColor", strokeOpacity: 0.6, strokeDasharray: "4 3", curve: "linear"})] : []),
       ...(isNegative ? [Plot.line(limitPoints, {x: "x", y: (p) => -p.y, stroke: "currentColor", strokeOpacity: 0.6, strokeDasharray: "4 3", curve: "linear"})] : []),
@@ -412,7 +417,7 @@ function wrenchChart(width, track) {
     const now = contact && place(contact);
     const isShown = Boolean(now) && Number.isFinite(now.x);
     dot.attr("display", isShown ? null : "none");
-    if (isShown) dot.attr("cx", x(Math.min(now.x, top))).attr("cy", y(Math.min(now.y, top))).attr("fill", contact.slides ? SLIDES : STICKS);
+    if (isShown) dot.attr("cx", x(Math.min(now.x, top))).attr("cy", y(Math.min(now.y, top))).attr("fill", stateColour(contact));
     const has = contact && contact.section >= 0;
     section.attr("display", has ? null : "none");
     if (!has) return;
@@ -445,17 +450,33 @@ function describe(contact) {
   if (!contact) return "does not touch now";
   const size = contact.a > 0 ? `ellipse ${significant(1e3 * contact.a)} × ${significant(1e3 * contact.b)} mm` : "point contact";
   const arm = contact.e_n > 0 ? `eₙ ${significant(1e3 * contact.e_n)} mm` : "carries no torque";
-  return `${contact.slides ? "slides" : "sticks"} · ${size} · ${arm} · μ ${significant(contact.mu)}`;
+  return `${stateOf(contact)} · ${size} · ${arm} · μ ${significant(contact.mu)}`;
 }
 
 function drawCharts() {
   updates = [];
   const width = figures.wrench.clientWidth;
   if (!width || !data.tracks.length) return;
-  const wrench = wrenchChart(width, selected);
-  figures.wrench.querySelector(".plot").replaceChildren(wrench.plot);
-  updates.push(wrench.update);
+  // A contact without e_n carries no torque: it has no wrench to draw, but a force and its limit.
+  const met = history.map((contacts) => contacts[selected]).filter(Boolean);
+  const carriesTorque = met.some((contact) => contact.e_n > 0);
+  figures.torque.hidden = !carriesTorque;
+  page.dataset.chartsExpected = carriesTorque ? "5" : "3";
+  const plot = figures.wrench.querySelector(".plot");
+  if (carriesTorque) {
+    const wrench = wrenchChart(width, selected);
+    plot.replaceChildren(wrench.plot);
+    updates.push(wrench.update);
+  } else {
+    plot.replaceChildren();
+  }
+  element("wrench_note").textContent = !carriesTorque
+    ? "A point contact carries no torque about the normal: its limit is that of the tangential force alone, μP, below."
+    : met.some((contact) => contact.section >= 0)
+      ? "Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force, both whatever the law of the contact is; thin: the path up to now."
+      : "Dashed: the friction ellipsoid; thin: the path up to now. There is no ellipse, so that no exact limit surface is known.";
   for (const [key, {name, unit, note, value}] of Object.entries(QUANTITIES)) {
+    if (key === "torque" && !carriesTorque) continue;
     const plot = timeChart(width, selected, key, key === "use");
     const [unitText] = plot.getAttribute("aria-label").split(", ").slice(1);
     const caption = figures[key].querySelector("figcaption");
@@ -499,7 +520,7 @@ function setFrame(newFrame) {
   contactButtons.forEach((button, track) => {
     const contact = history[frame][track];
     button.classList.toggle("absent", !contact);
-    button.children[0].style.background = !contact ? "transparent" : byUse ? useColour(contact.use) : contact.slides ? SLIDES : STICKS;
+    button.children[0].style.background = !contact ? "transparent" : byUse ? useColour(contact.use) : stateColour(contact);
     button.children[2].textContent = contact ? `${withUnit(contact.P, "N")} · ${significant(contact.use)}` : "–";
   });
   if (data.tracks.length) element("state").textContent = describe(history[frame][selected]);
@@ -570,7 +591,7 @@ function start() {
   const legend = () => {
     element("colours").innerHTML = element("colouring").value === "use"
       ? `0 <i class="ramp" style="background:linear-gradient(to right, ${d3.range(0, 1.01, 0.1).map(useColour).join(",")})"></i> 1`
-      : `<i style="background:${STICKS}"></i> sticks <i style="background:${SLIDES}"></i> slides`;
+      : `<i style="background:${STICKS}"></i> sticks <i style="background:${AT_LIMIT}"></i> at its limit <i style="background:${SLIPS}"></i> slips`;
   };
   legend();
   element("contacts").append(...contactButtons);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "comparisons/report/hold.h"
 #include "comparisons/report/surface_data.h"
 #include "comparisons/simulation/triangulate.h"
 #include "comparisons/text/base64.h"
@@ -213,6 +214,8 @@ Json motion_data(const Recording& recording, const std::vector<ContactTrack>& tr
   std::vector<float> times_s, poses, contacts;
   std::vector<std::uint32_t> contact_offsets = {0};
   Sections sections;
+  std::vector<std::vector<Hold::State>> states;
+  for (const ContactTrack& track : tracks) states.push_back(states_of(recording, track));
   for (const std::size_t shown : shown_frames(recording)) {
     const Frame& frame = recording.frames[shown];
     times_s.push_back(static_cast<float>(frame.time_s));
@@ -230,15 +233,15 @@ Json motion_data(const Recording& recording, const std::vector<ContactTrack>& tr
            {contact.semi_axis_a_m, contact.semi_axis_b_m, contact.normal_force_N,
             contact.tangent_force_1_N, contact.tangent_force_2_N, contact.torque_Nm,
             contact.friction_coefficient, contact.eccentricity_m, contact.utilisation,
-            contact.slides ? 1. : 0., static_cast<double>(section),
-            section < 0 ? 1 : exact_eccentricity_ratio(contact)})
+            contact.slides ? 1. : 0., states[track][shown] == Hold::State::slips ? 1. : 0.,
+            static_cast<double>(section), section < 0 ? 1 : exact_eccentricity_ratio(contact)})
         contacts.push_back(static_cast<float>(number));
     }
     contact_offsets.push_back(static_cast<std::uint32_t>(contacts.size()));
   }
-  const Json columns = {"track", "x",   "y",   "z",      "qx",      "qy",         "qz",
-                        "qw",    "a",   "b",   "P",      "f1",      "f2",         "tau",
-                        "mu",    "e_n", "use", "slides", "section", "exact_ratio"};
+  const Json columns = {"track", "x",   "y",   "z",      "qx",    "qy",      "qz",
+                        "qw",    "a",   "b",   "P",      "f1",    "f2",      "tau",
+                        "mu",    "e_n", "use", "slides", "slips", "section", "exact_ratio"};
   Json drawn_tracks = Json::array();
   for (std::size_t track = 0; track < tracks.size(); ++track)
     drawn_tracks.push_back({{"a", tracks[track].a},

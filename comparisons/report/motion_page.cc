@@ -54,8 +54,27 @@ Html verdict(const Recording& recording, const std::vector<ContactTrack>& tracks
   return html("<p class=\"lead\"><b>{}</b>{}</p>\n", words.substr(0, colon), words.substr(colon));
 }
 
-/// Where it ends: what still moves, what slides, what is nearest to it.
-Html outcome(const Recording& recording) {
+using States = std::vector<std::vector<Hold::State>>;  ///< per track, per instant
+
+/// "1 of 5 contacts slips, and 1 of 5 contacts is at its friction limit without slipping: ...".
+Html limits_in_words(std::size_t slipping, std::size_t creeping, std::size_t contacts) {
+  if (slipping + creeping == 0)
+    return html("; <b>{}</b>", contacts == 1 ? "the contact sticks" : "all contacts stick");
+  Html text = "; ";
+  if (slipping > 0)
+    text += html("<b>{} of {} {}</b>", slipping, counted(contacts, "contact", "contacts"),
+                 slipping == 1 ? "slips" : "slip");
+  if (creeping > 0)
+    text += (slipping > 0 ? Html(", and ") : Html("")) +
+            html("<b>{} of {} {} at {} friction limit</b> without slipping: {} by less than {} µm",
+                 creeping, counted(contacts, "contact", "contacts"), creeping == 1 ? "is" : "are",
+                 creeping == 1 ? "its" : "their", creeping == 1 ? "it creeps" : "they creep",
+                 plain(1e6 * Hold::kLeastSlip_m));
+  return text;
+}
+
+/// Where it ends: what still moves, what slips or is at its limit, what is nearest to it.
+Html outcome(const Recording& recording, const States& states) {
   if (recording.frames.size() < 2) return "";
   const simulation::Frame& end = recording.frames.back();
   constexpr double kRest_m_per_s = 1e-3, kRest_rad_per_s = kPi / 180;
@@ -80,21 +99,32 @@ Html outcome(const Recording& recording) {
                  significant(1e3 * end.velocities_m_per_s[fastest].norm(), 1, 2),
                  significant(end.angular_velocities_rad_per_s[fastest].norm() * 180 / kPi, 1, 2));
   }
-  std::size_t sliding = 0;
+  std::size_t slipping = 0, creeping = 0;
+  for (const auto& of_track : states) {
+    slipping += of_track.back() == Hold::State::slips;
+    creeping += of_track.back() == Hold::State::at_limit;
+  }
   const RecordedContact* nearest = nullptr;
   for (const RecordedContact& contact : end.contacts) {
-    sliding += contact.slides;
     if (!contact.slides && (!nearest || contact.utilisation > nearest->utilisation))
       nearest = &contact;
   }
   if (end.contacts.empty()) return text + ", and nothing touches.</p>\n";
-  text += html("; <b>{} of {} {}</b>", sliding, counted(end.contacts.size(), "contact", "contacts"),
-               sliding == 1 ? "slides" : "slide");
+  text += limits_in_words(slipping, creeping, end.contacts.size());
   if (nearest)
     text += html(", and of those that stick {} – {} is nearest to its limit, with {} of it used",
                  recording.bodies[std::size_t(nearest->a)].name,
                  recording.bodies[std::size_t(nearest->b)].name, percent(nearest->utilisation));
   return text + ".</p>\n";
+}
+
+/// Soft contacts of which nothing is known, and those that are points.
+Html doubts(const Recording& recording) {
+  Html rows;
+  for (const simulation::UnknownContact& contact : recording.unknown)
+    rows += html("<li>{}</li>\n",
+                 simulation::in_words(contact, recording.bodies, int(recording.frames.size()) - 1));
+  return rows.empty() ? rows : "<p><b>Outside what is known:</b></p>\n<ul>\n" + rows + "</ul>\n";
 }
 
 /// Empty places that motion.js fills; hidden without it.
@@ -108,7 +138,7 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 <label>speed <select id="speed"></select></label>
 </div>
 <div class="settings of_contacts">
-<label>contacts <select id="colouring"><option value="state">stick or slip</option><option value="use">utilisation</option></select></label>
+<label>contacts <select id="colouring"><option value="state">state</option><option value="use">utilisation</option></select></label>
 <span id="colours"></span>
 <label>ellipses <select id="magnification"></select></label>
 </div>
@@ -125,7 +155,7 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 <div class="selected of_contacts" aria-live="off">
 <h2 id="selected"></h2>
 <p class="facts" id="state"></p>
-<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> Dashed: the friction ellipsoid; solid: the exact limit surface of this ellipse, for this direction of the force, both whatever the law of the contact is; thin: the path up to now.</figcaption><div class="plot"></div></figure>
+<figure data-chart="wrench"><figcaption><b>Wrench against its limit.</b> <span id="wrench_note"></span></figcaption><div class="plot"></div></figure>
 <figure data-chart="normal"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="tangential"><figcaption></figcaption><div class="plot"></div></figure>
 <figure data-chart="torque"><figcaption></figcaption><div class="plot"></div></figure>
@@ -135,7 +165,8 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 <noscript><p>The motion in 3-D and the charts need JavaScript; the tables below do not.</p></noscript>
 )";
 
-Html final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+Html final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks,
+                    const States& states) {
   Html out = "<h2 id=\"final\">Contacts at the end</h2>\n";
   if (recording.frames.empty() || recording.frames.back().contacts.empty())
     return out + "<p>At the end nothing touches.</p>\n";
@@ -160,18 +191,23 @@ Html final_contacts(const Recording& recording, const std::vector<ContactTrack>&
         is_point ? "" : significant(1e3 * contact.semi_axis_b_m, 3),
         significant(contact.friction_coefficient, 3), significant(1e3 * contact.eccentricity_m, 3),
         significant(contact.utilisation, 3), is_point ? "–" : significant(exact_utilisation, 3),
-        contact.slides ? "slides" : "sticks", contact.model, contact.friction->name);
+        in_words(states[track].back()), contact.model, contact.friction->name);
   }
   return out +
          "<p>Forces and torque act on the second body of a pair. Utilisation says how much of its "
          "limit a contact uses, 1 at the limit: by the friction law in the last column with the "
          "e<sub>n</sub> of the table (facets by the ellipsoid around them), and by the exact "
-         "limit surface of the ellipse.</p>\n" +
+         "limit surface of the ellipse. A contact that <b>slips</b> moves along "
+         "the surface, in one go by more than " +
+         html("{}\u00a0µm", plain(1e6 * Hold::kLeastSlip_m)) +
+         " (a turn counts as e<sub>n</sub> times its angle); one <b>at its limit</b> has "
+         "reached it and moves less than that, as a fingertip does that creeps or finds its "
+         "place.</p>\n" +
          scrolling_table(column_heading("contact") + column_heading("normal force P", "N") +
                              column_heading("tangential force", "N") +
                              column_heading("torque", "mN·m") + column_heading("a", "mm") +
                              column_heading("b", "mm") + column_heading("μ") +
-                             column_heading("e<sub>n</sub>", "mm") + column_heading("utilisation") +
+                             column_heading("eₙ", "mm") + column_heading("utilisation") +
                              column_heading("exact utilisation") +
                              "<th scope=\"col\" class=\"words\">state</th>"
                              "<th scope=\"col\" class=\"words\">pressure model</th>"
@@ -179,11 +215,12 @@ Html final_contacts(const Recording& recording, const std::vector<ContactTrack>&
                          rows);
 }
 
-Html contacts_over_time(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+Html contacts_over_time(const Recording& recording, const std::vector<ContactTrack>& tracks,
+                        const States& states) {
   if (tracks.empty()) return "";
   Html rows;
   for (std::size_t track = 0; track < tracks.size(); ++track) {
-    std::size_t touching = 0, sliding = 0;
+    std::size_t touching = 0, creeping = 0, slipping = 0;
     double first_s = 0, last_s = 0, largest_force_N = 0, largest_use = 0, largest_use_s = 0;
     for (std::size_t i = 0; i < recording.frames.size(); ++i) {
       if (!tracks[track].contacts[i]) continue;
@@ -191,7 +228,8 @@ Html contacts_over_time(const Recording& recording, const std::vector<ContactTra
       const RecordedContact& contact = recording.frames[i].contacts[*tracks[track].contacts[i]];
       if (touching++ == 0) first_s = time_s;
       last_s = time_s;
-      sliding += contact.slides;
+      creeping += states[track][i] == Hold::State::at_limit;
+      slipping += states[track][i] == Hold::State::slips;
       largest_force_N = std::max(largest_force_N, contact.normal_force_N);
       if (contact.utilisation > largest_use) {
         largest_use = contact.utilisation;
@@ -200,15 +238,16 @@ Html contacts_over_time(const Recording& recording, const std::vector<ContactTra
     }
     rows += html(
         "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
-        "<td>{}</td><td>{}</td></tr>\n",
+        "<td>{}</td><td>{}</td><td>{}</td></tr>\n",
         track_name(recording, tracks, track), significant(first_s), significant(last_s), touching,
-        sliding, significant(largest_force_N), significant(largest_use, 3),
+        creeping, slipping, significant(largest_force_N), significant(largest_use, 3),
         significant(largest_use_s));
   }
   return "<h2 id=\"contacts-over-time\">Contacts over the whole motion</h2>\n" +
          scrolling_table(column_heading("contact") + column_heading("first", "s") +
                              column_heading("last", "s") + column_heading("instants in contact") +
-                             column_heading("of these sliding") +
+                             column_heading("of these at its limit") +
+                             column_heading("of these slipping") +
                              column_heading("largest normal force", "N") +
                              column_heading("largest utilisation") + column_heading("at", "s"),
                          rows);
@@ -239,12 +278,15 @@ Html provenance(const Recording& recording, const MotionPageOptions& options) {
 
 std::string motion_page(const Recording& recording, const MotionPageOptions& options) {
   const std::vector<ContactTrack> tracks = follow_contacts(recording);
-  const Html body =
-      html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n", recording.scene,
-           recording.question,
-           verdict(recording, tracks) + outcome(recording) + summary(recording, tracks)) +
-      (recording.frames.empty() ? Html("") : kPlayer) + final_contacts(recording, tracks) +
-      contacts_over_time(recording, tracks) + provenance(recording, options);
+  States states;
+  for (const ContactTrack& track : tracks) states.push_back(states_of(recording, track));
+  const Html body = html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n",
+                         recording.scene, recording.question,
+                         verdict(recording, tracks) + outcome(recording, states) +
+                             doubts(recording) + summary(recording, tracks)) +
+                    (recording.frames.empty() ? Html("") : kPlayer) +
+                    final_contacts(recording, tracks, states) +
+                    contacts_over_time(recording, tracks, states) + provenance(recording, options);
   return render_page({escape(recording.scene),
                       {embedded::report_css, embedded::motion_css},
                       body,

@@ -293,19 +293,16 @@ Html scene_lead(const Json& selection) {
   for (const auto& [detail, count] : pairs_of)
     needs.push_back(html("{} of {} pairs {} <b>{}</b>", count, choices.size(),
                          count == 1 ? "needs" : "need", detail_in_words(detail)));
-  const Json& change = child(selection, "motion_change");
-  return html(
-      "<p class=\"lead\">{}.</p>\n<p><b>{}</b> A step takes {} instead of {} with the bonded "
-      "layer and "
-      "exact limit surfaces everywhere. The motion changes by at most {} mm of {} mm and {}° of "
-      "{}°: <b>{} {}</b>.</p>\n",
-      joined(needs, ", "), sentence(text(selection, "saving")),
-      duration(1e-3 * number(selection, "step_ms_chosen").value_or(NAN)),
-      duration(1e-3 * number(selection, "step_ms_accurate").value_or(NAN)),
-      significant(number(change, "position_m"), 1e3), significant(number(change, "travel_m"), 1e3),
-      significant(number(change, "rotation_rad"), 180 / kPi),
-      significant(number(change, "turn_rad"), 180 / kPi),
-      flag(selection, "motion_holds") ? "within" : "more than", tolerance_text(selection));
+  const std::string outcome = text(selection, "outcome");
+  return (outcome.empty() ? Html("") : html("<p class=\"lead\"><b>{}</b></p>\n", outcome)) +
+         html(
+             "<p class=\"lead\">{}.</p>\n<p><b>{}</b> A step takes {} instead of {} with {}. "
+             "Against that the motion changes {}: <b>{} {}</b>.</p>\n",
+             joined(needs, ", "), sentence(text(selection, "saving")),
+             duration(1e-3 * number(selection, "step_ms_chosen").value_or(NAN)),
+             duration(1e-3 * number(selection, "step_ms_accurate").value_or(NAN)),
+             text(selection, "reference"), text(selection, "motion_change_in_words"),
+             flag(selection, "motion_holds") ? "within" : "more than", tolerance_text(selection));
 }
 
 Html scene_pairs(const Json& selection) {

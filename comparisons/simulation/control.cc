@@ -18,6 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kWhere = "control";
+constexpr double kMostGravity_m_per_s2 = 1e9;  // as in a scene
 
 [[noreturn]] void refuse(const std::string& field, const json& value, const std::string& allowed) {
   throw InputError(kWhere, field, value.dump(), allowed);
@@ -36,9 +37,12 @@ int place_of(const std::string& name, const std::vector<std::string>& names) {
   return int(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
+/// Beyond this a step only rounds, or overflows.
+constexpr double kMost = 1e12;
+
 double number(const json& value, const std::string& field) {
-  if (!value.is_number() || !std::isfinite(value.get<double>()))
-    refuse(field, value, "a finite number");
+  if (!value.is_number() || !(std::abs(value.get<double>()) <= kMost))
+    refuse(field, value, fmt::format("a number of at most {:g}", kMost));
   return value.get<double>();
 }
 
@@ -103,6 +107,8 @@ bool Control::read_command() {
       set_forces(value);
     } else {
       gravity_m_per_s2_ = vector(value, key);
+      if (!(gravity_m_per_s2_->lpNorm<Eigen::Infinity>() <= kMostGravity_m_per_s2))
+        refuse(key, value, fmt::format("[x, y, z], each at most {:g}", kMostGravity_m_per_s2));
     }
   }
   return true;
@@ -130,6 +136,8 @@ void Control::set_forces(const json& forces) {
     check_keys(fields, field, {"force_N", "torque_Nm", "point_in_body_m"});
     AppliedForce force;
     force.body = place_of(name, bodies);
+    if (scene_.descriptions[std::size_t(force.body)].fixed)
+      refuse(field, fields, "a body that is not fixed");
     for (const auto& [key, value] : fields.items())
       (key == "force_N"     ? force.force_N
        : key == "torque_Nm" ? force.torque_Nm

@@ -25,6 +25,7 @@ struct RecordedContact {
   /// Columns: first tangent (along the long axis), second tangent, normal from `a` to `b`.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   RelativeRadii radii;                          ///< of the quadrics there; zero: a point contact
+  SurfaceCurvature finger_curvature;            ///< of the body with the layer, along `axes`
   double semi_axis_a_m = 0, semi_axis_b_m = 0;  ///< of the contact ellipse; 0: a point contact
   double normal_force_N = 0, tangent_force_1_N = 0, tangent_force_2_N = 0, torque_Nm = 0;
   double friction_coefficient = 0;  ///< largest force over normal force, that was used
@@ -34,7 +35,7 @@ struct RecordedContact {
   /// How much of its friction limit the contact uses, 1 at the limit: by its law. For facets by the
   /// ellipsoid on which their corners lie, so that a contact may slide at a little less than 1.
   double utilisation = 0;
-  bool slides = false;  ///< as the solver decided
+  bool slides = false;  ///< as the solver decided: at its limit, faster than 1 nm/s; it may creep
   std::string model;    ///< "rigid", or the pressure model
 };
 
@@ -45,11 +46,29 @@ struct Frame {
   std::vector<RecordedContact> contacts;
 };
 
+/// Two bodies of which one is soft, in contacts whose error is not known, or that are taken as
+/// rigid points though one of the bodies is soft.
+struct UnknownContact {
+  int a = -1, b = -1;
+  std::string why;  ///< as `error_bound` has it; empty: taken as rigid points
+  int steps = 0;    ///< in which there was such a contact
+  double first_s = 0;
+  /// The largest ones, by the contact's own model: slope a/R' or b/R'' at the edge, indentation
+  /// over thickness, sqrt(ab) over thickness, and load. Zero for rigid points but for the load.
+  double slope = 0, strain = 0, size = 0, load_N = 0;
+};
+
+/// "left_tip - object: the error of its model is not known (...): in 12 of 2000 steps, first at
+/// 0.1 s, with up to ..."
+std::string in_words(const UnknownContact& contact, const std::vector<RecordedBody>& bodies,
+                     int steps);
+
 struct Recording {
   std::string scene, question;
   double time_step_s = 0;
   std::vector<RecordedBody> bodies;
   std::vector<Frame> frames;  ///< one per step, the first one at the start
+  std::vector<UnknownContact> unknown;
 };
 
 }  // namespace softfinger::simulation

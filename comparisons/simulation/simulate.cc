@@ -8,6 +8,8 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
+#include <tuple>
 #include <unordered_map>
 #include <variant>
 
@@ -15,6 +17,7 @@
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/presliding_contacts.h"
+#include "softfinger/accuracy/error_bound.h"
 #include "softfinger/dynamics/time_stepper.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/shear_limit.h"
@@ -56,6 +59,7 @@ class ModelEccentricity final : public EccentricityLaw {
     return model_.predict(at_load);
   }
   const PressureModel& model() const { return model_; }
+  const ContactProblem& problem() const { return problem_; }
 
  private:
   FrictionEllipsoid limit(const Prediction& prediction, double load_N) const noexcept {
@@ -215,6 +219,7 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
     result.semi_axis_b_m = prediction.b_m;
     result.pressure_exponent = origin.pressure->limit_exponent(prediction, wrench.normal_force_N);
     result.model = std::string(origin.pressure->model().card().name);
+    result.finger_curvature = origin.pressure->problem().finger_curvature;
   }
   result.utilisation = utilisation(result, contact.shape);
   // The solver's own decision: its slip lambda is complementary to what is left of the friction
@@ -222,6 +227,77 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
   result.slides = stepper.solution().slip[index] > least_slip_m_per_s;
   return result;
 }
+
+/// Collects the soft contacts of which nothing is known, once for each pair of bodies and reason.
+class UnknownContacts {
+ public:
+  explicit UnknownContacts(const input::Scene& scene) : scene_(scene) {}
+
+  void look_at(const TimeStepper& stepper, const SceneContacts& finder) {
+    seen_.clear();
+    for (int i = 0; i < int(stepper.contacts().size()); ++i) {
+      const double load_N = stepper.wrench(i).normal_force_N;
+      if (load_N > 0) look_at(stepper.contacts()[std::size_t(i)], load_N, stepper.time_s(), finder);
+    }
+  }
+  std::vector<UnknownContact> found() const {
+    std::vector<UnknownContact> all;
+    for (const auto& [key, contact] : found_) all.push_back(contact);
+    return all;
+  }
+
+ private:
+  using Key = std::tuple<int, int, std::string>;
+
+  void look_at(const Contact& contact, double load_N, double time_s, const SceneContacts& finder) {
+    const input::ContactModel& model = scene_.rule(contact.a, contact.b).model;
+    const bool is_soft =
+        scene_.bodies[std::size_t(contact.a)].layer || scene_.bodies[std::size_t(contact.b)].layer;
+    // Who gives e_n, or wants a point, knows what he does.
+    if (!is_soft || std::holds_alternative<input::RigidPoint>(model) ||
+        std::holds_alternative<input::GivenEccentricity>(model) ||
+        std::holds_alternative<input::EccentricityOverLoad>(model))
+      return;
+    const ModelEccentricity* pressure = finder.origin(contact).pressure;
+    if (!pressure) {
+      UnknownContact& point = add(contact, "", time_s);
+      point.load_N = std::max(point.load_N, load_N);
+      return;
+    }
+    ContactProblem problem = pressure->problem();
+    problem.load.normal_force_N = load_N;
+    const Prediction prediction = pressure->predict(load_N);
+    const ErrorBound bound = error_bound(problem, prediction);
+    if (bound.known) return;
+    UnknownContact& unknown = add(contact, bound.outside, time_s);
+    const double thickness_m = problem.layer.thickness_m;
+    unknown.load_N = std::max(unknown.load_N, load_N);
+    unknown.slope = std::max({unknown.slope, prediction.a_m / problem.radii.major_m,
+                              prediction.b_m / problem.radii.minor_m});
+    unknown.strain = std::max(unknown.strain, prediction.indentation_m / thickness_m);
+    unknown.size = std::max(unknown.size, std::sqrt(prediction.a_m * prediction.b_m) / thickness_m);
+  }
+
+  UnknownContact& add(const Contact& contact, const std::string& why, double time_s) {
+    const auto [a, b] = std::minmax(contact.a, contact.b);
+    const Key key{a, b, why};
+    const auto [entry, is_new] = found_.try_emplace(key);
+    UnknownContact& unknown = entry->second;
+    if (is_new) {
+      unknown.a = a;
+      unknown.b = b;
+      unknown.why = why;
+      unknown.first_s = time_s;
+    }
+    // Several contacts of two bodies count once.
+    if (seen_.insert(key).second) ++unknown.steps;
+    return unknown;
+  }
+
+  const input::Scene& scene_;
+  std::map<Key, UnknownContact> found_;
+  std::set<Key> seen_;  ///< in this step
+};
 
 /// The bodies where they are, without contacts.
 Frame bodies_now(const TimeStepper& stepper) {
@@ -306,8 +382,9 @@ TimeStepper stepper_of(const input::Scene& scene) {
   options.friction_vertices.resize(3, facets.count());
   for (int i = 0; i < facets.count(); ++i)
     options.friction_vertices.col(i) = facets.vertices()[std::size_t(i)];
-  TimeStepper stepper(Multibody(scene.descriptions, scene.joints, scene.loops), scene.motors,
-                      options);
+  Multibody bodies(scene.descriptions, scene.joints, scene.loops);
+  if (scene.start_velocity.size() > 0) bodies.set_velocity(scene.start_velocity);
+  TimeStepper stepper(std::move(bodies), scene.motors, options);
   for (const input::ForceOverTime& force : scene.forces)
     stepper.applied_forces().push_back(
         {force.body, force.point_in_body_m, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
@@ -358,6 +435,23 @@ void count(const StepResult& step, Simulation& result) {
 
 }  // namespace
 
+std::string in_words(const UnknownContact& contact, const std::vector<RecordedBody>& bodies,
+                     int steps) {
+  const std::string who =
+      bodies[std::size_t(contact.a)].name + " – " + bodies[std::size_t(contact.b)].name;
+  const std::string when = fmt::format("in {} of {} steps, first at {:.4g} s, up to {:.3g} N",
+                                       contact.steps, steps, contact.first_s, contact.load_N);
+  if (contact.why.empty())
+    return fmt::format(
+        "{}: soft, but taken as rigid points without torque where they touch at a flat face, an "
+        "edge, along a line or in a saddle: there is no ellipse ({})",
+        who, when);
+  return fmt::format(
+      "{}: how far off its e_n is cannot be said, it is {}: {}; slope at the edge up to {:.2g}, "
+      "indentation {:.2g} and size sqrt(ab) {:.3g} times the layer's thickness",
+      who, contact.why, when, contact.slope, contact.strain, contact.size);
+}
+
 double percentile(std::vector<double> values, double p) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -370,6 +464,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
   TimeStepper stepper = stepper_of(scene);
   SceneContacts finder(scene);
   finder.detector().require_no_overlap(stepper.bodies());
+  UnknownContacts unknown(scene);
   Recording& recording = result.recording;
   recording = empty_recording(scene, stepper.bodies());
   recording.frames.push_back(bodies_now(stepper));
@@ -405,10 +500,12 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
       break;
     }
     count(stepped, result);
+    unknown.look_at(stepper, finder);
     recording.frames.push_back(std::move(reached));
     options.reached(recording, stepper);
   }
   for (const double ms : result.step_ms) result.wall_s += 1e-3 * ms;
+  recording.unknown = unknown.found();
   result.quadric_fits = finder.detector().fits();
   return result;
 }

@@ -19,7 +19,8 @@ std::string trajectory_csv(const Recording& recording);
 ///   time_s, body_a, body_b, point_x_m, ..., normal_x, ... (from a to b), semi_axis_a_m,
 ///   semi_axis_b_m (0: a point), long_axis_x, ..., normal_force_N, tangential_force_x_N, ... and
 ///   torque_about_normal_Nm (both on b), friction_coefficient, eccentricity_m, pressure_exponent,
-///   utilisation, slides (true or false), model, friction_law
+///   utilisation, slides (true or false: at its friction limit and faster than 1 nm/s, so that it
+///   may but creep), model, friction_law
 /// @throws std::out_of_range when a contact names a body that does not exist.
 std::string contacts_csv(const Recording& recording);
 

@@ -73,8 +73,8 @@ TEST_F(CommandLine, PredictsFromNumbersWhatItPredictsFromAFile) {
 
 TEST_F(CommandLine, TakesOneRadiusForASphereAndSaysWhichFrictionItTook) {
   const std::vector<std::string> numbers = {
-      "predict", "--radii-mm",      "15",   "--thickness-mm", "2",   "--youngs-modulus-kPa",
-      "300",     "--poisson-ratio", "0.45", "--load",         "1,2", "--model",
+      "predict", "--radii-mm",      "15",  "--thickness-mm", "2",   "--youngs-modulus-kPa",
+      "300",     "--poisson-ratio", ".45", "--load",         "1,2", "--model",
       "hertz",   "--json"};
   const ProgramRun result = run(numbers);
   ASSERT_EQ(result.status, 0) << result.err;
@@ -82,6 +82,11 @@ TEST_F(CommandLine, TakesOneRadiusForASphereAndSaysWhichFrictionItTook) {
   ASSERT_EQ(predicted["results"].size(), 2u);
   EXPECT_EQ(predicted["results"][0]["a_m"], predicted["results"][0]["b_m"]);
   EXPECT_EQ(predicted["friction_coefficient"], 1.0);
+  EXPECT_EQ(answer_of({"predict", "--radii-mm", "15.", "--thickness-mm", "2",
+                       "--youngs-modulus-kPa", "300", "--poisson-ratio", "0.45", "--load", "1,2.",
+                       "--model", "hertz", "--json"})["results"][1]["a_m"],
+            predicted["results"][1]["a_m"])
+      << "numbers as other programs write them";
   EXPECT_NE(result.err.find("no --friction"), std::string::npos) << result.err;
 }
 

@@ -431,10 +431,51 @@ TEST_F(FemProgram, GivesASceneItsTable) {
   const json selected = json::parse(run.out);
   ASSERT_EQ(selected["choices"].size(), 2u);
   for (const json& choice : selected["choices"])
-    EXPECT_NE(choice["reason"].get<std::string>().find("the table of finite elements is within"),
+    EXPECT_NE(choice["reason"].get<std::string>().find(
+                  "the table of finite elements of the finger itself is within"),
               std::string::npos)
         << choice;
   EXPECT_TRUE(selected["motion_holds"].get<bool>());
+}
+
+TEST_F(FemProgram, GivesASceneTheTableOfItsOwnFinger) {
+  // Fingertips of 10 mm meet a radius of 12² / 30 mm with 5 N: the arm that finite elements of that
+  // finger find is 5 % below that of a flat layer under the same gap.
+  const std::string same_contact = folder
+                                       .write("finger.toml", R"(id = "finger"
+[geometry]
+finger = { radii_mm = [10, 10] }
+object = { radii_mm = [4.8, 4.8] }
+[layer]
+thickness_mm = 2
+youngs_modulus_kPa = 300
+poisson_ratio = 0.49
+[contact]
+load_N = 5
+friction_coefficient = 0.8
+[fem]
+geometry = "curved"
+kinematics = "finite"
+)")
+                                       .string();
+  const ProgramRun solved = run_softfinger(start, {"fem", same_contact, "--json"});
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  const json finger = json::parse(solved.out)["results"][0];
+  const ProgramRun run =
+      run_softfinger(start, {"select", "lift_curved", "--tolerance", "0.05", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json selected = json::parse(run.out);
+  for (const json& choice : selected["choices"]) {
+    // The table is of loads about 5 N, a per cent apart.
+    const json& table = choice["eccentricity_table"];
+    ASSERT_LE(table["loads_N"][0], 5.0);
+    ASSERT_GE(table["loads_N"][1], 5.0);
+    EXPECT_LE(table["eccentricity_m"].front(), finger["eccentricity_m"]);
+    EXPECT_GE(table["eccentricity_m"].back(), finger["eccentricity_m"]);
+  }
+  EXPECT_EQ(selected["outcome"].get<std::string>().rfind("The outcome ", 0), 0u)
+      << selected["outcome"];
+  EXPECT_NE(selected["reference"].get<std::string>().find("finite elements"), std::string::npos);
 }
 
 }  // namespace softfinger::tests

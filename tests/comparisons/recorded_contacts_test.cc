@@ -68,6 +68,13 @@ TEST(RecordedContacts, HaveEachKeyOnce) {
   expect_refusal(with_contacts_replaced("q4 ", "nc 1000\nq4 "), once);
 }
 
+TEST(RecordedContacts, HaveNothingBehindTheirNumbers) {
+  const std::string said = "nothing behind them";
+  for (const char* line : {"nc 1", "u 4", "nb 1", "J 5"})
+    expect_refusal(with_contacts_replaced(line, std::string(line) + " rest"), said);
+  expect_refusal(with_contacts_replaced("softlcp 1", "softlcp 2"), "no other version");
+}
+
 TEST(RecordedContacts, ReserveNoMoreThanTheFileHolds) {
   const std::string large = "softlcp 1\nnc 1000\nu 16\nnb 100000\n";
   expect_refusal(large + "J 2400000000\n0 0 1\n", "J = 2400000000");

@@ -28,13 +28,14 @@ struct PretendedFem {
   double factor, error;
   int& calls;
 
-  judgement::FemEccentricity operator()(const ContactProblem& problem, double least_N,
+  judgement::FemEccentricity operator()(const judgement::FingerContact& contact, double least_N,
                                         double largest_N) const {
     ++calls;
+    EXPECT_GT(contact.problem.finger_curvature.xx_per_m, 0) << "the finger's own";
     judgement::FemEccentricity found;
     found.error = error;
     const SampledEccentricity law = SampledEccentricity::of_model(
-        *find_pressure_model("bonded_layer"), problem, least_N, largest_N);
+        *find_pressure_model("bonded_layer"), contact.problem, least_N, largest_N);
     constexpr int loads = 6;
     for (int i = 0; i < loads; ++i)
       found.eccentricity_m.push_back(
@@ -68,7 +69,8 @@ TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
   ASSERT_EQ(choice.pairs.size(), 2u);
   for (const judgement::PairChoice& pair : choice.pairs) {
     EXPECT_EQ(pair.detail, judgement::ContactDetail::fem_table) << pair.reason;
-    EXPECT_NE(pair.reason.find("finite elements is within"), std::string::npos) << pair.reason;
+    EXPECT_NE(pair.reason.find("finite elements of the finger itself is"), std::string::npos)
+        << pair.reason;
     EXPECT_EQ(pair.reason.find("no better is known"), std::string::npos) << pair.reason;
     // The motion is that of the table's e_n: its torque at the limit is the factor's.
     const auto largest_torque = [&](const input::Scene& of) {
@@ -84,6 +86,41 @@ TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
     EXPECT_NEAR(largest_torque(choice.scene) / largest_torque(layer), factor, 1e-6);
   }
   EXPECT_TRUE(choice.motion_holds) << "the reference has the tables too";
+  EXPECT_NE(judgement::reference_in_words(choice).find("finite elements"), std::string::npos)
+      << "what it is compared with";
+  EXPECT_EQ(judgement::table(choice, 0.01, "").find("bonded layer and exact limit surfaces every"),
+            std::string::npos);
+}
+
+TEST(SceneChoice, GivesFiniteElementsTheFingersOwnCurvature) {
+  // Fingertips of radius 10 mm meet the pole of an ellipsoid of semi-axes 12, 30, 12 mm, of radius
+  // 12² / 30 mm. What they use of their limit is that of the run with the table.
+  ContactProblem asked;
+  const auto fem = [&](const judgement::FingerContact& contact, double, double) {
+    asked = contact.problem;
+    EXPECT_TRUE(contact.is_finger_spherical);
+    return judgement::FemEccentricity{std::vector<double>(6, 0.1), 1e-3};
+  };
+  const input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/lift_curved.toml");
+  const judgement::SceneChoice choice = judgement::choose_for_scene(scene, 0.05, fem, silent);
+  EXPECT_NEAR(asked.finger_curvature.xx_per_m, 1 / 0.01, 1e-6);
+  EXPECT_NEAR(asked.finger_curvature.yy_per_m, 1 / 0.01, 1e-6);
+  EXPECT_NEAR(1 / asked.radii.major_m, 1 / 0.01 + 1 / 0.0048, 1e-6);
+  EXPECT_FALSE(asked.is_object_spherical);
+  for (const judgement::PairChoice& pair : choice.pairs)
+    EXPECT_LT(pair.utilisation, 0.9) << "an arm of 100 mm holds the object with ease";
+}
+
+TEST(SceneChoice, GivesNoNumbersBelowWhatASimulationTells) {
+  judgement::MotionChange change;
+  change.position_m = 1e-15;
+  change.travel_m = 0.04;
+  change.rotation_rad = 2e-14;
+  change.turn_rad = 2.5e-14;
+  change.body = "object";
+  const std::string words = judgement::in_words(change);
+  EXPECT_NE(words.find("less than 1e-06 mm of 40 mm"), std::string::npos) << words;
+  EXPECT_NE(words.find("nothing turns"), std::string::npos) << words;
 }
 
 TEST(SceneChoice, TreatsContactsThatAreAlikeAlike) {

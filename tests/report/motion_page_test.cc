@@ -71,11 +71,15 @@ Recording pulled_block(const std::function<double(double)>& slip_m) {
     Eigen::Isometry3d block = Eigen::Isometry3d::Identity();
     block.translation().x() = slip_m(frame.time_s);
     frame.poses = {Eigen::Isometry3d::Identity(), block};
+    frame.velocities_m_per_s.assign(2, Eigen::Vector3d::Zero());
+    frame.angular_velocities_rad_per_s.assign(2, Eigen::Vector3d::Zero());
     simulation::RecordedContact contact;
     contact.a = 0;
     contact.b = 1;
     contact.semi_axis_a_m = contact.semi_axis_b_m = 2e-3;
     contact.eccentricity_m = 1e-3;
+    contact.normal_force_N = 1;
+    contact.friction_coefficient = 0.5;
     contact.slides = slip_m(frame.time_s) != slip_m(frame.time_s - 0.01);
     contact.utilisation = contact.slides ? 1 : 0.9 * frame.time_s;
     frame.contacts.push_back(contact);
@@ -115,6 +119,41 @@ TEST(Hold, DoesNotCountSlidesTooSmallToSee) {
   const auto slides = [](double t) { return Hold::kLeastSlip_m / 2 * std::floor(t / 0.2 + 1e-9); };
   const Recording recording = pulled_block(slides);
   EXPECT_TRUE(examine_hold(recording, follow_contacts(recording)).holds());
+}
+
+TEST(Hold, TellsAContactThatCreepsFromOneThatSlips) {
+  // Half the least slip in all, from 0.2 s to the end: at its limit, and it holds.
+  const Recording creeps =
+      pulled_block([](double t) { return Hold::kLeastSlip_m / 2 * std::max(0., t - 0.195); });
+  const auto of_creeping = states_of(creeps, follow_contacts(creeps)[0]);
+  EXPECT_EQ(of_creeping[10], Hold::State::sticks);
+  EXPECT_EQ(of_creeping.back(), Hold::State::at_limit);
+  std::string text = without_scripts(motion_page(creeps, {}));
+  EXPECT_TRUE(contains(text, "It holds to the end")) << text;
+  EXPECT_TRUE(contains(text, "is at its friction limit</b> without slipping")) << text;
+  EXPECT_TRUE(contains(text, "<td class=\"words\">at its limit</td>")) << text;
+  EXPECT_FALSE(contains(text, ">slips</td>"));
+  // A thousand times that is a slip, from its first instant on.
+  const Recording slips =
+      pulled_block([](double t) { return Hold::kLeastSlip_m * 500 * std::max(0., t - 0.195); });
+  const auto of_slipping = states_of(slips, follow_contacts(slips)[0]);
+  EXPECT_EQ(of_slipping[19], Hold::State::sticks);
+  EXPECT_EQ(of_slipping[20], Hold::State::slips);
+  text = without_scripts(motion_page(slips, {}));
+  EXPECT_TRUE(contains(text, "<td class=\"words\">slips</td>")) << text;
+  EXPECT_TRUE(contains(text, "<b>1 of 1\u00a0contact slips</b>")) << text;
+}
+
+TEST(Hold, SaysFirstWhetherTheOutcomeChanges) {
+  const Recording holds = pulled_block([](double) { return 0; });
+  const Recording slips = pulled_block([](double t) { return t; });
+  EXPECT_TRUE(
+      contains(outcome_in_words(holds, holds, "by nothing"), "The outcome stays, it holds"));
+  const std::string changed = outcome_in_words(slips, holds, "by at most 1000 mm");
+  EXPECT_TRUE(contains(changed,
+                       "The outcome changes: as the scene is written, it slips; with what "
+                       "is chosen here, it holds"))
+      << changed;
 }
 
 TEST(Hold, SaysWhenItHoldsAgain) {
@@ -255,6 +294,7 @@ TEST(MotionData, HoldsPosesAndContactsOfEveryShownFrame) {
                                         {"use", contact.utilisation}})
         EXPECT_EQ(contacts[at + column(name)], static_cast<float>(value)) << name;
       EXPECT_EQ(contacts[at + column("slides")], contact.slides ? 1 : 0);
+      EXPECT_LE(contacts[at + column("slips")], contacts[at + column("slides")]);
     }
   }
 }

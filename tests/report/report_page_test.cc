@@ -300,14 +300,19 @@ TEST(SelectPage, OfASceneSaysWhatIsSavedAndWhatEachPairNeeds) {
       {"step_ms_accurate", 0.5},
       {"step_ms_chosen", 0.25},
       {"saving", "a step saves 50 % of its 500 µs"},
+      {"outcome", "The outcome changes: it slips, and holds"},
+      {"reference", "finite elements"},
+      {"motion_change_in_words", "by at most 0.1 mm of 40 mm"},
       {"provenance", {{"command", "softfinger select lift_box --output x"}}}};
   const std::string page = without_scripts(render_scene_selection(selection));
   for (const char* part :
        {"lift_&lt;box&gt;", "2 of 2 pairs need <b>six patches</b>",
         "<b>A step saves 50 % of its 500 µs.</b>", "object – left", "object – right",
         "<td class=\"words\">six_patches</td>", "<td>84.0\u00a0%</td>",
-        "At its limit the ellipsoid is off by 6 %.", "softfinger select lift_box --output x"})
+        "At its limit the ellipsoid is off by 6 %.", "softfinger select lift_box --output x",
+        "with finite elements. Against that the motion changes by at most 0.1 mm of 40 mm"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_LT(page.find("The outcome changes"), page.find("2 of 2 pairs")) << "it comes first";
 }
 
 TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {

@@ -187,6 +187,47 @@ TEST_F(SceneProgram, RefusesWhatAStepCannotHold) {
                  23, {"torque_Nm", "each at most 1e+12"});
 }
 
+TEST_F(SceneProgram, RefusesVelocitiesThatABodyCannotHave) {
+  const std::string good = kHead + kBall + kJoint;
+  const auto moving = [&](const std::string& line) {
+    return with(good, "mass_g = 100\n", "mass_g = 100\n" + line + "\n");
+  };
+  expect_refusal(moving("velocity_mm_per_s = [1, 0, 3]"), 12,
+                 {"velocity_mm_per_s", "\"rail\"", "\"ball\"", "[0, 0, 3]"});
+  expect_refusal(moving("angular_velocity_deg_per_s = [0, 0, 3]"), 12,
+                 {"angular_velocity_deg_per_s", "\"rail\""});
+  expect_refusal(
+      with(kHead, "fixed = true\n", "fixed = true\nvelocity_mm_per_s = [1, 0, 0]\n") + kBall, 8,
+      {"velocity_mm_per_s", "\"floor\"", "fixed"});
+  expect_refusal(good + "[[contact]]\nbodies = [\"ball\", \"ball\"]\n", 21,
+                 {"does not touch itself"});
+  expect_refusal(
+      with(good, "duration_s = 0.05\n", "duration_s = 0.05\ngravity_m_per_s2 = [0, 0, -1e300]\n"),
+      5, {"gravity_m_per_s2", "1e+300", "each at most 1e+09"});
+}
+
+TEST_F(SceneProgram, RefusesCommandsThatAStepCannotHold) {
+  const std::string file =
+      folder
+          .write("scene.toml",
+                 kHead + kBall + kJoint + "[[motor]]\njoint = \"rail\"\nstiffness_N_per_m = 7\n")
+          .string();
+  const auto refused = [&](const std::string& command) {
+    Start controlled = start;
+    controlled.input = folder.write("commands", command + "\n").string();
+    const ProgramRun result = run_softfinger(controlled, {"simulate", file, "--control"});
+    EXPECT_EQ(result.status, 2) << result.err;
+    return result.err;
+  };
+  const auto expect = [&](const std::string& command, const std::vector<std::string>& words) {
+    const std::string said = refused(command);
+    for (const std::string& word : words) EXPECT_NE(said.find(word), std::string::npos) << said;
+  };
+  expect(R"({"motors": {"rail": {"target": 1e308}}})", {"motors.rail.target", "1e+308", "1e+12"});
+  expect(R"({"gravity_m_per_s2": [0, 0, 1e11]})", {"gravity_m_per_s2", "1e+09"});
+  expect(R"({"forces": {"floor": {"force_N": [1, 0, 0]}}})", {"forces.floor", "not fixed"});
+}
+
 TEST_F(SceneProgram, RefusesNamesThatAreNoNames) {
   const std::string good = kHead + kBall + kJoint;
   const auto named = [&](const std::string& name) { return with(good, "\"ball\"", name); };
@@ -288,8 +329,7 @@ TEST(Scene, IsReadInSi) {
   const input::Scene scene = input::parse_scene(
       kHead +
           with(kBall, "mass_g = 100\n",
-               "mass_g = 100\nvelocity_mm_per_s = [1, 2, 3]\nrotation_deg = [10, 20, 30]\n"
-               "angular_velocity_deg_per_s = [180, 0, 0]\n") +
+               "mass_g = 100\nvelocity_mm_per_s = [0, 0, 3]\nrotation_deg = [10, 20, 30]\n") +
           with(kJoint, "parent = \"world\"", "parent = \"floor\"") +
           "start_mm = 5\nlimits_mm = [-10, inf]\n[[motor]]\njoint = \"rail\"\n"
           "stiffness_N_per_m = 7\nmax_effort_N = 3\ntime_s = [1, 3]\nposition_mm = [0, 100]\n"
@@ -302,8 +342,17 @@ TEST(Scene, IsReadInSi) {
   const BodyDescription& ball = scene.descriptions[1];
   EXPECT_NEAR(ball.mass.mass_kg, 0.1, 1e-16);
   EXPECT_NEAR(ball.mass.inertia_kg_m2(1, 1), 0.4 * 0.1 * 1e-4, 1e-20);
-  EXPECT_LE((ball.velocity_m_per_s - Eigen::Vector3d(1e-3, 2e-3, 3e-3)).norm(), 1e-17);
-  EXPECT_NEAR(ball.angular_velocity_rad_per_s.x(), kPi, 1e-14);
+  EXPECT_LE((ball.velocity_m_per_s - Eigen::Vector3d(0, 0, 3e-3)).norm(), 1e-17);
+  ASSERT_EQ(scene.start_velocity.size(), 1) << "of the joint";
+  EXPECT_NEAR(scene.start_velocity[0], 3e-3, 1e-15) << "along its axis, z";
+  const input::Scene free =
+      input::parse_scene(kHead + with(kBall, "mass_g = 100\n",
+                                      "mass_g = 100\nvelocity_mm_per_s = [1, 2, 3]\n"
+                                      "angular_velocity_deg_per_s = [180, 0, 0]\n"),
+                         "scene.toml");
+  EXPECT_LE((free.descriptions[1].velocity_m_per_s - Eigen::Vector3d(1e-3, 2e-3, 3e-3)).norm(),
+            1e-17);
+  EXPECT_NEAR(free.descriptions[1].angular_velocity_rad_per_s.x(), kPi, 1e-14);
   const double d = kPi / 180;
   const Eigen::Matrix3d turn = (Eigen::AngleAxisd(30 * d, Eigen::Vector3d::UnitZ()) *
                                 Eigen::AngleAxisd(20 * d, Eigen::Vector3d::UnitY()) *

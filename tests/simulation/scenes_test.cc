@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "comparisons/simulation/simulate.h"
+#include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/friction_shape.h"
 #include "softfinger/input/constants.h"
 
@@ -52,6 +53,17 @@ std::string pinch(const std::string& friction, const std::string& contact, doubl
 const char* const kGiven = "model = \"given\"\neccentricity_mm = 1.7";
 
 Simulation run(const std::string& text) { return simulate(input::parse_scene(text, "pinch.toml")); }
+
+/// A pendulum of 100 g that hangs 100 mm below its joint.
+std::string pendulum(const std::string& joint, const std::string& velocity) {
+  return "id = \"pendulum\"\n[simulation]\ntime_step_ms = 1\nduration_s = 0.5\n"
+         "[[body]]\nname = \"bob\"\nmass_g = 100\nposition_mm = [0, 0, -100]\n"
+         "inertia_kg_mm2 = [10, 20, 30]\n" +
+         velocity +
+         "[[joint]]\nname = \"hinge\"\nparent = \"world\"\nchild = \"bob\"\n"
+         "anchor_mm = [0, 0, 0]\n" +
+         joint;
+}
 
 /// Angular velocity of the plate at the end.
 double spin(const Simulation& run) {
@@ -393,4 +405,68 @@ TEST(BuiltinScenes, HundredContactsAreHundred) {
 }
 
 }  // namespace
+TEST(Velocity, SetsBodiesOnJointsGoing) {
+  // 0.5 m/s about 0.1 m: the energy m v²/2 + I (v/l)²/2 lifts it by that over m g.
+  constexpr double kMass_kg = 0.1, kInertia_kg_m2 = 20e-6, kLength_m = 0.1, kSpeed_m_per_s = 0.5;
+  const double spin_per_s = kSpeed_m_per_s / kLength_m;
+  const double energy_J =
+      (kMass_kg * kSpeed_m_per_s * kSpeed_m_per_s + kInertia_kg_m2 * spin_per_s * spin_per_s) / 2;
+  const double rise_m = energy_J / (kMass_kg * 9.81);
+  const std::string linear = "velocity_mm_per_s = [500, 0, 0]\n",
+                    angular = "angular_velocity_deg_per_s = [0, -286.4789, 0]\n";
+  for (const char* joint : {"kind = \"revolute\"\naxis = [0, 1, 0]\n", "kind = \"ball\"\n"})
+    for (const std::string& velocity : {linear + angular, linear, angular}) {
+      // A ball joint leaves the turn about the axis open, and takes none.
+      const Simulation swings = run(pendulum(joint, velocity));
+      double highest_m = -1;
+      for (const Frame& frame : swings.recording.frames)
+        highest_m = std::max(highest_m, frame.poses[0].translation().z() + kLength_m);
+      // What the time step and the typed digits leave.
+      EXPECT_NEAR(highest_m / rise_m, 1, 2e-3) << joint << velocity;
+    }
+}
+
+/// A soft ball on a table, pressed down.
+std::string pressed_ball(const std::string& ball, double force_N) {
+  return fmt::format(
+      "id = \"pressed\"\n[simulation]\ntime_step_ms = 1\nduration_s = 0.02\n"
+      "[[layer]]\nname = \"silicone\"\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
+      "poisson_ratio = 0.49\n"
+      "[[body]]\nname = \"table\"\nfixed = true\nshapes = [{{ half_space = true }}]\n"
+      "[[body]]\nname = \"tip\"\nmass_g = 10\nposition_mm = [0, 0, 10]\nlayer = \"silicone\"\n"
+      "shapes = [{{ {} }}]\n"
+      "[[force]]\nbody = \"tip\"\ntime_s = [0]\nforce_N = [[0, 0, {}]]\n",
+      ball, -force_N);
+}
+
+TEST(UnknownErrors, AreThoseThatPredictDoesNotKnow) {
+  for (const double force_N : {2., 10000.}) {
+    const Simulation pressed = run(pressed_ball(kBall, force_N));
+    ContactProblem contact;
+    contact.radii = {10e-3, 10e-3, 0};
+    contact.layer = {2e-3, 300e3, 0.49};
+    contact.load = {force_N + 0.01 * 9.81, 0.5};
+    contact.finger_curvature = {100, 100, 0};
+    const ErrorBound bound = error_bound(*find_pressure_model("bonded_layer"), contact);
+    ASSERT_EQ(pressed.recording.unknown.empty(), bound.known) << force_N;
+    if (bound.known) continue;
+    const UnknownContact& unknown = pressed.recording.unknown.back();
+    EXPECT_EQ(unknown.why, bound.outside);
+    const Prediction there = find_pressure_model("bonded_layer")->predict(contact);
+    EXPECT_NEAR(unknown.slope, there.a_m / 10e-3, 1e-6 * unknown.slope);
+    EXPECT_NE(in_words(unknown, pressed.recording.bodies, pressed.steps).find("table – tip"),
+              std::string::npos);
+  }
+}
+
+TEST(UnknownErrors, NameSoftBodiesThatAreRigidPoints) {
+  const Simulation pressed = run(pressed_ball("box_size_mm = [20, 20, 20]", 2));
+  ASSERT_EQ(pressed.recording.unknown.size(), 1u);
+  EXPECT_EQ(pressed.recording.unknown[0].why, "");
+  EXPECT_EQ(pressed.recording.unknown[0].steps, pressed.steps);
+  EXPECT_NE(in_words(pressed.recording.unknown[0], pressed.recording.bodies, pressed.steps)
+                .find("rigid points"),
+            std::string::npos);
+}
+
 }  // namespace softfinger::simulation

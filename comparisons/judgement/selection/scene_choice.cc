@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <variant>
 
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/simulation/contact_model.h"
@@ -28,7 +29,7 @@ namespace {
 /// How much one pair of bodies was loaded: the worst of all its contacts at all times.
 struct PairUse {
   PairChoice choice;
-  ContactProblem problem;             ///< at the largest load
+  FingerContact contact;              ///< at the largest load
   input::EccentricityOverLoad table;  ///< of finite elements, where they are needed
 };
 
@@ -40,6 +41,43 @@ Eigen::Vector3d scaled_wrench(const RecordedContact& contact) {
   return Eigen::Vector3d(contact.tangent_force_1_N, contact.tangent_force_2_N,
                          contact.torque_Nm / contact.eccentricity_m) /
          limit_N;
+}
+
+/// Whether a body is one sphere, so that not only its curvature is known.
+bool is_sphere(const input::SceneBody& body) {
+  return body.shapes.size() == 1 && std::holds_alternative<input::Sphere>(body.shapes[0].kind);
+}
+
+bool has_mesh(const input::SceneBody& body) {
+  return std::any_of(body.shapes.begin(), body.shapes.end(), [](const input::Shape& shape) {
+    return std::holds_alternative<input::Mesh>(shape.kind);
+  });
+}
+
+FingerContact finger_contact(const input::Scene& scene, const RecordedContact& contact) {
+  FingerContact result;
+  ContactProblem& problem = result.problem;
+  simulation::model_of_contact(scene, contact.a, contact.b, contact.radii, problem);
+  problem.load.normal_force_N = contact.normal_force_N;
+  problem.finger_curvature = contact.finger_curvature;
+  const input::SceneBody &a = scene.bodies[std::size_t(contact.a)],
+                         &b = scene.bodies[std::size_t(contact.b)];
+  result.is_finger_spherical = is_sphere(a.layer ? a : b);
+  problem.is_object_spherical = is_sphere(a.layer ? b : a);
+  result.has_mesh = has_mesh(a) || has_mesh(b);
+  return result;
+}
+
+/// Finite elements take one layer, on a finger that is nowhere hollow, and no contact that is
+/// nearly a line.
+bool takes_finite_elements(const ContactProblem& problem) {
+  constexpr double kLongest = 100;  // R'/R''
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  const double mean_per_m = (finger.xx_per_m + finger.yy_per_m) / 2;
+  const double spread_per_m = std::hypot((finger.xx_per_m - finger.yy_per_m) / 2, finger.xy_per_m);
+  const bool is_hollow = mean_per_m < spread_per_m - 1e-6 / problem.radii.minor_m;
+  return !problem.has_object_layer() && !is_hollow &&
+         problem.radii.major_m <= kLongest * problem.radii.minor_m;
 }
 
 Uses uses_of(const input::Scene& scene, const Recording& recording) {
@@ -58,8 +96,7 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
         choice.least_load_N = choice.largest_load_N = contact.normal_force_N;
       }
       if (is_new || contact.normal_force_N > choice.largest_load_N) {
-        simulation::model_of_contact(scene, contact.a, contact.b, contact.radii, use.problem);
-        use.problem.load.normal_force_N = contact.normal_force_N;
+        use.contact = finger_contact(scene, contact);
       }
       choice.least_load_N = std::min(choice.least_load_N, contact.normal_force_N);
       choice.largest_load_N = std::max(choice.largest_load_N, contact.normal_force_N);
@@ -77,44 +114,47 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
   return uses;
 }
 
-/// A simulation knows the relative radii, not which body is as curved as that: the choice for a
-/// curved finger on a plane or for a curved object on a flat finger, whichever demands more.
-Choice choose_for_either_finger(const ContactProblem& problem, const SelectionOptions& options) {
+/// For the finger as it is curved in the scene.
+Choice choose_for_finger(const ContactProblem& problem, const SelectionOptions& options) {
   input::Case contact;
   contact.layer = problem.layer;
   contact.object_layer = problem.object_layer;
   contact.shear_law.friction_coefficient = problem.load.friction_coefficient;
   prediction::LocalGeometry geometry;
   geometry.radii = problem.radii;
-  const double load_N = problem.load.normal_force_N;
-  Choice flat = choose_model(contact, geometry, load_N, options);
-  const input::QuadricBody plane{kInfinity, kInfinity, input::FingerShape::paraboloid, 0};
-  const input::QuadricBody finger{problem.radii.major_m, problem.radii.minor_m,
-                                  input::FingerShape::ellipsoid, 0};
-  contact.geometry = input::BodyPair{finger, plane, 0};
-  geometry.radii.axis_rad = 0;
-  Choice curved = choose_model(contact, geometry, load_N, options);
-  const auto error = [](const Choice& choice) {
-    return choice.chosen < 0 ? kInfinity : choice.candidates[std::size_t(choice.chosen)].worst;
-  };
-  return error(flat) > error(curved) ? flat : curved;
+  geometry.finger_curvature = problem.finger_curvature;
+  geometry.is_object_spherical = problem.is_object_spherical;
+  return choose_model(contact, geometry, problem.load.normal_force_N, options);
 }
 
 /// Fingers that mirror each other meet the same curvature but for the places that they happen to
 /// touch, and for how finely a mesh is cut.
-bool alike(const ContactProblem& first, const ContactProblem& other) {
+bool alike(const FingerContact& one, const FingerContact& another) {
   constexpr double kNear = 0.02;
+  const ContactProblem &first = one.problem, &other = another.problem;
+  // The finger's part of the relative curvature.
+  const auto near_part = [](double a, double b, double radius_m) {
+    return std::abs(a - b) * radius_m <= kNear;
+  };
+  const SurfaceCurvature &of_first = first.finger_curvature, &of_other = other.finger_curvature;
+  const double mean_m = std::sqrt(first.radii.major_m) * std::sqrt(first.radii.minor_m);
   const auto near = [](double a, double b) { return std::abs(a - b) <= kNear * std::abs(b); };
-  const auto same = [](const ElasticLayer& layer, const ElasticLayer& another) {
-    return layer.thickness_m == another.thickness_m &&
-           layer.youngs_modulus_Pa == another.youngs_modulus_Pa &&
-           layer.poisson_ratio == another.poisson_ratio;
+  const auto same = [](const ElasticLayer& layer, const ElasticLayer& compared) {
+    return layer.thickness_m == compared.thickness_m &&
+           layer.youngs_modulus_Pa == compared.youngs_modulus_Pa &&
+           layer.poisson_ratio == compared.poisson_ratio;
   };
   return near(first.radii.major_m, other.radii.major_m) &&
          near(first.radii.minor_m, other.radii.minor_m) && same(first.layer, other.layer) &&
          first.has_object_layer() == other.has_object_layer() &&
          (!first.has_object_layer() || same(first.object_layer, other.object_layer)) &&
-         first.load.friction_coefficient == other.load.friction_coefficient;
+         first.load.friction_coefficient == other.load.friction_coefficient &&
+         near_part(of_first.xx_per_m, of_other.xx_per_m, first.radii.major_m) &&
+         near_part(of_first.yy_per_m, of_other.yy_per_m, first.radii.minor_m) &&
+         // Fingers that mirror each other twist the other way.
+         near_part(std::abs(of_first.xy_per_m), std::abs(of_other.xy_per_m), mean_m) &&
+         first.is_object_spherical == other.is_object_spherical &&
+         one.is_finger_spherical == another.is_finger_spherical;
 }
 
 /// Gives pairs that are alike the same demands: the largest of each.
@@ -124,15 +164,15 @@ void share_demands(Uses& uses) {
   while (!left.empty()) {
     const auto others = std::stable_partition(
         left.begin(), left.end(),
-        [first = left.front()](PairUse* use) { return alike(first->problem, use->problem); });
+        [first = left.front()](PairUse* use) { return alike(first->contact, use->contact); });
     PairChoice most = left.front()->choice;
-    ContactProblem problem = left.front()->problem;
+    FingerContact contact = left.front()->contact;
     for (auto use = left.begin(); use != others; ++use) {
       const PairChoice& own = (*use)->choice;
       most.least_load_N = std::min(most.least_load_N, own.least_load_N);
       if (own.largest_load_N > most.largest_load_N) {
         most.largest_load_N = own.largest_load_N;
-        problem = (*use)->problem;
+        contact = (*use)->contact;
       }
       most.utilisation = std::max(most.utilisation, own.utilisation);
       most.torsion = std::max(most.torsion, own.torsion);
@@ -143,7 +183,7 @@ void share_demands(Uses& uses) {
       most.a = own.a;
       most.b = own.b;
       own = most;
-      (*use)->problem = problem;
+      (*use)->contact = contact;
     }
     left.erase(left.begin(), others);
   }
@@ -172,7 +212,7 @@ void decide(PairUse& use, double tolerance) {
     // The most accurate simulation has bonded layers: those of finite strain would differ from it.
     if (model->card().hot_path && !model->card().finite_strain && model->card().name != "power_law")
       options.models.emplace_back(model->card().name);
-  choice.pressure = choose_for_either_finger(use.problem, options);
+  choice.pressure = choose_for_finger(use.contact.problem, options);
   choice.friction = sufficient_friction(choice.surface_change, tolerance);
 
   if (choice.torsion <= tolerance) {
@@ -181,10 +221,7 @@ void decide(PairUse& use, double tolerance) {
         fmt::format("carries {} of the torque that it could", text::percent(choice.torsion));
     return;
   }
-  constexpr double kLongest = 100;  // R'/R'' that finite elements take
-  const RelativeRadii& radii = use.problem.radii;
-  if (choice.pressure.chosen < 0 &&
-      (use.problem.has_object_layer() || !(radii.major_m <= kLongest * radii.minor_m))) {
+  if (choice.pressure.chosen < 0 && !takes_finite_elements(use.contact.problem)) {
     choice.detail = ContactDetail::limit_surface;
     choice.friction = &input::kLimitSurfaceLaw;
     choice.model = "bonded_layer";
@@ -200,6 +237,7 @@ void decide(PairUse& use, double tolerance) {
   const Candidate& model = choice.pressure.candidates[std::size_t(choice.pressure.chosen)];
   choice.model = model.model;
   const bool is_ellipsoid = choice.friction == &input::kEllipsoidLaw;
+  constexpr double kRoundOff = 1e-9;
   choice.detail = is_ellipsoid                                ? ContactDetail::ellipsoid
                   : choice.friction == &input::kSixPatchesLaw ? ContactDetail::six_patches
                                                               : ContactDetail::limit_surface;
@@ -209,7 +247,7 @@ void decide(PairUse& use, double tolerance) {
                   model.model, text::percent(model.worst));
   choice.reason += !is_ellipsoid ? fmt::format("at its limit the ellipsoid is off by {}",
                                                text::percent(choice.surface_change))
-                   : choice.surface_change > 0
+                   : choice.surface_change > kRoundOff
                        ? fmt::format("at its limit the ellipsoid is off by {} only",
                                      text::percent(choice.surface_change))
                        : std::string("where it works ellipsoid and exact limit surface agree");
@@ -251,7 +289,7 @@ bool ask_finite_elements(Uses& uses, const FemTable& fem_table) {
   while (!asking.empty()) {
     const auto others = std::stable_partition(
         asking.begin(), asking.end(),
-        [first = asking.front()](PairUse* use) { return alike(first->problem, use->problem); });
+        [first = asking.front()](PairUse* use) { return alike(first->contact, use->contact); });
     input::EccentricityOverLoad table;
     table.least_load_N = asking.front()->choice.least_load_N;
     for (auto use = asking.begin(); use != others; ++use) {
@@ -260,12 +298,14 @@ bool ask_finite_elements(Uses& uses, const FemTable& fem_table) {
     }
     table.largest_load_N = std::max(table.largest_load_N, 1.01 * table.least_load_N);
     const FemEccentricity found =
-        fem_table(asking.front()->problem, table.least_load_N, table.largest_load_N);
+        fem_table(asking.front()->contact, table.least_load_N, table.largest_load_N);
     table.eccentricity_m = found.eccentricity_m;
     const double error = found.error + interpolation_error(found.eccentricity_m);
     for (auto use = asking.begin(); use != others; ++use) {
       PairChoice& choice = (*use)->choice;
-      choice.reason += "; the table of finite elements is within " + text::percent(error);
+      choice.reason +=
+          "; the table of finite elements of the finger itself is within " + text::percent(error);
+      if ((*use)->contact.has_mesh) choice.reason += ", for the quadrics fitted to the meshes";
       if (error > choice.allowed_error) choice.reason += ", no better is known";
       const Candidate* nearest = nearest_model(choice.pressure);
       if (nearest && nearest->worst <= error) {
@@ -310,9 +350,12 @@ MotionChange change_between(const Recording& accurate, const Recording& chosen) 
   return change;
 }
 
+/// What two simulations of the same motion differ by through round-off and the solver's residual,
+/// summed over the steps, stays below this.
+constexpr double kStill_m = 1e-9, kStill_rad = 1e-9;
+
 bool holds(const MotionChange& change, double tolerance) {
   // Where nothing moves, round-off is not a change.
-  constexpr double kStill_m = 1e-9, kStill_rad = 1e-9;
   return change.position_m <= tolerance * change.travel_m + kStill_m &&
          change.rotation_rad <= tolerance * std::max(change.turn_rad, 0.) + kStill_rad;
 }
@@ -340,8 +383,7 @@ bool refine(Uses& uses, const MotionChange& change) {
   for (auto& [pair, use] : uses) {
     PairChoice& choice = use.choice;
     const auto would_change = [&](const std::string& as) {
-      return fmt::format("as {}: the motion would change by {:.3g} mm, {:.3g}°", as,
-                         1e3 * change.position_m, change.rotation_rad * 180 / kPi);
+      return fmt::format("as {}: the motion would change {}", as, in_words(change));
     };
     if (least >= ContactDetail::limit_surface) {
       if (choice.friction != &input::kLimitSurfaceLaw)
@@ -394,6 +436,29 @@ double interpolation_error(const std::vector<double>& eccentricity_m) {
   return missed / 4;
 }
 
+namespace {
+
+/// What the contacts use of their limits in the reference with tables: the e_n before was not the
+/// finger's.
+void take_utilisation(const input::Scene& accurate, const Recording& reference, double tolerance,
+                      Uses& uses) {
+  Uses again = uses_of(accurate, reference);
+  share_demands(again);
+  for (auto& [pair, use] : uses) {
+    const auto found = again.find(pair);
+    if (found == again.end()) continue;
+    PairChoice& choice = use.choice;
+    const PairChoice& now = found->second.choice;
+    choice.utilisation = now.utilisation;
+    choice.torsion = now.torsion;
+    choice.surface_change = now.surface_change;
+    if (choice.detail == ContactDetail::fem_table)
+      choice.friction = sufficient_friction(choice.surface_change, tolerance);
+  }
+}
+
+}  // namespace
+
 SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const FemTable& fem_table,
                              const std::function<void(const std::string&)>& progress) {
   SceneChoice result;
@@ -405,7 +470,9 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
     if (std::holds_alternative<const PressureModel*>(rule.model))
       rule.model = input::AutomaticModel{};
   }
-  progress(fmt::format("{}: {} steps with exact limit surfaces", scene.id, scene.steps()));
+  progress(fmt::format("{}: {} steps as it is written", scene.id, scene.steps()));
+  result.plain = run(scene, "as it is written").recording;
+  progress(fmt::format("{}: the same with exact limit surfaces", scene.id));
   Simulation reference = run(accurate, "the most accurate simulation");
 
   Uses uses = uses_of(accurate, reference.recording);
@@ -420,6 +487,8 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
       }
     progress(fmt::format("{}: the same with e_n of finite elements", scene.id));
     reference = run(accurate, "the most accurate simulation");
+    result.reference_has_tables = true;
+    take_utilisation(accurate, reference.recording, tolerance, uses);
   }
   result.accurate_step_ms = simulation::percentile(reference.step_ms, 0.5);
 
@@ -427,17 +496,40 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
     result.scene = accurate;
     for (const auto& [pair, use] : uses) set_rule(result.scene, use);
     progress(fmt::format("{}: the same with what {} pairs of bodies need", scene.id, uses.size()));
-    const Simulation chosen = run(result.scene, "with the models chosen");
+    Simulation chosen = run(result.scene, "with the models chosen");
     result.chosen_step_ms = simulation::percentile(chosen.step_ms, 0.5);
     result.change = change_between(reference.recording, chosen.recording);
     result.motion_holds = holds(result.change, tolerance);
+    result.chosen = std::move(chosen.recording);
     if (result.motion_holds) break;
     if (!refine(uses, result.change)) break;
     ++result.refinements;
   }
+  result.plain_change = change_between(result.plain, result.chosen);
   result.models_step_ms = models_step_ms(uses);
   for (auto& [pair, use] : uses) result.pairs.push_back(std::move(use.choice));
   return result;
+}
+
+std::string reference_in_words(const SceneChoice& choice) {
+  return choice.reference_has_tables
+             ? "e_n of finite elements where no model is known to be accurate enough, the bonded "
+               "layer elsewhere, and exact limit surfaces"
+             : "the bonded layer and exact limit surfaces everywhere";
+}
+
+std::string in_words(const MotionChange& change) {
+  const auto part = [](double changed, double moved, double still, double unit, const char* name) {
+    if (!(moved > still) && !(changed > still)) return std::string();
+    return (changed > still ? fmt::format("at most {:.3g}{}", unit * changed, name)
+                            : fmt::format("less than {:.1g}{}", unit * still, name)) +
+           (moved > still ? fmt::format(" of {:.3g}{}", unit * moved, name) : " of none");
+  };
+  const std::string place = part(change.position_m, change.travel_m, kStill_m, 1e3, " mm"),
+                    turn = part(change.rotation_rad, change.turn_rad, kStill_rad, 180 / kPi, "°");
+  if (place.empty() && turn.empty()) return "not at all: nothing moves";
+  return "by " + place + (place.empty() || turn.empty() ? "" : " and ") + turn +
+         (turn.empty() ? ", nothing turns" : "") + " (" + change.body + ")";
 }
 
 std::string saving_in_words(const SceneChoice& choice) {
@@ -479,6 +571,10 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
     entry["surface_change"] = pair.surface_change;
     entry["allowed_error"] = pair.allowed_error;
     entry["reason"] = pair.reason;
+    if (const auto* samples =
+            std::get_if<input::EccentricityOverLoad>(&choice.scene.rule(pair.a, pair.b).model))
+      entry["eccentricity_table"] = {{"loads_N", {samples->least_load_N, samples->largest_load_N}},
+                                     {"eccentricity_m", samples->eccentricity_m}};
     choices.push_back(entry);
   }
   const MotionChange& change = choice.change;
@@ -493,6 +589,8 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
             {"travel_m", change.travel_m},
             {"turn_rad", change.turn_rad},
             {"body", change.body}}},
+          {"motion_change_in_words", in_words(change)},
+          {"reference", reference_in_words(choice)},
           {"refinements", choice.refinements},
           {"step_ms_accurate", choice.accurate_step_ms},
           {"step_ms_chosen", choice.chosen_step_ms},
@@ -500,8 +598,8 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
           {"saving", saving_in_words(choice)}};
 }
 
-std::string table(const SceneChoice& choice, double tolerance) {
-  std::string text;
+std::string table(const SceneChoice& choice, double tolerance, const std::string& outcome) {
+  std::string text = outcome.empty() ? "" : "  " + outcome + "\n";
   for (const PairChoice& pair : choice.pairs)
     text += fmt::format("  {:<34}{:<14}{:<16}{:<14}{:>9.3g} N\n    {}\n",
                         choice.scene.bodies[std::size_t(pair.a)].name + " - " +
@@ -511,17 +609,12 @@ std::string table(const SceneChoice& choice, double tolerance) {
                         pair.detail == ContactDetail::point ? "" : pair.friction->name,
                         pair.largest_load_N, pair.reason);
   if (choice.pairs.empty()) text += "  no soft contact carries a load: points are enough\n";
-  const MotionChange& change = choice.change;
   text += "\n  " + saving_in_words(choice) + "\n";
   text += fmt::format(
-      "  a step takes {:.3g} ms instead of {:.3g} ms with the bonded layer and exact limit "
-      "surfaces "
-      "everywhere\n  the motion changes by at most {:.3g} mm of {:.3g} mm ({}) and {:.3g}° of "
-      "{:.3g}°: {} "
-      "{}\n",
-      choice.chosen_step_ms, choice.accurate_step_ms, 1e3 * change.position_m,
-      1e3 * change.travel_m, change.body, change.rotation_rad * 180 / kPi,
-      change.turn_rad * 180 / kPi, choice.motion_holds ? "within" : "more than",
+      "  a step takes {:.3g} ms instead of {:.3g} ms with {}\n"
+      "  against that the motion changes {}: {} {}\n",
+      choice.chosen_step_ms, choice.accurate_step_ms, reference_in_words(choice),
+      in_words(choice.change), choice.motion_holds ? "within" : "more than",
       text::percent(tolerance));
   return text;
 }

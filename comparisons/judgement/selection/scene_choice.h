@@ -51,9 +51,12 @@ struct MotionChange {
 
 struct SceneChoice {
   std::vector<PairChoice> pairs;
-  MotionChange change;        ///< of the chosen against the most accurate simulation
-  bool motion_holds = false;  ///< within the tolerance of the travel and turn
-  int refinements = 0;        ///< how often pairs had to be modelled in more detail for that
+  MotionChange change;                ///< of the chosen against the most accurate simulation
+  bool motion_holds = false;          ///< within the tolerance of the travel and turn
+  bool reference_has_tables = false;  ///< e_n of finite elements in the most accurate simulation
+  MotionChange plain_change;  ///< of the chosen simulation against the scene as it is written
+  simulation::Recording plain, chosen;  ///< the scene as it is written, and with what was chosen
+  int refinements = 0;  ///< how often pairs had to be modelled in more detail for that
   double accurate_step_ms = 0, chosen_step_ms = 0;  ///< medians
   /// What the pressure models take of a chosen step with all soft contacts closed, two rounds each
   /// (a load and the e_n of it).
@@ -61,14 +64,23 @@ struct SceneChoice {
   input::Scene scene;  ///< with what was chosen
 };
 
-/// e_n over the load by finite elements.
+/// A contact as finite elements need it: with the shapes of the bodies, as far as they are known.
+struct FingerContact {
+  ContactProblem problem;  ///< with the finger's own curvature
+  bool is_finger_spherical = false;
+  bool has_mesh = false;  ///< radii come from quadrics that were fitted to meshes
+};
+
+/// e_n over the load by finite elements of the finger itself, curved and at finite strain.
 struct FemEccentricity {
   std::vector<double> eccentricity_m;  ///< at loads evenly spaced in ln P, least to largest
-  double error = 0;                    ///< relative, the largest that they state for one of them
+  /// Relative: the largest that they state for one of them, and what the shapes of the bodies can
+  /// change at the largest load where only their radii are known.
+  double error = 0;
 };
 
 /// May take seconds.
-using FemTable = std::function<FemEccentricity(const ContactProblem& problem, double least_load_N,
+using FemTable = std::function<FemEccentricity(const FingerContact& contact, double least_load_N,
                                                double largest_load_N)>;
 
 /// Estimated relative error of interpolating e_n linearly in ln e_n over ln P. It is a quarter of
@@ -76,19 +88,27 @@ using FemTable = std::function<FemEccentricity(const ContactProblem& problem, do
 /// square of the spacing.
 double interpolation_error(const std::vector<double>& eccentricity_m);
 
-/// Simulates the scene as accurately as it can, decides, simulates again, and where the motion
-/// changes by more than the tolerance, adds detail until it does not. The most accurate simulation
-/// has exact limit surfaces, with e_n of the bonded layer or, for pairs whose models are not known
-/// to be as accurate, of finite elements.
+/// Simulates the scene as it is written and as accurately as it can, decides, simulates again, and
+/// where the motion changes by more than the tolerance, adds detail until it does not. The most
+/// accurate simulation has exact limit surfaces, with e_n of the bonded layer or, for pairs whose
+/// models are not known to be as accurate, of finite elements.
 /// @param fem_table  called only where no model is accurate enough, once for pairs that are alike
 /// @throws InputError, ConvergenceError when the accurate simulation fails
 SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const FemTable& fem_table,
                              const std::function<void(const std::string&)>& progress);
 
+/// What the most accurate simulation was, with which the chosen one is compared.
+std::string reference_in_words(const SceneChoice& choice);
+
+/// "by at most 0.12 mm of 40 mm and at most 3.1° of 20° (object)". What is smaller than a
+/// simulation can tell is not given as a number.
+std::string in_words(const MotionChange& change);
+
 /// One sentence: what a step saves by the choice, or why there is nothing to save.
 std::string saving_in_words(const SceneChoice& choice);
 
 nlohmann::json to_json(const SceneChoice& choice, double tolerance);
-std::string table(const SceneChoice& choice, double tolerance);
+/// @param outcome  what becomes of the scene, in words; comes first
+std::string table(const SceneChoice& choice, double tolerance, const std::string& outcome);
 
 }  // namespace softfinger::judgement
