@@ -233,6 +233,15 @@ Assessment assess_finite_elements(const input::Case& contact_case,
     result.evidence += "; they state their own error when they have run";
     return result;
   }
+  if (geometry.patch) {
+    // They press the mesh itself, and find by other readings of it what its facets leave open.
+    result.bound.reset();
+    result.determined = result.usable = false;
+    result.evidence =
+        "what a mesh leaves open is measured in the run: they state their own error when they have "
+        "run";
+    return result;
+  }
   if (!result.known()) return result;
   result.bound.emplace();
   std::copy(std::begin(kFingertipLayerTable.finite_elements),
