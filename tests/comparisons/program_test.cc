@@ -348,7 +348,15 @@ TEST_F(Program, CarriesTheFitsUncertaintyToEllipseAndTorque) {
   EXPECT_GT(bumpy, 2 * smooth) << smooth;
   EXPECT_LT(bumpy, 0.2);
   const ProgramRun table = run({"predict", file.string()});
-  EXPECT_NE(table.out.find("the fitted radii leave a ±"), std::string::npos) << table.out;
+  // The table tells the same as the JSON object.
+  const json open =
+      json::parse(run({"predict", file.string(), "--model", "hertz", "--json"}).out)["results"][0];
+  const double left_mm =
+      1e3 * open["geometry_error"]["a"].get<double>() * open["a_m"].get<double>();
+  const auto at = table.out.find("hertz: the mesh leaves a ± ");
+  ASSERT_NE(at, std::string::npos) << table.out;
+  // Two digits.
+  EXPECT_NEAR(std::stod(table.out.substr(table.out.find("± ", at) + 3)) / left_mm, 1, 0.05);
 }
 
 TEST_F(Program, PredictsOnTheGapSampledFromAMesh) {
