@@ -945,6 +945,25 @@ TEST_F(Program, ExportsToEachSimulator) {
   }
 }
 
+TEST_F(Program, ExportSaysThatAnAveragedStackIsNotUsable) {
+  const auto sublayer = [](int modulus_kPa) {
+    return "[[layer]]\nthickness_mm = 1\nyoungs_modulus_kPa = " + std::to_string(modulus_kPa) +
+           "\npoisson_ratio = 0.45\n";
+  };
+  const auto exported = [&](int upper_kPa) {
+    const auto file =
+        folder.write("stack.toml", "id = \"x\"\n[geometry]\nrelative_radii_mm = [20, 10]\n" +
+                                       sublayer(upper_kPa) + sublayer(20) +
+                                       "[contact]\nload_N = 1\nfriction_coefficient = 1\n");
+    return run({"export", file.string(), "--to", "mujoco"}).out;
+  };
+  const std::string unequal = exported(2000), equal = exported(20);
+  const auto not_usable = unequal.find("Not usable: ");
+  ASSERT_NE(not_usable, std::string::npos) << unequal;
+  EXPECT_NE(unequal.find("the models know one homogeneous layer", not_usable), std::string::npos);
+  EXPECT_EQ(equal.find("homogeneous layer,"), std::string::npos) << equal;
+}
+
 TEST_F(Program, RefusesWhatItCannotExport) {
   const auto file = folder.write("case.toml", case_text()).string();
   expect_refusal({"export", file}, "--to");
