@@ -100,8 +100,21 @@ input::Settings settings_of(const CaseInput& typed) {
   return settings;
 }
 
+namespace {
+
+bool is_mesh(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& letter : ending) letter = char(std::tolower(static_cast<unsigned char>(letter)));
+  return ending == ".stl" || ending == ".obj";
+}
+
+}  // namespace
+
 input::Case read_case(const CaseInput& typed) {
   const input::Settings settings = settings_of(typed);
+  if (is_mesh(typed.file))
+    throw InputError(typed.file, "file", "a mesh",
+                     "a case, which names the mesh: softfinger mesh FILE prints the line for it");
   if (!typed.file.empty()) return input::read_case(system::find_case_file(typed.file), settings);
   std::string text = "id = \"command_line\"\n";
   bool has_friction = !typed.friction.empty();

@@ -109,7 +109,9 @@ exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
       remark(fmt::format(
           "{} is not known to be within {:g} % everywhere, at {:.4g} N for one: {}{}", curve.model,
           100 * choice.tolerance, point.load_N, error_in_words(point),
-          point.assessment.determined && !point.objection.empty() ? "; " + point.objection : ""));
+          (point.assessment.determined || !point.assessment.bound) && !point.objection.empty()
+              ? "; " + point.objection
+              : ""));
       break;
     }
   return curve;

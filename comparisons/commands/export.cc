@@ -132,6 +132,9 @@ std::string to_text(const Export& made) {
       error_in_words(curve.nominal), curve.nominal.max_torque_Nm() * 1e3, curve.load_exponent,
       growth, curve.nominal.indentation_m * 1e3, curve.normal_stiffness_N_per_m * 1e-3, title,
       made.simulator.law, made.lines.text);
+  // Where no error is known a model's own assumptions are all there is to go by.
+  if (!curve.nominal.assessment.bound && !curve.nominal.objection.empty())
+    text += fmt::format("Not usable: {}\n\n", curve.nominal.objection);
   text += fmt::format("  {:>9} {:>12} {:>9} {:>16} {:>13} {:>6}\n", "load N", "torque mN·m",
                       "e_n mm", "e_n there mm", "its torque %", "e_n ±");
   for (std::size_t i = 0; i < curve.points.size(); ++i) {

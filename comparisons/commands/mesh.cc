@@ -128,7 +128,7 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
     entry["point_m"] = vector(point.point_m);
     entry["normal"] = vector(point.normal);
     entry["doubt"] = point.doubt.empty() ? nlohmann::json() : nlohmann::json(point.doubt);
-    entry["toml"] = point.toml;
+    entry["toml"] = point.toml.empty() ? nlohmann::json() : nlohmann::json(point.toml);
     list.push_back(entry);
   }
   return {{"mesh", options.file},
@@ -179,7 +179,8 @@ std::string to_text(const MeshOptions& options, const ReadMesh& read,
     if (!point.doubt.empty()) text += "    " + point.doubt + "\n";
   }
   text += "\nFor [geometry] of a case:\n";
-  for (const report::MeshPoint& point : points) text += point.toml + "\n";
+  for (const report::MeshPoint& point : points)
+    if (!point.toml.empty()) text += point.toml + "\n";
   return text;
 }
 

@@ -57,6 +57,7 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
   report::MeshPoint point;
   point.name = name;
   point.point_m = point_m;
+  point.normal.setZero();
   try {
     const internal::SurfaceNeighbourhood there(surface, point_m, normal);
     point.normal = normal ? *normal : there.region(there.radius_with_facets(1)).mean_normal;
@@ -66,8 +67,16 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
     if (fit.surface_kind == SurfaceKind::sharp_edge)
       point.doubt = fmt::format("a sharp edge of {:.3g}° lies in the region",
                                 fit.sharpest_kink_rad * 180 / kPi);
+    // Of the two radii the smaller one is what a fit knows best.
+    const double sharper_m = std::abs(fit.principal.radii_m[1]);
+    constexpr double kKnown = 0.5;
+    if (const double part = fit.radii_std_m[1] / sharper_m; part > kKnown && std::isfinite(part))
+      point.doubt += fmt::format("{}the fit knows the smaller radius to ± {:.0f} % only",
+                                 point.doubt.empty() ? "" : "; ", 100 * part);
   } catch (const InputError& error) {
-    point.doubt = std::string("no quadric: ") + error.what();
+    point.doubt = point.normal.isZero(0)
+                      ? "the surface ends here: none of its facets faces this way"
+                      : std::string("no quadric: ") + error.what();
   } catch (const ConvergenceError& error) {
     point.doubt = std::string("no quadric: ") + error.what();
   }
@@ -86,6 +95,7 @@ report::MeshPoint point_near(const TriangleSurface& surface, const std::string& 
 
 std::string geometry_line(const std::string& mesh, const std::string& unit,
                           const report::MeshPoint& point) {
+  if (point.normal.isZero(0)) return "";
   // 0.1 µm and 1e-5 rad; a zero without a minus sign.
   const auto rounded = [](double value, double step) {
     return std::round(value / step) * step + 0.0;

@@ -105,6 +105,15 @@ QuantityErrors change_with_region(const ContactPatch& patch,
   return change;
 }
 
+/// What the facets leave open that the fit cannot see: its scatter tells little of the surface
+/// between so few vertices. A surface that lies so much higher is pressed so much deeper, and the
+/// area of a contact is in proportion to its approach.
+QuantityErrors change_with_facets(const ContactPatch& patch,
+                                  const prediction::ModelAnswer& answer) {
+  const double deeper = patch.facet_doubt_m / answer.prediction.indentation_m;
+  return {deeper / 2, deeper / 2, deeper, deeper, deeper, deeper / 2};
+}
+
 /// What the fit of the radii leaves open. A model that is too slow to be asked repeatedly gets that
 /// of bonded_layer: it follows from the geometry far more than from the model.
 QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
@@ -132,8 +141,11 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
            std.peak_pressure_Pa / value.peak_pressure_Pa,
            torque_std_Nm / answer.friction_ellipsoid(rule).max_torque_Nm()};
   const QuantityErrors by_region = change_with_region(*geometry.patch, answer);
+  const QuantityErrors by_facets = change_with_facets(*geometry.patch, answer);
   for (std::size_t q = 0; q < error.size(); ++q)
-    error[q] = is_covered(*geometry.patch) ? std::hypot(kTwoSided * error[q], by_region[q]) : kNaN;
+    error[q] = is_covered(*geometry.patch)
+                   ? std::hypot(kTwoSided * error[q], by_region[q], by_facets[q])
+                   : kNaN;
   return error;
 }
 
@@ -219,6 +231,15 @@ Assessment assess_finite_elements(const input::Case& contact_case,
                              prediction::TorqueRule::exact, tolerance);
   if (!result.bound) {
     result.evidence += "; they state their own error when they have run";
+    return result;
+  }
+  if (geometry.patch) {
+    // They press the mesh itself, and find by other readings of it what its facets leave open.
+    result.bound.reset();
+    result.determined = result.usable = false;
+    result.evidence =
+        "what a mesh leaves open is measured in the run: they state their own error when they have "
+        "run";
     return result;
   }
   if (!result.known()) return result;

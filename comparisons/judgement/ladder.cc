@@ -65,8 +65,8 @@ void add_doubts(const Comparison& comparison, Ladder& ladder) {
   ladder.doubts.push_back({"elements", "elements", departure(comparison.reference->error)});
 }
 
-/// "from Hertz to Bonded layer: -12 % in area". Of area, indentation and torque: a and b follow the
-/// area.
+/// "from Hertz to Bonded layer: -12 percentage points in area". Of area, indentation and torque: a
+/// and b follow the area.
 /// @param first  the step from which on
 std::string largest_step(const std::vector<LadderStep>& steps, std::size_t first) {
   constexpr std::array<std::size_t, 3> quantities = {2, 3, 4};
@@ -80,9 +80,10 @@ std::string largest_step(const std::vector<LadderStep>& steps, std::size_t first
       if (!(std::abs(change) > largest)) continue;
       largest = std::abs(change);
       const double percent = 100 * change;
-      sentence = fmt::format(std::abs(percent) < 9.95 ? "from {} to {}: {:+.1f} % in {}"
-                                                      : "from {} to {}: {:+.0f} % in {}",
-                             steps[i - 1].words, steps[i].words, percent, words[k]);
+      sentence =
+          fmt::format(std::abs(percent) < 9.95 ? "from {} to {}: {:+.1f} percentage points in {}"
+                                               : "from {} to {}: {:+.0f} percentage points in {}",
+                      steps[i - 1].words, steps[i].words, percent, words[k]);
     }
   return sentence;
 }

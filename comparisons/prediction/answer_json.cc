@@ -219,6 +219,7 @@ nlohmann::json patch_to_json(const LocalGeometry& geometry) {
   return {{"region_area_m2", patch.region_area_m2},
           {"predicted_area_m2", patch.predicted_area_m2},
           {"agrees", patch.agrees},
+          {"facet_doubt_m", patch.facet_doubt_m},
           {"remark", patch.remark},
           {"patch_model", geometry.patch_model},
           {"finger", fit(patch.finger_fit)},

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "comparisons/prediction/mesh_points.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/geometry/surface_region.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -31,10 +33,21 @@ bool is_flat(const input::CaseBody& body) {
   return quadric && std::isinf(quadric->radius_x_m) && std::isinf(quadric->radius_y_m);
 }
 
-void require_ellipse(const RelativeCurvature& relative, const std::string& where) {
+/// @param fitted_m  radius of the region in which the curvatures were fitted; 0: they are exact
+void require_ellipse(const RelativeCurvature& relative, const std::string& where, double fitted_m) {
+  // Over a flat region of a file the coordinates' single precision leaves less.
+  constexpr double kFlatSlope = 1e-4;
   const auto& curvature = relative.curvatures_per_m;
   const std::string numbers =
       fmt::format(" (relative curvatures {:.4g} and {:.4g} per metre)", curvature[0], curvature[1]);
+  const bool curved =
+      std::max(std::abs(curvature[0]), std::abs(curvature[1])) * fitted_m > kFlatSlope;
+  if (relative.kind == ContactKind::conforming && curved)
+    throw InputError(where,
+                     "no contact ellipse: both relative curvatures lie within the fit's error of "
+                     "zero, the gap may be a saddle" +
+                         numbers,
+                     "", "");
   switch (relative.kind) {
     case ContactKind::elliptic:
       return;
@@ -193,6 +206,22 @@ ContactProblem contact_problem(const input::Case& contact_case, const LocalGeome
   return problem;
 }
 
+namespace {
+
+/// "the finger's given normal lies 47° off the surface's, which is taken", or empty.
+std::string normal_doubt(const char* name, const input::MeshBody& mesh,
+                         const std::optional<QuadricFit>& fit) {
+  constexpr double kDoubtful_rad = 30 * kPi / 180;
+  if (!mesh.normal || !fit) return "";
+  const double angle_rad =
+      std::atan2(mesh.normal->cross(fit->normal).norm(), mesh.normal->dot(fit->normal));
+  if (angle_rad < kDoubtful_rad) return "";
+  return fmt::format("the {}'s given normal lies {:.0f}° off the surface's, which is taken", name,
+                     angle_rad * 180 / kPi);
+}
+
+}  // namespace
+
 void GeometryResolver::add_finger(LocalGeometry& geometry) const {
   const auto& pair = std::get<input::BodyPair>(case_.geometry);
   const std::optional<QuadricFit> none;
@@ -225,7 +254,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
     const auto relative =
         relative_curvature(std::get<Quadric>(contact_body(pair.finger)), exact,
                            std::get<Quadric>(contact_body(pair.object)), exact, pair.angle_rad);
-    require_ellipse(relative, case_.geometry_where);
+    require_ellipse(relative, case_.geometry_where, 0);
     result.radii = relative.radii;
     if (const auto* sphere = std::get_if<input::SphereBody>(&pair.object))
       if (is_flat(pair.finger) && !case_.layer_on_object) result.sphere_radius_m = sphere->radius_m;
@@ -250,8 +279,18 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
     throw InputError(case_.geometry_where, "surface near the contact point", "",
                      std::string("one that a quadric can follow (") + error.what() + ")");
   }
-  require_ellipse(result.patch->relative, case_.geometry_where);
+  require_ellipse(result.patch->relative, case_.geometry_where,
+                  std::sqrt(result.patch->region_area_m2 / kPi));
   result.radii = result.patch->relative.radii;
+  const auto add_doubt = [&](const char* name, const input::CaseBody& body,
+                             const std::optional<QuadricFit>& fit) {
+    const auto* mesh = std::get_if<input::MeshBody>(&body);
+    const std::string doubt = mesh ? normal_doubt(name, *mesh, fit) : "";
+    std::string& remark = result.patch->remark;
+    if (!doubt.empty()) remark += (remark.empty() ? "" : "; ") + doubt;
+  };
+  add_doubt("finger", pair.finger, result.patch->finger_fit);
+  add_doubt("object", pair.object, result.patch->object_fit);
   add_finger(result);
   add_points(result);
   return result;

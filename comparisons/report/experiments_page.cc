@@ -139,10 +139,11 @@ Html verdict_counts(const Json& experiments) {
   const Json& list = child(experiments, "experiments");
   auto count = counts(list);
   Html out = html(
-      "<p class=\"lead\">{} published data sets: the theory agrees with {} and fails at {}; {} "
+      "<p class=\"lead\">{} published data {}: the theory agrees with {} and fails at {}; {} "
       "cannot "
       "tell.</p>\n",
-      list.size(), count["agrees"], count["fails"], count["cannot tell"]);
+      list.size(), list.size() == 1 ? "set" : "sets", count["agrees"], count["fails"],
+      count["cannot tell"]);
   if (const std::string noise = text(experiments, "noise_floor"); !noise.empty())
     out += html("<p>What measurements of torque are worth: {}.</p>\n", noise);
   return out;

@@ -74,7 +74,7 @@ std::string mesh_page(const TriangleSurface& surface, const MeshPage& content) {
     doubts += html("<p class=\"doubt\">{}</p>\n", doubt);
   Json points = Json::array();
   for (const MeshPoint& point : content.points) {
-    lines += html("{}\n", point.toml);
+    if (!point.toml.empty()) lines += html("{}\n", point.toml);
     const auto vector = [](const Eigen::Vector3d& v) { return Json{v.x(), v.y(), v.z()}; };
     points.push_back({{"name", point.name},
                       {"point_m", vector(point.point_m)},

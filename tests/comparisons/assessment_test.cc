@@ -121,6 +121,29 @@ TEST(Assessment, AddsWhatTheMeshLeavesOpenForSlowModelsToo) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Assessment, StatesWhatFacetsAsLargeAsTheContactLeaveOpen) {
+  const double R = 0.012;
+  std::string folder = ::testing::TempDir() + "/softfinger-facets-XXXXXX";
+  ASSERT_TRUE(mkdtemp(folder.data()));
+  const auto area_open = [&](int parts) {
+    meshes::write_stl_mm(meshes::triangulated_ellipsoid({R, R, R}, {0, 0, 0}, parts),
+                         folder + "/finger.stl");
+    const Asked asked(assessed_case_text("finger = { mesh = \"" + folder +
+                                         "/finger.stl\", point_mm = [0, -12, 0], normal = [0, -1, "
+                                         "0] }\nobject.radii_mm = [inf, inf]"),
+                      "bonded_layer");
+    const Assessment found = asked.assess();
+    EXPECT_EQ(found.usable,
+              found.total(Quantity::area) <= 0.1 && found.total(Quantity::max_torque) <= 0.1);
+    return (*found.geometry)[std::size_t(Quantity::area)];
+  };
+  // All vertices lie on the sphere: the fit scatters by nothing and would leave nothing open. Edges
+  // of 5 mm about a contact of 3.4 mm leave some tenths of the approach, those of 0.2 mm nothing.
+  EXPECT_GT(area_open(4), 0.1);
+  EXPECT_LT(area_open(96), 0.02);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Assessment, SaysWhyThereIsNoBound) {
   const std::string pad = "relative_radii_mm = [20, 10]";
   EXPECT_NE(Asked(assessed_case_text(pad), "power_law").assess().evidence.find("no answer"),

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "comparisons/prediction/fit_picture.h"
 #include "softfinger/input/constants.h"
@@ -54,6 +55,48 @@ friction_coefficient = 0.5
 )",
                                        paraboloid_file().string()),
                            "paraboloid.toml");
+}
+
+TEST(LocalGeometry, SaysThatAGivenNormalIsFarFromTheSurfaces) {
+  input::Case contact = pressed_mesh();
+  auto& normal =
+      std::get<input::MeshBody>(std::get<input::BodyPair>(contact.geometry).finger).normal;
+  const auto remark = [&](double angle_deg) {
+    const double angle_rad = angle_deg * kPi / 180;
+    normal = Eigen::Vector3d(std::sin(angle_rad), 0, std::cos(angle_rad));
+    return prediction::GeometryResolver(contact).resolve(1).patch->remark;
+  };
+  EXPECT_NE(remark(50).find("finger's given normal lies 50° off"), std::string::npos) << remark(50);
+  EXPECT_EQ(remark(25), "");
+}
+
+TEST(NoEllipse, IsNotCalledFlatWhereTheFitCannotTellASaddle) {
+  // A bumpy plate: heights of 0.1 mm at random between vertices 1 mm apart.
+  const auto path = std::filesystem::temp_directory_path() / "softfinger_bumpy_plate.obj";
+  std::ofstream file(path);
+  std::mt19937 random(3);
+  constexpr int kRow = 15;
+  for (int j = 0; j < kRow; ++j)
+    for (int i = 0; i < kRow; ++i)
+      file << fmt::format("v {} {} {}\n", i - kRow / 2, j - kRow / 2, random() % 2 ? 0.1 : -0.1);
+  for (int j = 0; j + 1 < kRow; ++j)
+    for (int i = 0; i + 1 < kRow; ++i) {
+      const int corner = 1 + i + kRow * j;
+      file << fmt::format("f {} {} {}\nf {} {} {}\n", corner, corner + 1, corner + kRow, corner + 1,
+                          corner + kRow + 1, corner + kRow);
+    }
+  file.close();
+  input::Case plate = pressed_mesh();
+  auto& mesh = std::get<input::MeshBody>(std::get<input::BodyPair>(plate.geometry).finger);
+  mesh.path = path;
+  try {
+    prediction::GeometryResolver(plate).resolve(1);
+    ADD_FAILURE() << "a bumpy plate on a plane has no ellipse";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("within the fit's error"), std::string::npos)
+        << error.what();
+  }
+  std::filesystem::remove(path);
 }
 
 }  // namespace

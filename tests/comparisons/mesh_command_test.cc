@@ -1,5 +1,6 @@
 // From a scan to a case: softfinger mesh, along in a case, init --mesh.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -135,6 +136,46 @@ TEST_F(MeshCommand, SaysWhereASurfaceIsOpen) {
   EXPECT_FALSE(open["points"][0]["doubt"].is_null());
 }
 
+TEST_F(MeshCommand, OffersNoLineWhereTheSurfaceFacesAway) {
+  // A sheet whose facets all face +z: nothing of it faces -z.
+  std::string sheet;
+  for (int j = 0; j < 10; ++j)
+    for (int i = 0; i < 10; ++i)
+      sheet += fmt::format("v {} {} {}\n", i, j, (i - 5) * (i - 5) * -0.02);
+  for (int j = 0; j < 9; ++j)
+    for (int i = 1; i < 10; ++i)
+      sheet += fmt::format("f {} {} {} {}\n", i + 10 * j, i + 1 + 10 * j, i + 11 + 10 * j,
+                           i + 10 + 10 * j);
+  folder.write("sheet.obj", sheet);
+  const json found =
+      answer_of({"mesh", "sheet.obj", "--unit", "mm", "--along", "-z", "--json"})["points"][0];
+  EXPECT_TRUE(found["toml"].is_null()) << found;
+  EXPECT_NE(found["doubt"].get<std::string>().find("surface ends here"), std::string::npos);
+  const ProgramRun all = run({"mesh", "sheet.obj", "--unit", "mm"});
+  EXPECT_EQ(all.out.find("normal = [0, 0, 0]"), std::string::npos) << all.out;
+}
+
+TEST_F(MeshCommand, DoubtsRadiiThatTheFitDoesNotKnow) {
+  // A plate with bumps of 0.1 mm, up and down in turns of three: noise has all of its curvature.
+  std::string plate;
+  for (int j = 0; j < 12; ++j)
+    for (int i = 0; i < 12; ++i)
+      plate += fmt::format("v {} {} {}\n", i, j, (5 * i + 7 * j + i * j) % 3 == 0 ? 0.1 : -0.1);
+  for (int j = 0; j < 11; ++j)
+    for (int i = 1; i < 12; ++i)
+      plate += fmt::format("f {} {} {} {}\n", i + 12 * j, i + 1 + 12 * j, i + 13 + 12 * j,
+                           i + 12 + 12 * j);
+  folder.write("plate.obj", plate);
+  const json point = answer_of(
+      {"mesh", "plate.obj", "--unit", "mm", "--near", "5.5,5.5,0", "--json"})["points"][0];
+  EXPECT_GT(point["radii_std_m"][1].get<double>(),
+            0.5 * std::abs(point["radii_m"][1].get<double>()));
+  EXPECT_NE(point["doubt"].dump().find("the fit knows the smaller radius"), std::string::npos)
+      << point;
+  EXPECT_TRUE(
+      answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"][0]["doubt"].is_null());
+}
+
 TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {
   const json found =
       answer_of({"mesh", "tip.stl", "--page", "tip.html", "--picture", "tip.png", "--json"});
@@ -195,6 +236,10 @@ TEST_F(MeshCommand, RefusesInOneLine) {
   expect_refusal({"mesh", "no.stl"}, "no.stl");
   folder.write("no.stl", "no mesh");
   expect_refusal({"mesh", "no.stl"}, "no.stl");
+}
+
+TEST_F(MeshCommand, IsNamedWhereAMeshIsGivenForACase) {
+  expect_refusal({"predict", "tip.stl"}, "softfinger mesh FILE");
 }
 
 TEST_F(MeshCommand, LeadsFromAScanToANumberForMujocoInThreeCommands) {

@@ -89,6 +89,42 @@ TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
   EXPECT_NE(none.reason.find("costs at most"), std::string::npos) << none.reason;
 }
 
+TEST(ModelChoice, TellsWhatTheFiniteElementsOfTheCaseCost) {
+  SelectionOptions options;
+  options.tolerance = 0.1;
+  options.models = {"fem"};
+  const auto cost_us = [&](bool curved, bool finite, bool is_scan) {
+    Contact contact = kOval;
+    contact.contact_case.fem_curved = curved;
+    if (finite) contact.contact_case.fem_finite.emplace();
+    if (is_scan) contact.geometry.patch.emplace();
+    return contact.choose(options).candidates.front().cost_us;
+  };
+  // Newton's method solves several linear problems, a scan is pressed in several readings.
+  EXPECT_GT(cost_us(false, true, false), 2 * cost_us(false, false, false));
+  EXPECT_GT(cost_us(true, true, false), 2 * cost_us(true, false, false));
+  EXPECT_GT(cost_us(true, true, true), 2 * cost_us(true, true, false));
+  EXPECT_EQ(cost_us(false, true, true), cost_us(false, true, false)) << "pressed on a flat layer";
+}
+
+TEST(ModelChoice, LeavesTheErrorOnAMeshToTheFiniteElementsThemselves) {
+  SelectionOptions options;
+  options.tolerance = 1e-3;
+  options.models = {"bonded_layer", "fem"};
+  Contact contact = kOval;
+  ASSERT_TRUE(contact.choose(options).candidates.back().bound);
+  contact.geometry.patch.emplace();
+  const Choice choice = contact.choose(options);
+  const Candidate& fem = choice.candidates.back();
+  ASSERT_EQ(fem.model, "fem");
+  EXPECT_FALSE(fem.bound);
+  EXPECT_FALSE(fem.usable);
+  EXPECT_NE(fem.remark.find("state their own error when they have run"), std::string::npos);
+  EXPECT_LT(choice.chosen, 0);
+  options.models = {"fem"};
+  EXPECT_NE(contact.choose(options).reason.find(fem.remark), std::string::npos);
+}
+
 TEST(ModelChoice, JudgesTheQuantitiesThatCount) {
   SelectionOptions options;
   options.tolerance = 1;

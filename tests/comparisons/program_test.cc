@@ -348,7 +348,15 @@ TEST_F(Program, CarriesTheFitsUncertaintyToEllipseAndTorque) {
   EXPECT_GT(bumpy, 2 * smooth) << smooth;
   EXPECT_LT(bumpy, 0.2);
   const ProgramRun table = run({"predict", file.string()});
-  EXPECT_NE(table.out.find("the fitted radii leave a ±"), std::string::npos) << table.out;
+  // The table tells the same as the JSON object.
+  const json open =
+      json::parse(run({"predict", file.string(), "--model", "hertz", "--json"}).out)["results"][0];
+  const double left_mm =
+      1e3 * open["geometry_error"]["a"].get<double>() * open["a_m"].get<double>();
+  const auto at = table.out.find("hertz: the mesh leaves a ± ");
+  ASSERT_NE(at, std::string::npos) << table.out;
+  // Two digits.
+  EXPECT_NEAR(std::stod(table.out.substr(table.out.find("± ", at) + 3)) / left_mm, 1, 0.05);
 }
 
 TEST_F(Program, PredictsOnTheGapSampledFromAMesh) {
@@ -935,6 +943,25 @@ TEST_F(Program, ExportsToEachSimulator) {
     EXPECT_NE(table.out.find("Worst over 1 to 5 N"), std::string::npos) << table.out;
     EXPECT_EQ(table.out.find("nan"), std::string::npos) << table.out;
   }
+}
+
+TEST_F(Program, ExportSaysThatAnAveragedStackIsNotUsable) {
+  const auto sublayer = [](int modulus_kPa) {
+    return "[[layer]]\nthickness_mm = 1\nyoungs_modulus_kPa = " + std::to_string(modulus_kPa) +
+           "\npoisson_ratio = 0.45\n";
+  };
+  const auto exported = [&](int upper_kPa) {
+    const auto file =
+        folder.write("stack.toml", "id = \"x\"\n[geometry]\nrelative_radii_mm = [20, 10]\n" +
+                                       sublayer(upper_kPa) + sublayer(20) +
+                                       "[contact]\nload_N = 1\nfriction_coefficient = 1\n");
+    return run({"export", file.string(), "--to", "mujoco"}).out;
+  };
+  const std::string unequal = exported(2000), equal = exported(20);
+  const auto not_usable = unequal.find("Not usable: ");
+  ASSERT_NE(not_usable, std::string::npos) << unequal;
+  EXPECT_NE(unequal.find("the models know one homogeneous layer", not_usable), std::string::npos);
+  EXPECT_EQ(equal.find("homogeneous layer,"), std::string::npos) << equal;
 }
 
 TEST_F(Program, RefusesWhatItCannotExport) {

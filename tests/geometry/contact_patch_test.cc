@@ -56,6 +56,22 @@ TEST(ContactPatch, SaysInNumbersWhenTheMeshIsTooCoarse) {
   EXPECT_GT(patch.region_area_m2, 2 * patch.predicted_area_m2);
 }
 
+TEST(ContactPatch, KnowsTheSurfaceToItsFacetsSagittas) {
+  // Edges of 2 mm and more around a vertex. A contact of diameter D inside of these facets sees
+  // D²/(8 R) of their curvature, which is the indentation itself, as a² = 2 R d.
+  const auto coarse = samples::sphere(10e-3, 3);
+  const auto open = [](const TriangleSurface& ball, double indentation_m) {
+    return fit_contact_patch(MeshContactPoint{&ball, {0, 0, 10e-3}, {}}, Quadric{}, 0,
+                             area_at(indentation_m))
+               .facet_doubt_m /
+           indentation_m;
+  };
+  // Half an edge's slope is 0.14, squared; the quadric's curvature is less exact over so few.
+  EXPECT_NEAR(open(coarse, 0.02e-3), 1, 0.06);
+  // Edges of 0.25 to 0.35 mm leave at most 1.5 um, and some 200 vertices a tenth of that.
+  EXPECT_LT(open(samples::sphere(10e-3, 6), 0.2e-3), 1e-3);
+}
+
 TEST(ContactPatch, SaysWhenTheSurfaceEnds) {
   const auto chip = samples::quadric(3e-3, 20, 50e-3, 50e-3);
   const auto patch =

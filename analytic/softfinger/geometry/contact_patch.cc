@@ -34,6 +34,27 @@ std::string number(double value) {
   return out.str();
 }
 
+/// Mean over the region's area of the facets' sagittas: kappa e²/8 of the fitted quadric along each
+/// edge e, which is a quarter of its depth there; of a facet the mean of its edges.
+/// @param longest_m  longer edges count as so long: a contact sees no more of a facet than itself
+double mean_sagitta_m(const internal::SurfaceRegion& region, const QuadricFit& fit,
+                      double longest_m) {
+  const Eigen::Matrix3d axes = surface_axes(fit.normal);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < region.corners.cols(); ++i)
+    for (int edge = 0; edge < 3; ++edge) {
+      const Eigen::Vector3d along =
+          axes.transpose() * (region.vertices_m.col(region.corners((edge + 1) % 3, i)) -
+                              region.vertices_m.col(region.corners(edge, i)));
+      const Quadric& q = fit.quadric;
+      const double depth = q.A_per_m * along.x() * along.x() + q.B_per_m * along.y() * along.y() +
+                           q.C_per_m * along.x() * along.y();
+      const double seen = std::min(1.0, longest_m * longest_m / along.squaredNorm());
+      sum += region.weights_m2[i] * seen * std::abs(depth) / (3 * 4);
+    }
+  return sum / region.weights_m2.sum();
+}
+
 /// One body, prepared for fits over several radii.
 struct Body {
   std::optional<Quadric> exact;
@@ -60,6 +81,14 @@ struct Body {
   QuadricFit fit(double radius_m) const {
     return by_facets ? internal::fit_quadric_to_facets(*mesh, radius_m)
                      : internal::fit_quadric(*mesh, radius_m);
+  }
+
+  /// See ContactPatch::facet_doubt_m.
+  /// @param radius_m  of a region twice as large as the contact
+  double facet_doubt_m(const QuadricFit& fit, double radius_m) const {
+    const auto region = mesh->region(std::max(radius_m, mesh->distance_m() * (1 + 1e-9)));
+    return mean_sagitta_m(region, fit, std::sqrt(2.0) * radius_m) /
+           std::sqrt(std::max(1, region.vertices_within));
   }
 
   /// The smallest radius with so many vertices; of a tessellation with enough facets to be curved.
@@ -292,6 +321,11 @@ struct ContactSurface::State {
                 between(smaller->object, larger->object, weight)};
   }
 
+  double facet_doubt_m(const ContactPatch& patch, double radius_m) const {
+    return std::hypot(patch.finger_fit ? finger.facet_doubt_m(*patch.finger_fit, radius_m) : 0,
+                      patch.object_fit ? object.facet_doubt_m(*patch.object_fit, radius_m) : 0);
+  }
+
   ContactPatch patch_of(const Fits& fits_there) const {
     ContactPatch patch;
     patch.finger_fit = fits_there.finger;
@@ -414,6 +448,7 @@ ContactPatch ContactSurface::patch(
   ContactPatch patch = *chosen.patch;
   patch.agrees = best && std::abs(chosen.area_ratio() - 1) <= tolerance;
   if (best) {
+    patch.facet_doubt_m = state.facet_doubt_m(patch, chosen.wanted_m);
     for (const double x : {chosen.x - 1, chosen.x + 1})
       if (x >= state.lowest && x <= state.highest)
         if (const auto fits = state.between_fits(x)) {
