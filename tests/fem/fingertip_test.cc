@@ -445,21 +445,32 @@ TEST(ScannedFinger, IsPressedOverItsCoresRidge) {
     });
   };
   bool low_needs = false, middle_needs = false, high_needs = false;
-  const Result low = press(3, low_needs), middle = press(4, middle_needs),
-               high = press(5.3, high_needs);
+  const Result low = press(3, low_needs), middle = press(4, middle_needs);
   EXPECT_FALSE(low_needs || middle_needs);
+  // Close to the largest load that fits, the last digits of a processor decide which loads need the
+  // ridge, and which are refused.
+  for (const double load_N : {4.4, 4.6, 4.8, 5.0, 5.15, 5.3}) {
+    SCOPED_TRACE(load_N);
+    Result high;
+    try {
+      high = press(load_N, high_needs);
+    } catch (const InputError&) {
+      continue;
+    }
+    // Powers of the load go on.
+    const double further = std::log(load_N / 4) / std::log(4.0 / 3);
+    const auto expect_power = [&](double LevelResult::*quantity, double RelativeError::*error) {
+      const double before = low.finest.*quantity, now = middle.finest.*quantity;
+      EXPECT_NEAR(high.finest.*quantity / (now * std::pow(now / before, further)), 1,
+                  high.error.*error + 2 * middle.error.*error);
+    };
+    expect_power(&LevelResult::indentation_m, &RelativeError::indentation);
+    expect_power(&LevelResult::a_m, &RelativeError::a);
+    expect_power(&LevelResult::b_m, &RelativeError::b);
+    expect_power(&LevelResult::torque_arm_m, &RelativeError::max_torque);
+    if (high_needs) break;
+  }
   EXPECT_TRUE(high_needs);
-  // Powers of the load go on.
-  const double further = std::log(5.3 / 4) / std::log(4.0 / 3);
-  const auto expect_power = [&](double LevelResult::*quantity, double RelativeError::*error) {
-    const double before = low.finest.*quantity, now = middle.finest.*quantity;
-    EXPECT_NEAR(high.finest.*quantity / (now * std::pow(now / before, further)), 1,
-                high.error.*error + 2 * middle.error.*error);
-  };
-  expect_power(&LevelResult::indentation_m, &RelativeError::indentation);
-  expect_power(&LevelResult::a_m, &RelativeError::a);
-  expect_power(&LevelResult::b_m, &RelativeError::b);
-  expect_power(&LevelResult::torque_arm_m, &RelativeError::max_torque);
 }
 
 // The tip is pressed flat, until it is touched where it turns away.
