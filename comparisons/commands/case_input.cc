@@ -1,7 +1,5 @@
 #include "comparisons/commands/case_input.h"
 
-#include <cctype>
-
 #include "comparisons/commands/commands.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
@@ -41,25 +39,6 @@ input::Settings settings_of(const std::vector<std::string>& typed) {
   return settings;
 }
 
-namespace {
-
-/// TOML has no numbers without a digit on both sides of the point.
-std::string with_all_digits(const std::string& numbers) {
-  const auto is_digit = [&](std::size_t i) {
-    return i < numbers.size() && std::isdigit(static_cast<unsigned char>(numbers[i]));
-  };
-  std::string text;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const bool is_point = numbers[i] == '.';
-    if (is_point && is_digit(i + 1) && (i == 0 || !is_digit(i - 1))) text += '0';
-    text += numbers[i];
-    if (is_point && !is_digit(i + 1) && i > 0 && is_digit(i - 1)) text += '0';
-  }
-  return text;
-}
-
-}  // namespace
-
 input::Settings settings_of(const CaseInput& typed) {
   struct Number {
     const char *flag, *key;
@@ -80,7 +59,7 @@ input::Settings settings_of(const CaseInput& typed) {
       if (number.key != std::string("contact.friction_coefficient")) missing.push_back(number.flag);
       continue;
     }
-    std::string value = with_all_digits(number.value);
+    std::string value = number.value;
     // One radius is that of a sphere on a plane.
     if (number.flag == std::string("--radii-mm") && value.find(',') == std::string::npos)
       value += "," + value;
