@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include "softfinger/dynamics/contact_residual.h"
 #include "softfinger/math/wide.h"
@@ -389,71 +390,55 @@ double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impu
 
 double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& impulse,
                              int most_iterations, const std::function<bool()>& is_needed) {
-  constexpr int kMostSteps = 5;     // to the next point
-  constexpr double kReached = 0.7;  // of |F|: the next point need not be exact
-  constexpr double kStiffer = 0.5, kSofter = 10;
-  constexpr double kFirst = 1, kLeast = 1e-10, kMost = 1e5;
-  // It can go round in circles. Close to the solution rounding or kinks of F can stop it. In both
-  // cases |F| is no longer halved.
-  constexpr double kClose = 1e-6;
-  constexpr int kPatience = 250, kPatienceClose = 80;
   const int n = 4 * contacts.contacts();
-  iterations_ = 0;
-  compliance_ = kFirst;
   centre_.head(n) = point_.head(n) = reached_.head(n) = impulse.head(n);
   move_.head(n).setZero();
-  double residual = evaluate(contacts, point_), best = residual, halved = residual, stride = 1;
-  int last_halved = 0;
-  while (best > kGood && iterations_ < most_iterations) {
-    if (best < halved / 2) {
-      halved = best;
-      last_halved = iterations_;
-    }
-    if (iterations_ > last_halved + (best < kClose ? kPatienceClose : kPatience)) break;
+  compliance_ = 0;
+  ProximalCourse course;
+  course.begin(evaluate(contacts, point_));
+  while (course.goes_on(most_iterations)) {
     if (is_needed && !is_needed()) break;
-    bool reached = false;
-    for (int step = 0; step < kMostSteps && !reached; ++step) {
-      ++iterations_;
-      if (!find_step(contacts, point_, 0)) break;
-      point_.head(n) += step_.head(n);
-      reached = evaluate(contacts, point_) < kReached * residual;
-    }
-    if (reached) {
-      stride = next_stride(stride, n);
-      compliance_ = std::max(kStiffer * compliance_, kLeast);
-    } else if (stride > 1) {
-      stride = 1;
+    compliance_ = course.compliance;
+    if (take_steps(contacts, course)) {
+      course.reach(move_on(n));
     } else {
-      compliance_ = std::min(kSofter * compliance_, kMost);
+      course.fail();
     }
     centre_.head(n) = point_.head(n) = reached_.head(n);
-    residual = evaluate(contacts, centre_);
-    if (residual < best) {
-      best = residual;
-      impulse.head(n) = centre_.head(n);
-    }
-    if (stride == 1) continue;
-    centre_.head(n) += (stride - 1) * move_.head(n);
+    if (course.arrive(evaluate(contacts, centre_))) impulse.head(n) = centre_.head(n);
+    if (course.stride == 1) continue;
+    centre_.head(n) += (course.stride - 1) * move_.head(n);
     point_.head(n) = centre_.head(n);
-    residual = evaluate(contacts, centre_);
+    course.residual = evaluate(contacts, centre_);
   }
+  iterations_ = course.iterations;
   compliance_ = 0;
-  return best;
+  return course.best;
 }
 
-/// Heavy bodies that press through light ones have impulses that must change a lot to change
-/// velocities a little, while c cannot be small for what the light ones do meanwhile: points crawl
-/// along a line. The next centre then lies ahead on it, as many moves as this says, 1 being the
-/// point itself. Takes `point_` as reached.
-double ExactNewton::next_stride(double stride, int size) {
-  constexpr double kStraight = 0.97;  // cosine between two moves
-  constexpr double kLonger = 1.3, kLongest = 256;
+/// Newton's steps from point_ to the next proximal point. False where they do not reach it.
+bool ExactNewton::take_steps(const ContactOperator& contacts, ProximalCourse& course) {
+  const int n = 4 * contacts.contacts();
+  for (;;) {
+    double size = std::numeric_limits<double>::infinity();
+    if (find_step(contacts, point_, 0)) {
+      point_.head(n) += step_.head(n);
+      size = evaluate(contacts, point_);
+    }
+    const ProximalCourse::Progress progress = course.take_step(size);
+    if (progress != ProximalCourse::Progress::going)
+      return progress == ProximalCourse::Progress::reached;
+  }
+}
+
+/// Takes point_ as reached. Returns the cosine between this move and the last one.
+double ExactNewton::move_on(int size) {
   step_.head(size) = point_.head(size) - reached_.head(size);
-  const bool is_straight = step_.head(size).dot(move_.head(size)) >
-                           kStraight * step_.head(size).norm() * move_.head(size).norm();
+  const double lengths = step_.head(size).norm() * move_.head(size).norm();
+  const double cosine = lengths > 0 ? step_.head(size).dot(move_.head(size)) / lengths : 0;
   move_.head(size) = step_.head(size);
   reached_.head(size) = point_.head(size);
-  return is_straight ? std::min(kLonger * stride, kLongest) : 1;
+  return cosine;
 }
 
 }  // namespace softfinger::internal

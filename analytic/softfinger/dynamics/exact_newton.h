@@ -6,6 +6,7 @@
 
 #include "softfinger/dynamics/contact_operator.h"
 #include "softfinger/dynamics/dense_elimination.h"
+#include "softfinger/dynamics/proximal_course.h"
 #include "softfinger/dynamics/velocity_factor.h"
 #include "softfinger/friction/friction_shape.h"
 
@@ -87,7 +88,8 @@ class ExactNewton {
                  int size);
   bool factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                          double proximal);
-  double next_stride(double stride, int size);
+  bool take_steps(const ContactOperator& contacts, ProximalCourse& course);
+  double move_on(int size);
   Eigen::Matrix3d sliding_part(const Contact& contact, double pressure) const;
   void substitute_all(const ContactOperator& contacts);
 

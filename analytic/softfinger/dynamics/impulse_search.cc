@@ -6,12 +6,8 @@
 namespace softfinger::internal {
 namespace {
 
-/// Proximal points closer than this are close enough for Newton's method.
-constexpr double kClose = 1e-6;
-/// Of wedged bodies: velocities over their natural size that rounding may make, tried in turn, and
-/// the proximal points from each.
-constexpr double kStillOfWedged[] = {1e-9, 1e-8, 1e-7, 1e-6};
-constexpr int kMostIterationsOfWedged = 400;
+/// Of wedged bodies: velocities over their natural size that rounding may make, tried in turn.
+constexpr double kStillOfWedged[ImpulseSearch::kEasedStarts] = {1e-9, 1e-8, 1e-7, 1e-6};
 
 /// Newton's values are within their bounds to the rounding of velocities. The torque of a short arm
 /// hardly makes any, so that it can be much farther outside. Taken is the impulse within that
@@ -51,28 +47,41 @@ void ImpulseSearch::start(int sweeps) { sweep(contacts_, sweeps, impulse_, veloc
 
 void ImpulseSearch::approach(const Task& task, int most_iterations, Effort effort,
                              const std::function<bool()>& is_needed) {
-  const double reached = newton_.approach(contacts_, impulse_, most_iterations, is_needed);
-  task.result.newton_iterations += newton_.iterations();
-  keep_if_better(task);
-  if (reached <= kGood || reached > kClose) return;
-  polish(task, effort);
-  if (found_.best.residual > kSolved) ease(task, is_needed);
+  if (come_close(task, most_iterations, effort, is_needed)) ease(task, effort, is_needed);
 }
 
-/// Bodies that are wedged by impulses up to a thousand times larger than needed hide the solution
-/// in the rounding of W r. From the least impulses that make the same velocities proximal points
-/// come closer. What is still and what slides cannot be told for certain before.
-void ImpulseSearch::ease(const Task& task, const std::function<bool()>& is_needed) {
+bool ImpulseSearch::come_close(const Task& task, int most_iterations, Effort effort,
+                               const std::function<bool()>& is_needed) {
+  const double reached = newton_.approach(contacts_, impulse_, most_iterations, is_needed);
+  task.result.newton_iterations += newton_.iterations();
+  return refine(task, reached, effort);
+}
+
+/// At the point where proximal points have ended with |F| = `reached`.
+bool ImpulseSearch::refine(const Task& task, double reached, Effort effort) {
+  keep_if_better(task);
+  if (reached > kClose) return false;
+  if (reached > kGood || found_.best.residual > kSolved) polish(task, effort);
+  return found_.best.residual > kSolved;
+}
+
+bool ImpulseSearch::go_to_eased(const Task& task, const Eigen::VectorXd& wedged, int number) {
+  impulse_.head(size()) = wedged.head(size());
+  contacts_.find_velocity(impulse_, velocity_);
+  velocity_.head(size()) += contacts_.free_velocity().head(size());
+  if (!least_.find(task.problem, contacts_, velocity_, impulse_, kStillOfWedged[number]))
+    return false;
+  keep_if_better(task);
+  return true;
+}
+
+void ImpulseSearch::ease(const Task& task, Effort effort, const std::function<bool()>& is_needed) {
   wedged_.head(size()) = impulse_.head(size());
-  for (const double still : kStillOfWedged) {
+  for (int number = 0; number < effort.eased_starts; ++number) {
     if (is_needed && !is_needed()) return;
-    impulse_.head(size()) = wedged_.head(size());
-    contacts_.find_velocity(impulse_, velocity_);
-    velocity_.head(size()) += contacts_.free_velocity().head(size());
-    if (!least_.find(task.problem, contacts_, velocity_, impulse_, still)) continue;
-    keep_if_better(task);
+    if (!go_to_eased(task, wedged_, number)) continue;
     if (found_.best.residual <= kSolved) return;
-    newton_.approach(contacts_, impulse_, kMostIterationsOfWedged, is_needed);
+    newton_.approach(contacts_, impulse_, kMostIterationsOfEased, is_needed);
     task.result.newton_iterations += newton_.iterations();
     keep_if_better(task);
     if (found_.best.residual <= kSolved) return;

@@ -20,9 +20,12 @@ class ImpulseSearch {
 
   void begin_problem() { newton_.begin_problem(); }
 
-  /// How much of Newton's method a polish takes; see ExactNewton::solve.
+  /// How much of Newton's method a polish takes, see ExactNewton::solve, and how often `approach`
+  /// eases.
+  static constexpr int kEasedStarts = 4, kMostIterationsOfEased = 400;
   struct Effort {
     int passes, patience;
+    int eased_starts = kEasedStarts;
   };
 
   /// Where the search is, scaled.
@@ -37,6 +40,9 @@ class ImpulseSearch {
     }
   };
   const Found& found() const { return found_; }
+  const ContactOperator& contacts() const { return contacts_; }
+  /// W = C L L^T of the problem.
+  const VelocityFactor& factor() { return newton_.factor(contacts_); }
   BestPoint& best() { return found_.best; }
   /// After others have searched: nothing is left of the last step, nor of the least impulses, that
   /// `correct` could use.
@@ -49,6 +55,17 @@ class ImpulseSearch {
   /// @param is_needed  asked now and then; where it says no, the search may end anywhere
   void approach(const Task& task, int most_iterations, Effort effort,
                 const std::function<bool()>& is_needed = {});
+  /// The same without easing. Whether that may help.
+  bool come_close(const Task& task, int most_iterations, Effort effort,
+                  const std::function<bool()>& is_needed = {});
+  /// Bodies that are wedged by impulses up to a thousand times larger than needed hide the solution
+  /// in the rounding of W r. From the least impulses that make the same velocities proximal points
+  /// come closer. What is still and what slides cannot be told for certain before: there are
+  /// several. False where there are none.
+  /// @param wedged  where proximal points have ended
+  bool go_to_eased(const Task& task, const Eigen::VectorXd& wedged, int number);
+  /// |F| of points that are close enough for Newton's method, or for easing.
+  static constexpr double kClose = 1e-6;
   /// From `impulse` by Newton's method.
   void polish(const Task& task, Effort effort);
   struct Corrected {
@@ -70,7 +87,8 @@ class ImpulseSearch {
   double complete(const Task& task) const;
 
  private:
-  void ease(const Task& task, const std::function<bool()>& is_needed);
+  bool refine(const Task& task, double reached, Effort effort);
+  void ease(const Task& task, Effort effort, const std::function<bool()>& is_needed);
   double extract(const Task& task) const;
   int size() const { return 4 * contacts_.contacts(); }
   void start(int sweeps);

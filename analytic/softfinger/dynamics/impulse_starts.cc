@@ -2,53 +2,43 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <future>
-#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
 
-#include "softfinger/dynamics/repeatable_random.h"
+#include "softfinger/dynamics/impulse_start.h"
 
 namespace softfinger::internal {
 namespace {
 
-/// Sweeps of Gauss-Seidel from each start.
-constexpr int kFirstSweeps = 10;
-/// All normal impulses before these sweeps; an impulse of 1 gives its contact the largest free
-/// velocity. Of scenes of 100 random contacts 9 in 10 are solved from the first start, 36 in 37
-/// from the three.
-constexpr double kGiven[] = {0, 10, 100};
-constexpr int kMostIterationsOfGiven = 400;
-/// Then each contact has an impulse of its own, drawn between these, evenly in its logarithm. Where
-/// the three failed, 1 in 1,200 iterations ends in a solution, whichever start they belong to: a
-/// path costs as much as thousands, and of 11 scenes that took paths 10 were solved sooner from
-/// more starts. Of more contacts than the hundred that this was measured with an iteration may cost
-/// the square of their number more.
-constexpr double kLeastDrawn = 0.1, kMostDrawn = 1000;
-constexpr int kMostIterationsOfDrawn = 1000, kMostIterationsInAll = 20000;
+/// Where the given starts failed, 1 in 1,200 iterations ends in a solution,
+/// whichever start they belong to: a path costs as much as thousands, and of 11 scenes that took
+/// paths 10 were solved sooner from more starts. Of more contacts than the hundred that this was
+/// measured with an iteration may cost the square of their number more.
+constexpr int kMostIterationsInAll = 20000;
 constexpr double kMeasuredContacts = 100;
+/// In lanes they cost a third.
+constexpr int kMostIterationsInLanes = 60000;
 /// Shapes cost several times as much per iteration, and hardly more per path.
 constexpr int kMostIterationsOfShapes = 6000;
-constexpr int kGivenStarts = int(std::size(kGiven)), kMostStarts = kGivenStarts + 200;
+constexpr int kMostStarts = kGivenStarts + 200;
 /// After this part of the iterations, and the given starts, a point is a solution as well where its
 /// residual is the rounding of W r. Before, other starts often find one with smaller impulses.
 constexpr double kPartForUnrounded = 0.25;
 /// A search needs six times the memory of W.
 constexpr int kMostThreads = 4, kMostContactsInParallel = 250;
 
-int most_iterations(int start) {
-  return start < kGivenStarts ? kMostIterationsOfGiven : kMostIterationsOfDrawn;
+/// Over the square of the contacts.
+double larger_than_measured(int contacts) {
+  const double larger = std::max(1., contacts / kMeasuredContacts);
+  return larger * larger;
 }
 
-void go_to_start(int start, ImpulseSearch& search) {
-  const auto normal_impulse = [start](int contact) {
-    if (start < kGivenStarts) return kGiven[start];
-    const double drawn = hash_to_unit(start - kGivenStarts, contact);
-    return kLeastDrawn * std::pow(kMostDrawn / kLeastDrawn, drawn);
-  };
-  search.start_from(normal_impulse, kFirstSweeps);
+int threads_for(int contact_capacity, int asked) {
+  if (contact_capacity > kMostContactsInParallel) return 1;
+  if (asked > 0) return std::min(asked, kMostStarts);
+  return std::clamp(int(std::thread::hardware_concurrency()), 1, kMostThreads);
 }
 
 }  // namespace
@@ -132,11 +122,10 @@ class ImpulseStarts::Queue {
 };
 
 ImpulseStarts::ImpulseStarts(const ContactOperator& contacts, int contact_capacity, int threads)
-    : contacts_(contacts), contact_capacity_(contact_capacity) {
-  const int cores = std::max(int(std::thread::hardware_concurrency()), 1);
-  threads_ = threads > 0 ? std::min(threads, kMostStarts) : std::min(cores, kMostThreads);
-  if (contact_capacity > kMostContactsInParallel) threads_ = 1;
-}
+    : contacts_(contacts),
+      contact_capacity_(contact_capacity),
+      threads_(threads_for(contact_capacity, threads)),
+      lanes_(contacts, contact_capacity, threads_) {}
 
 void ImpulseStarts::begin_problem() {
   iterations_ = 0;
@@ -145,17 +134,22 @@ void ImpulseStarts::begin_problem() {
 
 bool ImpulseStarts::find_from_given(const Task& task, ImpulseSearch& search,
                                     ImpulseSearch::Effort effort) {
-  // Alone, because it solves nine of ten problems.
+  // Alone, because it solves nine of ten problems. Lanes take the others together with drawn ones.
+  const bool has_lanes = LaneRace::fits(task, search);
   const int before = task.result.newton_iterations;
+  if (has_lanes) effort.eased_starts = 1;
   go_to_start(0, search);
   search.approach(task, most_iterations(0), effort);
   iterations_ += task.result.newton_iterations - before;
-  return search.found().best.is_solved(false) || find(task, search, effort, 1, kGivenStarts);
+  if (search.found().best.is_solved(false)) return true;
+  return !has_lanes && find(task, search, effort, 1, kGivenStarts);
 }
 
 bool ImpulseStarts::find_from_drawn(const Task& task, ImpulseSearch& search,
                                     ImpulseSearch::Effort effort) {
-  return find(task, search, effort, kGivenStarts, kMostStarts);
+  if (!LaneRace::fits(task, search)) return find(task, search, effort, kGivenStarts, kMostStarts);
+  const int most = int(kMostIterationsInLanes / larger_than_measured(contacts_.contacts()));
+  return lanes_.find(task, search, effort, {1, most, int(kPartForUnrounded * most)});
 }
 
 bool ImpulseStarts::find(const Task& task, ImpulseSearch& search, ImpulseSearch::Effort effort,
@@ -163,9 +157,8 @@ bool ImpulseStarts::find(const Task& task, ImpulseSearch& search, ImpulseSearch:
   while (int(beside_.size()) < threads_ - 1)
     beside_.push_back({std::make_unique<ImpulseSearch>(contacts_, contact_capacity_), {}, {}});
   const bool has_shapes = task.problem.friction_rule == FrictionRule::limit_surface;
-  const double larger = std::max(1., contacts_.contacts() / kMeasuredContacts);
-  const int most =
-      int((has_shapes ? kMostIterationsOfShapes : kMostIterationsInAll) / (larger * larger));
+  const int most = int((has_shapes ? kMostIterationsOfShapes : kMostIterationsInAll) /
+                       larger_than_measured(contacts_.contacts()));
   Queue queue(search, iterations_, most, first, end);
   std::vector<std::future<void>> running;
   LcpResult own;

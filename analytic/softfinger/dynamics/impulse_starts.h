@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "softfinger/dynamics/impulse_search.h"
+#include "softfinger/dynamics/lane_race.h"
 
 /// Internal: where to look for the impulses of many contacts.
 namespace softfinger::internal {
@@ -39,6 +40,7 @@ class ImpulseStarts {
   int contact_capacity_, threads_;
   int iterations_ = 0;  ///< of this problem so far
   std::vector<Beside> beside_;
+  LaneRace lanes_;
 };
 
 }  // namespace softfinger::internal

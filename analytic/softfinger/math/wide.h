@@ -9,22 +9,39 @@ namespace softfinger {
 constexpr int kFour = 4;
 using Four [[gnu::vector_size(kFour * sizeof(double))]] = double;
 
+/// The same of eight: one instruction with AVX-512. What uses it is compiled for that only, see
+/// `with_widest_instructions`; other processors take twice four.
+constexpr int kEight = 8;
+using Eight [[gnu::vector_size(kEight * sizeof(double))]] = double;
+
 /// From and to memory of any alignment. By reference, because what would return them depends on the
 /// instructions.
 inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
 inline void store(const Four& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
-/// Whether the processor has instructions for four doubles at once (AVX2). Tests set it to false,
-/// to reach what other processors do.
+/// Whether the processor has instructions for four doubles at once (AVX2), and for eight (AVX-512).
+/// Tests set them to false, to reach what other processors do.
 #if defined(__x86_64__)
 inline bool has_wide_instructions = __builtin_cpu_supports("avx2");
+inline bool has_widest_instructions =
+    __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 #else
-inline bool has_wide_instructions = false;
+inline bool has_wide_instructions = false, has_widest_instructions = false;
 #endif
 
 #if defined(__x86_64__)
 template <class Function>
 [[gnu::target("avx2"), gnu::flatten]] auto with_wide_instructions(const Function& function) {
+  return function();
+}
+template <class Function>
+[[gnu::target("avx512dq,avx512vl"), gnu::flatten]] auto with_widest_instructions(
+    const Function& function) {
+  return function();
+}
+#else
+template <class Function>
+auto with_widest_instructions(const Function& function) {
   return function();
 }
 #endif

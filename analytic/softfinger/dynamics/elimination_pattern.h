@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "softfinger/dynamics/velocity_factor.h"
+
+/// Internal: what is not zero when sums of L_i^T A L_i are eliminated.
+namespace softfinger::internal {
+
+/// The elements below the diagonal of L_M and, mirrored, right of that of U_M, for the sum M of
+/// L_i^T A_i L_i over contacts, whatever the A_i: M = L_M U_M without an exchange of rows.
+/// Neighbouring columns whose elements lie in the same rows make a group.
+class EliminationPattern {
+ public:
+  static constexpr int kWidestGroup = 4;
+
+  void set(const VelocityFactor& factor, int contacts);
+
+  int size() const { return size_; }
+  struct Rows {
+    const int* first;
+    int count;
+  };
+  /// Below the diagonal of this column, in rising order.
+  Rows rows(int column) const {
+    const int first = first_[std::size_t(column)];
+    return {rows_.data() + first, first_[std::size_t(column) + 1] - first};
+  }
+  /// Columns of the group that begins with this one.
+  int width(int column) const { return width_[std::size_t(column)]; }
+
+ private:
+  void find_rows();
+  void find_groups();
+
+  int size_ = 0;
+  std::vector<char> nonzero_;
+  std::vector<int> first_, rows_, width_;
+};
+
+}  // namespace softfinger::internal
