@@ -49,7 +49,7 @@ int run_fit(const FitOptions& options) {
   const auto path = system::find_mesh_file(options.mesh, "");
   const auto file = read_typed_surface(path.string(), metres_per_unit);
   for (const std::string& note :
-       {prediction::tolerated(file), prediction::unit_doubt(file, metres_per_unit)})
+       {meshes::repairs(file), prediction::unit_doubt(file, metres_per_unit)})
     if (!note.empty()) remark(path.string() + ": " + note);
   prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
@@ -94,6 +94,7 @@ int run_fit(const FitOptions& options) {
     object["outliers"] = fit.outliers;
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
+    object["turned_triangles"] = file.turned_triangles;
     system::write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
                             "\n");
     return 0;

@@ -208,6 +208,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
     throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
   const input::Scene scene = input::read_scene(file, settings_of(options.typed_case));
+  for (const std::string& line : scene.remarks) remark(line);
   for (const input::ContactRule& rule : scene.rules)
     if (rule.shear_law.kind != ShearLaw::Kind::coulomb)
       throw InputError(

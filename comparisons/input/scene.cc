@@ -67,6 +67,7 @@ class SceneReader {
   void read_layers();
   void read_bodies();
   Shape read_shape(const toml::node& node) const;
+  void remark_once(const std::string& line) const;
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
   void read_joints();
@@ -234,6 +235,11 @@ void SceneReader::read_layers() {
   }
 }
 
+void SceneReader::remark_once(const std::string& line) const {
+  auto& remarks = scene_.remarks;
+  if (std::find(remarks.begin(), remarks.end(), line) == remarks.end()) remarks.push_back(line);
+}
+
 Shape SceneReader::read_shape(const toml::node& node) const {
   if (!node.is_table()) reader_.refuse(node, "shape", "a table such as { sphere_radius_mm = 10 }");
   const toml::table& table = *node.as_table();
@@ -288,9 +294,11 @@ Shape SceneReader::read_shape(const toml::node& node) const {
     const toml::node* unit = table.get("unit");
     const bool metres = unit && reader_.choice(*unit, "unit", {"mm", "m"}) == "m";
     try {
-      shape.kind = Mesh{std::make_shared<TriangleSurface>(
-          meshes::read_surface(system::find_mesh_file(typed, folder_).string(), metres ? 1 : 1e-3)
-              .surface)};
+      const std::string path = system::find_mesh_file(typed, folder_).string();
+      const meshes::SurfaceFile file = meshes::read_surface(path, metres ? 1 : 1e-3);
+      shape.kind = Mesh{std::make_shared<TriangleSurface>(file.surface)};
+      if (const std::string repairs = meshes::repairs(file); !repairs.empty())
+        remark_once(path + ": " + repairs);
     } catch (const InputError& error) {
       throw InputError(reader_.where(value), "mesh " + error.where() + ": " + error.field(),
                        error.value(), error.allowed());
