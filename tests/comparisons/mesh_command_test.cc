@@ -210,6 +210,21 @@ TEST_F(MeshCommand, DoubtsRadiiThatTheFitDoesNotKnow) {
       answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"][0]["doubt"].is_null());
 }
 
+TEST_F(MeshCommand, SaysThatARegionTakesInTheWholeFinger) {
+  const ProgramRun whole = run({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "300"});
+  EXPECT_EQ(whole.status, 0) << whole.err;
+  EXPECT_NE(whole.err.find("takes in the whole surface"), std::string::npos) << whole.err;
+  EXPECT_NE(whole.out.find("how much they depend on the region is not known"), std::string::npos)
+      << whole.out;
+  const json answer =
+      answer_of({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "300", "--json"});
+  EXPECT_TRUE(answer["region_is_whole_surface"].get<bool>());
+  EXPECT_TRUE(answer["radii_region_change_m"][0].is_null());
+  const ProgramRun part = run({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "3"});
+  EXPECT_EQ(part.err.find("whole surface"), std::string::npos) << part.err;
+  EXPECT_NE(part.out.find("they change by up to"), std::string::npos) << part.out;
+}
+
 TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {
   const json found =
       answer_of({"mesh", "tip.stl", "--page", "tip.html", "--picture", "tip.png", "--json"});
