@@ -40,9 +40,8 @@ std::vector<std::string> allowed_models(const std::string& typed) {
     const std::string name = typed.substr(start, end - start);
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InputError("command line",
-                       "unknown model \"" + name + "\", did you mean \"" +
-                           text::nearest_name(name, known) + "\"?",
-                       "", text::joined(known));
+                       "unknown model \"" + name + "\"" + text::did_you_mean(name, known), "",
+                       text::joined(known));
     names.push_back(name);
     start = end + 1;
   }

@@ -45,6 +45,13 @@ JointKind joint_kind(const std::string& name) {
 }
 
 /// Reads a scene file, table by table.
+/// "; did you mean "floor"?", or all names there are.
+std::string meant(const std::string& typed, const std::vector<std::string>& known) {
+  constexpr std::size_t kListedNames = 200;  // bytes
+  const std::string nearest = text::did_you_mean(typed, known, "; ");
+  return nearest.empty() ? ": " + text::shortened(text::joined(known), kListedNames) : nearest;
+}
+
 class SceneReader {
  public:
   SceneReader(const toml::table& root, const fs::path& file, Scene& scene)
@@ -138,9 +145,7 @@ int SceneReader::body_named(const toml::node& node, const std::string& field,
     if (scene_.bodies[b].name == typed) return int(b);
     known.push_back(scene_.bodies[b].name);
   }
-  reader_.refuse(
-      node, field,
-      fmt::format("the name of a body; did you mean \"{}\"?", text::nearest_name(typed, known)));
+  reader_.refuse(node, field, "the name of a body" + meant(typed, known));
 }
 
 std::vector<double> SceneReader::times(const toml::table& table, const std::string& name) const {
@@ -599,8 +604,7 @@ void SceneReader::read_motors() {
     if (motor.joint < 0)
       reader_.refuse(name, "joint",
                      known.empty() ? "the name of a [[joint]], of which there are none"
-                                   : fmt::format("the name of a joint; did you mean \"{}\"?",
-                                                 text::nearest_name(typed, known)));
+                                   : "the name of a joint" + meant(typed, known));
     const JointDescription& joint = scene_.joints[std::size_t(motor.joint)];
     if (joint.kind == JointKind::fixed || joint.kind == JointKind::ball)
       reader_.refuse(name, "joint", "a revolute or prismatic joint");
