@@ -820,8 +820,25 @@ void SceneReader::read_rules() {
   }
 }
 
+/// The equations G v = 0 that loops impose on all velocities.
+Eigen::MatrixXd loop_equations(const Multibody& bodies) {
+  Eigen::MatrixXd all(0, bodies.velocities());
+  for (const Multibody::Tree& tree : bodies.trees()) {
+    if (tree.loop_rows == 0) continue;
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd opening;
+    bodies.loops(tree, jacobian, opening);
+    const Eigen::Index before = all.rows();
+    all.conservativeResize(before + jacobian.rows(), Eigen::NoChange);
+    all.bottomRows(jacobian.rows()).setZero();
+    all.block(before, tree.first, jacobian.rows(), tree.count) = jacobian;
+  }
+  return all;
+}
+
 /// Gives the joints the velocities that are typed for the bodies on them. A key that is not there
-/// leaves it to the others; joints of which nothing is told are at rest.
+/// leaves it to the others; joints of which nothing is told are at rest. Loops stay closed: what a
+/// body does is passed on through them, and what they do not let it do is refused.
 void SceneReader::start_joints(Multibody bodies) {
   struct Typed {
     int body;
@@ -834,8 +851,12 @@ void SceneReader::start_joints(Multibody bodies) {
   std::vector<int> joint_of(scene_.bodies.size(), -1);
   for (std::size_t j = 0; j < scene_.joints.size(); ++j)
     joint_of[std::size_t(scene_.joints[j].child)] = int(j);
+  // A loop may hold any body, by way of others.
+  std::vector<bool> is_held(scene_.bodies.size());
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
+    is_held[b] = joint_of[b] >= 0 || !scene_.loops.empty();
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-    if (joint_of[b] < 0) continue;
+    if (!is_held[b]) continue;
     const BodyDescription& body = scene_.descriptions[b];
     if (const toml::node* node = body_tables_[b]->get("velocity_mm_per_s"))
       typed.push_back({int(b), false, node, "velocity_mm_per_s", body.velocity_m_per_s});
@@ -852,7 +873,7 @@ void SceneReader::start_joints(Multibody bodies) {
   // The velocities of the bodies are linear in those of the joints; free bodies keep their own.
   const auto moves_free_body = [&] {
     for (std::size_t b = 0; b < joint_of.size(); ++b)
-      if (joint_of[b] < 0 && bodies.moves(int(b)) &&
+      if (!is_held[b] && bodies.moves(int(b)) &&
           (!bodies.angular_velocity(int(b)).isZero(0) ||
            !bodies.velocity_at(int(b), bodies.center_of_mass_m(int(b))).isZero(0)))
         return true;
@@ -869,8 +890,13 @@ void SceneReader::start_joints(Multibody bodies) {
     for (std::size_t t = 0; t < typed.size(); ++t)
       rows.block<3, 1>(3 * Eigen::Index(t), dof) = velocity_of(typed[t]);
   }
-  scene_.start_velocity =
-      of_free + Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(rows).solve(wanted);
+  using Solver = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>;
+  const Eigen::MatrixXd loops = loop_equations(bodies);
+  Eigen::MatrixXd allowed = Eigen::MatrixXd::Identity(bodies.velocities(), bodies.velocities());
+  if (loops.rows() > 0) allowed -= Solver(loops).pseudoInverse() * loops;
+  const Eigen::VectorXd start = allowed * of_free;
+  wanted += rows * (of_free - start);
+  scene_.start_velocity = start + allowed * Solver(rows * allowed).solve(wanted);
   bodies.set_velocity(scene_.start_velocity);
   for (const Typed& of : typed) {
     // What is typed is rounded.
@@ -878,12 +904,15 @@ void SceneReader::start_joints(Multibody bodies) {
     const double unit = of.is_angular ? kDegree : kMillimetre;
     const Eigen::Vector3d nearest = velocity_of(of);
     if ((nearest - of.velocity).norm() <= kRounding * of.velocity.norm() + kLeast) continue;
-    const JointDescription& joint = scene_.joints[std::size_t(joint_of[std::size_t(of.body)])];
-    reader_.refuse(*of.node, of.key,
-                   fmt::format("what joint \"{}\" lets body \"{}\" do; nearest to what is typed "
-                               "comes [{:.4g}, {:.4g}, {:.4g}]",
-                               joint.name, scene_.bodies[std::size_t(of.body)].name,
-                               nearest.x() / unit, nearest.y() / unit, nearest.z() / unit));
+    const int joint = joint_of[std::size_t(of.body)];
+    std::string held = joint < 0 ? "" : "joint \"" + scene_.joints[std::size_t(joint)].name + "\"";
+    if (loops.rows() > 0) held += held.empty() ? "its loops" : " and the loops";
+    reader_.refuse(
+        *of.node, of.key,
+        fmt::format("what {} let{} body \"{}\" do; nearest to what is typed "
+                    "comes [{:.4g}, {:.4g}, {:.4g}]",
+                    held, loops.rows() > 0 ? "" : "s", scene_.bodies[std::size_t(of.body)].name,
+                    nearest.x() / unit, nearest.y() / unit, nearest.z() / unit));
   }
 }
 
