@@ -29,10 +29,10 @@ std::vector<const Item*> chosen(const std::vector<Item>& all, const std::vector<
     for (const Item& item : all)
       if (item.name == name) found.push_back(&item);
     if (found.size() == before)
-      throw InputError("command line",
-                       std::string(flag) + " " + text::shortened(name) + ", did you mean \"" +
-                           text::nearest_name(name, known) + "\"?",
-                       "", text::joined(known));
+      throw InputError(
+          "command line",
+          std::string(flag) + " " + text::shortened(name) + text::did_you_mean(name, known), "",
+          text::joined(known));
   }
   return found;
 }

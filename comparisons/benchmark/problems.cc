@@ -221,9 +221,10 @@ Score held(const Engine& engine) {
   const State &before = motion.samples[0][0], &after = motion.samples[1][0];
   if ((after.position_m - before.position_m).norm() > 2 * kRadius_m) score.failure = "dropped";
   score.measured.push_back(
-      {"moved in 60 s", "mm", 1e3 * (after.position_m - before.position_m).norm(), 0});
+      {"moved in 60 s", "mm", 1e3 * (after.position_m - before.position_m).norm(), 0, "moved"});
   score.measured.push_back({"turned in 60 s", "°",
-                            180 / kPi * after.orientation.angularDistance(before.orientation), 0});
+                            180 / kPi * after.orientation.angularDistance(before.orientation), 0,
+                            "turned"});
   return score;
 }
 
@@ -248,8 +249,8 @@ Score stack(const Engine& engine) {
     sunk_m = std::max(sunk_m, scene.bodies[i].position_m.z() - motion.samples[0][i].position_m.z());
   }
   if (moved_m > 2 * half_m) score.failure = "fell";
-  score.measured.push_back({"a box moved in 60 s", "mm", 1e3 * moved_m, 0});
-  score.measured.push_back({"the top sinks into the stack", "mm", 1e3 * sunk_m, 0});
+  score.measured.push_back({"a box moved in 60 s", "mm", 1e3 * moved_m, 0, "moved"});
+  score.measured.push_back({"a box sank in the first second", "mm", 1e3 * sunk_m, 0, "sank"});
   return score;
 }
 
@@ -292,9 +293,9 @@ const std::vector<Problem>& all_problems() {
        "The plate of the pinch, with 1.5 times the least grip: how far does it move in 60 s?",
        "a held contact does not move", false, held},
       {"stack",
-       "Five boxes on each other, each twice as heavy as the one below: how far do they move in 60 "
-       "s?",
-       "boxes at rest do not move", false, stack}};
+       "Five boxes on each other, each twice as heavy as the one below: how far do they sink into "
+       "each other in the first second, and how far do they move in the 60 s after it?",
+       "rigid boxes at rest neither sink nor move", false, stack}};
   return problems;
 }
 

@@ -12,6 +12,7 @@ struct Measured {
   std::string what;  ///< "slip torque at 0.2 N"
   std::string unit;
   double value = 0, truth = 0;
+  std::string verb = {};  ///< for the overview of what should be zero: "moved"
   double error() const { return truth == 0 ? value : value / truth - 1; }  ///< absolute for truth 0
 };
 

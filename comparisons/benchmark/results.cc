@@ -85,7 +85,8 @@ std::string worst_in_words(const Problem& problem, const Score& score) {
   if (!problem.is_relative) {
     std::string words;
     for (const Measured& measured : score.measured)
-      words += (words.empty() ? "" : ", ") + shown(measured.value, measured.unit);
+      words +=
+          (words.empty() ? "" : ", ") + measured.verb + " " + shown(measured.value, measured.unit);
     return words;
   }
   return std::isfinite(worst->error()) ? report::signed_percent(worst->error()) : "none holds";
@@ -137,7 +138,9 @@ std::string render_page(const Results& results) {
       "are thresholds, found by bisection to 1e-4: a contact holds while the acceleration stays "
       "below 2e-4 of what it is without friction. A contact that creeps at constant velocity holds "
       "by that measure; how far it comes is in "
-      "<i>held</i> and <i>stack</i>, where the truth is 0. All engines have steps of 1 ms, 2 ms in "
+      "<i>held</i> and <i>stack</i>, where the truth is 0: how far a body moved and turned in a "
+      "minute, and how far a box of the stack sank into those below in the second before it. All "
+      "engines have steps of 1 ms, 2 ms in "
       "<i>stack</i>, and their own default solver and iterations unless stated.</p>\n";
   std::string bounds;
   for (const TruthBound& truth : bounds_of_the_truth())

@@ -50,8 +50,8 @@ std::vector<Parameter> fitted(const std::string& typed) {
     }
     if (!found)
       throw InputError("command line",
-                       "--fit: unknown parameter \"" + text::shortened(name) +
-                           "\", did you mean \"" + text::nearest_name(name, names) + "\"?",
+                       "--fit: unknown parameter \"" + text::shortened(name) + "\"" +
+                           text::did_you_mean(name, names),
                        "", text::joined(names));
     if (contains(result, *found))
       throw InputError("command line", "--fit", name, "each parameter once");
@@ -109,10 +109,10 @@ std::pair<Parameter, double> fixed_value(const std::string& typed) {
   if (!with_unit.empty())
     throw InputError("command line", "--fix " + key, value_text,
                      "a key with its unit, " + text::joined(with_unit, " or "));
-  throw InputError("command line",
-                   "--fix: unknown key \"" + text::shortened(key) + "\", did you mean \"" +
-                       text::nearest_name(key, names) + "\"?",
-                   "", text::joined(names));
+  throw InputError(
+      "command line",
+      "--fix: unknown key \"" + text::shortened(key) + "\"" + text::did_you_mean(key, names), "",
+      text::joined(names));
 }
 
 const PressureModel* chosen_model(const std::string& name) {

@@ -62,9 +62,8 @@ const exporting::Simulator& simulator_by_name(const std::string& name) {
   std::vector<std::string> known;
   for (const exporting::Simulator& simulator : exporting::all_simulators())
     known.emplace_back(simulator.name);
-  throw InputError("command line",
-                   "--to " + name + ", did you mean \"" + text::nearest_name(name, known) + "\"?",
-                   "", text::joined(known));
+  throw InputError("command line", "--to " + name + text::did_you_mean(name, known), "",
+                   text::joined(known));
 }
 
 void add_contact_choice(CLI::App& command, ContactChoice& choice) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -27,6 +28,16 @@ std::string plus_minus(double std_m) {
   return std::isfinite(std_m) ? "± " + prediction::millimetres(std_m) : "uncertainty unknown";
 }
 
+std::string region_dependence(const QuadricFit& fit, const std::array<double, 2>& change_m) {
+  for (const std::size_t i : {0, 1})
+    if (std::isfinite(fit.principal.radii_m[i]) && std::isinf(change_m[i]))
+      return "how much they depend on the region is not known: neither 0.8 nor 1.25 times this "
+             "radius gives another region that can be fitted";
+  return fmt::format(
+      "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}",
+      prediction::millimetres(change_m[0]), prediction::millimetres(change_m[1]));
+}
+
 int run_fit(const FitOptions& options) {
   if (options.write_page && options.page.empty())
     throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
@@ -49,7 +60,7 @@ int run_fit(const FitOptions& options) {
   const auto path = system::find_mesh_file(options.mesh, "");
   const auto file = read_typed_surface(path.string(), metres_per_unit);
   for (const std::string& note :
-       {prediction::tolerated(file), prediction::unit_doubt(file, metres_per_unit)})
+       {meshes::repairs(file), prediction::unit_doubt(file, metres_per_unit)})
     if (!note.empty()) remark(path.string() + ": " + note);
   prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
@@ -74,6 +85,13 @@ int run_fit(const FitOptions& options) {
         "a sharp edge of {:.3g}° lies in the region, where radii of curvature mean little",
         fit.sharpest_kink_rad * 180 / kPi));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
+  const bool is_whole =
+      is_whole_surface(file.surface, point_m, normal_pointer, fit.region_radius_m);
+  if (is_whole)
+    remark(
+        fmt::format("a region of {:.4g} mm takes in the whole surface that faces this way: a "
+                    "larger one shows nothing of how much the radii depend on it",
+                    fit.region_radius_m * 1e3));
   const auto region_change_m = radii_region_change_m(file.surface, point_m, normal_pointer, fit);
   if (options.write_page) {
     report::MeshPoint point;
@@ -89,11 +107,13 @@ int run_fit(const FitOptions& options) {
     object["mesh"] = options.mesh;
     object["radii_region_change_m"] = {text::finite_or_null(region_change_m[0]),
                                        text::finite_or_null(region_change_m[1])};
+    object["region_is_whole_surface"] = is_whole;
     object["surface_kind"] = fit.surface_kind == SurfaceKind::sharp_edge ? "sharp_edge" : "smooth";
     object["sharpest_kink_rad"] = fit.sharpest_kink_rad;
     object["outliers"] = fit.outliers;
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
+    object["turned_triangles"] = file.turned_triangles;
     system::write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
                             "\n");
     return 0;
@@ -102,17 +122,16 @@ int run_fit(const FitOptions& options) {
   system::write_text_to_stdout(fmt::format(
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "principal radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
-      "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}\n"
+      "{}\n"
       "normal: {:.5f}, {:.5f}, {:.5f}\n"
       "x axis: {:.5f}, {:.5f}, {:.5f}\n"
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
       fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
       prediction::millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
       principal.axis_rad * 180 / kPi, prediction::millimetres(principal.radii_m[1]),
-      plus_minus(fit.radii_std_m[1]), prediction::millimetres(region_change_m[0]),
-      prediction::millimetres(region_change_m[1]), fit.normal.x(), fit.normal.y(), fit.normal.z(),
-      fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
-      fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
+      plus_minus(fit.radii_std_m[1]), region_dependence(fit, region_change_m), fit.normal.x(),
+      fit.normal.y(), fit.normal.z(), fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(),
+      fit.residual_rms_m * 1e3, fit.points, fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
   return 0;
 }
 

@@ -146,9 +146,9 @@ void add_manual(CLI::App& app, Action& action) {
       }
       if (pages.empty())
         throw InputError("command line",
-                         "unknown command \"" + text::shortened(options->command) +
-                             "\", did you mean \"" + text::nearest_name(options->command, known) +
-                             "\"?",
+                         "unknown command \"" + text::shortened(options->command) + "\"" +
+                             text::did_you_mean(options->command, known) +
+                             " (see softfinger --help)",
                          "", "");
       if (options->json)
         system::write_to_stdout(nlohmann::json({{"pages", pages}}).dump(2) + "\n");

@@ -143,6 +143,7 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
           {"area_m2", facts.area_m2},
           {"degenerate_triangles", read.file.degenerate_triangles},
           {"duplicate_triangles", read.file.duplicate_triangles},
+          {"turned_triangles", read.file.turned_triangles},
           {"points", list},
           {"page", options.write_page ? nlohmann::json(options.page) : nlohmann::json()},
           {"picture", options.write_picture ? nlohmann::json(options.picture) : nlohmann::json()}};
@@ -195,14 +196,14 @@ int run_mesh(const MeshOptions& options) {
   const auto path = system::find_mesh_file(options.file, "");
   const ReadMesh read = read_mesh(path.string(), options.unit);
   const std::vector<report::MeshPoint> points = points_of(options, read, path.string());
-  const std::string tolerated = prediction::tolerated(read.file);
+  const std::string repairs = meshes::repairs(read.file);
   if (options.write_page) {
     report::MeshPage page;
     page.mesh = options.file;
     page.mesh_toml = toml_text(options.file);
     page.unit = read.unit;
     page.facts = facts_in_words(read.file.surface) + ".";
-    for (const std::string& doubt : {read.doubt, tolerated})
+    for (const std::string& doubt : {read.doubt, repairs})
       if (!doubt.empty()) page.doubts.push_back(doubt);
     page.points = points;
     page.version = "softfinger " + system::program_version();
@@ -212,7 +213,7 @@ int run_mesh(const MeshOptions& options) {
   if (options.write_picture)
     system::write_file_atomically(options.picture, report::mesh_picture(read.file.surface, points));
   // Last, so that a refusal stays a single line.
-  for (const std::string& doubt : {read.doubt, tolerated})
+  for (const std::string& doubt : {read.doubt, repairs})
     if (!doubt.empty()) remark(path.string() + ": " + doubt);
   if (options.write_page) remark("the page is " + options.page);
   if (options.write_picture) remark("the picture is " + options.picture);

@@ -40,9 +40,8 @@ std::vector<std::string> allowed_models(const std::string& typed) {
     const std::string name = typed.substr(start, end - start);
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InputError("command line",
-                       "unknown model \"" + name + "\", did you mean \"" +
-                           text::nearest_name(name, known) + "\"?",
-                       "", text::joined(known));
+                       "unknown model \"" + name + "\"" + text::did_you_mean(name, known), "",
+                       text::joined(known));
     names.push_back(name);
     start = end + 1;
   }
@@ -208,6 +207,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
     throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
   const input::Scene scene = input::read_scene(file, settings_of(options.typed_case));
+  for (const std::string& line : scene.remarks) remark(line);
   for (const input::ContactRule& rule : scene.rules)
     if (rule.shear_law.kind != ShearLaw::Kind::coulomb)
       throw InputError(

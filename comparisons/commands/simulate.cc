@@ -145,6 +145,7 @@ int run_simulate(const SimulateOptions& options) {
     throw InputError("command line", "SCENE", "\"-\"",
                      "a file with --control, which takes its commands from standard input");
   const input::Scene scene = read_scene(options);
+  for (const std::string& line : scene.remarks) remark(line);
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   std::optional<Control> control;

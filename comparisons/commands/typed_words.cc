@@ -55,8 +55,8 @@ void refuse_unknown_words(const CLI::App& app, const std::vector<std::string>& w
     if (!is_option && !command && word.rfind('-', 0) != 0) {
       if (std::find(known.begin(), known.end(), word) == known.end())
         throw InputError("command line",
-                         "unknown command \"" + text::shortened(word) + "\", did you mean \"" +
-                             text::nearest_name(word, known) + "\"? (see softfinger --help)",
+                         "unknown command \"" + text::shortened(word) + "\"" +
+                             text::did_you_mean(word, known) + " (see softfinger --help)",
                          "", "");
       command = app.get_subcommand(word);
     }
@@ -71,8 +71,7 @@ void refuse_unknown_words(const CLI::App& app, const std::vector<std::string>& w
     const std::string name = command ? "softfinger " + command->get_name() : "softfinger";
     throw InputError("command line",
                      "unknown option \"" + text::shortened(typed) + "\" of " + name +
-                         ", did you mean \"" + text::nearest_name(typed, options) + "\"? (see " +
-                         name + " --help)",
+                         text::did_you_mean(typed, options) + " (see " + name + " --help)",
                      "", "");
   }
 }

@@ -182,11 +182,10 @@ std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat 
     if (names.empty())
       throw InputError(file.where(), "--finger " + text::shortened(finger), "",
                        fmt::format("a {} with a name: the file has none{}", kind, elsewhere(file)));
-    throw InputError(
-        file.where(),
-        fmt::format("no {} \"{}\", did you mean \"{}\"?{}", kind, text::shortened(finger),
-                    text::nearest_name(finger, names), elsewhere(file)),
-        "", "");
+    throw InputError(file.where(),
+                     fmt::format("no {} \"{}\"{}{}", kind, text::shortened(finger),
+                                 text::did_you_mean(finger, names), elsewhere(file)),
+                     "", text::shortened(text::joined(names), 200));
   }
   if (owners.size() > 1)
     throw InputError(file.where(), "--finger", "\"" + text::shortened(finger) + "\"",

@@ -148,9 +148,8 @@ class MeasurementReader {
       refuse("columns separated by semicolons", quoted(name), "commas, and points in numbers");
     if (!with_unit.empty())
       refuse("column without a unit", quoted(name), text::joined(with_unit, " or "));
-    refuse(fmt::format("unknown column {}, did you mean \"{}\"?", quoted(name),
-                       text::nearest_name(name, names)),
-           "", allowed);
+    refuse(fmt::format("unknown column {}{}", quoted(name), text::did_you_mean(name, names)), "",
+           allowed);
   }
 
   void read_header() {

@@ -45,6 +45,13 @@ JointKind joint_kind(const std::string& name) {
 }
 
 /// Reads a scene file, table by table.
+/// "; did you mean "floor"?", or all names there are.
+std::string meant(const std::string& typed, const std::vector<std::string>& known) {
+  constexpr std::size_t kListedNames = 200;  // bytes
+  const std::string nearest = text::did_you_mean(typed, known, "; ");
+  return nearest.empty() ? ": " + text::shortened(text::joined(known), kListedNames) : nearest;
+}
+
 class SceneReader {
  public:
   SceneReader(const toml::table& root, const fs::path& file, Scene& scene)
@@ -67,6 +74,7 @@ class SceneReader {
   void read_layers();
   void read_bodies();
   Shape read_shape(const toml::node& node) const;
+  void remark_once(const std::string& line) const;
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
   void read_joints();
@@ -137,9 +145,7 @@ int SceneReader::body_named(const toml::node& node, const std::string& field,
     if (scene_.bodies[b].name == typed) return int(b);
     known.push_back(scene_.bodies[b].name);
   }
-  reader_.refuse(
-      node, field,
-      fmt::format("the name of a body; did you mean \"{}\"?", text::nearest_name(typed, known)));
+  reader_.refuse(node, field, "the name of a body" + meant(typed, known));
 }
 
 std::vector<double> SceneReader::times(const toml::table& table, const std::string& name) const {
@@ -234,6 +240,11 @@ void SceneReader::read_layers() {
   }
 }
 
+void SceneReader::remark_once(const std::string& line) const {
+  auto& remarks = scene_.remarks;
+  if (std::find(remarks.begin(), remarks.end(), line) == remarks.end()) remarks.push_back(line);
+}
+
 Shape SceneReader::read_shape(const toml::node& node) const {
   if (!node.is_table()) reader_.refuse(node, "shape", "a table such as { sphere_radius_mm = 10 }");
   const toml::table& table = *node.as_table();
@@ -288,9 +299,11 @@ Shape SceneReader::read_shape(const toml::node& node) const {
     const toml::node* unit = table.get("unit");
     const bool metres = unit && reader_.choice(*unit, "unit", {"mm", "m"}) == "m";
     try {
-      shape.kind = Mesh{std::make_shared<TriangleSurface>(
-          meshes::read_surface(system::find_mesh_file(typed, folder_).string(), metres ? 1 : 1e-3)
-              .surface)};
+      const std::string path = system::find_mesh_file(typed, folder_).string();
+      const meshes::SurfaceFile file = meshes::read_surface(path, metres ? 1 : 1e-3);
+      shape.kind = Mesh{std::make_shared<TriangleSurface>(file.surface)};
+      if (const std::string repairs = meshes::repairs(file); !repairs.empty())
+        remark_once(path + ": " + repairs);
     } catch (const InputError& error) {
       throw InputError(reader_.where(value), "mesh " + error.where() + ": " + error.field(),
                        error.value(), error.allowed());
@@ -591,8 +604,7 @@ void SceneReader::read_motors() {
     if (motor.joint < 0)
       reader_.refuse(name, "joint",
                      known.empty() ? "the name of a [[joint]], of which there are none"
-                                   : fmt::format("the name of a joint; did you mean \"{}\"?",
-                                                 text::nearest_name(typed, known)));
+                                   : "the name of a joint" + meant(typed, known));
     const JointDescription& joint = scene_.joints[std::size_t(motor.joint)];
     if (joint.kind == JointKind::fixed || joint.kind == JointKind::ball)
       reader_.refuse(name, "joint", "a revolute or prismatic joint");
@@ -808,8 +820,25 @@ void SceneReader::read_rules() {
   }
 }
 
+/// The equations G v = 0 that loops impose on all velocities.
+Eigen::MatrixXd loop_equations(const Multibody& bodies) {
+  Eigen::MatrixXd all(0, bodies.velocities());
+  for (const Multibody::Tree& tree : bodies.trees()) {
+    if (tree.loop_rows == 0) continue;
+    Eigen::MatrixXd jacobian;
+    Eigen::VectorXd opening;
+    bodies.loops(tree, jacobian, opening);
+    const Eigen::Index before = all.rows();
+    all.conservativeResize(before + jacobian.rows(), Eigen::NoChange);
+    all.bottomRows(jacobian.rows()).setZero();
+    all.block(before, tree.first, jacobian.rows(), tree.count) = jacobian;
+  }
+  return all;
+}
+
 /// Gives the joints the velocities that are typed for the bodies on them. A key that is not there
-/// leaves it to the others; joints of which nothing is told are at rest.
+/// leaves it to the others; joints of which nothing is told are at rest. Loops stay closed: what a
+/// body does is passed on through them, and what they do not let it do is refused.
 void SceneReader::start_joints(Multibody bodies) {
   struct Typed {
     int body;
@@ -822,8 +851,12 @@ void SceneReader::start_joints(Multibody bodies) {
   std::vector<int> joint_of(scene_.bodies.size(), -1);
   for (std::size_t j = 0; j < scene_.joints.size(); ++j)
     joint_of[std::size_t(scene_.joints[j].child)] = int(j);
+  // A loop may hold any body, by way of others.
+  std::vector<bool> is_held(scene_.bodies.size());
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
+    is_held[b] = joint_of[b] >= 0 || !scene_.loops.empty();
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
-    if (joint_of[b] < 0) continue;
+    if (!is_held[b]) continue;
     const BodyDescription& body = scene_.descriptions[b];
     if (const toml::node* node = body_tables_[b]->get("velocity_mm_per_s"))
       typed.push_back({int(b), false, node, "velocity_mm_per_s", body.velocity_m_per_s});
@@ -840,7 +873,7 @@ void SceneReader::start_joints(Multibody bodies) {
   // The velocities of the bodies are linear in those of the joints; free bodies keep their own.
   const auto moves_free_body = [&] {
     for (std::size_t b = 0; b < joint_of.size(); ++b)
-      if (joint_of[b] < 0 && bodies.moves(int(b)) &&
+      if (!is_held[b] && bodies.moves(int(b)) &&
           (!bodies.angular_velocity(int(b)).isZero(0) ||
            !bodies.velocity_at(int(b), bodies.center_of_mass_m(int(b))).isZero(0)))
         return true;
@@ -857,8 +890,13 @@ void SceneReader::start_joints(Multibody bodies) {
     for (std::size_t t = 0; t < typed.size(); ++t)
       rows.block<3, 1>(3 * Eigen::Index(t), dof) = velocity_of(typed[t]);
   }
-  scene_.start_velocity =
-      of_free + Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(rows).solve(wanted);
+  using Solver = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>;
+  const Eigen::MatrixXd loops = loop_equations(bodies);
+  Eigen::MatrixXd allowed = Eigen::MatrixXd::Identity(bodies.velocities(), bodies.velocities());
+  if (loops.rows() > 0) allowed -= Solver(loops).pseudoInverse() * loops;
+  const Eigen::VectorXd start = allowed * of_free;
+  wanted += rows * (of_free - start);
+  scene_.start_velocity = start + allowed * Solver(rows * allowed).solve(wanted);
   bodies.set_velocity(scene_.start_velocity);
   for (const Typed& of : typed) {
     // What is typed is rounded.
@@ -866,12 +904,15 @@ void SceneReader::start_joints(Multibody bodies) {
     const double unit = of.is_angular ? kDegree : kMillimetre;
     const Eigen::Vector3d nearest = velocity_of(of);
     if ((nearest - of.velocity).norm() <= kRounding * of.velocity.norm() + kLeast) continue;
-    const JointDescription& joint = scene_.joints[std::size_t(joint_of[std::size_t(of.body)])];
-    reader_.refuse(*of.node, of.key,
-                   fmt::format("what joint \"{}\" lets body \"{}\" do; nearest to what is typed "
-                               "comes [{:.4g}, {:.4g}, {:.4g}]",
-                               joint.name, scene_.bodies[std::size_t(of.body)].name,
-                               nearest.x() / unit, nearest.y() / unit, nearest.z() / unit));
+    const int joint = joint_of[std::size_t(of.body)];
+    std::string held = joint < 0 ? "" : "joint \"" + scene_.joints[std::size_t(joint)].name + "\"";
+    if (loops.rows() > 0) held += held.empty() ? "its loops" : " and the loops";
+    reader_.refuse(
+        *of.node, of.key,
+        fmt::format("what {} let{} body \"{}\" do; nearest to what is typed "
+                    "comes [{:.4g}, {:.4g}, {:.4g}]",
+                    held, loops.rows() > 0 ? "" : "s", scene_.bodies[std::size_t(of.body)].name,
+                    nearest.x() / unit, nearest.y() / unit, nearest.z() / unit));
   }
 }
 

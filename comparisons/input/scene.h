@@ -116,6 +116,9 @@ struct Scene {
   std::vector<ContactRule> rules;
   std::vector<int> rule_of_pair;  ///< bodies x bodies
 
+  /// What was repaired in the scene's meshes, a line for each file.
+  std::vector<std::string> remarks;
+
   int steps() const;
 };
 

@@ -181,8 +181,8 @@ void TomlReader::check_keys(const toml::table& table, const std::string& name,
     if (std::find(known.begin(), known.end(), typed) != known.end()) continue;
     throw InputError(
         where(key.source()),
-        fmt::format("unknown key \"{}\"{}, did you mean \"{}\"?", text::shortened(typed),
-                    name.empty() ? "" : " in " + name, text::nearest_name(typed, known)),
+        fmt::format("unknown key \"{}\"{}{}", text::shortened(typed),
+                    name.empty() ? "" : " in " + name, text::did_you_mean(typed, known)),
         "", text::joined(known));
   }
 }

@@ -73,9 +73,8 @@ std::vector<const PressureModel*> models_by_name(const std::string& names) {
     const PressureModel* model = find_pressure_model(name);
     if (!model)
       throw InputError("command line",
-                       "unknown model \"" + name + "\", did you mean \"" +
-                           text::nearest_name(name, known) + "\"?",
-                       "", text::joined(known));
+                       "unknown model \"" + name + "\"" + text::did_you_mean(name, known), "",
+                       text::joined(known));
     if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
     start = end + 1;
   }

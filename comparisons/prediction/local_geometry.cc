@@ -75,16 +75,6 @@ void require_ellipse(const RelativeCurvature& relative, const std::string& where
 
 }  // namespace
 
-std::string tolerated(const meshes::SurfaceFile& file) {
-  std::string text;
-  if (file.degenerate_triangles > 0 || file.duplicate_triangles > 0)
-    text = fmt::format("{} degenerate and {} duplicate triangles were left out",
-                       file.degenerate_triangles, file.duplicate_triangles);
-  if (file.was_inside_out)
-    text += std::string(text.empty() ? "" : "; ") + "all triangles faced inwards and were turned";
-  return text;
-}
-
 std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit) {
   constexpr double kSmallest_m = 0.5e-3, kLargest_m = 1;
   const auto plausible = [&](double size_m) {
@@ -133,7 +123,7 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
                        "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
                        "does not exist");
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
-    for (const std::string& text : {tolerated(file), unit_doubt(file, mesh->metres_per_unit)})
+    for (const std::string& text : {meshes::repairs(file), unit_doubt(file, mesh->metres_per_unit)})
       if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
     surfaces_.emplace(surface_key(*mesh),
                       std::make_shared<const TriangleSurface>(std::move(file.surface)));

@@ -81,10 +81,6 @@ class GeometryResolver {
   mutable std::optional<ContactSurface> contact_surface_;  ///< of meshes, for all loads
 };
 
-/// "3 degenerate and 1 duplicate triangles were left out", "all triangles were turned round", or
-/// empty.
-std::string tolerated(const meshes::SurfaceFile& file);
-
 /// "the surface is 0.02 mm across, read in mm; in m it would be 20 mm: unit = "m"?" for a surface
 /// smaller than half a millimetre or larger than a metre, else empty. A wrong unit cannot be
 /// noticed otherwise, because it scales all lengths alike.

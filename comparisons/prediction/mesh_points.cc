@@ -27,14 +27,16 @@ Vector3d extreme_point_m(const TriangleSurface& surface, const Vector3d& directi
   const auto vertex = [&](int index) -> const Vector3d& {
     return surface.vertices_m[static_cast<std::size_t>(index)];
   };
-  double farthest = -std::numeric_limits<double>::infinity(), nearest = -farthest;
+  double farthest = -std::numeric_limits<double>::infinity();
+  Vector3d low = Vector3d::Constant(-farthest), high = -low;
   for (const auto& triangle : surface.triangles)
     for (const int corner : triangle) {
       farthest = std::max(farthest, vertex(corner).dot(direction));
-      nearest = std::min(nearest, vertex(corner).dot(direction));
+      low = low.cwiseMin(vertex(corner));
+      high = high.cwiseMax(vertex(corner));
     }
-  constexpr double kSame = 1e-6;
-  const double level = farthest - kSame * (farthest - nearest);
+  constexpr double kSame = 1e-5;  // four decimals of a millimetre, on a fingertip
+  const double level = farthest - kSame * (high - low).norm();
   const auto is_extreme = [&](int corner) { return vertex(corner).dot(direction) >= level; };
 
   // The centre of the extreme facets by their area; without facets of edges by their length;

@@ -9,9 +9,9 @@
 namespace softfinger::prediction {
 
 /// The point of the surface that lies farthest in a direction: where a plane that comes from there
-/// touches first. Where a whole facet or edge lies that far, within 1e-6 of the surface's size, it
-/// is the point of that part nearest to the part's centre, so that it does not depend on the order
-/// of the vertices.
+/// touches first. Where a whole facet or edge lies that far, within 1e-5 of the surface's size (a
+/// file's rounding), it is the point of that part nearest to the part's centre, so that it does not
+/// depend on the order of the vertices.
 /// @param surface    with at least one triangle, m
 /// @param direction  of length 1
 Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vector3d& direction);

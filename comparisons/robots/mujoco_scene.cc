@@ -156,7 +156,6 @@ class Importer {
     }
     for (int j = 0; j < m_->njnt; ++j) {
       const int type = m_->jnt_type[j];
-      refuse_velocity(j);
       if (!is_limited(j) || (type != mjJNT_HINGE && type != mjJNT_SLIDE)) continue;
       double& position = d_->qpos[m_->jnt_qposadr[j]];
       const double inside =
@@ -168,20 +167,10 @@ class Importer {
       position = inside;
     }
     mj_kinematics(m_, d_);
-  }
-
-  void refuse_velocity(int j) const {
-    const int type = m_->jnt_type[j];
-    if (type == mjJNT_FREE) return;
-    const double* velocity = d_->qvel + m_->jnt_dofadr[j];
-    for (int i = 0; i < (type == mjJNT_BALL ? 3 : 1); ++i)
-      if (velocity[i] != 0)
-        throw InputError(
-            file_.string(),
-            fmt::format("the velocity of joint {} in keyframe {}", in_quotes(joint_name(j)),
-                        in_quotes(name(mjOBJ_KEY, 0, "key"))),
-            fmt::format("{:g}", velocity[i]),
-            "0: in a scene only free bodies start with a velocity");
+    mj_comPos(m_, d_);
+    for (int j = 0; j < m_->njnt; ++j)
+      for (int i = 0; i < dofs(j) && m_->jnt_type[j] != mjJNT_FREE; ++i)
+        joints_move_ |= d_->qvel[m_->jnt_dofadr[j] + i] != 0;
   }
 
   void add_simulation() {
@@ -218,8 +207,8 @@ class Importer {
       std::string child = body_name(b);
       if (i + 1 < count) {
         child = new_name(child + fmt::format("_{}", i + 1));
-        bodies_ += fmt::format("[[body]]\nname = {}\nmassless = true\n{}\n", in_quotes(child),
-                               placed_lines(at));
+        bodies_ += fmt::format("[[body]]\nname = {}\nmassless = true\n{}{}\n", in_quotes(child),
+                               placed_lines(at), velocity_lines(b, i + 1, Vector3d::Zero()));
       }
       add_joint(j, parent, child);
       parent = child;
@@ -234,7 +223,7 @@ class Importer {
         add_mass(b, 1. / double(parts));
       else
         bodies_ += "fixed = true\n";
-      if (i == 0 && count > 0 && m_->jnt_type[first] == mjJNT_FREE) add_velocity(b);
+      if (i == 0 && count > 0) bodies_ += velocity_lines(b, count, vector(m_->body_ipos + 3 * b));
       if (i > 0 && moves(b)) fix(part, body_name(b));
       bodies_ += layer_line(layers_, body_name(b));
       if (!groups.empty()) {
@@ -264,17 +253,31 @@ class Importer {
                    (share * vector(m_->body_inertia + 3 * b)).asDiagonal());
   }
 
-  /// MuJoCo has the velocity of the body's origin in the world, and the angular one in the body's
-  /// axes; a scene that of the centre of mass, both in the world.
-  void add_velocity(int b) {
-    const double* velocity = d_->qvel + m_->body_dofadr[b];
-    const Matrix3d turn = body_pose(b).linear();
-    const Vector3d angular = turn * vector(velocity + 3);
-    const Vector3d linear = vector(velocity) + angular.cross(turn * vector(m_->body_ipos + 3 * b));
-    if (!linear.isZero(0))
-      bodies_ += fmt::format("velocity_mm_per_s = {}\n", list(kMillimetres * linear));
-    if (!angular.isZero(0))
-      bodies_ += fmt::format("angular_velocity_deg_per_s = {}\n", list(kDegrees * angular));
+  int dofs(int j) const {
+    const int type = m_->jnt_type[j];
+    return type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1;
+  }
+
+  /// The velocities of a body, or of the massless one that stands between its joints: what the
+  /// first `joints` of them and the bodies before give it. A scene has them in the world's axes.
+  /// @param at  the point, in the body's frame, whose velocity is the linear one
+  std::string velocity_lines(int b, int joints, const Vector3d& at) const {
+    std::vector<double> velocity(d_->qvel, d_->qvel + m_->nv);
+    for (int j = m_->body_jntadr[b] + joints; j < m_->body_jntadr[b] + m_->body_jntnum[b]; ++j)
+      std::fill_n(velocity.begin() + m_->jnt_dofadr[j], dofs(j), 0.);
+    using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+    Rows linear(3, m_->nv), angular(3, m_->nv);
+    const Vector3d point = body_pose(b) * at;
+    mj_jac(m_, d_, linear.data(), angular.data(), point.data(), b);
+    const Eigen::Map<const Eigen::VectorXd> speeds(velocity.data(), m_->nv);
+    const Vector3d moves = linear * speeds, turns = angular * speeds;
+    std::string lines;
+    // What is not said of a body on a joint is left to the others, therefore its zeros are said.
+    if (joints_move_ || !moves.isZero(0))
+      lines += fmt::format("velocity_mm_per_s = {}\n", list(kMillimetres * moves));
+    if (joints_move_ || !turns.isZero(0))
+      lines += fmt::format("angular_velocity_deg_per_s = {}\n", list(kDegrees * turns));
+    return lines;
   }
 
   void add_joint(int j, const std::string& parent, const std::string& child) {
@@ -538,6 +541,7 @@ class Importer {
   const std::filesystem::path& file_;
   const std::filesystem::path& meshes_;
   std::string id_;
+  bool joints_move_ = false;  ///< at the start: a keyframe says so
   const std::vector<FingerLayer>& layers_;
   ImportedScene result_;
   Model loaded_;

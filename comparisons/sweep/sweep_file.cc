@@ -256,11 +256,10 @@ Sweep::Sweep(const std::string& typed_text, const fs::path& path, const input::S
       if (entry.key == "contact.load_N")
         root["contact"].as_table()->insert_or_assign("load_N", base_.loads_N.front());
       if (!find_number(root, entry.key))
-        throw InputError(
-            fmt::format("{}:{}", path.string(), entry.place.line),
-            fmt::format("[sweep] \"{}\" is not a number of this case, did you mean \"{}\"?",
-                        entry.key, text::nearest_name(entry.key, known)),
-            "", text::joined(known));
+        throw InputError(fmt::format("{}:{}", path.string(), entry.place.line),
+                         fmt::format("[sweep] \"{}\" is not a number of this case{}", entry.key,
+                                     text::did_you_mean(entry.key, known)),
+                         "", text::joined(known));
       keys_.push_back(read_key(reader, entry.key, *entry.node));
       axes_.push_back({keys_.size() - 1});
     }

@@ -69,9 +69,9 @@ fs::path find_builtin(const std::string& typed, const char* folder, const char* 
     for (const fs::path& file : builtin_files(folder)) names.push_back(file.stem().string());
     if (!names.empty())
       throw InputError(typed,
-                       std::string("neither a file nor a built-in ") + kind + ", did you mean \"" +
-                           text::nearest_name(fs::path(typed).stem().string(), names) + "\"?",
-                       "", "");
+                       std::string("neither a file nor a built-in ") + kind +
+                           text::did_you_mean(fs::path(typed).stem().string(), names),
+                       "", text::joined(names));
   }
   return typed;
 }

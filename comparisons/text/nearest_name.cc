@@ -24,18 +24,32 @@ int edit_distance(std::string_view one, std::string_view other) {
   return previous[columns - 1];
 }
 
-std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates) {
-  constexpr std::size_t kLongestName = 200;
+std::optional<std::string> nearest_name(std::string_view typed,
+                                        const std::vector<std::string>& candidates) {
+  constexpr std::size_t kLongestName = 200, kShortestBeginning = 2;
   typed = typed.substr(0, kLongestName);
   // A forgotten unit, as in "point" for "point_mm", is more likely than three wrong letters.
-  const auto distance = [&](std::string_view name) {
-    const bool is_beginning = !typed.empty() && name.substr(0, typed.size()) == typed;
-    return std::pair(!is_beginning, edit_distance(typed, name));
+  const auto is_beginning_of = [&](std::string_view name) {
+    return typed.size() >= kShortestBeginning && name.substr(0, typed.size()) == typed;
   };
-  return *std::min_element(candidates.begin(), candidates.end(),
-                           [&](const std::string& one, const std::string& other) {
-                             return distance(one) < distance(other);
-                           });
+  const auto distance = [&](std::string_view name) {
+    return std::pair(!is_beginning_of(name), edit_distance(typed, name));
+  };
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(),
+                                        [&](const std::string& one, const std::string& other) {
+                                          return distance(one) < distance(other);
+                                        });
+  if (nearest == candidates.end()) return std::nullopt;
+  const auto [differs, changes] = distance(*nearest);
+  const std::size_t longer = std::max(typed.size(), nearest->size());
+  if (differs && 3 * static_cast<std::size_t>(changes) > longer) return std::nullopt;
+  return *nearest;
+}
+
+std::string did_you_mean(std::string_view typed, const std::vector<std::string>& candidates,
+                         std::string_view separator) {
+  const auto nearest = nearest_name(typed, candidates);
+  return nearest ? std::string(separator) + "did you mean \"" + *nearest + "\"?" : "";
 }
 
 std::string shortened(std::string_view text, std::size_t most_bytes) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,9 +12,16 @@ namespace softfinger::text {
 /// words.
 int edit_distance(std::string_view one, std::string_view other);
 
-/// The candidate with the smallest edit distance, one that begins with the typed word before all
-/// others; candidates must not be empty. Only the first 200 bytes of a typed word are compared.
-std::string nearest_name(std::string_view typed, const std::vector<std::string>& candidates);
+/// The candidate that was probably meant: one that begins with the typed word, if that has two
+/// letters or more, else the one with the smallest edit distance. Null where that exceeds a third
+/// of the longer word: with more letters wrong, it is another word. Only the first 200 bytes of a
+/// typed word are compared.
+std::optional<std::string> nearest_name(std::string_view typed,
+                                        const std::vector<std::string>& candidates);
+
+/// `, did you mean "thickness_mm"?`, or nothing where no candidate is near.
+std::string did_you_mean(std::string_view typed, const std::vector<std::string>& candidates,
+                         std::string_view separator = ", ");
 
 /// The text shortened for a message: at most `most_bytes`, "..." included if something was cut off.
 /// No UTF-8 character is cut in two.

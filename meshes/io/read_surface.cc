@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "meshes/io/orientation.h"
 #include "meshes/io/surface_formats.h"
 #include "meshes/io/welder.h"
 #include "meshes/io/whole_file.h"
@@ -22,37 +23,47 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Whether the surface is closed with all normals inwards. It is closed if its triangles use every
-/// edge once in each direction; the sign of the enclosed volume then tells where the normals point.
-bool is_inside_out(const TriangleSurface& surface) {
-  std::vector<std::array<int, 3>> edges;  // smaller vertex, larger vertex, direction
-  double six_volumes = 0;
-  const Vector3d& origin =
-      surface.vertices_m.front();  // any point would do; a near one avoids rounding errors
-  for (const auto& t : surface.triangles) {
-    for (int i = 0; i < 3; ++i) {
-      const int a = t[i], b = t[(i + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b ? 0 : 1});
-    }
-    six_volumes +=
-        (surface.vertices_m[t[0]] - origin)
-            .dot((surface.vertices_m[t[1]] - origin).cross(surface.vertices_m[t[2]] - origin));
-  }
-  if (!(six_volumes < 0)) return false;
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t e = 0; e < edges.size(); e += 2) {
-    if (e + 1 >= edges.size() || edges[e][0] != edges[e + 1][0] || edges[e][1] != edges[e + 1][1] ||
-        edges[e][2] == edges[e + 1][2])
-      return false;
-  }
-  return true;
-}
-
 std::string across(double size_m) {
   std::ostringstream out;
   out.precision(3);
   out << size_m << " m across";
   return out.str();
+}
+
+/// Refuses a vertex that lies so far from the others that the unit cannot be what is wrong.
+void refuse_stray_vertex(const RawSurface& raw, const std::string& path, double metres_per_unit) {
+  // From the middle of a finger, however long, the farthest vertex is a few times as far as most.
+  constexpr double kStray = 100;
+  std::vector<int> used;
+  used.reserve(3 * raw.triangles.size());
+  for (const auto& corners : raw.triangles) used.insert(used.end(), corners.begin(), corners.end());
+  if (used.empty()) return;
+  const auto vertex = [&](int v) -> const Vector3d& { return raw.vertices[std::size_t(v)]; };
+  const auto median = [&](const auto& value) {
+    const auto middle = used.begin() + static_cast<std::ptrdiff_t>(used.size() / 2);
+    std::nth_element(used.begin(), middle, used.end(),
+                     [&](int one, int other) { return value(one) < value(other); });
+    return value(*middle);
+  };
+  Vector3d centre;
+  for (int i = 0; i < 3; ++i) centre[i] = median([&](int v) { return vertex(v)[i]; });
+  const auto distance = [&](int v) { return (vertex(v) - centre).norm(); };
+  const double usual = median(distance);
+  const int farthest = *std::max_element(used.begin(), used.end(), [&](int one, int other) {
+    return distance(one) < distance(other);
+  });
+  if (distance(farthest) * metres_per_unit <= kLargestSurface_m ||
+      distance(farthest) <= kStray * usual)
+    return;
+  const auto [where, name] = place_of_vertex(raw, farthest, path);
+  std::ostringstream value, allowed;
+  value << "(" << vertex(farthest).x() << ", " << vertex(farthest).y() << ", "
+        << vertex(farthest).z() << ")";
+  allowed.precision(3);
+  allowed << "at most " << std::llround(kLargestSurface_m / metres_per_unit)
+          << " of the file's units from the others, most of which lie within " << usual
+          << " of their middle";
+  throw InputError(where, name, value.str(), allowed.str());
 }
 
 }  // namespace
@@ -69,9 +80,11 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
   if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
   if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedSurface);
   const RawSurface raw = parse_raw_surface(path, std::move(bytes));
+  refuse_stray_vertex(raw, path, metres_per_unit);
   double largest = 0;
-  for (const Vector3d& vertex : raw.vertices)
-    largest = std::max(largest, vertex.lpNorm<Eigen::Infinity>());
+  for (const auto& corners : raw.triangles)
+    for (const int v : corners)
+      largest = std::max(largest, raw.vertices[std::size_t(v)].lpNorm<Eigen::Infinity>());
 
   SurfaceFile result;
   Welder welder(std::max(4 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest,
@@ -122,11 +135,31 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
     throw InputError(path, "size", across(result.size_m),
                      "10 micrometres to 5 metres: is the unit right?");
   }
-  if (is_inside_out(result.surface)) {
-    result.was_inside_out = true;
-    for (auto& triangle : result.surface.triangles) std::swap(triangle[1], triangle[2]);
-  }
+  const Orientation orientation = orient(result.surface);
+  result.turned_triangles = orientation.turned_triangles;
+  result.is_one_sided = orientation.is_one_sided;
   return result;
+}
+
+std::string repairs(const SurfaceFile& file) {
+  std::vector<std::string> said;
+  if (file.degenerate_triangles > 0 || file.duplicate_triangles > 0)
+    said.push_back(std::to_string(file.degenerate_triangles) + " degenerate and " +
+                   std::to_string(file.duplicate_triangles) + " duplicate triangles were left out");
+  const std::size_t triangles = file.surface.triangles.size();
+  if (file.was_inside_out())
+    said.push_back("all triangles faced inwards and were turned");
+  else if (file.turned_triangles > 0)
+    said.push_back(std::to_string(file.turned_triangles) + " of " + std::to_string(triangles) +
+                   " triangles faced the other way than their neighbours and were turned");
+  if (file.is_one_sided)
+    said.push_back(
+        "its triangles cannot all face one side, as those of a Moebius strip: which side is "
+        "outside "
+        "depends on the triangle");
+  std::string text;
+  for (const std::string& sentence : said) text += (text.empty() ? "" : "; ") + sentence;
+  return text;
 }
 
 void write_stl_mm(const TriangleSurface& surface, const std::string& path) {

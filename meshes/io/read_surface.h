@@ -20,12 +20,22 @@ struct SurfaceFile {
   double size_m = 0;             ///< corner to corner
   int degenerate_triangles = 0;  ///< dropped: zero area
   int duplicate_triangles = 0;   ///< dropped: same three vertices
-  bool was_inside_out = false;   ///< closed with inward normals: all triangles were turned round
+  int turned_triangles = 0;      ///< faced the other way than their neighbours, see `orient`
+  bool is_one_sided = false;     ///< there is no outside: not all triangles can agree
+
+  /// Closed with inward normals: all triangles were turned round.
+  bool was_inside_out() const { return std::size_t(turned_triangles) == surface.triangles.size(); }
 };
 
+/// What was done to the file's triangles, for a note: "3 degenerate and 1 duplicate triangles were
+/// left out; 12 of 800 triangles faced the other way than their neighbours and were turned", or
+/// empty.
+std::string repairs(const SurfaceFile& file);
+
 /// Reads binary or ASCII STL, or OBJ (polygons are cut into triangles), scales it to
-/// metres and welds equal vertices. The format is recognised by the content, not by the file's
-/// name. No other file is opened, whatever this one names (the materials of an OBJ).
+/// metres, welds equal vertices and turns the triangles the same way round. The format is
+/// recognised by the content, not by the file's name. No other file is opened, whatever this one
+/// names (the materials of an OBJ).
 ///
 /// Coordinates pass through single precision, as STL stores them: seven digits, 2 nm on a finger.
 /// Vertices closer than four units in the last place are merged.

@@ -55,6 +55,9 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
+constexpr const char* kAllowedCoordinates =
+    "three finite numbers of at most 3.4e38, single precision";
+
 /// Three coordinates, and nothing that is no finite number of single precision.
 Vector3d parse_coordinates(const std::string& where, std::string_view rest) {
   Vector3d point;
@@ -69,11 +72,17 @@ Vector3d parse_coordinates(const std::string& where, std::string_view rest) {
     if (digits.empty() || (error != std::errc() && !tiny) || end != digits.data() + digits.size() ||
         !(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
       throw InputError(where, "vertex coordinate", word.empty() ? "missing" : std::string(word),
-                       "three finite numbers");
+                       kAllowedCoordinates);
     }
     point[i] = tiny ? 0 : static_cast<float>(value);
   }
   return point;
+}
+
+/// "vertex 2 of triangle 7", for a file that has three vertices of its own for each triangle.
+std::string name_of_stl_vertex(std::size_t vertex) {
+  return "vertex " + std::to_string(vertex % 3 + 1) + " of triangle " +
+         std::to_string(vertex / 3 + 1);
 }
 
 /// Three new vertices.
@@ -94,10 +103,13 @@ RawSurface parse_binary_stl(const std::string& path, std::string_view bytes) {
     Eigen::Matrix<float, 3, 3> vertices;
     std::memcpy(vertices.data(), bytes.data() + kStlHeader + kStlTriangle * t + 12,
                 sizeof(float) * 9);
-    for (const float value : vertices.reshaped())
+    for (Eigen::Index i = 0; i < 9; ++i) {
+      const float value = vertices.reshaped()[i];
       if (!std::isfinite(value))
-        throw InputError(path, "coordinate of triangle " + std::to_string(t + 1),
-                         std::isnan(value) ? "nan" : "infinite", "finite numbers");
+        throw InputError(
+            path, "coordinate of " + name_of_stl_vertex(3 * std::size_t{t} + std::size_t(i / 3)),
+            std::isnan(value) ? "nan" : "infinite", kAllowedCoordinates);
+    }
     add_triangle(vertices.col(0).cast<double>(), vertices.col(1).cast<double>(),
                  vertices.col(2).cast<double>(), surface);
   }
@@ -119,7 +131,10 @@ RawSurface parse_ascii_stl(const std::string& path, const std::string& lower) {
     if (word == "solid") ++solids;
     if (word == "endsolid") ++ended;
     if (word == "facet") ++facets;
-    if (word == "vertex") vertices.push_back(parse_coordinates(at_line(path, line_number), line));
+    if (word == "vertex") {
+      vertices.push_back(parse_coordinates(at_line(path, line_number), line));
+      surface.lines.push_back(line_number);
+    }
     if (word == "endfacet" && static_cast<std::size_t>(++complete) * 3 != vertices.size()) {
       throw InputError(at_line(path, line_number), "facet " + std::to_string(complete),
                        "not a triangle", "three vertices between facet and endfacet");
@@ -175,6 +190,7 @@ class ObjReader {
       const std::string_view word = next_word(line);
       if (word == "v") {
         surface_.vertices.push_back(parse_coordinates(at_line(path_, line_), line));
+        surface_.lines.push_back(line_);
         ++defined_[0];
       } else if (word == "vt") {
         ++defined_[1];
@@ -263,6 +279,13 @@ std::string lower_case(std::string text) {
 }
 
 }  // namespace
+
+std::pair<std::string, std::string> place_of_vertex(const RawSurface& surface, int vertex,
+                                                    const std::string& path) {
+  const auto v = static_cast<std::size_t>(vertex);
+  if (surface.lines.empty()) return {path, name_of_stl_vertex(v)};
+  return {at_line(path, surface.lines[v]), "vertex"};
+}
 
 RawSurface parse_raw_surface(const std::string& path, std::string bytes) {
   const bool text = is_text(bytes);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// The surface formats that are read: binary STL, ASCII STL, OBJ.
@@ -20,7 +21,13 @@ constexpr const char* kAllowedSurface = "a readable STL (binary or ASCII) or OBJ
 struct RawSurface {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
+  std::vector<int> lines;  ///< of the vertices, from 1; empty in a binary STL
 };
+
+/// Where a vertex is and what to call it, for messages: ("tip.obj:17", "vertex") or ("tip.stl",
+/// "vertex 2 of triangle 7").
+std::pair<std::string, std::string> place_of_vertex(const RawSurface& surface, int vertex,
+                                                    const std::string& path);
 
 /// Recognises the format by the content. The file's name only counts for damaged files, whose
 /// content does not show the format. An OBJ file's polygons are cut into triangles; its materials,

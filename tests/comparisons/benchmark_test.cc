@@ -62,6 +62,14 @@ TEST(Benchmark, AnOrdinaryContactPointHasNoTorque) {
     EXPECT_EQ(measured.value, 0);
 }
 
+TEST(Benchmark, TheOverviewSaysWhatItsLengthsAre) {
+  for (const Problem& problem : all_problems())
+    if (problem.name == "stack") {
+      EXPECT_EQ(worst_in_words(problem, solve("stack", "softfinger")),
+                "moved 0\u00a0mm, sank 0\u00a0mm");
+    }
+}
+
 TEST(Benchmark, ThePageHasEveryNumberAndNamesAbsentEngines) {
   Results results;
   const Engine broken = {"broken", "A <broken> one", "nothing", [](const Scene&) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "meshes/io/read_surface.h"
@@ -70,6 +72,38 @@ TEST_F(MeshCommand, FindsThePolesOfAnEllipsoidAndTheirRadii) {
   const json near = answer_of({"mesh", "tip.stl", "--near", "0.3,-7.1,0.2", "--json"})["points"][0];
   EXPECT_NEAR(near["point_m"][0].get<double>(), 0.3e-3, 0.05e-3);
   EXPECT_LT(near["normal"][1].get<double>(), -0.99);
+}
+
+TEST_F(MeshCommand, SaysWhereverAMeshIsReadThatTrianglesWereTurned) {
+  // Every fourth triangle, among them some at the point.
+  TriangleSurface mixed = meshes::triangulated_ellipsoid({a, b, c}, Eigen::Vector3d::Zero(), 32);
+  for (std::size_t t = 0; t < mixed.triangles.size(); t += 4)
+    std::swap(mixed.triangles[t][1], mixed.triangles[t][2]);
+  meshes::write_stl_mm(mixed, (folder.path() / "mixed.stl").string());
+  const std::string note = fmt::format("{} of {} triangles faced the other way",
+                                       (mixed.triangles.size() + 3) / 4, mixed.triangles.size());
+  enum Output { same, with_times };
+  const auto expect_note = [&](Output output, std::vector<std::string> arguments) {
+    const ProgramRun good = run(arguments);
+    for (std::string& argument : arguments)
+      if (argument == "tip.stl" || argument == "tip.toml") argument.replace(0, 3, "mixed");
+    const ProgramRun turned = run(arguments);
+    EXPECT_EQ(turned.status, 0) << turned.err;
+    EXPECT_NE(turned.err.find(note), std::string::npos) << arguments[0] << ": " << turned.err;
+    EXPECT_EQ(good.err.find("faced the other way"), std::string::npos) << good.err;
+    if (output == same) {
+      EXPECT_EQ(turned.out, good.out) << arguments[0];
+    }
+  };
+  expect_note(same, {"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "3"});
+  ASSERT_EQ(run({"init", "tip.toml", "--mesh", "tip.stl", "--along", "-y"}).status, 0);
+  std::ifstream in(folder.path() / "tip.toml");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  text.replace(text.rfind("tip.stl"), 3, "mixed");
+  folder.write("mixed.toml", text);
+  expect_note(with_times, {"predict", "tip.toml"});
+  expect_note(with_times, {"select", "tip.toml", "--tolerance", "0.5"});
+  expect_note(same, {"export", "tip.toml", "--to", "mujoco"});
 }
 
 TEST_F(MeshCommand, GivesLinesThatACaseTakes) {
@@ -174,6 +208,21 @@ TEST_F(MeshCommand, DoubtsRadiiThatTheFitDoesNotKnow) {
       << point;
   EXPECT_TRUE(
       answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["points"][0]["doubt"].is_null());
+}
+
+TEST_F(MeshCommand, SaysThatARegionTakesInTheWholeFinger) {
+  const ProgramRun whole = run({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "300"});
+  EXPECT_EQ(whole.status, 0) << whole.err;
+  EXPECT_NE(whole.err.find("takes in the whole surface"), std::string::npos) << whole.err;
+  EXPECT_NE(whole.out.find("how much they depend on the region is not known"), std::string::npos)
+      << whole.out;
+  const json answer =
+      answer_of({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "300", "--json"});
+  EXPECT_TRUE(answer["region_is_whole_surface"].get<bool>());
+  EXPECT_TRUE(answer["radii_region_change_m"][0].is_null());
+  const ProgramRun part = run({"fit", "tip.stl", "--point", "0,-7,0", "--radius-mm", "3"});
+  EXPECT_EQ(part.err.find("whole surface"), std::string::npos) << part.err;
+  EXPECT_NE(part.out.find("they change by up to"), std::string::npos) << part.out;
 }
 
 TEST_F(MeshCommand, WritesAPageWithThePointsAndTheFit) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger::prediction {
@@ -35,6 +37,32 @@ TEST(MeshPoints, FindTheMiddleOfAFlatFace) {
                  to_corner = Vector3d(1, 2, 3).normalized();
   EXPECT_LT((extreme_point_m(surface, to_edge) - Vector3d(0.01, 0, 0.03)).norm(), 1e-12);
   EXPECT_LT((extreme_point_m(surface, to_corner) - Vector3d(0.02, 0.01, 0.03)).norm(), 1e-12);
+}
+
+TEST(MeshPoints, FindTheMiddleOfAStraightPadsLine) {
+  // A half-round pad along z in three uneven strips, whose file has four decimals of a millimetre:
+  // the points of its lowest line differ by up to 1e-4 mm. It touches a plane in the line's middle.
+  constexpr int kAround = 32;
+  constexpr double kRadius_m = 7e-3, kRounding_m = 0.5e-7;
+  const double ends_m[] = {-13e-3, -12e-3, -2e-3, 13e-3};
+  const double off_m[] = {kRounding_m, -kRounding_m, 0, kRounding_m / 2};
+  TriangleSurface pad;
+  for (int ring = 0; ring < 4; ++ring)
+    for (int i = 0; i <= kAround; ++i) {
+      const double angle = kPi * i / kAround;
+      pad.vertices_m.push_back(
+          {kRadius_m * std::cos(angle), -kRadius_m * std::sin(angle) + off_m[ring], ends_m[ring]});
+    }
+  for (int ring = 0; ring < 3; ++ring)
+    for (int i = 0; i < kAround; ++i) {
+      const int one = ring * (kAround + 1) + i, other = one + kAround + 1;
+      pad.triangles.push_back({one, one + 1, other + 1});
+      pad.triangles.push_back({one, other + 1, other});
+    }
+  const Vector3d point = extreme_point_m(pad, {0, -1, 0});
+  EXPECT_NEAR(point.x(), 0, 1e-12);
+  EXPECT_NEAR(point.y(), -kRadius_m, 2 * kRounding_m);
+  EXPECT_NEAR(point.z(), 0, 2 * kRounding_m);
 }
 
 TEST(MeshPoints, StayOnTheSurfaceWhereItsMiddleIsAHole) {

@@ -178,6 +178,14 @@ TEST(QuadricFit, TellsHowTheRadiiChangeWithTheRegion) {
   const double second = 4e-3 * 4e-3 / (4 * 10e-3 * 10e-3);
   EXPECT_GT(change[0], 0.5 * second * 10e-3);
   EXPECT_LT(change[0], 0.8 * second * 10e-3);
+  EXPECT_FALSE(is_whole_surface(ball, top, nullptr, 4e-3));
+
+  // Beyond 12.2 mm the ball leans by more than 75 degrees: larger regions are all the same, and
+  // comparing them tells nothing.
+  const auto whole = fit_quadric(ball, top, nullptr, 16e-3);
+  EXPECT_TRUE(is_whole_surface(ball, top, nullptr, 16e-3));
+  for (const double unknown : radii_region_change_m(ball, top, nullptr, whole))
+    EXPECT_TRUE(std::isinf(unknown)) << unknown;
 }
 
 TEST(QuadricFit, IsExactWhereFacetsAre) {

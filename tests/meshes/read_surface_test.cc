@@ -167,8 +167,8 @@ TEST_F(ReadSurface, TurnsAClosedSurfaceThatIsInsideOut) {
       read_surface(file("a.obj", tetrahedron + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"), 1e-3);
   const auto wrong =
       read_surface(file("b.obj", tetrahedron + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n"), 1e-3);
-  EXPECT_FALSE(right.was_inside_out);
-  EXPECT_TRUE(wrong.was_inside_out);
+  EXPECT_FALSE(right.was_inside_out());
+  EXPECT_TRUE(wrong.was_inside_out());
   for (const auto& read : {right, wrong}) {
     double volume = 0;
     for (const auto& [a, b, c] : read.surface.triangles)
@@ -177,6 +177,68 @@ TEST_F(ReadSurface, TurnsAClosedSurfaceThatIsInsideOut) {
                 6;
     EXPECT_GT(volume, 0);
   }
+}
+
+TEST_F(ReadSurface, TurnsTrianglesThatFaceTheOtherWayThanTheirNeighboursAndSaysSo) {
+  const std::string tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const auto one = read_surface(file("a.obj", tetrahedron + "f 1 3 2\nf 1 2 4\nf 2 4 3\nf 1 4 3\n"),
+                                1e-3);  // the third
+  EXPECT_EQ(one.turned_triangles, 1);
+  EXPECT_EQ(repairs(one),
+            "1 of 4 triangles faced the other way than their neighbours and were turned");
+  // Three of four: the enclosed volume knows better than the majority.
+  const auto three =
+      read_surface(file("b.obj", tetrahedron + "f 1 2 3\nf 1 2 4\nf 2 4 3\nf 1 3 4\n"), 1e-3);
+  EXPECT_EQ(three.turned_triangles, 3);
+  // Two of five in a fan, which is open: the majority decides.
+  const auto fan =
+      read_surface(file("c.obj",
+                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 1 0\nv -1 0 0\nv -1 -1 0\n"
+                        "f 1 2 3\nf 1 4 3\nf 1 4 5\nf 1 6 5\nf 1 6 7\n"),
+                   1e-3);
+  EXPECT_EQ(fan.turned_triangles, 2);
+  for (const auto& [a, b, c] : fan.surface.triangles) {
+    const auto& v = fan.surface.vertices_m;
+    EXPECT_GT((v[b] - v[a]).cross(v[c] - v[a]).z(), 0);
+  }
+  for (const auto& read : {one, three}) {
+    double volume = 0;
+    for (const auto& [a, b, c] : read.surface.triangles)
+      volume += read.surface.vertices_m[a].dot(
+                    read.surface.vertices_m[b].cross(read.surface.vertices_m[c])) /
+                6;
+    EXPECT_NEAR(volume, 1e-9 / 6, 1e-9 * std::numeric_limits<float>::epsilon());
+  }
+}
+
+TEST_F(ReadSurface, SaysThatAMoebiusStripHasNoOutside) {
+  // The shortest strip: five vertices, and each triangle joins three that follow each other.
+  const auto strip = read_surface(file("a.obj",
+                                       "v 0 0 0\nv 10 0 1\nv 0 10 2\nv 10 10 7\nv 4 5 20\n"
+                                       "f 1 2 3\nf 2 3 4\nf 3 4 5\nf 4 5 1\nf 5 1 2\n"),
+                                  1e-3);
+  EXPECT_EQ(strip.turned_triangles, 0);
+  EXPECT_NE(repairs(strip).find("cannot all face one side"), std::string::npos) << repairs(strip);
+}
+
+TEST_F(ReadSurface, NamesAVertexThatIsFarFromTheOthers) {
+  const std::string square = "v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\n";
+  const std::string allowed = ": allowed: at most 5000 of the file's units from the others";
+  EXPECT_ERROR(".obj:5: vertex = (1e+30, 2, 3)" + allowed, "a.obj",
+               square + "v 1e30 2 3\nf 1 2 3 4\nf 1 3 5\n");
+  // In metres; what is as far as that in millimetres is a large finger.
+  EXPECT_ERROR(".obj:5: vertex = (0, 0, -700): allowed: at most 5 of the file's units", "b.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 -700\nf 1 2 3 4\nf 1 3 5\n", 1.0);
+  Triangle far = kTwo;
+  far[1][2] = 1e30f;
+  EXPECT_ERROR(".stl: vertex 2 of triangle 2 = (10, 10, 1e+30)" + allowed, "c.stl",
+               binary_stl({kOne, far, kTwo}));
+  EXPECT_ERROR(".stl:12: vertex = (10, 1e+09, 0)", "d.stl",
+               "solid\n" + ascii_facet("0 0 0", "10 0 0", "0 10 0") +
+                   ascii_facet("0 0 0", "10 1e9 0", "0 10 0") +
+                   ascii_facet("10 0 0", "10 10 0", "0 10 0") + "endsolid\n");
+  // One that no triangle uses is passed over, and welds none of the others together.
+  expect_square(read_surface(file("e.obj", square + "v 1e30 2 3\nf 1 2 3 4\n"), 1e-3));
 }
 
 TEST_F(ReadSurface, NamesWhatIsNotAFile) {
@@ -258,7 +320,7 @@ TEST_F(ReadSurface, NamesCoordinatesThatAreNoFiniteNumbers) {
   for (float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
     Triangle two = kTwo;
     two[1][2] = bad;
-    EXPECT_ERROR("coordinate of triangle 2", "a.stl", binary_stl({kOne, two}));
+    EXPECT_ERROR("coordinate of vertex 2 of triangle 2", "a.stl", binary_stl({kOne, two}));
   }
   for (const char* bad : {"nan", "inf", "-inf", "1e99", "ten", "1.0.0", ""}) {
     const std::string vertex = "0 " + std::string(bad);

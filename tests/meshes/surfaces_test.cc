@@ -155,7 +155,7 @@ TEST(Surfaces, SurviveTheWayThroughAFile) {
   EXPECT_EQ(read.surface.vertices_m.size(), ball.vertices_m.size());
   EXPECT_EQ(read.surface.triangles.size(), ball.triangles.size());
   EXPECT_EQ(read.degenerate_triangles + read.duplicate_triangles, 0);
-  EXPECT_FALSE(read.was_inside_out);
+  EXPECT_FALSE(read.was_inside_out());
   expect_watertight(read.surface);
 }
 

@@ -280,6 +280,16 @@ TEST_F(SceneProgram, RefusesAMeshThatIsNotClosedWhereMassIsDerived) {
                  {"missing.obj"});
 }
 
+TEST_F(SceneProgram, SaysThatTrianglesOfAMeshWereTurned) {
+  folder.write("mixed.obj",
+               "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 4 3\nf 1 4 3\n");
+  const std::string mesh = with(kHead + kBall, "sphere_radius_mm = 10", "mesh = \"mixed.obj\"");
+  const ProgramRun result = run({"simulate", folder.write("scene.toml", mesh).string()});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("mixed.obj: 1 of 4 triangles faced the other way"), std::string::npos)
+      << result.err;
+}
+
 TEST_F(SceneProgram, ReportsAStepWithoutSolutionAndWritesEverythingUpToIt) {
   // Wider than the slot between two fixed walls by less than what counts as overlap at the start.
   const std::string text =

@@ -426,6 +426,54 @@ TEST(Velocity, SetsBodiesOnJointsGoing) {
     }
 }
 
+/// A parallelogram of two cranks of 0.1 m on the ground and a coupler on top, closed by a loop.
+std::string parallelogram(const std::string& of_left, const std::string& of_coupler) {
+  const auto body = [](const char* name, const char* at, const std::string& lines) {
+    return fmt::format(
+        "[[body]]\nname = \"{}\"\nmass_g = 100\ninertia_kg_mm2 = [20, 20, 20]\nposition_mm = "
+        "{}\n{}",
+        name, at, lines);
+  };
+  const auto joint = [](const char* parent, const char* child, const char* at) {
+    return fmt::format(
+        "[[joint]]\nname = \"to_{}\"\nkind = \"revolute\"\nparent = \"{}\"\nchild = \"{}\"\n"
+        "anchor_mm = {}\naxis = [0, 1, 0]\n",
+        child, parent, child, at);
+  };
+  return "id = \"parallelogram\"\n[simulation]\ntime_step_ms = 1\nduration_s = 0.01\n" +
+         body("left", "[0, 0, 50]", of_left) + body("coupler", "[50, 0, 100]", of_coupler) +
+         body("right", "[100, 0, 50]", "") + joint("world", "left", "[0, 0, 0]") +
+         joint("left", "coupler", "[0, 0, 100]") + joint("world", "right", "[100, 0, 0]") +
+         "[[loop]]\nname = \"pin\"\nkind = \"ball\"\nbodies = [\"coupler\", \"right\"]\n"
+         "anchor_mm = [100, 0, 100]\n";
+}
+
+TEST(Velocity, IsPassedOnThroughLoops) {
+  // The cranks turn alike, and the coupler moves without turning.
+  const input::Scene scene = input::parse_scene(
+      parallelogram("angular_velocity_deg_per_s = [0, 57.2957795, 0]\n", ""), "scene.toml");
+  Multibody bodies(scene.descriptions, scene.joints, scene.loops);
+  ASSERT_EQ(scene.start_velocity.size(), bodies.velocities());
+  bodies.set_velocity(scene.start_velocity);
+  EXPECT_LT((bodies.angular_velocity(2) - Eigen::Vector3d::UnitY()).norm(), 1e-8);
+  EXPECT_LT(bodies.angular_velocity(1).norm(), 1e-8);
+  EXPECT_LT((bodies.velocity_at(1, bodies.center_of_mass_m(1)) - Eigen::Vector3d(0.1, 0, 0)).norm(),
+            1e-9);
+}
+
+TEST(Velocity, ThatALoopForbidsIsRefused) {
+  const std::string turns = "angular_velocity_deg_per_s = [0, 57.2957795, 0]\n";
+  try {
+    input::parse_scene(parallelogram(turns, turns), "scene.toml");
+    FAIL() << "the coupler of a parallelogram does not turn";
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    EXPECT_EQ(line.find("scene.toml:"), 0u) << line;
+    EXPECT_NE(line.find("angular_velocity_deg_per_s"), std::string::npos) << line;
+    EXPECT_NE(line.find("and the loops let body"), std::string::npos) << line;
+  }
+}
+
 /// A soft ball on a table, pressed down.
 std::string pressed_ball(const std::string& ball, double force_N) {
   return fmt::format(

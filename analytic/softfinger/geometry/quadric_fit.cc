@@ -685,13 +685,36 @@ PrincipalCurvature principal_curvature(const Quadric& quadric) {
           principal_axis(quadric)};
 }
 
+namespace {
+
+constexpr double kSmallerRegion = 0.8, kLargerRegion = 1.25;  // in radii
+
+/// Whether a region of another radius holds the same part of the surface.
+bool is_same_region(const internal::SurfaceNeighbourhood& neighbourhood, double radius_m,
+                    double other_radius_m) {
+  const double area = neighbourhood.region(radius_m).weights_m2.sum(),
+               other = neighbourhood.region(other_radius_m).weights_m2.sum();
+  constexpr double kRounding = 1e-9;
+  return std::abs(other - area) <= kRounding * area;
+}
+
+}  // namespace
+
+bool is_whole_surface(const TriangleSurface& surface, const Vector3d& point_m,
+                      const Vector3d* outward_normal, double region_radius_m) {
+  return is_same_region(internal::SurfaceNeighbourhood(surface, point_m, outward_normal),
+                        region_radius_m, kLargerRegion * region_radius_m);
+}
+
 std::array<double, 2> radii_region_change_m(const TriangleSurface& surface, const Vector3d& point_m,
                                             const Vector3d* outward_normal, const QuadricFit& fit) {
   const internal::SurfaceNeighbourhood neighbourhood(surface, point_m, outward_normal);
   const auto curvatures = internal::principal_curvatures_per_m(fit.quadric);
   std::array<double, 2> change{-1, -1};
-  for (double factor : {0.8, 1.25}) {
+  for (double factor : {kSmallerRegion, kLargerRegion}) {
     try {
+      if (is_same_region(neighbourhood, fit.region_radius_m, factor * fit.region_radius_m))
+        continue;
       const auto other = internal::principal_curvatures_per_m(
           internal::fit_quadric(neighbourhood, factor * fit.region_radius_m).quadric);
       for (int i : {0, 1}) change[i] = std::max(change[i], std::abs(other[i] - curvatures[i]));

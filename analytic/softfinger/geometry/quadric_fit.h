@@ -96,11 +96,17 @@ QuadricFit fit_quadric(const TriangleSurface& surface, const Eigen::Vector3d& po
 
 /// How much the radii depend on the region: the largest change of each principal curvature between
 /// the given fit and those over 0.8 and 1.25 times its radius, as a change of the radius, R² dk.
-/// Infinite for flat directions, and where neither region can be fitted. Noise changes the radii
-/// too: what exceeds the standard deviations is the surface's departure from a quadric.
+/// Infinite for flat directions, and where neither region can be fitted or holds another part of
+/// the surface: then the change is not known. Noise changes the radii too: what exceeds the
+/// standard deviations is the surface's departure from a quadric.
 std::array<double, 2> radii_region_change_m(const TriangleSurface& surface,
                                             const Eigen::Vector3d& point_m,
                                             const Eigen::Vector3d* outward_normal,
                                             const QuadricFit& fit);
+
+/// Whether a region of 1.25 times the radius would hold nothing more: the region takes in the whole
+/// connected surface that faces as it does at the point.
+bool is_whole_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                      const Eigen::Vector3d* outward_normal, double region_radius_m);
 
 }  // namespace softfinger

@@ -150,9 +150,8 @@ std::vector<Quantity> quantities_by_name(const std::string& names) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
       throw InputError("command line",
-                       "unknown quantity \"" + name + "\", did you mean \"" +
-                           text::nearest_name(name, known) + "\"?",
-                       "", text::joined(known));
+                       "unknown quantity \"" + name + "\"" + text::did_you_mean(name, known), "",
+                       text::joined(known));
     quantities.push_back(Quantity(found - known.begin()));
     start = end + 1;
   }
