@@ -96,9 +96,10 @@ struct ContactSolution {
 class ContactLcpSolver {
  public:
   /// @param largest_vertices  of the facets; 0 for exact friction alone
-  /// @param threads  how many starts of a problem with exact friction are tried at the same time
-  ///   when the first has failed; 0: as many as the machine has, at most four. The solution does
-  ///   not depend on it. A solver of more than 250 contacts takes one.
+  /// @param threads  that take the other starts of a problem with exact friction when the first has
+  ///   failed; 0: as many as the machine has, at most four, or two with friction of the ball, of
+  ///   which each takes eight starts at once. The solution does not depend on it. A solver of more
+  ///   than 250 contacts takes one.
   ContactLcpSolver(int largest_contacts, int largest_vertices, int threads = 0);
   ~ContactLcpSolver();
   ContactLcpSolver(ContactLcpSolver&&) noexcept;
