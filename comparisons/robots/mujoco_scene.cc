@@ -434,15 +434,30 @@ class Importer {
       motor.pulls += stiffness * d_->qpos[m_->jnt_qposadr[j]];
       motor.damping += std::max(0., -bias[2]) * gear * gear;
     }
-    if (m_->actuator_forcelimited[a]) {
-      const double* range = m_->actuator_forcerange + 2 * a;
+    motor.most += std::abs(gear) * most_force(a, own);
+  }
+
+  /// Of an actuator: its force range, and of a pure motor gain times the range of its control.
+  double most_force(int a, const std::string& own) {
+    double most = std::numeric_limits<double>::infinity();
+    const auto limit = [&](const char* what, const double* range, double gain) {
       if (range[0] != -range[1])
-        note("the force range of actuator {} is taken to be its larger side both ways",
+        note("the {} range of actuator {} is taken to be its larger side both ways", what,
              in_quotes(own));
-      motor.most += std::abs(gear) * std::max(std::abs(range[0]), std::abs(range[1]));
-    } else {
-      motor.most = std::numeric_limits<double>::infinity();
+      most = std::min(most, gain * std::max(std::abs(range[0]), std::abs(range[1])));
+    };
+    if (m_->actuator_forcelimited[a]) limit("force", m_->actuator_forcerange + 2 * a, 1);
+    if (m_->actuator_ctrllimited[a] && !is_off(mjDSBL_CLAMPCTRL)) {
+      if (m_->actuator_biastype[a] == mjBIAS_NONE)
+        limit("control", m_->actuator_ctrlrange + 2 * a,
+              std::abs(m_->actuator_gainprm[mjNGAIN * a]));
+      else
+        note(
+            "the control range of actuator {} is left out: positions and velocities that the scene "
+            "gives its joint are not limited",
+            in_quotes(own));
     }
+    return most;
   }
 
   void add_motors() {

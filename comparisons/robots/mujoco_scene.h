@@ -11,9 +11,9 @@ namespace softfinger::robots {
 /// Reads a robot's file, MJCF or URDF, by MuJoCo and describes it as a scene.
 ///
 /// Bodies start where the first keyframe puts them, else at the reference positions, with joints
-/// moved into their limits. Bodies with several joints become chains of massless ones, those
-/// whose geoms touch others differently several fixed to each other. Triangle meshes are written as
-/// STL files in metres.
+/// moved into their limits, and with the keyframe's velocities. Bodies with several joints become
+/// chains of massless ones, those whose geoms touch others differently several fixed to each other.
+/// Triangle meshes are written as STL files in metres.
 /// @param meshes  the folder for them
 /// @param id  of the scene, and the beginning of the files' names
 /// @throws InputError for a file that MuJoCo refuses, a shape or body that a scene cannot hold, and

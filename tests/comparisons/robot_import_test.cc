@@ -1,4 +1,5 @@
 // Robots' files as scenes, against MuJoCo itself: mass matrix, free motion, and what is refused.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -491,6 +492,34 @@ TEST_F(Robots, AddTheLimitsOfActuatorsOnOneJoint) {
   EXPECT_TRUE(is_noted("the actuators of joint \"j\" are one motor with the sum of their limits"));
   EXPECT_TRUE(std::isinf(
       import("three.xml", start + "<motor joint='j'/></actuator></mujoco>").motors[0].max_effort));
+}
+
+TEST_F(Robots, LimitMotorsAsTheRangesOfForceAndControlDo) {
+  const auto text = [](const char* motor) {
+    return fmt::format(R"(<mujoco><worldbody><body name='a'><joint name='j' type='slide'/>
+      <geom size='.01'/></body></worldbody><actuator>{}</actuator></mujoco>)",
+                       motor);
+  };
+  for (const char* motor :
+       {"<motor joint='j' gear='3' ctrlrange='-2 2' ctrllimited='true'/>",
+        "<motor joint='j' gear='-3' ctrlrange='-2 2' ctrllimited='true' forcerange='-1.5 1.5' "
+        "forcelimited='true'/>",
+        "<general joint='j' gear='3' gainprm='5' ctrlrange='-2 2' ctrllimited='true' "
+        "forcerange='-12 12' forcelimited='true'/>"}) {
+    const input::Scene scene = import("motor.xml", text(motor));
+    Mujoco reference(folder_.path() / "motor.xml", true);
+    reference.data->ctrl[0] = 1e3;
+    mj_forward(reference.model.get(), reference.data.get());
+    EXPECT_NEAR(scene.motors[0].max_effort, std::abs(reference.data->qfrc_actuator[0]), 1e-9)
+        << motor;
+  }
+  // What a position actuator is told is no force.
+  EXPECT_TRUE(
+      std::isinf(import("position.xml",
+                        text("<position joint='j' kp='9' ctrlrange='-1 1' ctrllimited='true'/>"))
+                     .motors[0]
+                     .max_effort));
+  EXPECT_TRUE(is_noted("the control range of actuator"));
 }
 
 /// A two-finger gripper: its right finger mimics the left, whose tip is a link of its own.
