@@ -8,6 +8,8 @@ namespace {
 
 /// Of wedged bodies: velocities over their natural size that rounding may make, tried in turn.
 constexpr double kStillOfWedged[ImpulseSearch::kEasedStarts] = {1e-9, 1e-8, 1e-7, 1e-6};
+/// Of the least impulses, from which proximal points go on.
+constexpr double kEasedAccuracy = 1e-8;
 
 /// Newton's values are within their bounds to the rounding of velocities. The torque of a short arm
 /// hardly makes any, so that it can be much farther outside. Taken is the impulse within that
@@ -69,7 +71,8 @@ bool ImpulseSearch::go_to_eased(const Task& task, const Eigen::VectorXd& wedged,
   impulse_.head(size()) = wedged.head(size());
   contacts_.find_velocity(impulse_, velocity_);
   velocity_.head(size()) += contacts_.free_velocity().head(size());
-  if (!least_.find(task.problem, contacts_, velocity_, impulse_, kStillOfWedged[number]))
+  if (!least_.find(task.problem, contacts_, velocity_, impulse_, kStillOfWedged[number],
+                   kEasedAccuracy))
     return false;
   keep_if_better(task);
   return true;

@@ -278,7 +278,8 @@ bool LeastImpulse::follow(const ContactOperator& contacts, Eigen::VectorXd& impu
 }
 
 bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contacts,
-                        const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse, double none) {
+                        const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse, double none,
+                        double accuracy) {
   followed_ = -1;
   if (!classify(contacts, velocity, none)) return false;
   factorise(problem, contacts);
@@ -298,13 +299,13 @@ bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contac
   const double size = wanted_.head(rank_).lpNorm<Eigen::Infinity>();
   if (!(size > 0)) return false;
   constexpr int kMostSteps = 25, kMostHalvings = 12;
-  constexpr double kFound = 1e-14;
+  constexpr double kRoundOff = 1e-11;
   // From y = 0, where all cones meet their apex, the first step is that of free impulses.
   dual_.head(rank_).setZero();
   apply();
   project(true);
   double value = gradient(), error = size;
-  for (int steps = 0; steps < kMostSteps && error > kFound * size; ++steps) {
+  for (int steps = 0; steps < kMostSteps && error > accuracy * size; ++steps) {
     if (!step()) return false;
     right_.head(rank_) = dual_.head(rank_);
     const double slope = gradient_.head(rank_).dot(step_.head(rank_));
@@ -323,9 +324,9 @@ bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contac
     const double last = error;
     error = reached;
     value = next;
-    if (steps > 1 && error < 1e-11 * size && error >= 0.5 * last) break;  // round-off
+    if (steps > 1 && error < kRoundOff * size && error >= 0.5 * last) break;
   }
-  if (!(error < 1e-11 * size)) return false;
+  if (!(error <= std::max(accuracy, kRoundOff) * size)) return false;
   const bool is_free = std::all_of(
       touching_.begin(), touching_.end(),
       [](const Touching& touching) { return touching.mode != Mode::slides && touching.is_free; });

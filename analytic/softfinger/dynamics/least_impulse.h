@@ -26,9 +26,11 @@ class LeastImpulse {
   /// @param velocity  of the solution, scaled, 4 per contact
   /// @param impulse   scaled; replaced where the answer is found
   /// @param none      velocities below this part of their natural size are none
+  /// @param accuracy  of L^T r, over the largest one; the last digits cost steps
   /// @returns whether it is
   bool find(const ContactLcp& problem, const ContactOperator& contacts,
-            const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse, double none = 1e-9);
+            const Eigen::VectorXd& velocity, Eigen::VectorXd& impulse, double none = 1e-9,
+            double accuracy = 1e-14);
 
   /// Follows bodies at rest: for a problem that differs little from the last one of `find`, contact
   /// by contact the same, in which nothing slides or opens and no bound is met. Changes the least
