@@ -29,7 +29,7 @@ constexpr double kPartForUnrounded = 0.25;
 /// A search needs six times the memory of W.
 constexpr int kMostThreads = 4, kMostContactsInParallel = 250;
 
-/// Over the square of the contacts.
+/// The square of how many more contacts there are than were measured; 1 at least.
 double larger_than_measured(int contacts) {
   const double larger = std::max(1., contacts / kMeasuredContacts);
   return larger * larger;

@@ -40,11 +40,6 @@ inline void take_root(V& x) {
 }
 
 template <class V>
-inline void take_larger(const V& x, V& largest) {
-  largest = x > largest ? x : largest;
-}
-
-template <class V>
 inline bool has_any(const V& condition) {
   decltype(condition[0] | condition[0]) any = 0;
   for (int lane = 0; lane < kWidth<V>; ++lane) any |= condition[lane];
