@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/math/wide.h"
 #include "tests/dynamics/random_scene.h"
 
 namespace softfinger {
@@ -32,6 +33,20 @@ TEST(ContactThreads, DoNotChangeTheSolution) {
       }
     }
   }
+}
+
+/// What processors do whose vectors hold fewer than four numbers.
+TEST(ContactThreads, TakeOneStartAfterAnotherWithoutWideInstructions) {
+  constexpr int kContacts = 100;
+  tests::RandomScenes scenes(22);
+  ContactLcp problem;
+  for (int trial = 0; trial <= 20; ++trial) problem = scenes.next(kContacts, 16);
+  problem.friction_rule = FrictionRule::ellipsoid;
+  ContactSolution solution;
+  const bool had_wide = std::exchange(has_wide_instructions, false);
+  const LcpResult result = ContactLcpSolver(kContacts, 0, 2).solve(problem, solution);
+  has_wide_instructions = had_wide;
+  EXPECT_EQ(result.status, LcpStatus::solved);
 }
 
 /// A body of 100 contacts between two walls that close: no start can succeed, and the proof does

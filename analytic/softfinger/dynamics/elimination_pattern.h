@@ -12,7 +12,7 @@ namespace softfinger::internal {
 /// Neighbouring columns whose elements lie in the same rows make a group.
 class EliminationPattern {
  public:
-  static constexpr int kWidestGroup = 4;
+  static constexpr int kWidestGroup = 6;  ///< as many as a body has velocities
 
   void set(const VelocityFactor& factor, int contacts);
 

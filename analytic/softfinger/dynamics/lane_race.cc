@@ -4,6 +4,8 @@
 #include <atomic>
 #include <future>
 
+#include "softfinger/math/wide.h"
+
 namespace softfinger::internal {
 namespace {
 
@@ -33,7 +35,7 @@ LaneRace::LaneRace(const ContactOperator& contacts, int contact_capacity, int th
       threads_(std::min(threads, kGroups)) {}
 
 bool LaneRace::fits(const Task& task, ImpulseSearch& search) {
-  return task.problem.friction_rule == FrictionRule::ellipsoid &&
+  return has_wide_instructions && task.problem.friction_rule == FrictionRule::ellipsoid &&
          ProximalLanes::memory(task.problem.contacts(), search.factor().rank()) <= kMostMemory;
 }
 

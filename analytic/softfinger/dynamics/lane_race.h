@@ -19,7 +19,7 @@ class LaneRace {
 
   LaneRace(const ContactOperator& contacts, int contact_capacity, int threads);
 
-  /// Whether the problem of `search` is one for lanes.
+  /// Whether the problem of `search` is one for lanes, and the processor.
   static bool fits(const Task& task, ImpulseSearch& search);
 
   struct Limits {

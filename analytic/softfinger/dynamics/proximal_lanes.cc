@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "softfinger/math/wide.h"
 
@@ -37,6 +38,35 @@ constexpr int kWidth = int(sizeof(V) / sizeof(double));
 template <class V>
 inline void take_root(V& x) {
   for (int lane = 0; lane < kWidth<V>; ++lane) x[lane] = std::sqrt(x[lane]);
+}
+
+/// body(0), body(1), ..., without a loop: the compiler would not always take it apart.
+template <class Body, int... numbers>
+inline void repeat(const Body& body, std::integer_sequence<int, numbers...>) {
+  (body(numbers), ...);
+}
+template <int count, class Body>
+inline void repeat(const Body& body) {
+  repeat(body, std::make_integer_sequence<int, count>());
+}
+
+/// sum += a b and sum -= a b, rounded once. A number is that of all lanes: to subtract zero makes a
+/// vector of it.
+template <class V, class A, class B>
+inline void add_product(const A& a, const B& b, V& sum) {
+  const V left = a - V{}, right = b - V{}, last = sum;
+  V next;
+  for (int lane = 0; lane < kWidth<V>; ++lane)
+    next[lane] = __builtin_fma(left[lane], right[lane], last[lane]);
+  sum = next;
+}
+template <class V, class A, class B>
+inline void subtract_product(const A& a, const B& b, V& sum) {
+  const V left = a - V{}, right = b - V{}, last = sum;
+  V next;
+  for (int lane = 0; lane < kWidth<V>; ++lane)
+    next[lane] = __builtin_fma(-left[lane], right[lane], last[lane]);
+  sum = next;
 }
 
 template <class V>
@@ -98,6 +128,8 @@ class LanesOf final : public ProximalLanes::Vector {
     Mask slides, goes_on;
   };
   static constexpr int kBatch = 4;
+  /// That many columns of the matrix at once share what is read for them.
+  static constexpr int kColumns = 2;
   /// A^-1 B C and A^-1 of a contact's step: along the normal 1/c; from there to friction `turned`
   /// times that; `stiffness` times C and `inverse` of friction.
   struct Derivative {
@@ -114,8 +146,15 @@ class LanesOf final : public ProximalLanes::Vector {
   void find_derivative(const Contact& contact, int i, Derivative& derivative) const;
   void assemble();
   void eliminate();
+  template <int rows>
+  void add_contact(const Contact& contact, const Derivative& derivative);
+  template <int rows, int count>
+  void add_columns(const Contact& contact, const Derivative& derivative, int next);
   template <int width>
   void eliminate_group(int first);
+  template <int width, int count>
+  void eliminate_columns(V* const (&own)[width], int first, const EliminationPattern::Rows& rows,
+                         int next);
   void substitute();
   void move_points();
   void end_points();
@@ -249,7 +288,7 @@ void LanesOf<V>::find_velocities() {
     const auto& l = contact.rows;
     for (int k = 0; k < contact.columns; ++k) {
       V& y = common_[contact.column[k]];
-      y = y + (l[0][k] * r[0] + l[1][k] * r[1] + l[2][k] * r[2] + l[3][k] * r[3]);
+      for (int row = 0; row < kRows; ++row) add_product(l[row][k], r[row], y);
     }
     r += kRows;
   }
@@ -259,7 +298,7 @@ void LanesOf<V>::find_velocities() {
     V sum[kRows] = {};
     for (int k = 0; k < contact.columns; ++k)
       for (int row = 0; row < kRows; ++row)
-        sum[row] = sum[row] + l[row][k] * common_[contact.column[k]];
+        add_product(l[row][k], common_[contact.column[k]], sum[row]);
     u[0] = sum[0] + contact.free_velocity[0];
     for (int row = 1; row < kRows; ++row)
       u[row] = contact.unit * sum[row] + contact.free_velocity[row];
@@ -451,31 +490,56 @@ void LanesOf<V>::assemble() {
         sum = sum - derivative.inverse[row - 1][k] * state.map[k + 1];
       right[row] = state.touches ? sum : -own[row];
     }
-    const auto& l = contact.rows;
     for (int a = 0; a < contact.columns; ++a) {
-      V* column = element(0, contact.column[a]);
-      V stiff[kRows] = {derivative.normal * l[0][a]};
-      V& side = common_[contact.column[a]];
-      side = side + l[0][a] * right[0];
-      if (!contact.has_friction) {
-        for (int b = 0; b < contact.columns; ++b) {
-          V& to = column[contact.column[b]];
-          to = to + l[0][b] * stiff[0];
-        }
-        continue;
-      }
-      for (int row = 1; row < kRows; ++row) {
-        stiff[row] = derivative.turned[row - 1] * stiff[0];
-        for (int k = 0; k < kFriction; ++k)
-          stiff[row] = stiff[row] + derivative.stiffness[row - 1][k] * (contact.unit * l[k + 1][a]);
-        side = side + l[row][a] * right[row];
-      }
-      for (int b = 0; b < contact.columns; ++b) {
-        V& to = column[contact.column[b]];
-        to = to +
-             (l[0][b] * stiff[0] + l[1][b] * stiff[1] + l[2][b] * stiff[2] + l[3][b] * stiff[3]);
-      }
+      V side = common_[contact.column[a]];
+      for (int row = 0; row < rows; ++row) add_product(contact.rows[row][a], right[row], side);
+      common_[contact.column[a]] = side;
     }
+    if (!has_any(state.touches)) continue;
+    if (contact.has_friction)
+      add_contact<kRows>(contact, derivative);
+    else
+      add_contact<1>(contact, derivative);
+  }
+}
+
+/// The part of a contact with so many rows.
+template <class V>
+template <int rows>
+void LanesOf<V>::add_contact(const Contact& contact, const Derivative& derivative) {
+  int next = 0;
+  for (; next + kColumns <= contact.columns; next += kColumns)
+    add_columns<rows, kColumns>(contact, derivative, next);
+  for (; next < contact.columns; ++next) add_columns<rows, 1>(contact, derivative, next);
+}
+
+/// The contact's part of `count` of its columns, from its column `next` on.
+template <class V>
+template <int rows, int count>
+void LanesOf<V>::add_columns(const Contact& contact, const Derivative& derivative, int next) {
+  const auto& l = contact.rows;
+  V *columns[count], stiff[count][rows];
+  for (int c = 0; c < count; ++c) {
+    columns[c] = element(0, contact.column[next + c]);
+    V& normal = stiff[c][0];
+    normal = derivative.normal * l[0][next + c];
+    repeat<rows - 1>([&](int row) {
+      V own = {};
+      repeat<kFriction>(
+          [&](int k) { add_product(derivative.stiffness[row][k], l[k + 1][next + c], own); });
+      own = contact.unit * own;
+      add_product(derivative.turned[row], normal, own);
+      stiff[c][row + 1] = own;
+    });
+  }
+  for (int b = 0; b < contact.columns; ++b) {
+    const int at = contact.column[b];
+    V values[count];
+    repeat<count>([&](int c) { values[c] = columns[c][at]; });
+    repeat<rows>([&](int row) {
+      repeat<count>([&](int c) { add_product(l[row][b], stiff[c][row], values[c]); });
+    });
+    repeat<count>([&](int c) { columns[c][at] = values[c]; });
   }
 }
 
@@ -483,7 +547,7 @@ void LanesOf<V>::assemble() {
 /// L_M^-1 common_.
 template <class V>
 void LanesOf<V>::eliminate() {
-  static_assert(kPanel == 4);
+  static_assert(kPanel == 6);
   for (int first = 0; first < rank_; first += pattern_->width(first)) {
     switch (pattern_->width(first)) {
       case 1:
@@ -495,8 +559,14 @@ void LanesOf<V>::eliminate() {
       case 3:
         eliminate_group<3>(first);
         break;
-      default:
+      case 4:
         eliminate_group<4>(first);
+        break;
+      case 5:
+        eliminate_group<5>(first);
+        break;
+      default:
+        eliminate_group<6>(first);
         break;
     }
   }
@@ -514,36 +584,52 @@ void LanesOf<V>::eliminate_group(int first) {
       V& factor = own[p][first + row];
       factor = factor * pivot;
       for (int q = p + 1; q < width; ++q)
-        own[q][first + row] = own[q][first + row] - factor * own[q][first + p];
-      y[row] = y[row] - factor * y[p];
+        subtract_product(factor, own[q][first + p], own[q][first + row]);
+      subtract_product(factor, y[p], y[row]);
     }
   }
   const EliminationPattern::Rows rows = pattern_->rows(first + width - 1);
   for (int a = 0; a < rows.count; ++a) {
     const int row = rows.first[a];
-    V* factors = panel_ + width * a;
-    V side = common_[row];
-    for (int p = 0; p < width; ++p) {
+    V factors[width], side = common_[row];
+    repeat<width>([&](int p) {
       V value = own[p][row];
-      for (int q = 0; q < p; ++q) value = value - factors[q] * own[p][first + q];
-      own[p][row] = factors[p] = value * own[p][first + p];
-      side = side - factors[p] * y[p];
-    }
+      for (int q = 0; q < p; ++q) subtract_product(factors[q], own[p][first + q], value);
+      factors[p] = value * own[p][first + p];
+      own[p][row] = panel_[width * a + p] = factors[p];
+      subtract_product(factors[p], y[p], side);
+    });
     common_[row] = side;
   }
-  for (int b = 0; b < rows.count; ++b) {
-    V* column = element(0, rows.first[b]);
-    V above[width];
-    for (int p = 0; p < width; ++p) {
-      above[p] = column[first + p];
-      for (int q = 0; q < p; ++q) above[p] = above[p] - own[q][first + p] * above[q];
-      column[first + p] = above[p];
-    }
-    for (int a = 0; a < rows.count; ++a) {
-      V value = column[rows.first[a]];
-      for (int p = 0; p < width; ++p) value = value - panel_[width * a + p] * above[p];
-      column[rows.first[a]] = value;
-    }
+  int next = 0;
+  for (; next + kColumns <= rows.count; next += kColumns)
+    eliminate_columns<width, kColumns>(own, first, rows, next);
+  for (; next < rows.count; ++next) eliminate_columns<width, 1>(own, first, rows, next);
+}
+
+/// `count` of the columns that the group `own` meets, from the one of `rows.first[next]` on.
+template <class V>
+template <int width, int count>
+void LanesOf<V>::eliminate_columns(V* const (&own)[width], int first,
+                                   const EliminationPattern::Rows& rows, int next) {
+  V *columns[count], above[count][width];
+  repeat<count>([&](int c) {
+    columns[c] = element(0, rows.first[next + c]);
+    repeat<width>([&](int p) {
+      V value = columns[c][first + p];
+      for (int q = 0; q < p; ++q) subtract_product(own[q][first + p], above[c][q], value);
+      columns[c][first + p] = above[c][p] = value;
+    });
+  });
+  for (int a = 0; a < rows.count; ++a) {
+    const int row = rows.first[a];
+    const V* factors = panel_ + width * a;
+    V values[count];
+    repeat<count>([&](int c) { values[c] = columns[c][row]; });
+    repeat<width>([&](int p) {
+      repeat<count>([&](int c) { subtract_product(factors[p], above[c][p], values[c]); });
+    });
+    repeat<count>([&](int c) { columns[c][row] = values[c]; });
   }
 }
 
@@ -554,7 +640,7 @@ void LanesOf<V>::substitute() {
     const EliminationPattern::Rows rows = pattern_->rows(k);
     V sum = common_[k];
     for (int a = 0; a < rows.count; ++a)
-      sum = sum - *element(k, rows.first[a]) * common_[rows.first[a]];
+      subtract_product(*element(k, rows.first[a]), common_[rows.first[a]], sum);
     common_[k] = sum * *element(k, k);
   }
 }
@@ -573,7 +659,7 @@ void LanesOf<V>::move_points() {
     V velocity[kRows] = {};
     for (int k = 0; k < contact.columns; ++k)
       for (int row = 0; row < kRows; ++row)
-        velocity[row] = velocity[row] + contact.rows[row][k] * common_[contact.column[k]];
+        add_product(contact.rows[row][k], common_[contact.column[k]], velocity[row]);
     const V normal = -derivative.normal * (state.map[0] + velocity[0]);
     for (int row = 1; row < (contact.has_friction ? kRows : 1); ++row) {
       V step = derivative.turned[row - 1] * normal;

@@ -14,8 +14,9 @@ namespace softfinger::internal {
 
 /// ExactNewton::approach with friction of the unit ball, from kLanes starts at once: each has a
 /// lane of the processor's vectors. An iteration of a lane costs a third of one alone with eight
-/// lanes in an instruction (AVX-512), half with four (AVX2). The bits do not depend on it, nor on
-/// what the other lanes do.
+/// lanes in an instruction (AVX-512), half with four (AVX2, FMA). The bits do not depend on it, nor
+/// on what the other lanes do. Other processors round products and sums once by software, many
+/// times slower: there one start after another is the better way.
 ///
 /// Newton's steps are solved in the velocities that the contacts share. With y = L^T dr, of a
 /// contact that touches dr = -A^-1 (F + B C L y), of one that opens dr = -r, so that

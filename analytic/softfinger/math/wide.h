@@ -19,10 +19,11 @@ using Eight [[gnu::vector_size(kEight * sizeof(double))]] = double;
 inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
 inline void store(const Four& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
-/// Whether the processor has instructions for four doubles at once (AVX2), and for eight (AVX-512).
+/// Whether the processor has instructions for four doubles at once (AVX2, FMA), and for eight
+/// (AVX-512).
 /// Tests set them to false, to reach what other processors do.
 #if defined(__x86_64__)
-inline bool has_wide_instructions = __builtin_cpu_supports("avx2");
+inline bool has_wide_instructions = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 inline bool has_widest_instructions =
     __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 #else
@@ -31,7 +32,7 @@ inline bool has_wide_instructions = false, has_widest_instructions = false;
 
 #if defined(__x86_64__)
 template <class Function>
-[[gnu::target("avx2"), gnu::flatten]] auto with_wide_instructions(const Function& function) {
+[[gnu::target("avx2,fma"), gnu::flatten]] auto with_wide_instructions(const Function& function) {
   return function();
 }
 template <class Function>
@@ -48,7 +49,7 @@ auto with_widest_instructions(const Function& function) {
 
 /// `function()`, compiled twice from the same source: for the instructions that every processor has
 /// and, inlined into one function, for wider ones, of which the processor's are taken. Neither
-/// fuses multiplications with additions, so that the bits agree.
+/// fuses multiplications with additions that the source does not, so that the bits agree.
 template <class Function>
 auto with_best_instructions(const Function& function) {
 #if defined(__x86_64__)
