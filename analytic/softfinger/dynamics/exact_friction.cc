@@ -115,10 +115,7 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   if (is_still_ || correct(task, continued)) return true;
   effort_ = {kPassesFromImpulse, kUsualPatience};
   search_.polish(task, effort_);
-  if (best().is_good) return true;
-  search_.restore_best(task);
-  search_.approach(task, kMostIterationsOfFew, effort_);
-  return best().residual <= kSolved;
+  return best().is_good;
 }
 
 /// Bodies at rest, or in steady motion: the last least impulse follows them, or the matrix of

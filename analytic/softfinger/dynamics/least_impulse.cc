@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "softfinger/dynamics/contact_residual.h"
-#include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
 namespace {
@@ -35,49 +34,36 @@ Vector4d project_onto_cone(const Vector4d& point, Matrix4d& derivative) {
   return result;
 }
 
-/// to += the sum of x[k] times column first + k of `matrix`, in the rows from `begin` on. Nothing
-/// is done where all x are zero, as many are.
-template <int count>
-inline void add_columns(const MatrixXd& matrix, int first, const double (&x)[count], int begin,
-                        int end, double* to) {
-  bool is_zero = true;
-  for (const double value : x) is_zero = is_zero && value == 0;
-  if (is_zero) return;
-  const double* from = &matrix(0, first);
-  const std::ptrdiff_t stride = matrix.outerStride();
-  for (int row = begin; row < end; ++row) {
-    double sum = x[0] * from[row];
-    for (int k = 1; k < count; ++k) sum += x[k] * from[k * stride + row];
-    to[row] += sum;
+/// matrix += left^T right, by pieces for which Eigen allocates nothing. Only the lower half is of
+/// use.
+void add_product(const MatrixXd& left, const MatrixXd& right, int rows, int columns,
+                 MatrixXd& matrix) {
+  constexpr int kPiece = 64;
+  for (int r = 0; r < rows; r += kPiece) {
+    const int height = std::min(kPiece, rows - r);
+    for (int i = 0; i < columns; i += kPiece)
+      for (int j = 0; j <= i; j += kPiece) {
+        const int wide = std::min(kPiece, columns - i), across = std::min(kPiece, columns - j);
+        matrix.block(i, j, wide, across).noalias() +=
+            left.block(r, i, height, wide).transpose() * right.block(r, j, height, across);
+      }
   }
-}
-
-/// to -= the sum of matrix(pivot, k) times column k, k < columns, in the rows from `begin` on.
-inline void subtract_columns(const MatrixXd& matrix, int columns, int pivot, int begin, int end,
-                             double* to) {
-  int k = 0;
-  for (; k + 4 <= columns; k += 4)
-    add_columns<4>(
-        matrix, k,
-        {-matrix(pivot, k), -matrix(pivot, k + 1), -matrix(pivot, k + 2), -matrix(pivot, k + 3)},
-        begin, end, to);
-  for (; k < columns; ++k) add_columns<1>(matrix, k, {-matrix(pivot, k)}, begin, end, to);
 }
 
 /// Cholesky's decomposition of the lower half in place. False where the matrix is not positive
 /// definite.
 bool decompose(MatrixXd& matrix, int size) {
-  return with_best_instructions([&] {
-    for (int p = 0; p < size; ++p) {
-      double* own = &matrix(0, p);
-      subtract_columns(matrix, p, p, p, size, own);
-      if (!(own[p] > 0)) return false;
-      const double root = std::sqrt(own[p]);
-      own[p] = root;
-      for (int row = p + 1; row < size; ++row) own[row] /= root;
-    }
-    return true;
-  });
+  for (int p = 0; p < size; ++p) {
+    if (!(matrix(p, p) > 0)) return false;
+    const double root = std::sqrt(matrix(p, p));
+    const int below = size - p - 1;
+    matrix(p, p) = root;
+    matrix.col(p).segment(p + 1, below) /= root;
+    for (int j = p + 1; j < size; ++j)
+      matrix.col(j).segment(j, size - j).noalias() -=
+          matrix(j, p) * matrix.col(p).segment(j, size - j);
+  }
+  return true;
 }
 
 /// The solution by that decomposition, in place.
@@ -110,6 +96,7 @@ LeastImpulse::LeastImpulse(int contact_capacity)
       right_(4 * contact_capacity),
       velocity_(4 * contact_capacity) {
   touching_.reserve(std::size_t(contact_capacity));
+  order_.reserve(std::size_t(4 * contact_capacity));
 }
 
 /// What each contact does. False where all that touch could not share their impulses anyhow.
@@ -178,13 +165,13 @@ void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& c
     auto column = factor_.col(rank_).head(rows_);
     column.head(pivot) = turned_.row(pivot).head(pivot).transpose();
     column.tail(rows_ - pivot) = turned_.col(pivot).segment(pivot, rows_ - pivot);
-    with_best_instructions(
-        [&] { subtract_columns(factor_, rank_, pivot, 0, rows_, &factor_(0, rank_)); });
+    for (int k = 0; k < rank_; ++k)
+      if (factor_(pivot, k) != 0)
+        column.noalias() -= factor_(pivot, k) * factor_.col(k).head(rows_);
     column /= std::sqrt(most);
     diagonal_.head(rows_) -= column.cwiseAbs2();
     diagonal_[pivot] = 0;
   }
-  turned_.topLeftCorner(rank_, rows_) = factor_.topLeftCorner(rows_, rank_).transpose();
 }
 
 /// projected_ = proj_C(target_), and its derivative. As if free: C has no bounds.
@@ -218,24 +205,17 @@ double LeastImpulse::gradient() {
 /// Newton's step of y: step_.
 bool LeastImpulse::step() {
   constexpr double kProximal = 1e-12;  // of the diagonal, which may be singular
-  with_best_instructions([&] {
-    for (int column = 0; column < rank_; ++column) {
-      double* own = &matrix_(0, column);
-      std::fill(own + column, own + rank_, 0.);
-      for (const Touching& touching : touching_) {
-        const double* part = &factor_(touching.row, column);
-        if (touching.rows == 1) {
-          add_columns<1>(turned_, touching.row, {touching.derivative(0, 0) * part[0]}, column,
-                         rank_, own);
-          continue;
-        }
-        double product[4] = {};
-        for (int k = 0; k < 4; ++k)
-          for (int row = 0; row < 4; ++row) product[row] += touching.derivative(row, k) * part[k];
-        add_columns<4>(turned_, touching.row, product, column, rank_, own);
-      }
+  for (int column = 0; column < rank_; ++column)
+    for (const Touching& touching : touching_) {
+      const int row = touching.row;
+      if (touching.rows == 4)
+        turned_.block<4, 1>(row, column).noalias() =
+            touching.derivative * factor_.block<4, 1>(row, column);
+      else
+        turned_(row, column) = touching.derivative(0, 0) * factor_(row, column);
     }
-  });
+  matrix_.topLeftCorner(rank_, rank_).setZero();
+  add_product(factor_, turned_, rows_, rank_, matrix_);
   const double largest = matrix_.diagonal().head(rank_).maxCoeff();
   matrix_.diagonal().head(rank_).array() += kProximal * largest;
   step_.head(rank_) = -gradient_.head(rank_);

@@ -59,11 +59,11 @@ class LeastImpulse {
     bool is_free = true;         ///< the projection changes nothing
   };
   std::vector<Touching> touching_;
+  std::vector<int> order_;
   int rows_ = 0, rank_ = 0;
   int followed_ = -1;       ///< contacts of the problem that `follow` knows; -1: none
   Eigen::MatrixXd factor_;  ///< L restricted to C's directions: rows_ x rank_
-  Eigen::MatrixXd turned_;  ///< S W S in C's directions, then L^T
-  Eigen::MatrixXd matrix_;
+  Eigen::MatrixXd turned_, matrix_;
   Eigen::VectorXd diagonal_, dual_, wanted_, gradient_, step_, target_, projected_, right_,
       velocity_;
 };
