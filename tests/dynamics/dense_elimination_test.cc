@@ -20,8 +20,8 @@ Eigen::MatrixXd sparse_matrix(tests::RandomScenes& random, int size) {
 Eigen::VectorXd solve(const Eigen::MatrixXd& matrix, Eigen::VectorXd right) {
   const int size = int(matrix.rows());
   DenseElimination elimination(size + 3);
-  elimination.matrix().topLeftCorner(size, size) = matrix;
-  EXPECT_TRUE(elimination.factorise(size));
+  elimination.zeros(size) = matrix;
+  EXPECT_TRUE(elimination.factorise());
   EXPECT_EQ(elimination.size(), size);
   elimination.substitute(right);
   return right;
@@ -56,8 +56,8 @@ TEST(DenseElimination, HasTheSameBitsWithoutWideInstructions) {
 
 TEST(DenseElimination, RefusesASingularMatrix) {
   DenseElimination elimination(3);
-  elimination.matrix().topLeftCorner<3, 3>() << 1, 2, 3, 2, 4, 6, 1, 0, 1;
-  EXPECT_FALSE(elimination.factorise(3));
+  elimination.zeros(3) << 1, 2, 3, 2, 4, 6, 1, 0, 1;
+  EXPECT_FALSE(elimination.factorise());
   EXPECT_EQ(elimination.size(), 0);
 }
 

@@ -128,10 +128,7 @@ TEST(EliminationPattern, HoldsWhatEliminationFills) {
     ASSERT_EQ(pattern.size(), size);
     Eigen::MatrixXd sum = Eigen::MatrixXd::Identity(size, size);
     for (int i = 0; i < kContacts; ++i)
-      for (Eigen::Index a = 0; a < factor.rows(i).cols(); ++a)
-        for (Eigen::Index b = 0; b < factor.rows(i).cols(); ++b)
-          sum(factor.columns(i)[a], factor.columns(i)[b]) +=
-              factor.rows(i).col(a).dot(factor.rows(i).col(b));
+      factor.rows().add_product(i, Eigen::Matrix4d::Identity().eval().data(), sum);
     const Eigen::MatrixXd lower = sum.llt().matrixL();
     int column = 0;
     for (int first = 0; first < size; first += pattern.width(first)) {

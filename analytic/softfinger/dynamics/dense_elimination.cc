@@ -13,6 +13,10 @@ namespace {
 
 constexpr int tiles_of(int size) { return (size + kFour - 1) / kFour; }
 
+/// Between columns: an odd number of tiles, so that the elements of a row do not share a set of the
+/// cache.
+constexpr std::ptrdiff_t stride_of(int tiles) { return kFour * std::ptrdiff_t(tiles | 1); }
+
 /// Columns of a matrix in tiles, `stride` apart, and which tiles are not zero.
 struct Tiles {
   double* matrix;
@@ -38,7 +42,10 @@ struct Tile {
   void subtract(const double* x, double* from) const {
     Four value;
     load(from, value);
-    value = value - x[0] * a - x[1] * b - x[2] * c - x[3] * d;
+    subtract_product(x[0], a, value);
+    subtract_product(x[1], b, value);
+    subtract_product(x[2], c, value);
+    subtract_product(x[3], d, value);
     store(value, from);
   }
 };
@@ -107,12 +114,34 @@ bool eliminate_panel(const Tiles& tiles, int k, const int* rows, const int* end,
       for (int column = p + 1; column < next; ++column) {
         double* other = tiles.column(column);
         load(other + row, value);
-        value = value - other[p] * factor;
+        subtract_product(other[p], factor, value);
         store(value, other + row);
       }
     }
   }
   return true;
+}
+
+/// Subtracts from `count` columns those of a panel times their factors, in the tiles of `rows`.
+template <int count>
+void subtract_panel(const double* panel, std::ptrdiff_t stride, const int* rows, const int* end,
+                    const double (*factors)[kFour], double* const* columns) {
+  Four x[count][kFour];
+  for (int c = 0; c < count; ++c)
+    for (int p = 0; p < kFour; ++p) x[c][p] = factors[c][p] - Four{};
+  for (const int* tile = rows; tile != end; ++tile) {
+    const int row = kFour * *tile;
+    const Tile from(panel + row, stride);
+    for (int c = 0; c < count; ++c) {
+      Four value;
+      load(columns[c] + row, value);
+      subtract_product(x[c][0], from.a, value);
+      subtract_product(x[c][1], from.b, value);
+      subtract_product(x[c][2], from.c, value);
+      subtract_product(x[c][3], from.d, value);
+      store(value, columns[c] + row);
+    }
+  }
 }
 
 /// `rows`: room for a quarter of the rows.
@@ -139,12 +168,13 @@ bool eliminate(const Tiles& tiles, int* pivots, int* rows) {
         x[3] = factor[3] = x[3] - factor[0] * a[3] - factor[1] * b[3] - factor[2] * c[3];
         columns[count++] = tiles.column(column);
       }
-      for (const int* tile = rows; tile != end; ++tile) {
-        tiles.has(*tile, j) |= char(count > 0);
-        const Tile from(panel + kFour * *tile, tiles.stride);
-        for (int column = 0; column < count; ++column)
-          from.subtract(factors[column], columns[column] + kFour * *tile);
-      }
+      if (count == 0) continue;
+      for (const int* tile = rows; tile != end; ++tile) tiles.has(*tile, j) = char(true);
+      int done = 0;
+      for (; done + 2 <= count; done += 2)
+        subtract_panel<2>(panel, tiles.stride, rows, end, factors + done, columns + done);
+      if (done < count)
+        subtract_panel<1>(panel, tiles.stride, rows, end, factors + done, columns + done);
     }
   }
   return true;
@@ -178,22 +208,29 @@ void substitute_tiles(const Tiles& tiles, double* x) {
 }  // namespace
 
 DenseElimination::DenseElimination(int capacity)
-    : matrix_(kFour * tiles_of(capacity), kFour * tiles_of(capacity)),
+    : values_(stride_of(tiles_of(capacity)) * kFour * tiles_of(capacity)),
       pivots_(std::size_t(kFour * tiles_of(capacity))),
       has_tile_(std::size_t(tiles_of(capacity)) * std::size_t(tiles_of(capacity))),
       rows_(std::size_t(tiles_of(capacity))),
       solution_(kFour * tiles_of(capacity)) {}
 
-bool DenseElimination::factorise(int size) {
-  const int tiles = tiles_of(size), rest = kFour * tiles - size;
-  matrix_.block(size, 0, rest, size).setZero();
-  matrix_.block(0, size, size, rest).setZero();
-  matrix_.block(size, size, rest, rest).setIdentity();
+DenseElimination::Matrix DenseElimination::zeros(int size) {
+  const int whole = kFour * tiles_of(size), rest = whole - size;
+  given_ = size;
+  const std::ptrdiff_t stride = stride_of(tiles_of(size));
+  values_.head(stride * whole).setZero();
+  using All = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  All(values_.data(), whole, whole, Eigen::OuterStride<>(stride)).diagonal().tail(rest).setOnes();
+  return All(values_.data(), size, size, Eigen::OuterStride<>(stride));
+}
+
+bool DenseElimination::factorise() {
+  const int tiles = tiles_of(given_);
   const bool is_regular = with_best_instructions([&] {
-    return eliminate({matrix_.data(), matrix_.outerStride(), tiles, has_tile_.data()},
-                     pivots_.data(), rows_.data());
+    return eliminate({values_.data(), stride_of(tiles), tiles, has_tile_.data()}, pivots_.data(),
+                     rows_.data());
   });
-  size_ = is_regular ? size : 0;
+  size_ = is_regular ? given_ : 0;
   return is_regular;
 }
 
@@ -203,8 +240,7 @@ void DenseElimination::substitute(Eigen::VectorXd& right) {
   solution_.segment(size_, kFour * tiles - size_).setZero();
   for (int p = 0; p < size_; ++p) std::swap(solution_[pivots_[std::size_t(p)]], solution_[p]);
   with_best_instructions([&] {
-    substitute_tiles({matrix_.data(), matrix_.outerStride(), tiles, has_tile_.data()},
-                     solution_.data());
+    substitute_tiles({values_.data(), stride_of(tiles), tiles, has_tile_.data()}, solution_.data());
   });
   right.head(size_) = solution_.head(size_);
 }

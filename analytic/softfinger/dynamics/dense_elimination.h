@@ -16,21 +16,23 @@ class DenseElimination {
  public:
   explicit DenseElimination(int capacity);
 
-  /// To be filled before `factorise`, which overwrites it.
-  Eigen::MatrixXd& matrix() { return matrix_; }
+  using Matrix = Eigen::Ref<Eigen::MatrixXd>;
+  /// Zeros, to be filled before `factorise`, which overwrites them.
+  Matrix zeros(int size);
   /// False where the matrix is singular.
-  bool factorise(int size);
+  bool factorise();
   /// Replaces `right` by the solution.
   void substitute(Eigen::VectorXd& right);
   void forget() { size_ = 0; }
   int size() const { return size_; }  ///< of the last decomposition; 0: none
 
  private:
-  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd values_;
   std::vector<int> pivots_;     ///< rows that were exchanged
   std::vector<char> has_tile_;  ///< whether a tile may have other elements than zero; by columns
   std::vector<int> rows_;       ///< tiles of a panel, while it factorises
   Eigen::VectorXd solution_;
+  int given_ = 0;  ///< size of the matrix
   int size_ = 0;
 };
 

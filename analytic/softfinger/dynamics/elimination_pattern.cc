@@ -8,8 +8,8 @@ void EliminationPattern::set(const VelocityFactor& factor, int contacts) {
   size_ = factor.rank();
   nonzero_.assign(std::size_t(size_) * std::size_t(size_), char(false));
   for (int i = 0; i < contacts; ++i) {
-    const int* columns = factor.columns(i);
-    const int count = int(factor.rows(i).cols());
+    const int* columns = factor.rows().columns(i);
+    const int count = factor.rows().column_count(i);
     for (int a = 0; a < count; ++a)
       for (int b = 0; b < count; ++b)
         nonzero_[std::size_t(columns[a]) * std::size_t(size_) + std::size_t(columns[b])] = true;

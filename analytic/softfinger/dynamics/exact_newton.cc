@@ -6,47 +6,12 @@
 #include <limits>
 
 #include "softfinger/dynamics/contact_residual.h"
-#include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
 namespace {
 
 /// From that many unknowns on the step may be solved in fewer ones.
 constexpr int kFewUnknowns = 24;
-
-/// matrix += L_i^T A L_i, `rows` being L_i and `columns` where its columns belong, in rising order.
-inline void add_product(const VelocityFactor::Rows& rows, const int* columns,
-                        const Eigen::Matrix4d& own, Eigen::MatrixXd& matrix) {
-  const int count = int(rows.cols()), whole = count / kFour * kFour;
-  const double* of[] = {rows.data(), rows.data() + count, rows.data() + 2 * count,
-                        rows.data() + 3 * count};
-  Four by[4];
-  for (int row = 0; row < 4; ++row) load(own.data() + 4 * row, by[row]);
-  for (int a = 0; a < count; ++a) {
-    const Four along = of[0][a] * by[0] + of[1][a] * by[1] + of[2][a] * by[2] + of[3][a] * by[3];
-    double* column = &matrix(0, columns[a]);
-    for (int b = 0; b < whole; b += kFour) {
-      Four part, sum;
-      load(of[0] + b, part);
-      sum = along[0] * part;
-      load(of[1] + b, part);
-      sum = sum + along[1] * part;
-      load(of[2] + b, part);
-      sum = sum + along[2] * part;
-      load(of[3] + b, part);
-      sum = sum + along[3] * part;
-      if (columns[b + kFour - 1] == columns[b] + kFour - 1) {
-        load(column + columns[b], part);
-        store(part + sum, column + columns[b]);
-      } else {
-        for (int k = 0; k < kFour; ++k) column[columns[b + k]] += sum[k];
-      }
-    }
-    for (int b = whole; b < count; ++b)
-      column[columns[b]] +=
-          along[0] * of[0][b] + along[1] * of[1][b] + along[2] * of[2][b] + along[3] * of[3][b];
-  }
-}
 
 }  // namespace
 
@@ -67,9 +32,14 @@ ExactNewton::ExactNewton(int contact_capacity)
       move_(4 * contact_capacity),
       elimination_(4 * contact_capacity) {}
 
-/// F at `impulse`: map_, and in contacts_ what its derivative is made of. Returns its size.
 double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse) {
   contacts.find_velocity(impulse, velocity_);
+  return find_map(contacts, impulse);
+}
+
+/// F at `impulse`, whose W r is velocity_: map_, and in contacts_ what its derivative is made of.
+/// Returns its size.
+double ExactNewton::find_map(const ContactOperator& contacts, const Eigen::VectorXd& impulse) {
   double worst = 0;
   for (int i = 0; i < contacts.contacts(); ++i) {
     Contact& contact = contacts_[std::size_t(i)];
@@ -184,19 +154,18 @@ Eigen::Matrix3d ExactNewton::sliding_part(const Contact& contact, double pressur
 /// The matrix of the touching contacts' impulses, and its decomposition.
 bool ExactNewton::factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                             double proximal, int size) {
-  elimination_.matrix().topLeftCorner(size, size).setZero();
+  DenseElimination::Matrix matrix = elimination_.zeros(size);
   for (int i = 0; i < contacts.contacts(); ++i)
-    if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal);
-  return elimination_.factorise(size);
+    if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal, matrix);
+  return elimination_.factorise();
 }
 
 /// The same in the velocities that the contacts have in common.
 bool ExactNewton::factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                                     double proximal) {
   const int rank = factor_.rank();
-  Eigen::MatrixXd& matrix = elimination_.matrix();
-  matrix.topLeftCorner(rank, rank).setZero();
-  matrix.diagonal().head(rank).setOnes();
+  DenseElimination::Matrix matrix = elimination_.zeros(rank);
+  matrix.diagonal().setOnes();
   for (int i = 0; i < contacts.contacts(); ++i) {
     if (first_[std::size_t(i)] < 0) continue;
     Contact& contact = contacts_[std::size_t(i)];
@@ -218,10 +187,9 @@ bool ExactNewton::factorise_reduced(const ContactOperator& contacts, const Eigen
           contact.sticking * factor_.unit(i).tail<3>().asDiagonal();
     }
     const Eigen::Matrix4d stiffness = contact.own_inverse * contact.from_velocity;
-    with_best_instructions(
-        [&] { add_product(factor_.rows(i), factor_.columns(i), stiffness, matrix); });
+    factor_.rows().add_product(i, stiffness.data(), matrix);
   }
-  return elimination_.factorise(rank);
+  return elimination_.factorise();
 }
 
 /// The step whose change of F is right_, by contacts that touch, from the last decomposition; in
@@ -241,16 +209,19 @@ void ExactNewton::substitute_all(const ContactOperator& contacts) {
     return own;
   };
   common_.head(factor_.rank()).setZero();
-  for (int i = 0; i < contacts.contacts(); ++i)
-    if (first_[std::size_t(i)] >= 0)
-      factor_.add_transposed(i, contacts_[std::size_t(i)].own_inverse * read(i), common_);
+  for (int i = 0; i < contacts.contacts(); ++i) {
+    if (first_[std::size_t(i)] < 0) continue;
+    const Eigen::Vector4d own = contacts_[std::size_t(i)].own_inverse * read(i);
+    factor_.rows().add_transposed(i, own.data(), common_);
+  }
   elimination_.substitute(common_);
   for (int i = 0; i < contacts.contacts(); ++i) {
     const int row = first_[std::size_t(i)];
     if (row < 0) continue;
     const Contact& contact = contacts_[std::size_t(i)];
-    const Eigen::Vector4d change =
-        contact.own_inverse * (read(i) - contact.from_velocity * factor_.multiply(i, common_));
+    Eigen::Vector4d common;
+    factor_.rows().multiply(i, common_, common.data());
+    const Eigen::Vector4d change = contact.own_inverse * (read(i) - contact.from_velocity * common);
     if (contacts.has_friction(i))
       right_.segment<4>(row) = change;
     else
@@ -260,8 +231,8 @@ void ExactNewton::substitute_all(const ContactOperator& contacts) {
 
 /// Rows of a contact that touches, where they are not zero: dF = -F.
 void ExactNewton::assemble_rows(const ContactOperator& contacts, int i,
-                                const Eigen::VectorXd& impulse, double proximal) {
-  Eigen::MatrixXd& matrix = elimination_.matrix();
+                                const Eigen::VectorXd& impulse, double proximal,
+                                DenseElimination::Matrix& matrix) {
   const int row = first_[std::size_t(i)];
   Contact& contact = contacts_[std::size_t(i)];
   const bool rubs = contacts.has_friction(i);
@@ -399,13 +370,15 @@ double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& i
   while (course.goes_on(most_iterations)) {
     if (is_needed && !is_needed()) break;
     compliance_ = course.compliance;
-    if (take_steps(contacts, course)) {
+    const bool has_reached = take_steps(contacts, course);
+    if (has_reached)
       course.reach(move_on(n));
-    } else {
+    else
       course.fail();
-    }
     centre_.head(n) = point_.head(n) = reached_.head(n);
-    if (course.arrive(evaluate(contacts, centre_))) impulse.head(n) = centre_.head(n);
+    // Where the point is reached, W r is that of the last step.
+    const double size = has_reached ? find_map(contacts, centre_) : evaluate(contacts, centre_);
+    if (course.arrive(size)) impulse.head(n) = centre_.head(n);
     if (course.stride == 1) continue;
     centre_.head(n) += (course.stride - 1) * move_.head(n);
     point_.head(n) = centre_.head(n);

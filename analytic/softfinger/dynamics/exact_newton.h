@@ -80,10 +80,11 @@ class ExactNewton {
   double descend(const ContactOperator& contacts, const Pass& pass, double best,
                  Eigen::VectorXd& impulse);
   double evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  double find_map(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   bool find_step(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal);
   int number_unknowns(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
-                     double proximal);
+                     double proximal, DenseElimination::Matrix& matrix);
   bool factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal,
                  int size);
   bool factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,

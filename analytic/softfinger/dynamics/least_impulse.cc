@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "softfinger/dynamics/contact_residual.h"
+#include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
 namespace {
@@ -34,36 +35,43 @@ Vector4d project_onto_cone(const Vector4d& point, Matrix4d& derivative) {
   return result;
 }
 
-/// matrix += left^T right, by pieces for which Eigen allocates nothing. Only the lower half is of
-/// use.
-void add_product(const MatrixXd& left, const MatrixXd& right, int rows, int columns,
-                 MatrixXd& matrix) {
-  constexpr int kPiece = 64;
-  for (int r = 0; r < rows; r += kPiece) {
-    const int height = std::min(kPiece, rows - r);
-    for (int i = 0; i < columns; i += kPiece)
-      for (int j = 0; j <= i; j += kPiece) {
-        const int wide = std::min(kPiece, columns - i), across = std::min(kPiece, columns - j);
-        matrix.block(i, j, wide, across).noalias() +=
-            left.block(r, i, height, wide).transpose() * right.block(r, j, height, across);
-      }
+/// to -= the sum of matrix(pivot, k) times column k of `matrix`, k < columns, in the rows from
+/// `begin` on. By four; most are zero.
+void subtract_columns(const MatrixXd& matrix, int columns, int pivot, int begin, int end,
+                      double* to) {
+  const std::ptrdiff_t stride = matrix.outerStride();
+  int k = 0;
+  for (; k + kFour <= columns; k += kFour) {
+    const double* first = &matrix(0, k);
+    const double x[] = {first[pivot], first[stride + pivot], first[2 * stride + pivot],
+                        first[3 * stride + pivot]};
+    if (x[0] == 0 && x[1] == 0 && x[2] == 0 && x[3] == 0) continue;
+    for (int row = begin; row < end; ++row)
+      to[row] -= x[0] * first[row] + x[1] * first[stride + row] + x[2] * first[2 * stride + row] +
+                 x[3] * first[3 * stride + row];
+  }
+  for (; k < columns; ++k) {
+    const double* own = &matrix(0, k);
+    const double factor = own[pivot];
+    if (factor == 0) continue;
+    for (int row = begin; row < end; ++row) to[row] -= factor * own[row];
   }
 }
 
 /// Cholesky's decomposition of the lower half in place. False where the matrix is not positive
 /// definite.
 bool decompose(MatrixXd& matrix, int size) {
-  for (int p = 0; p < size; ++p) {
-    if (!(matrix(p, p) > 0)) return false;
-    const double root = std::sqrt(matrix(p, p));
-    const int below = size - p - 1;
-    matrix(p, p) = root;
-    matrix.col(p).segment(p + 1, below) /= root;
-    for (int j = p + 1; j < size; ++j)
-      matrix.col(j).segment(j, size - j).noalias() -=
-          matrix(j, p) * matrix.col(p).segment(j, size - j);
-  }
-  return true;
+  return with_best_instructions([&] {
+    for (int p = 0; p < size; ++p) {
+      double* own = &matrix(0, p);
+      subtract_columns(matrix, p, p, p, size, own);
+      if (!(own[p] > 0)) return false;
+      const double root = std::sqrt(own[p]), inverse = 1 / root;
+      own[p] = root;
+      for (int row = p + 1; row < size; ++row) own[row] *= inverse;
+    }
+    return true;
+  });
 }
 
 /// The solution by that decomposition, in place.
@@ -83,9 +91,10 @@ void substitute(const MatrixXd& matrix, int size, Eigen::VectorXd& right) {
 }  // namespace
 
 LeastImpulse::LeastImpulse(int contact_capacity)
-    : factor_(4 * contact_capacity, 4 * contact_capacity),
-      turned_(4 * contact_capacity, 4 * contact_capacity),
+    : number_(std::size_t(contact_capacity)),
+      factor_(contact_capacity),
       matrix_(4 * contact_capacity, 4 * contact_capacity),
+      original_(4 * contact_capacity),
       diagonal_(4 * contact_capacity),
       dual_(4 * contact_capacity),
       wanted_(4 * contact_capacity),
@@ -96,7 +105,8 @@ LeastImpulse::LeastImpulse(int contact_capacity)
       right_(4 * contact_capacity),
       velocity_(4 * contact_capacity) {
   touching_.reserve(std::size_t(contact_capacity));
-  order_.reserve(std::size_t(4 * contact_capacity));
+  owner_.reserve(4 * std::size_t(contact_capacity));
+  order_.reserve(std::size_t(contact_capacity));
 }
 
 /// What each contact does. False where all that touch could not share their impulses anyhow.
@@ -106,8 +116,9 @@ bool LeastImpulse::classify(const ContactOperator& contacts, const Eigen::Vector
   rows_ = 0;
   for (int i = 0; i < contacts.contacts(); ++i) {
     const double still = none * contacts.natural_size(i);
+    number_[std::size_t(i)] = -1;
     if (velocity[4 * i] > still) continue;
-    Touching touching{i, Mode::normal, Vector3d::Zero(), rows_, 1, Matrix4d::Zero(), true};
+    Touching touching{i, Mode::normal, Vector3d::Zero(), {}, rows_, 1, Matrix4d::Zero(), true};
     if (contacts.has_friction(i)) {
       const Vector3d slip = velocity.segment<3>(4 * i + 1);
       if (slip.lpNorm<Eigen::Infinity>() > still) {
@@ -118,60 +129,104 @@ bool LeastImpulse::classify(const ContactOperator& contacts, const Eigen::Vector
         touching.rows = 4;
       }
     }
+    touching.along = contacts.impulse_scale().segment<4>(4 * i);
+    if (touching.mode == Mode::slides) {
+      touching.along.tail<3>() = touching.along.tail<3>().cwiseProduct(touching.friction);
+      touching.along /= std::sqrt(1 + touching.friction.squaredNorm());
+    } else if (touching.mode == Mode::normal) {
+      touching.along.tail<3>().setZero();
+    }
     rows_ += touching.rows;
+    number_[std::size_t(i)] = int(touching_.size());
     touching_.push_back(touching);
   }
   return touching_.size() > 1;
 }
 
+/// The elements of S W S, in the directions of C, that `one` and `other` share in the column of
+/// `other`'s direction `row`.
+Vector4d LeastImpulse::shared_elements(const ContactLcp& problem, const Touching& one,
+                                       const Touching& other, int row) const {
+  const auto block = problem.delassus.block<4, 4>(4 * one.contact, 4 * other.contact);
+  const Vector4d elements =
+      other.rows == 4 ? Vector4d(one.along.cwiseProduct(block.col(row)) * other.along[row])
+                      : Vector4d(one.along.cwiseProduct(block * other.along));
+  return one.rows == 4 ? elements : Vector4d(elements.sum(), 0, 0, 0);
+}
+
 /// S W S = L L^T in the directions of C. A contact that slides has one, in units of its length.
+/// Cholesky's method. Contacts with the fewest neighbours come first, as long as their pivots are
+/// large: so L stays as sparse as the bodies are coupled. Then the largest pivots that are left.
 void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& contacts) {
-  const Eigen::VectorXd& scale = contacts.impulse_scale();
-  const auto direction = [&](const Touching& touching) {
-    Vector4d along = scale.segment<4>(4 * touching.contact);
-    if (touching.mode == Mode::slides) {
-      along.tail<3>() = along.tail<3>().cwiseProduct(touching.friction);
-      along /= std::sqrt(1 + touching.friction.squaredNorm());
-    } else if (touching.mode == Mode::normal) {
-      along.tail<3>().setZero();
-    }
-    return along;
-  };
-  for (const Touching& one : touching_) {
-    const Vector4d along = direction(one);
-    for (const Touching& other : touching_) {
-      if (other.row > one.row) break;
-      const auto block = problem.delassus.block<4, 4>(4 * one.contact, 4 * other.contact);
-      const Vector4d across = direction(other);
-      const Matrix4d scaled = along.asDiagonal() * block * across.asDiagonal();
-      if (one.rows == 4 && other.rows == 4)
-        turned_.block<4, 4>(one.row, other.row) = scaled;
-      else if (one.rows == 4)
-        turned_.block<4, 1>(one.row, other.row) = scaled.rowwise().sum();
-      else if (other.rows == 4)
-        turned_.block<1, 4>(one.row, other.row) = scaled.colwise().sum();
-      else
-        turned_(one.row, other.row) = scaled.sum();
+  constexpr double kLarge = 1e-1, kNone = 1e-13;
+  owner_.clear();
+  order_.clear();
+  for (int i = 0; i < int(touching_.size()); ++i) {
+    const Touching& touching = touching_[std::size_t(i)];
+    order_.push_back(i);
+    for (int row = 0; row < touching.rows; ++row) {
+      diagonal_[touching.row + row] =
+          shared_elements(problem, touching, touching, row)[touching.rows == 4 ? row : 0];
+      owner_.push_back(i);
     }
   }
-  // Cholesky's method, the largest remaining diagonal element first.
-  constexpr double kRounding = 1e-13;
-  diagonal_.head(rows_) = turned_.topLeftCorner(rows_, rows_).diagonal();
-  const double least = kRounding * diagonal_.head(rows_).maxCoeff();
-  for (rank_ = 0; rank_ < rows_; ++rank_) {
-    int pivot = 0;
-    const double most = diagonal_.head(rows_).maxCoeff(&pivot);
-    if (!(most > least)) break;
-    auto column = factor_.col(rank_).head(rows_);
-    column.head(pivot) = turned_.row(pivot).head(pivot).transpose();
-    column.tail(rows_ - pivot) = turned_.col(pivot).segment(pivot, rows_ - pivot);
-    for (int k = 0; k < rank_; ++k)
-      if (factor_(pivot, k) != 0)
-        column.noalias() -= factor_(pivot, k) * factor_.col(k).head(rows_);
-    column /= std::sqrt(most);
-    diagonal_.head(rows_) -= column.cwiseAbs2();
-    diagonal_[pivot] = 0;
+  original_.head(rows_) = diagonal_.head(rows_);
+  std::sort(order_.begin(), order_.end(), [&](int a, int b) {
+    const auto size = [&](int i) {
+      return contacts.neighbours(touching_[std::size_t(i)].contact).size();
+    };
+    return size(a) < size(b) || (size(a) == size(b) && a < b);
+  });
+  rank_ = 0;
+  for (const int i : order_) {
+    const Touching& touching = touching_[std::size_t(i)];
+    for (;;) {
+      int row = 0;
+      diagonal_.segment(touching.row, touching.rows).maxCoeff(&row);
+      row += touching.row;
+      if (!(diagonal_[row] > kLarge * original_[row])) break;
+      eliminate(problem, contacts, row);
+    }
   }
+  const double least = kNone * original_.head(rows_).maxCoeff();
+  for (int row = 0; diagonal_.head(rows_).maxCoeff(&row) > least;)
+    eliminate(problem, contacts, row);
+  factor_.clear();
+  for (const Touching& touching : touching_)
+    factor_.append(touching.rows, rank_, [&](int k) { return &matrix_(touching.row, k); });
+}
+
+/// The next column of L, by the pivot of this row. What is left of S W S below a dozen roundings is
+/// zero.
+void LeastImpulse::eliminate(const ContactLcp& problem, const ContactOperator& contacts,
+                             int pivot) {
+  constexpr double kRounding = 3e-15;
+  const Touching& own = touching_[std::size_t(owner_[std::size_t(pivot)])];
+  auto column = matrix_.col(rank_).head(rows_);
+  column.setZero();
+  for (const int i : contacts.neighbours(own.contact)) {
+    if (number_[std::size_t(i)] < 0) continue;
+    const Touching& other = touching_[std::size_t(number_[std::size_t(i)])];
+    column.segment(other.row, other.rows) =
+        shared_elements(problem, other, own, pivot - own.row).head(other.rows);
+  }
+  with_best_instructions(
+      [&] { subtract_columns(matrix_, rank_, pivot, 0, rows_, &matrix_(0, rank_)); });
+  const double root = std::sqrt(diagonal_[pivot]), inverse = 1 / root;
+  const double rounding = kRounding * kRounding * original_[pivot];
+  for (int row = 0; row < rows_; ++row) {
+    double& element = column[row];
+    if (element == 0) continue;
+    if (diagonal_[row] == 0 || element * element <= rounding * original_[row]) {
+      element = 0;
+      continue;
+    }
+    element *= inverse;
+    diagonal_[row] -= element * element;
+  }
+  column[pivot] = root;
+  diagonal_[pivot] = 0;
+  ++rank_;
 }
 
 /// projected_ = proj_C(target_), and its derivative. As if free: C has no bounds.
@@ -194,10 +249,22 @@ void LeastImpulse::project(bool as_if_free) {
   }
 }
 
+/// y = L x, of the touching contacts' rows.
+void LeastImpulse::multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const {
+  for (int i = 0; i < factor_.contacts(); ++i)
+    factor_.multiply(i, x, y.data() + touching_[std::size_t(i)].row);
+}
+
+/// x = L^T y
+void LeastImpulse::multiply_transposed(const Eigen::VectorXd& y, Eigen::VectorXd& x) const {
+  x.head(rank_).setZero();
+  for (int i = 0; i < factor_.contacts(); ++i)
+    factor_.add_transposed(i, y.data() + touching_[std::size_t(i)].row, x);
+}
+
 /// L^T proj_C(L y) - L^T r*; returns the dual function.
 double LeastImpulse::gradient() {
-  gradient_.head(rank_).noalias() =
-      factor_.topLeftCorner(rows_, rank_).transpose() * projected_.head(rows_);
+  multiply_transposed(projected_, gradient_);
   gradient_.head(rank_) -= wanted_.head(rank_);
   return projected_.head(rows_).squaredNorm() / 2 - wanted_.head(rank_).dot(dual_.head(rank_));
 }
@@ -205,17 +272,9 @@ double LeastImpulse::gradient() {
 /// Newton's step of y: step_.
 bool LeastImpulse::step() {
   constexpr double kProximal = 1e-12;  // of the diagonal, which may be singular
-  for (int column = 0; column < rank_; ++column)
-    for (const Touching& touching : touching_) {
-      const int row = touching.row;
-      if (touching.rows == 4)
-        turned_.block<4, 1>(row, column).noalias() =
-            touching.derivative * factor_.block<4, 1>(row, column);
-      else
-        turned_(row, column) = touching.derivative(0, 0) * factor_(row, column);
-    }
   matrix_.topLeftCorner(rank_, rank_).setZero();
-  add_product(factor_, turned_, rows_, rank_, matrix_);
+  for (int i = 0; i < factor_.contacts(); ++i)
+    factor_.add_lower_product(i, touching_[std::size_t(i)].derivative.data(), matrix_);
   const double largest = matrix_.diagonal().head(rank_).maxCoeff();
   matrix_.diagonal().head(rank_).array() += kProximal * largest;
   step_.head(rank_) = -gradient_.head(rank_);
@@ -261,11 +320,10 @@ bool LeastImpulse::follow(const ContactOperator& contacts, Eigen::VectorXd& impu
   read_velocity(contacts, impulse);
   double size = right_.head(rows_).lpNorm<Eigen::Infinity>();
   for (int correction = 0; correction < kMostCorrections && size > kRoundOff; ++correction) {
-    step_.head(rank_).noalias() =
-        factor_.topLeftCorner(rows_, rank_).transpose() * right_.head(rows_);
+    multiply_transposed(right_, step_);
     substitute(matrix_, rank_, step_);
     substitute(matrix_, rank_, step_);
-    target_.head(rows_).noalias() = factor_.topLeftCorner(rows_, rank_) * step_.head(rank_);
+    multiply(step_, target_);
     for (const Touching& touching : touching_)
       impulse.segment(4 * touching.contact, touching.rows) -=
           target_.segment(touching.row, touching.rows);
@@ -291,18 +349,14 @@ bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contac
     else
       target_.segment(touching.row, touching.rows) = own.head(touching.rows);
   }
-  const auto apply = [&] {
-    target_.head(rows_).noalias() = factor_.topLeftCorner(rows_, rank_) * dual_.head(rank_);
-  };
-  wanted_.head(rank_).noalias() =
-      factor_.topLeftCorner(rows_, rank_).transpose() * target_.head(rows_);
+  multiply_transposed(target_, wanted_);
   const double size = wanted_.head(rank_).lpNorm<Eigen::Infinity>();
   if (!(size > 0)) return false;
   constexpr int kMostSteps = 25, kMostHalvings = 12;
   constexpr double kRoundOff = 1e-11;
   // From y = 0, where all cones meet their apex, the first step is that of free impulses.
   dual_.head(rank_).setZero();
-  apply();
+  target_.head(rows_).setZero();
   project(true);
   double value = gradient(), error = size;
   for (int steps = 0; steps < kMostSteps && error > accuracy * size; ++steps) {
@@ -312,7 +366,7 @@ bool LeastImpulse::find(const ContactLcp& problem, const ContactOperator& contac
     double fraction = 1, next = value, reached = error;
     for (int halving = 0;; ++halving, fraction *= 0.5) {
       dual_.head(rank_) = right_.head(rank_) + fraction * step_.head(rank_);
-      apply();
+      multiply(dual_, target_);
       project(false);
       next = gradient();
       reached = gradient_.head(rank_).lpNorm<Eigen::Infinity>();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "softfinger/dynamics/contact_operator.h"
+#include "softfinger/dynamics/contact_rows.h"
 
 /// Internal: which of all impulses with the same effect a redundant problem gets.
 namespace softfinger::internal {
@@ -18,7 +19,7 @@ namespace softfinger::internal {
 /// Solved by its dual: with S W S = L L^T (Cholesky's method with pivoting, rank k) r = proj_C(L
 /// y), where L^T proj_C(L y) = L^T r*. These are k equations, the gradient of a convex function:
 /// semi-smooth Newton's method with halved steps. Without bounds that are met one step is enough.
-/// Cost: contacts k², no allocation.
+/// Cost: contacts k² at most, less where L has zeros. No allocation.
 class LeastImpulse {
  public:
   explicit LeastImpulse(int contact_capacity);
@@ -42,30 +43,39 @@ class LeastImpulse {
  private:
   enum class Mode { open, normal, slides, sticks };
 
-  void read_velocity(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
-  bool is_within_bounds(const ContactOperator& contacts, const Eigen::VectorXd& impulse) const;
-  bool classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity, double none);
-  void factorise(const ContactLcp& problem, const ContactOperator& contacts);
-  void project(bool as_if_free);
-  double gradient();
-  bool step();
-
   struct Touching {
     int contact;
     Mode mode;
     Eigen::Vector3d friction;    ///< of one that slides, per normal impulse
-    int row, rows;               ///< of factor_
+    Eigen::Vector4d along;       ///< S times the direction, or each of the four
+    int row, rows;               ///< of L
     Eigen::Matrix4d derivative;  ///< of the projection
     bool is_free = true;         ///< the projection changes nothing
   };
+
+  void read_velocity(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  bool is_within_bounds(const ContactOperator& contacts, const Eigen::VectorXd& impulse) const;
+  bool classify(const ContactOperator& contacts, const Eigen::VectorXd& velocity, double none);
+  Eigen::Vector4d shared_elements(const ContactLcp& problem, const Touching& one,
+                                  const Touching& other, int row) const;
+  void factorise(const ContactLcp& problem, const ContactOperator& contacts);
+  void eliminate(const ContactLcp& problem, const ContactOperator& contacts, int pivot);
+  void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const;
+  void multiply_transposed(const Eigen::VectorXd& y, Eigen::VectorXd& x) const;
+  void project(bool as_if_free);
+  double gradient();
+  bool step();
+
   std::vector<Touching> touching_;
-  std::vector<int> order_;
+  std::vector<int> number_;  ///< of each contact among those that touch; -1: it does not
+  std::vector<int> owner_;   ///< of each row
+  std::vector<int> order_;   ///< in which they give their pivots
   int rows_ = 0, rank_ = 0;
   int followed_ = -1;       ///< contacts of the problem that `follow` knows; -1: none
-  Eigen::MatrixXd factor_;  ///< L restricted to C's directions: rows_ x rank_
-  Eigen::MatrixXd turned_, matrix_;
-  Eigen::VectorXd diagonal_, dual_, wanted_, gradient_, step_, target_, projected_, right_,
-      velocity_;
+  ContactRows factor_;      ///< L, of the contacts that touch
+  Eigen::MatrixXd matrix_;  ///< of `factorise`: L whole
+  Eigen::VectorXd original_, diagonal_, dual_, wanted_, gradient_, step_, target_, projected_,
+      right_, velocity_;
 };
 
 }  // namespace softfinger::internal

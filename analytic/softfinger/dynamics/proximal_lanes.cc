@@ -33,9 +33,6 @@ constexpr int kPanel = EliminationPattern::kWidestGroup;
 // By reference, because what would return vectors depends on the instructions.
 
 template <class V>
-constexpr int kWidth = int(sizeof(V) / sizeof(double));
-
-template <class V>
 inline void take_root(V& x) {
   for (int lane = 0; lane < kWidth<V>; ++lane) x[lane] = std::sqrt(x[lane]);
 }
@@ -48,25 +45,6 @@ inline void repeat(const Body& body, std::integer_sequence<int, numbers...>) {
 template <int count, class Body>
 inline void repeat(const Body& body) {
   repeat(body, std::make_integer_sequence<int, count>());
-}
-
-/// sum += a b and sum -= a b, rounded once. A number is that of all lanes: to subtract zero makes a
-/// vector of it.
-template <class V, class A, class B>
-inline void add_product(const A& a, const B& b, V& sum) {
-  const V left = a - V{}, right = b - V{}, last = sum;
-  V next;
-  for (int lane = 0; lane < kWidth<V>; ++lane)
-    next[lane] = __builtin_fma(left[lane], right[lane], last[lane]);
-  sum = next;
-}
-template <class V, class A, class B>
-inline void subtract_product(const A& a, const B& b, V& sum) {
-  const V left = a - V{}, right = b - V{}, last = sum;
-  V next;
-  for (int lane = 0; lane < kWidth<V>; ++lane)
-    next[lane] = __builtin_fma(-left[lane], right[lane], last[lane]);
-  sum = next;
 }
 
 template <class V>
@@ -211,10 +189,10 @@ void LanesOf<V>::begin_problem(const ContactOperator& contacts, const VelocityFa
     Eigen::Vector4d::Map(contact.free_velocity) = contacts.free_velocity().segment<4>(4 * i);
     contact.unit = factor.unit(i)[1];
     contact.inverse_size = 1 / contacts.natural_size(i);
-    contact.columns = int(factor.rows(i).cols());
-    contact.column = factor.columns(i);
+    contact.columns = factor.rows().column_count(i);
+    contact.column = factor.rows().columns(i);
     for (int row = 0; row < kRows; ++row)
-      contact.rows[row] = factor.rows(i).data() + row * contact.columns;
+      contact.rows[row] = factor.rows().values(i) + row * contact.columns;
   }
   const std::size_t needed = lines(nc, rank_);
   if (memory_.size() < needed) memory_.resize(needed);

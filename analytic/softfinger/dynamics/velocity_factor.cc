@@ -1,8 +1,11 @@
 #include "softfinger/dynamics/velocity_factor.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
+
+#include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
 namespace {
@@ -14,20 +17,23 @@ constexpr double kRounding = 3e-15;
 constexpr int kNotCounted = -1, kNoPivot = -2;
 constexpr int kEliminated = std::numeric_limits<int>::max();
 
+using Word = std::uint64_t;
+constexpr int kWordBits = 64;
+constexpr int words_of(int columns) { return (columns + kWordBits - 1) / kWordBits; }
+
 }  // namespace
 
 VelocityFactor::VelocityFactor(int contact_capacity)
     : units_(4 * contact_capacity),
-      values_(16 * std::ptrdiff_t(contact_capacity) * contact_capacity),
       original_(4 * contact_capacity),
-      first_(std::size_t(contact_capacity) + 1),
-      columns_(4 * std::size_t(contact_capacity) * std::size_t(contact_capacity)),
+      left_(4 * contact_capacity),
+      rows_(contact_capacity),
       pattern_(std::size_t(4 * contact_capacity)),
       neighbours_(std::size_t(contact_capacity)),
       rest_(4 * contact_capacity, 4 * contact_capacity),
       pivots_(std::size_t(4 * contact_capacity)),
       eliminated_(std::size_t(4 * contact_capacity)),
-      meet_(16 * std::size_t(contact_capacity) * std::size_t(contact_capacity)),
+      meet_((4 * std::size_t(contact_capacity) + 1) * std::size_t(words_of(4 * contact_capacity))),
       met_(std::size_t(4 * contact_capacity)),
       order_(std::size_t(4 * contact_capacity)) {}
 
@@ -53,6 +59,7 @@ void VelocityFactor::factorise(const ContactOperator& contacts) {
       if (!contacts.has_friction(j)) block.rightCols<3>().setZero();
     }
   original_.head(size_) = rest_.diagonal().head(size_);
+  left_.head(size_) = original_.head(size_);
   std::fill(eliminated_.begin(), eliminated_.begin() + size_, char(false));
   rank_ = 0;
   is_known_ = true;
@@ -66,40 +73,34 @@ void VelocityFactor::factorise(const ContactOperator& contacts) {
   }
 
   order_columns(nc);
-  std::ptrdiff_t end = 0;
-  for (int i = 0; i < nc; ++i) {
-    first_[std::size_t(i)] = end;
-    const std::ptrdiff_t first = end;
-    for (int column = 0; column < rank_; ++column)
-      if (!rest_.col(pivots_[std::size_t(column)]).segment<4>(4 * i).isZero(0))
-        columns_[std::size_t(end++)] = column;
-    Eigen::Map<Eigen::Matrix<double, 4, Eigen::Dynamic, Eigen::RowMajor>> own(
-        values_.data() + 4 * first, 4, end - first);
-    for (std::ptrdiff_t k = first; k < end; ++k)
-      own.col(k - first) =
-          rest_.col(pivots_[std::size_t(columns_[std::size_t(k)])]).segment<4>(4 * i);
-  }
-  first_[std::size_t(nc)] = end;
+  rows_.clear();
+  for (int i = 0; i < nc; ++i)
+    rows_.append(4, rank_, [this, i](int k) { return &rest_(4 * i, pivots_[std::size_t(k)]); });
 }
 
 /// Columns of L that meet the fewest others left come first (least degree), so that sums of
 /// L_i^T A L_i stay sparse when they are eliminated in this order.
 void VelocityFactor::order_columns(int contacts) {
-  const auto meet = [this](int a, int b) -> char& {
-    return meet_[std::size_t(a) * std::size_t(rank_) + std::size_t(b)];
+  const int words = words_of(rank_);
+  const auto meet = [this, words](int column) { return meet_.data() + column * words; };
+  const auto bit = [](int column) { return Word(1) << column % kWordBits; };
+  const auto count = [words, &meet](int column) {
+    int sum = 0;
+    for (int k = 0; k < words; ++k) sum += int(std::bitset<kWordBits>(meet(column)[k]).count());
+    return sum;
   };
-  const auto count = [this, &meet](int column) {
-    return int(std::count(&meet(column, 0), &meet(column, 0) + rank_, char(true)));
-  };
-  std::fill(meet_.begin(), meet_.begin() + std::ptrdiff_t(rank_) * rank_, char(false));
+  std::fill(meet_.begin(), meet_.begin() + rank_ * words, Word(0));
+  Word* own = meet(rank_);
   for (int i = 0; i < contacts; ++i) {
-    int own = 0;
-    for (int column = 0; column < rank_; ++column)
-      if (!rest_.col(pivots_[std::size_t(column)]).segment<4>(4 * i).isZero(0))
-        pattern_[std::size_t(own++)] = column;
-    for (int a = 0; a < own; ++a)
-      for (int b = 0; b < own; ++b)
-        meet(pattern_[std::size_t(a)], pattern_[std::size_t(b)]) = char(true);
+    std::fill(own, own + words, Word(0));
+    int met = 0;
+    for (int column = 0; column < rank_; ++column) {
+      if (rest_.col(pivots_[std::size_t(column)]).segment<4>(4 * i).isZero(0)) continue;
+      own[column / kWordBits] |= bit(column);
+      pattern_[std::size_t(met++)] = column;
+    }
+    for (int a = 0; a < met; ++a)
+      for (int k = 0; k < words; ++k) meet(pattern_[std::size_t(a)])[k] |= own[k];
   }
   for (int column = 0; column < rank_; ++column) met_[std::size_t(column)] = count(column);
   for (int place = 0; place < rank_; ++place) {
@@ -107,15 +108,10 @@ void VelocityFactor::order_columns(int contacts) {
     const int next = int(std::min_element(first, last) - first);
     order_[std::size_t(place)] = pivots_[std::size_t(next)];
     met_[std::size_t(next)] = kEliminated;
-    int left = 0;
     for (int column = 0; column < rank_; ++column) {
-      if (!meet(next, column)) continue;
-      meet(column, next) = char(false);
-      if (column != next) pattern_[std::size_t(left++)] = column;
-    }
-    for (int a = 0; a < left; ++a) {
-      const int column = pattern_[std::size_t(a)];
-      for (int b = 0; b < left; ++b) meet(column, pattern_[std::size_t(b)]) = char(true);
+      if (column == next || !(meet(next)[column / kWordBits] & bit(column))) continue;
+      for (int k = 0; k < words; ++k) meet(column)[k] |= meet(next)[k];
+      meet(column)[next / kWordBits] &= ~bit(next);
       met_[std::size_t(column)] = count(column);
     }
   }
@@ -140,15 +136,22 @@ int VelocityFactor::next_contact(int contacts, double least) {
     int& count = neighbours_[std::size_t(i)];
     if (count == kNotCounted) {
       const int pivot = largest_pivot(i, least);
-      count = pivot < 0
-                  ? kNoPivot
-                  : int((rest_.col(pivot).head(size_).array().square() >
-                         kRounding * kRounding * original_[pivot] * original_.head(size_).array())
-                            .count());
+      count = pivot < 0 ? kNoPivot : count_left(pivot);
     }
     if (count != kNoPivot && (best < 0 || count < neighbours_[std::size_t(best)])) best = i;
   }
   return best;
+}
+
+/// Rows that the pivot meets in what is left.
+int VelocityFactor::count_left(int pivot) const {
+  const double rounding = kRounding * kRounding * original_[pivot];
+  const double *column = &rest_(0, pivot), *rows = left_.data();
+  return with_best_instructions([&] {
+    int count = 0;
+    for (int row = 0; row < size_; ++row) count += column[row] * column[row] > rounding * rows[row];
+    return count;
+  });
 }
 
 /// Makes the pivot's column of what is left one of L.
@@ -157,47 +160,40 @@ void VelocityFactor::eliminate(int pivot) {
   auto column = rest_.col(pivot).head(size_);
   column /= root;
   const double rounding = kRounding * std::sqrt(original_[pivot]) / root;
-  int count = 0;
-  for (int row = 0; row < size_; ++row) {
-    if (column[row] == 0) continue;
-    if (eliminated_[std::size_t(row)] ||
-        std::abs(column[row]) <= rounding * std::sqrt(original_[row])) {
-      column[row] = 0;
-      continue;
+  int count = 0;  // of contacts with elements that are not zero
+  for (int i = 0; i < size_ / 4; ++i) {
+    bool is_zero = true;
+    for (int row = 4 * i; row < 4 * i + 4; ++row) {
+      if (column[row] == 0) continue;
+      if (eliminated_[std::size_t(row)] ||
+          std::abs(column[row]) <= rounding * std::sqrt(original_[row]))
+        column[row] = 0;
+      else
+        is_zero = false;
     }
-    pattern_[std::size_t(count++)] = row;
-    neighbours_[std::size_t(row / 4)] = kNotCounted;
+    if (is_zero) continue;
+    pattern_[std::size_t(count++)] = i;
+    neighbours_[std::size_t(i)] = kNotCounted;
   }
   eliminated_[std::size_t(pivot)] = true;
-  for (int a = 0; a < count; ++a) {
-    const int to = pattern_[std::size_t(a)];
-    if (eliminated_[std::size_t(to)]) continue;
-    const double factor = column[to];
-    for (int b = 0; b < count; ++b) {
-      const int row = pattern_[std::size_t(b)];
-      rest_(row, to) -= factor * column[row];
-    }
-  }
-  for (int a = 0; a < count; ++a) {
-    const int row = pattern_[std::size_t(a)];
-    if (!eliminated_[std::size_t(row)]) rest_(pivot, row) = 0;
-  }
+  left_[pivot] = std::numeric_limits<double>::infinity();
+  const double* from = column.data();
+  with_best_instructions([&] {
+    for (int a = 0; a < count; ++a)
+      for (int to = 4 * pattern_[std::size_t(a)], end = to + 4; to < end; ++to) {
+        if (from[to] == 0 || to == pivot) continue;
+        double* own = &rest_(0, to);
+        for (int b = 0; b < count; ++b) {
+          const int row = 4 * pattern_[std::size_t(b)];
+          Four left, part;
+          load(own + row, left);
+          load(from + row, part);
+          subtract_product(from[to], part, left);
+          store(left, own + row);
+        }
+      }
+  });
   pivots_[std::size_t(rank_++)] = pivot;
-}
-
-Eigen::Vector4d VelocityFactor::multiply(int contact, const Eigen::VectorXd& x) const {
-  const Rows own = rows(contact);
-  const int* column = columns(contact);
-  Eigen::Vector4d result = Eigen::Vector4d::Zero();
-  for (Eigen::Index k = 0; k < own.cols(); ++k) result += x[column[k]] * own.col(k);
-  return result;
-}
-
-void VelocityFactor::add_transposed(int contact, const Eigen::Vector4d& y,
-                                    Eigen::VectorXd& x) const {
-  const Rows own = rows(contact);
-  const int* column = columns(contact);
-  for (Eigen::Index k = 0; k < own.cols(); ++k) x[column[k]] += own.col(k).dot(y);
 }
 
 }  // namespace softfinger::internal

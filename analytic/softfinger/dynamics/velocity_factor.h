@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "softfinger/dynamics/contact_operator.h"
+#include "softfinger/dynamics/contact_rows.h"
 
 /// Internal: the velocities that contacts have in common.
 namespace softfinger::internal {
@@ -32,38 +34,29 @@ class VelocityFactor {
   Eigen::Map<const Eigen::Vector4d> unit(int contact) const {
     return Eigen::Map<const Eigen::Vector4d>(units_.data() + 4 * contact);
   }
-  /// The contact's rows of L: four, of the columns that are not all zero.
-  using Rows = Eigen::Map<const Eigen::Matrix<double, 4, Eigen::Dynamic, Eigen::RowMajor>>;
-  Rows rows(int contact) const {
-    const std::ptrdiff_t first = first_[std::size_t(contact)];
-    return Rows(values_.data() + 4 * first, 4, first_[std::size_t(contact) + 1] - first);
-  }
-  /// Which columns these are, in rising order.
-  const int* columns(int contact) const { return columns_.data() + first_[std::size_t(contact)]; }
-
-  /// L_i x
-  Eigen::Vector4d multiply(int contact, const Eigen::VectorXd& x) const;
-  /// x += L_i^T y
-  void add_transposed(int contact, const Eigen::Vector4d& y, Eigen::VectorXd& x) const;
+  /// L, four rows of each contact.
+  const ContactRows& rows() const { return rows_; }
 
  private:
   int largest_pivot(int contact, double least) const;
   int next_contact(int contacts, double least);
+  int count_left(int pivot) const;
   void eliminate(int pivot);
   void order_columns(int contacts);
 
   bool is_known_ = false;
   int rank_ = 0, size_ = 0;
-  Eigen::VectorXd units_, values_, original_;
-  std::vector<std::ptrdiff_t> first_;
-  std::vector<int> columns_, pattern_;
+  Eigen::VectorXd units_;
+  Eigen::VectorXd original_, left_;  ///< W's diagonal; infinite where a row is eliminated
+  ContactRows rows_;
+  std::vector<int> pattern_;
   std::vector<int> neighbours_;  ///< rows that the next pivot of each contact meets
   Eigen::MatrixXd rest_;         ///< the Schur complement; in its eliminated columns L
   std::vector<int> pivots_;
   std::vector<char> eliminated_;
-  std::vector<char> meet_;  ///< whether two columns have a contact in common
-  std::vector<int> met_;    ///< how many columns left each column meets
-  std::vector<int> order_;  ///< pivots in the order of their columns
+  std::vector<std::uint64_t> meet_;  ///< a bit for two columns with a contact in common
+  std::vector<int> met_;             ///< how many columns left each column meets
+  std::vector<int> order_;           ///< pivots in the order of their columns
 };
 
 }  // namespace softfinger::internal
