@@ -115,7 +115,10 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   if (is_still_ || correct(task, continued)) return true;
   effort_ = {kPassesFromImpulse, kUsualPatience};
   search_.polish(task, effort_);
-  return best().is_good;
+  if (best().is_good) return true;
+  search_.restore_best(task);
+  search_.approach(task, kMostIterationsOfFew, effort_);
+  return best().residual <= kSolved;
 }
 
 /// Bodies at rest, or in steady motion: the last least impulse follows them, or the matrix of
