@@ -28,6 +28,7 @@ esac
 preset=release kind=fem
 if [ "${1:-}" = --analytic-only ]; then preset=analytic-only kind=analytic; fi
 softfinger_prepare "$kind" test
+softfinger_use_ccache
 
 cmake --preset "$preset" -DSOFTFINGER_BUILD_TESTS=ON
 if [ "${1:-}" = --fast ]; then
