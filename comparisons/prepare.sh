@@ -13,7 +13,20 @@ softfinger_packages() { # analytic|fem, run|test
     echo pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pip python3-venv python3-setuptools python3-wheel dpkg-dev
     if [ "$1" = fem ]; then echo openmpi-bin; fi
     command -v chromium >/dev/null || echo chromium
+    # It only saves time: nothing stops where it is missing.
+    [ "${SOFTFINGER_INSTALL:-1}" = 0 ] || echo ccache
   fi
+}
+
+# What has been compiled once is not compiled again: by the test that builds the wheel, in a folder of its
+# own, or after the build folder was removed. Build folders that were configured before stay as they are.
+softfinger_use_ccache() {
+  command -v ccache >/dev/null && mkdir -p "$(ccache --get-config cache_dir)" 2>/dev/null || return 0
+  export CMAKE_CXX_COMPILER_LAUNCHER="${CMAKE_CXX_COMPILER_LAUNCHER-ccache}"
+  # Sources below this folder are the same whatever their folder is called.
+  export CCACHE_BASEDIR="${CCACHE_BASEDIR-$PWD}"
+  # For precompiled headers, as its manual says. No source asks for the time of its compilation.
+  export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS-pch_defines,time_macros}"
 }
 
 softfinger_prepare() { # analytic|fem, run|test

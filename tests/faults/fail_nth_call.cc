@@ -132,7 +132,12 @@ ssize_t write(int file, const void* data, std::size_t size) {
   return next<ssize_t (*)(int, const void*, std::size_t)>("write")(file, data, size);
 }
 
-int fsync(int file) { return fails(Kind::fsync) ? fail(EIO) : next<int (*)(int)>("fsync")(file); }
+// No power is cut, so that no test has to wait for the disk, which a busy machine makes it do for
+// minutes.
+int fsync(int file) {
+  if (fails(Kind::fsync)) return fail(EIO);
+  return fcntl(file, F_GETFD) < 0 ? -1 : 0;
+}
 
 int rename(const char* from, const char* to) {
   return fails(Kind::rename) ? fail(EIO)

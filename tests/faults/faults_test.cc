@@ -46,7 +46,7 @@ std::vector<Command> commands() {
           {"fit", {"fit", "tip.obj", "--point", "0,0,5", "--json"}},
           {"compare", {"compare", "case.toml", "--output", "out"}},
           {"simulate", {"simulate", "pinch.toml", "--vtu-every", "10", "--output", "out"}},
-          {"select", {"select", "case.toml", "--tolerance", "0.05", "--output", "out", "--json"}},
+          {"select", {"select", "case.toml", "--tolerance", "0.03", "--output", "out", "--json"}},
           {"sweep", {"sweep", "sweep.toml", "--output", "out", "--jobs", "2"}}};
 }
 
