@@ -183,6 +183,44 @@ TEST(ExactFriction, CarriesNoTorqueWithoutAnArm) {
   EXPECT_NEAR(solution.velocity[3], 3, kExactRoundOff);
 }
 
+/// A body of 1 kg between two jaws of 1 kg each, pushed sideways and twisted: both contacts carry
+/// half, however small the arm of their torque is.
+TEST(ExactFriction, ContactsAcrossEachOtherShareForcesAndTorque) {
+  constexpr double kLeastFelt_m = 1e-7;  // shorter arms move by less than the residual allows
+  constexpr double kInertia_kg_m2 = 1e-3, kClosing_m_per_s = 0.1, kSideways_m_per_s = 0.02;
+  for (const double arm_m : {1e-2, 1e-5, 1e-7, 1e-8, 1e-9, 1e-10}) {
+    // By rows: along the normal, two tangents, about the normal; of the body x, y, z, spin.
+    Eigen::Matrix<double, 8, 4> jacobian = Eigen::Matrix<double, 8, 4>::Zero();
+    for (int i = 0; i < 2; ++i) {
+      const double side = i == 0 ? 1 : -1;
+      jacobian(4 * i, 2) = jacobian(4 * i + 2, 1) = jacobian(4 * i + 3, 3) = side;
+      jacobian(4 * i + 1, 0) = 1;
+    }
+    const Eigen::Vector4d inverse_mass(1, 1, 1, 1 / kInertia_kg_m2);
+    const double spin_rad_per_s = 0.5 * kSideways_m_per_s * arm_m / kInertia_kg_m2;
+    ContactLcp problem;
+    problem.friction_rule = FrictionRule::ellipsoid;
+    problem.delassus = jacobian * inverse_mass.asDiagonal() * jacobian.transpose();
+    problem.free_velocity = jacobian * Eigen::Vector4d(kSideways_m_per_s, 0, 0, spin_rad_per_s);
+    for (int i = 0; i < 2; ++i) {
+      problem.delassus(4 * i, 4 * i) += 1;  // of its jaw
+      problem.free_velocity[4 * i] -= kClosing_m_per_s;
+    }
+    problem.friction_coefficient.setConstant(2, 0.5);
+    problem.eccentricity_m.setConstant(2, arm_m);
+    ContactSolution solution;
+    ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved) << arm_m;
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_NEAR(solution.impulse[4 * i], kClosing_m_per_s, 1e-9 * kClosing_m_per_s) << arm_m;
+      EXPECT_NEAR(solution.impulse[4 * i + 1], -kSideways_m_per_s / 2, 1e-9 * kSideways_m_per_s)
+          << arm_m;
+      if (arm_m < kLeastFelt_m) continue;
+      const double torque_Nms = -kInertia_kg_m2 * spin_rad_per_s / 2 * (i == 0 ? 1 : -1);
+      EXPECT_NEAR(solution.impulse[4 * i + 3], torque_Nms, 1e-6 * std::abs(torque_Nms)) << arm_m;
+    }
+  }
+}
+
 TEST(ExactFriction, TakesFrictionlessRowsUnderEveryRule) {
   // A joint's limit: one row that pushes the block sideways, its tangential rows of W zero; with
   // friction coefficient 0, and with one that has nothing to act on.

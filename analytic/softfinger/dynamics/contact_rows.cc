@@ -23,7 +23,7 @@ inline void add_product_of(const double* values, const int* columns, int width, 
       sum = along[0] * part;
       for (int row = 1; row < rows; ++row) {
         load(of[row] + b, part);
-        add_product(along[row], part, sum);
+        sum = sum + along[row] * part;
       }
       if (columns[b + kFour - 1] == columns[b] + kFour - 1) {
         load(to + columns[b], part);

@@ -6,6 +6,11 @@
 /// Internal: matrices of which each contact has a few rows.
 namespace softfinger::internal {
 
+/// What a decomposition leaves of W where it would be zero but for rounding, over the roots of W's
+/// diagonal elements: a dozen roundings. A small pivot would enlarge it to elements of L between
+/// contacts that have no velocity in common.
+constexpr double kRoundingLeft = 3e-15;
+
 /// A matrix L in which each contact has one row or four, and each of its columns belongs to a few
 /// contacts: kept are, of each contact, the columns that are not all zero.
 class ContactRows {

@@ -42,10 +42,7 @@ struct Tile {
   void subtract(const double* x, double* from) const {
     Four value;
     load(from, value);
-    subtract_product(x[0], a, value);
-    subtract_product(x[1], b, value);
-    subtract_product(x[2], c, value);
-    subtract_product(x[3], d, value);
+    value = value - x[0] * a - x[1] * b - x[2] * c - x[3] * d;
     store(value, from);
   }
 };
@@ -114,7 +111,7 @@ bool eliminate_panel(const Tiles& tiles, int k, const int* rows, const int* end,
       for (int column = p + 1; column < next; ++column) {
         double* other = tiles.column(column);
         load(other + row, value);
-        subtract_product(other[p], factor, value);
+        value = value - other[p] * factor;
         store(value, other + row);
       }
     }
@@ -135,10 +132,7 @@ void subtract_panel(const double* panel, std::ptrdiff_t stride, const int* rows,
     for (int c = 0; c < count; ++c) {
       Four value;
       load(columns[c] + row, value);
-      subtract_product(x[c][0], from.a, value);
-      subtract_product(x[c][1], from.b, value);
-      subtract_product(x[c][2], from.c, value);
-      subtract_product(x[c][3], from.d, value);
+      value = value - x[c][0] * from.a - x[c][1] * from.b - x[c][2] * from.c - x[c][3] * from.d;
       store(value, columns[c] + row);
     }
   }

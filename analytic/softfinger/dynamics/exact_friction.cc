@@ -9,8 +9,10 @@ namespace softfinger::internal {
 namespace {
 
 /// Newton's passes in a start from the last problem's impulses and in one from its basis. They are
-/// few, because a problem that they do not solve is solved by a cold start.
+/// few, because a problem that they do not solve is solved otherwise: from the impulses by some
+/// iterations of proximal points, then by a cold start.
 constexpr int kPassesFromImpulse = 1, kPassesFromBasis = 2;
+constexpr int kMostIterationsOfWarm = 60;
 /// Sweeps of Gauss-Seidel before each of Newton's attempts without a path.
 constexpr int kSweeps[] = {20, 40, 80, 160, 320, 640};
 /// From that many contacts on, with friction of the ball or of shapes, proximal points are tried
@@ -115,9 +117,10 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   if (is_still_ || correct(task, continued)) return true;
   effort_ = {kPassesFromImpulse, kUsualPatience};
   search_.polish(task, effort_);
+  restore_best(task);
   if (best().is_good) return true;
-  search_.restore_best(task);
-  search_.approach(task, kMostIterationsOfFew, effort_);
+  search_.approach(task, kMostIterationsOfWarm, effort_);
+  restore_best(task);
   return best().residual <= kSolved;
 }
 

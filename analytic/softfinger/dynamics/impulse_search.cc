@@ -138,10 +138,12 @@ void ImpulseSearch::take_least_impulse(const Task& task) {
   // it is loaded: the residual may be several times that of before, and is as much rounding.
   constexpr double kSeveral = 10;
   const double accepted = residual > kSolved ? residual : std::min(kSeveral * residual, kSolved);
-  if (reached <= accepted || task.is_good(reached))
+  if (reached <= accepted || task.is_good(reached)) {
     task.result.residual = reached;
-  else
+  } else {
     task.result.residual = restore_best(task);
+    least_.forget();
+  }
 }
 
 /// Writes `impulse_` in the problem's units; returns its residual.

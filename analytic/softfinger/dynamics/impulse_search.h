@@ -81,7 +81,7 @@ class ImpulseSearch {
   /// Writes the best impulses as the solution; returns the residual.
   double restore_best(const Task& task);
   /// The least impulses with the same velocities in place of the best ones: LeastImpulse. The
-  /// solution is left as it is where they would not be one to the same accuracy.
+  /// solution is left as it is where their residual would be more than ten times as large.
   void take_least_impulse(const Task& task);
   /// Writes lambda = h(u); returns the residual.
   double complete(const Task& task) const;

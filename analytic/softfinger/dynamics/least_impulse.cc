@@ -156,9 +156,10 @@ Vector4d LeastImpulse::shared_elements(const ContactLcp& problem, const Touching
 
 /// S W S = L L^T in the directions of C. A contact that slides has one, in units of its length.
 /// Cholesky's method. Contacts with the fewest neighbours come first, as long as their pivots are
-/// large: so L stays as sparse as the bodies are coupled. Then the largest pivots that are left.
+/// large, among their own and among all: so L stays as sparse as the bodies are coupled. Then the
+/// largest pivots that are left; small ones before large ones would cost L y its digits.
 void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& contacts) {
-  constexpr double kLarge = 1e-1, kNone = 1e-13;
+  constexpr double kLarge = 1e-1, kEarly = 1e-4, kNone = 1e-13;
   owner_.clear();
   order_.clear();
   for (int i = 0; i < int(touching_.size()); ++i) {
@@ -177,6 +178,7 @@ void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& c
     };
     return size(a) < size(b) || (size(a) == size(b) && a < b);
   });
+  const double largest = original_.head(rows_).maxCoeff();
   rank_ = 0;
   for (const int i : order_) {
     const Touching& touching = touching_[std::size_t(i)];
@@ -184,12 +186,11 @@ void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& c
       int row = 0;
       diagonal_.segment(touching.row, touching.rows).maxCoeff(&row);
       row += touching.row;
-      if (!(diagonal_[row] > kLarge * original_[row])) break;
+      if (!(diagonal_[row] > std::max(kLarge * original_[row], kEarly * largest))) break;
       eliminate(problem, contacts, row);
     }
   }
-  const double least = kNone * original_.head(rows_).maxCoeff();
-  for (int row = 0; diagonal_.head(rows_).maxCoeff(&row) > least;)
+  for (int row = 0; diagonal_.head(rows_).maxCoeff(&row) > kNone * largest;)
     eliminate(problem, contacts, row);
   factor_.clear();
   for (const Touching& touching : touching_)
@@ -200,7 +201,6 @@ void LeastImpulse::factorise(const ContactLcp& problem, const ContactOperator& c
 /// zero.
 void LeastImpulse::eliminate(const ContactLcp& problem, const ContactOperator& contacts,
                              int pivot) {
-  constexpr double kRounding = 3e-15;
   const Touching& own = touching_[std::size_t(owner_[std::size_t(pivot)])];
   auto column = matrix_.col(rank_).head(rows_);
   column.setZero();
@@ -213,7 +213,7 @@ void LeastImpulse::eliminate(const ContactLcp& problem, const ContactOperator& c
   with_best_instructions(
       [&] { subtract_columns(matrix_, rank_, pivot, 0, rows_, &matrix_(0, rank_)); });
   const double root = std::sqrt(diagonal_[pivot]), inverse = 1 / root;
-  const double rounding = kRounding * kRounding * original_[pivot];
+  const double rounding = kRoundingLeft * kRoundingLeft * original_[pivot];
   for (int row = 0; row < rows_; ++row) {
     double& element = column[row];
     if (element == 0) continue;

@@ -73,7 +73,7 @@ class LeastImpulse {
   int rows_ = 0, rank_ = 0;
   int followed_ = -1;       ///< contacts of the problem that `follow` knows; -1: none
   ContactRows factor_;      ///< L, of the contacts that touch
-  Eigen::MatrixXd matrix_;  ///< of `factorise`: L whole
+  Eigen::MatrixXd matrix_;  ///< L whole while it is found, then of Newton's last step of y
   Eigen::VectorXd original_, diagonal_, dual_, wanted_, gradient_, step_, target_, projected_,
       right_, velocity_;
 };

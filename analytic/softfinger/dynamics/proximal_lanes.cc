@@ -33,6 +33,9 @@ constexpr int kPanel = EliminationPattern::kWidestGroup;
 // By reference, because what would return vectors depends on the instructions.
 
 template <class V>
+constexpr int kWidth = int(sizeof(V) / sizeof(double));
+
+template <class V>
 inline void take_root(V& x) {
   for (int lane = 0; lane < kWidth<V>; ++lane) x[lane] = std::sqrt(x[lane]);
 }
@@ -45,6 +48,25 @@ inline void repeat(const Body& body, std::integer_sequence<int, numbers...>) {
 template <int count, class Body>
 inline void repeat(const Body& body) {
   repeat(body, std::make_integer_sequence<int, count>());
+}
+
+/// sum += a b and sum -= a b, rounded once. A number is that of all lanes: to subtract zero makes a
+/// vector of it.
+template <class V, class A, class B>
+inline void add_product(const A& a, const B& b, V& sum) {
+  const V left = a - V{}, right = b - V{}, last = sum;
+  V next;
+  for (int lane = 0; lane < kWidth<V>; ++lane)
+    next[lane] = __builtin_fma(left[lane], right[lane], last[lane]);
+  sum = next;
+}
+template <class V, class A, class B>
+inline void subtract_product(const A& a, const B& b, V& sum) {
+  const V left = a - V{}, right = b - V{}, last = sum;
+  V next;
+  for (int lane = 0; lane < kWidth<V>; ++lane)
+    next[lane] = __builtin_fma(-left[lane], right[lane], last[lane]);
+  sum = next;
 }
 
 template <class V>
@@ -300,7 +322,7 @@ void LanesOf<V>::find_map(const Mask& where) {
   }
 }
 
-/// See ExactNewton::evaluate.
+/// See ExactNewton::find_map.
 template <class V>
 void LanesOf<V>::find_target(int i, Beyond& beyond) {
   const Contact& contact = contacts_[std::size_t(i)];

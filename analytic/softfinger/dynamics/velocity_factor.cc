@@ -10,10 +10,6 @@
 namespace softfinger::internal {
 namespace {
 
-/// What is left of W where it would be zero but for rounding, over the roots of W's diagonal
-/// elements: a dozen roundings. A small pivot would enlarge it to elements of L between
-/// contacts that have no velocity in common.
-constexpr double kRounding = 3e-15;
 constexpr int kNotCounted = -1, kNoPivot = -2;
 constexpr int kEliminated = std::numeric_limits<int>::max();
 
@@ -145,7 +141,7 @@ int VelocityFactor::next_contact(int contacts, double least) {
 
 /// Rows that the pivot meets in what is left.
 int VelocityFactor::count_left(int pivot) const {
-  const double rounding = kRounding * kRounding * original_[pivot];
+  const double rounding = kRoundingLeft * kRoundingLeft * original_[pivot];
   const double *column = &rest_(0, pivot), *rows = left_.data();
   return with_best_instructions([&] {
     int count = 0;
@@ -159,7 +155,7 @@ void VelocityFactor::eliminate(int pivot) {
   const double value = rest_(pivot, pivot), root = std::sqrt(value);
   auto column = rest_.col(pivot).head(size_);
   column /= root;
-  const double rounding = kRounding * std::sqrt(original_[pivot]) / root;
+  const double rounding = kRoundingLeft * std::sqrt(original_[pivot]) / root;
   int count = 0;  // of contacts with elements that are not zero
   for (int i = 0; i < size_ / 4; ++i) {
     bool is_zero = true;
@@ -188,7 +184,7 @@ void VelocityFactor::eliminate(int pivot) {
           Four left, part;
           load(own + row, left);
           load(from + row, part);
-          subtract_product(from[to], part, left);
+          left = left - from[to] * part;
           store(left, own + row);
         }
       }

@@ -47,7 +47,8 @@ class VelocityFactor {
   bool is_known_ = false;
   int rank_ = 0, size_ = 0;
   Eigen::VectorXd units_;
-  Eigen::VectorXd original_, left_;  ///< W's diagonal; infinite where a row is eliminated
+  Eigen::VectorXd original_;  ///< W's diagonal
+  Eigen::VectorXd left_;      ///< the same; infinite where a row is eliminated
   ContactRows rows_;
   std::vector<int> pattern_;
   std::vector<int> neighbours_;  ///< rows that the next pivot of each contact meets

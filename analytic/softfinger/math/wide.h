@@ -19,28 +19,6 @@ using Eight [[gnu::vector_size(kEight * sizeof(double))]] = double;
 inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
 inline void store(const Four& from, double* to) { std::memcpy(to, &from, sizeof from); }
 
-template <class V>
-constexpr int kWidth = int(sizeof(V) / sizeof(double));
-
-/// sum += a b and sum -= a b, rounded once: the bits are those of any processor. One without such
-/// an instruction takes long. A number is that of all lanes: to subtract zero makes a vector of it.
-template <class V, class A, class B>
-inline void add_product(const A& a, const B& b, V& sum) {
-  const V left = a - V{}, right = b - V{}, last = sum;
-  V next;
-  for (int lane = 0; lane < kWidth<V>; ++lane)
-    next[lane] = __builtin_fma(left[lane], right[lane], last[lane]);
-  sum = next;
-}
-template <class V, class A, class B>
-inline void subtract_product(const A& a, const B& b, V& sum) {
-  const V left = a - V{}, right = b - V{}, last = sum;
-  V next;
-  for (int lane = 0; lane < kWidth<V>; ++lane)
-    next[lane] = __builtin_fma(-left[lane], right[lane], last[lane]);
-  sum = next;
-}
-
 /// Whether the processor has instructions for four doubles at once (AVX2, FMA), and for eight
 /// (AVX-512).
 /// Tests set them to false, to reach what other processors do.
