@@ -96,8 +96,8 @@ bool is_robot(const std::string& file) {
 
 input::Scene read_robot(const std::string& file, const RobotInput& typed,
                         const input::Settings& settings) {
-  constexpr std::size_t kMostBytes = std::size_t(16) << 20;
-  system::read_text_file(file, kMostBytes);  // refuses what is no file, or too large
+  constexpr std::size_t kMostRobotBytes = std::size_t(16) << 20;
+  system::read_text_file(file, kMostRobotBytes);  // refuses what is no file, or too large
   const TemporaryFolder temporary;
   const bool writes = !typed.write_scene.empty();
   const fs::path scene_file =

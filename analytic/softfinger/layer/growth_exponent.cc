@@ -20,9 +20,9 @@ CircularLayerContact unit_contact(double s, double poisson_ratio) {
 
 double layer_growth_exponent(double s, double poisson_ratio, Growing what) {
   // The truncation is of the order of the step's square, the rounding that of 1e-10 over the step.
-  constexpr double kStep = 1e-3;
-  const CircularLayerContact small = unit_contact(s * std::exp(-kStep), poisson_ratio),
-                             large = unit_contact(s * std::exp(kStep), poisson_ratio);
+  constexpr double kLogStep = 1e-3;
+  const CircularLayerContact small = unit_contact(s * std::exp(-kLogStep), poisson_ratio),
+                             large = unit_contact(s * std::exp(kLogStep), poisson_ratio);
   const double growth =
       what == Growing::radius ? large.a_m / small.a_m : large.torque_arm_m / small.torque_arm_m;
   return std::log(growth) / std::log(large.load_over_modulus_m2 / small.load_over_modulus_m2);
