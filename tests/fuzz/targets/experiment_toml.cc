@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <variant>
 
 #include "comparisons/experiments/experiments_report.h"
 #include "softfinger/input/errors.h"
@@ -21,9 +22,8 @@ bool read(std::string_view bytes) {
   try {
     const experiments::Experiment experiment =
         experiments::parse_experiment(std::string(bytes), "fuzzed.toml");
-    // Many laws take as long as they are many, with the same steps for each.
-    const auto* growth = std::get_if<experiments::Growth>(&experiment.data);
-    if (growth && growth->laws.size() * growth->poisson_ratios.size() > 3) return true;
+    // Each exponent is that of hundreds of contacts, which take seconds with sanitizers.
+    if (std::holds_alternative<experiments::Growth>(experiment.data)) return true;
     const experiments::Examined examined = experiments::examine(experiment);
     require_numbers(examined);
     experiments::table({examined});
