@@ -96,6 +96,27 @@ TEST(ProximalLanes, FollowOneStartAlone) {
   EXPECT_GE(moved, kSeeds * ProximalLanes::kLanes / 2);
 }
 
+/// A problem much like the last one: its solution is this one's but for a small part.
+TEST(ProximalPoints, TakeFewIterationsFromNearTheSolution) {
+  int far = 0, near = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const Starts starts(scene(seed));
+    ExactNewton newton(kContacts);
+    newton.begin_problem();
+    Eigen::VectorXd solution = starts.impulses[0];
+    if (newton.approach(starts.contacts, solution, kMostIterations) > kGood) continue;
+    const auto approach = [&](ProximalCourse::Start start) {
+      Eigen::VectorXd impulse = (1 + 1e-5) * solution;
+      EXPECT_LE(newton.approach(starts.contacts, impulse, kMostIterations, {}, start), kGood);
+      return newton.iterations();
+    };
+    far += approach(ProximalCourse::Start::far);
+    near += approach(ProximalCourse::Start::near);
+  }
+  EXPECT_GT(near, 0) << "no scene was solved";
+  EXPECT_LT(near, far);
+}
+
 TEST(ProximalLanes, DoNotDependOnEachOtherNorOnTheirPlaces) {
   const Starts starts(scene(7));
   const std::vector<Ended> together = run(starts, 0, 0);

@@ -119,7 +119,9 @@ bool ExactFriction::continue_impulse(const Task& task, const Eigen::VectorXd& la
   search_.polish(task, effort_);
   restore_best(task);
   if (best().is_good) return true;
-  search_.approach(task, kMostIterationsOfWarm, effort_);
+  ImpulseSearch::Effort from_near = effort_;
+  from_near.start = ProximalCourse::Start::near;
+  search_.approach(task, kMostIterationsOfWarm, from_near);
   restore_best(task);
   return best().residual <= kSolved;
 }

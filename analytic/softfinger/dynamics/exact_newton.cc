@@ -360,13 +360,14 @@ double ExactNewton::solve(const ContactOperator& contacts, Eigen::VectorXd& impu
 }
 
 double ExactNewton::approach(const ContactOperator& contacts, Eigen::VectorXd& impulse,
-                             int most_iterations, const std::function<bool()>& is_needed) {
+                             int most_iterations, const std::function<bool()>& is_needed,
+                             ProximalCourse::Start start) {
   const int n = 4 * contacts.contacts();
   centre_.head(n) = point_.head(n) = reached_.head(n) = impulse.head(n);
   move_.head(n).setZero();
   compliance_ = 0;
   ProximalCourse course;
-  course.begin(evaluate(contacts, point_));
+  course.begin(evaluate(contacts, point_), start);
   while (course.goes_on(most_iterations)) {
     if (is_needed && !is_needed()) break;
     compliance_ = course.compliance;

@@ -43,8 +43,10 @@ class ExactNewton {
   /// Points that follow each other on a line make the next r0 lie ahead.
   /// Not monotone, so that |F| may rise: the best point is kept. Returns its |F|. No allocation.
   /// @param is_needed  asked at each proximal point; no: it ends
+  /// @param start      near: c begins smaller
   double approach(const ContactOperator& contacts, Eigen::VectorXd& impulse, int most_iterations,
-                  const std::function<bool()>& is_needed = {});
+                  const std::function<bool()>& is_needed = {},
+                  ProximalCourse::Start start = ProximalCourse::Start::far);
 
   int iterations() const { return iterations_; }  ///< of the last solve or approach
 

@@ -56,7 +56,8 @@ void ImpulseSearch::approach(const Task& task, int most_iterations, Effort effor
 
 bool ImpulseSearch::come_close(const Task& task, int most_iterations, Effort effort,
                                const std::function<bool()>& is_needed) {
-  const double reached = newton_.approach(contacts_, impulse_, most_iterations, is_needed);
+  const double reached =
+      newton_.approach(contacts_, impulse_, most_iterations, is_needed, effort.start);
   task.result.newton_iterations += newton_.iterations();
   return refine(task, reached, effort);
 }

@@ -20,12 +20,13 @@ class ImpulseSearch {
 
   void begin_problem() { newton_.begin_problem(); }
 
-  /// How much of Newton's method a polish takes, see ExactNewton::solve, and how often `approach`
-  /// eases.
+  /// How much of Newton's method a polish takes, see ExactNewton::solve, how often `approach`
+  /// eases, and where from it starts.
   static constexpr int kEasedStarts = 4, kMostIterationsOfEased = 400;
   struct Effort {
     int passes, patience;
     int eased_starts = kEasedStarts;
+    ProximalCourse::Start start = ProximalCourse::Start::far;
   };
 
   /// Where the search is, scaled.

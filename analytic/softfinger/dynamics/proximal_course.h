@@ -21,10 +21,16 @@ struct ProximalCourse {
   double halved = 0;
   int iterations = 0, last_halved = 0, steps = 0;
 
-  /// At the start, whose |F| is `size`.
-  void begin(double size) {
+  /// Where it starts: anywhere, or at the impulses of a problem much like this one.
+  enum class Start { far, near };
+
+  /// At the start, whose |F| is `size`. The nearer it is to the solution, the less the contacts
+  /// have to give way: in steady motion a third of the iterations are left by that.
+  void begin(double size, Start start = Start::far) {
+    constexpr double kOfRoot = 0.1, kLeast = 1e-5;
     *this = {};
     residual = best = halved = size;
+    if (start == Start::near) compliance = std::clamp(kOfRoot * std::sqrt(size), kLeast, 1.);
   }
 
   /// Whether a further point is worth looking for. Points can go round in circles. Close to the
