@@ -302,6 +302,16 @@ struct Residuals {
   double variance = 0;  ///< of the vertices' errors
 };
 
+Eigen::VectorXd vertex_residuals(const Facets& facets, const TangentFit& fit,
+                                 const Eigen::VectorXd& areas) {
+  Eigen::VectorXd result =
+      facets.vertex_depths(fit.frame) - facets.vertex_terms(fit.frame) * fit.coefficients;
+  // Where facets are read as the surface itself, all vertices of a curved surface lie above the fit
+  // by its sagitta.
+  result.array() -= areas.dot(result) / areas.sum();
+  return result;
+}
+
 Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
   using Matrix6 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
   using Columns6 = Eigen::Matrix<double, kUnknowns, Eigen::Dynamic>;
@@ -323,10 +333,7 @@ Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
     }
   }
   r.gain = h.ldlt().solve(sums);
-  r.of_vertices = facets.vertex_depths(fit.frame) - vertex_terms * fit.coefficients;
-  // Where facets are read as the surface itself, all vertices of a curved surface lie above the fit
-  // by its sagitta.
-  r.of_vertices.array() -= r.areas.dot(r.of_vertices) / r.areas.sum();
+  r.of_vertices = vertex_residuals(facets, fit, r.areas);
   const Matrix6 spread = r.gain * r.gain.transpose();
   r.variances.resize(n);
   double squares = 0, expected = 0, expected_squares = 0;
@@ -559,7 +566,24 @@ struct RobustFit {
   int outliers = 0;
 };
 
-/// Moves each spike onto the quadric, so that neither its facets' chords nor their depths count.
+/// Moves a vertex onto the quadric that is fitted without it, so that neither its facets' chords
+/// nor their depths count. The fit follows the vertex by its leverage, which one step tells the
+/// next.
+TangentFit fit_without(Facets& facets, Eigen::Index vertex, const RobustFit& with) {
+  TangentFit fit = with.fit;
+  double residual = with.scatter.of_vertices[vertex], step = residual;
+  constexpr int kMostSteps = 8;
+  for (int i = 0; i < kMostSteps && std::abs(residual) > kFinestDigit; ++i) {
+    facets.move(vertex, step * facets.scale() * fit.normal);
+    fit = fit_tangent(facets, fit.normal);
+    const double left = vertex_residuals(facets, fit, with.scatter.areas)[vertex];
+    const double leverage = 1 - (residual - left) / step;
+    step = leverage > 0 && leverage < 1 ? left / (1 - leverage) : left;
+    residual = left;
+  }
+  return fit;
+}
+
 RobustFit fit_without_spikes(Facets& facets, const SurfaceRegion& region) {
   RobustFit found;
   found.fit = fit_tangent(facets, region.mean_normal);
@@ -568,13 +592,8 @@ RobustFit fit_without_spikes(Facets& facets, const SurfaceRegion& region) {
   for (; found.outliers < most; ++found.outliers) {
     const Eigen::Index v = spike(facets, found.scatter);
     if (v < 0) break;
-    // Iterates to the fit without this vertex. Each step multiplies the distance to that fit by the
-    // vertex's leverage, which is less than 1.
-    for (int step = 0; step < 8; ++step) {
-      facets.move(v, found.scatter.of_vertices[v] * facets.scale() * found.fit.normal);
-      found.fit = fit_tangent(facets, found.fit.normal);
-      found.scatter = residuals(facets, found.fit, found.outliers + 1);
-    }
+    found.fit = fit_without(facets, v, found);
+    found.scatter = residuals(facets, found.fit, found.outliers + 1);
   }
   return found;
 }
