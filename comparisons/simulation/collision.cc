@@ -179,10 +179,18 @@ void turn_round(TouchingPoint& point) {
 
 }  // namespace
 
+/// Pairs of parts that may touch before any has moved far.
+struct NearPairs {
+  std::vector<std::pair<int, int>> pairs;
+  double distance_m = -1;         ///< others were farther apart than this
+  std::vector<Isometry3d> poses;  ///< of the parts then
+};
+
 struct CollisionDetector::Implementation {
   explicit Implementation(const input::Scene& of_scene);
 
   void update(const Multibody& bodies);
+  void update_near_pairs();
   void find(const Multibody& bodies, double time_step_s, std::vector<TouchingPoint>& points);
   void find_between(int first, int second, std::vector<TouchingPoint>& points);
   bool may_touch(int part, int other) const;
@@ -196,6 +204,7 @@ struct CollisionDetector::Implementation {
   std::map<const TriangleSurface*, TriangleTree> trees;  ///< bodies may share a mesh
   std::vector<Part> parts;
   ShapeDistances distances;
+  NearPairs nearby;
   std::map<std::pair<int, int>, PairMemory> memories;
   std::vector<char> may_collide;      ///< bodies x bodies; empty before the first update
   std::vector<double> speed_m_per_s;  ///< a bound, per body
@@ -222,16 +231,41 @@ void CollisionDetector::Implementation::update(const Multibody& bodies) {
                  !bodies.are_joined(a, b));
   }
   std::fill(speed_m_per_s.begin(), speed_m_per_s.end(), 0.);
-  std::vector<Isometry3d> poses;
   for (Part& part : parts) {
     part.pose = bodies.pose(part.body) * part.shape->pose;
-    poses.push_back(part.pose);
     if (!bodies.moves(part.body)) continue;
     double& speed = speed_m_per_s[std::size_t(part.body)];
     speed = std::max(speed, bodies.velocity_at(part.body, part.pose.translation()).norm() +
                                 bodies.angular_velocity(part.body).norm() * part.radius_m);
   }
-  distances.move(poses);
+}
+
+/// The list of the last time holds as long as no two parts can have come near that are not in it.
+void CollisionDetector::Implementation::update_near_pairs() {
+  double reach = 0, moved_m = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const Part& part = parts[p];
+    if (part.is_half_space()) continue;
+    reach = std::max(reach, reach_m(part, part));
+    if (nearby.distance_m >= 0)
+      moved_m = std::max(moved_m, farthest_moved_m(nearby.poses[p], part.pose, part));
+  }
+  if (reach + 2 * moved_m <= nearby.distance_m) return;
+  // A farther list has more pairs and holds for longer: for several steps at today's velocities.
+  constexpr double kTimesReach = 5;
+  nearby.distance_m = kTimesReach * reach;
+  nearby.poses.clear();
+  for (const Part& part : parts) nearby.poses.push_back(part.pose);
+  nearby.pairs = distances.near_pairs(nearby.poses, nearby.distance_m);
+  for (int plane = 0; plane < int(parts.size()); ++plane)
+    if (parts[std::size_t(plane)].is_half_space())
+      for (int p = 0; p < int(parts.size()); ++p) nearby.pairs.push_back(std::minmax(p, plane));
+  const auto never_touch = [&](const std::pair<int, int>& pair) {
+    return !may_touch(pair.first, pair.second);
+  };
+  nearby.pairs.erase(std::remove_if(nearby.pairs.begin(), nearby.pairs.end(), never_touch),
+                     nearby.pairs.end());
+  std::sort(nearby.pairs.begin(), nearby.pairs.end());
 }
 
 bool CollisionDetector::Implementation::may_touch(int part, int other) const {
@@ -249,16 +283,8 @@ void CollisionDetector::Implementation::find(const Multibody& bodies, double ste
                                              std::vector<TouchingPoint>& points) {
   time_step_s = step_s;
   update(bodies);
-  double farthest_m = 0;
-  for (const Part& part : parts)
-    if (!part.is_half_space()) farthest_m = std::max(farthest_m, reach_m(part, part));
-  std::vector<std::pair<int, int>> pairs = distances.near_pairs(farthest_m);
-  for (int plane = 0; plane < int(parts.size()); ++plane)
-    if (parts[std::size_t(plane)].is_half_space())
-      for (int p = 0; p < int(parts.size()); ++p) pairs.push_back(std::minmax(p, plane));
-  std::sort(pairs.begin(), pairs.end());
-  for (const auto& [first, second] : pairs)
-    if (may_touch(first, second)) find_between(first, second, points);
+  update_near_pairs();
+  for (const auto& [first, second] : nearby.pairs) find_between(first, second, points);
 }
 
 ShapeDistances::Nearest CollisionDetector::Implementation::distance(int first, int second,

@@ -66,16 +66,28 @@ std::optional<SurfacePoint> surface_below(const Part& part, const Vector3d& poin
   return result;
 }
 
+/// What one of the two shapes turns to the other one.
+struct Facing {
+  Facing(const Part& of_part, const Vector3d& direction)
+      : part(of_part),
+        outward(direction),
+        local(part.local_direction(direction)),
+        bearing(bearing_points(part, local)) {}
+
+  const Part& part;
+  Vector3d outward, local;  ///< the direction towards the other shape, in the world and the shape
+  std::vector<Vector3d> bearing;  ///< in the shape
+};
+
 /// Adds the bearing points of one of the two shapes that lie over the other one's face.
-void add_bearing_points(const ShapePair& pair, bool from_a, const Vector3d& pair_normal,
-                        Places& places) {
-  const Part& from = from_a ? pair.a : pair.b;
+void add_bearing_points(const ShapePair& pair, bool from_a, const Facing& facing, Places& places) {
+  const Part& from = facing.part;
   const Part& to = from_a ? pair.b : pair.a;
-  const Vector3d outward = from_a ? pair_normal : Vector3d(-pair_normal);
+  const Vector3d& outward = facing.outward;
   // The cosine of the largest angle between two normals of one contact: 2.6 degrees.
   constexpr double kFacing = 1 - 1e-3;
   long slot = slot::kBearing + (from_a ? 0 : slot::kMostBearing);
-  for (const Vector3d& local : bearing_points(from, from.local_direction(outward))) {
+  for (const Vector3d& local : facing.bearing) {
     const long own_slot = slot++;
     const Vector3d bearing = from.pose * local;
     const std::optional<SurfacePoint> below = surface_below(to, bearing, pair.reach_m);
@@ -121,14 +133,14 @@ struct Outline {
 
 /// All shapes without a flat side or a straight line.
 template <class Round>
-Outline outline_of(const Round&, const Part&, const Vector3d&, double) {
+Outline outline_of(const Round&, const Facing&, double) {
   return {};
 }
 
 /// Of a box those edges of which both ends lie within reach of its farthest point.
-Outline outline_of(const input::Box& box, const Part& part, const Vector3d& direction,
-                   double reach_m) {
-  const Vector3d local = part.local_direction(direction), half = box.size_m / 2;
+Outline outline_of(const input::Box& box, const Facing& facing, double reach_m) {
+  const Part& part = facing.part;
+  const Vector3d &local = facing.local, half = box.size_m / 2;
   // The depth is limited, so that of a thin plate only the side facing the other body counts.
   const double depth_m = std::min(reach_m, box.size_m.minCoeff() / 4);
   const double farthest = half.dot(local.cwiseAbs());
@@ -152,9 +164,9 @@ Edge edge_between(const Part& part, const Vector3d& from, const Vector3d& to, in
 /// Whether the direction is nearer to the sides of a shape around its z axis than to its ends.
 bool faces_side(const Vector3d& local) { return local.head<2>().norm() > std::abs(local.z()); }
 
-Outline outline_of(const input::Cylinder& cylinder, const Part& part, const Vector3d& direction,
-                   double) {
-  const Vector3d local = part.local_direction(direction);
+Outline outline_of(const input::Cylinder& cylinder, const Facing& facing, double) {
+  const Part& part = facing.part;
+  const Vector3d& local = facing.local;
   const Vector3d end(0, 0, std::copysign(cylinder.length_m / 2, local.z()));
   if (!faces_side(local))
     return {{}, Rim{part.pose * end, part.pose.linear().col(2), cylinder.radius_m}};
@@ -163,33 +175,29 @@ Outline outline_of(const input::Cylinder& cylinder, const Part& part, const Vect
   return {{edge_between(part, side - end, side + end, 0)}, std::nullopt};
 }
 
-Outline outline_of(const input::Capsule& capsule, const Part& part, const Vector3d& direction,
-                   double) {
-  const Vector3d local = part.local_direction(direction);
-  if (!faces_side(local)) return {};
-  const std::vector<Vector3d> ends = bearing_points(capsule, local);
-  return {{edge_between(part, ends[0], ends[1], 0)}, std::nullopt};
+Outline outline_of(const input::Capsule&, const Facing& facing, double) {
+  if (!faces_side(facing.local)) return {};
+  return {{edge_between(facing.part, facing.bearing[0], facing.bearing[1], 0)}, std::nullopt};
 }
 
 /// Of a mesh the polygon of its bearing points, which are in order around the direction.
-Outline outline_of(const input::Mesh&, const Part& part, const Vector3d& direction,
-                   double reach_m) {
-  const Vector3d local = part.local_direction(direction);
-  const double least = support_point(part, local).dot(local) - reach_m;
-  const std::vector<Vector3d> corners = bearing_points(part, local);
+Outline outline_of(const input::Mesh&, const Facing& facing, double reach_m) {
+  const Vector3d& local = facing.local;
+  const double least = support_point(facing.part, local).dot(local) - reach_m;
+  const std::vector<Vector3d>& corners = facing.bearing;
   Outline outline;
   const int count = int(corners.size());
   for (int i = 0; i < (count > 2 ? count : count - 1); ++i) {
     const Vector3d &from = corners[std::size_t(i)], &to = corners[std::size_t((i + 1) % count)];
     if (std::min(from.dot(local), to.dot(local)) < least) continue;
-    outline.edges.push_back(edge_between(part, from, to, i));
+    outline.edges.push_back(edge_between(facing.part, from, to, i));
   }
   return outline;
 }
 
-Outline outline_facing(const Vector3d& direction, const Part& part, double reach_m) {
-  return std::visit([&](const auto& kind) { return outline_of(kind, part, direction, reach_m); },
-                    part.kind());
+Outline outline_of(const Facing& facing, double reach_m) {
+  return std::visit([&](const auto& kind) { return outline_of(kind, facing, reach_m); },
+                    facing.part.kind());
 }
 
 /// A place of a rim, seen along the normal from a point.
@@ -295,10 +303,11 @@ void find_flat_contact(const ShapePair& pair, const Nearest& nearest,
     add_nearest();
     return;
   }
-  for (const bool from_a : {true, false}) add_bearing_points(pair, from_a, nearest.normal, places);
+  const Facing a(pair.a, nearest.normal), b(pair.b, -nearest.normal);
+  add_bearing_points(pair, true, a, places);
+  add_bearing_points(pair, false, b, places);
   Crossings(pair, nearest.normal, places)
-      .add(outline_facing(nearest.normal, pair.a, pair.reach_m),
-           outline_facing(-nearest.normal, pair.b, pair.reach_m));
+      .add(outline_of(a, pair.reach_m), outline_of(b, pair.reach_m));
   // Where none of these is as near as the nearest point, two edges or rims cross there.
   if (places.least_gap_m() > nearest.gap_m + places.same_m() / 10) add_nearest();
 }

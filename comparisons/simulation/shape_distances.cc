@@ -106,16 +106,14 @@ ShapeDistances::ShapeDistances(const std::vector<const input::ShapeKind*>& shape
 
 ShapeDistances::~ShapeDistances() = default;
 
-void ShapeDistances::move(const std::vector<Isometry3d>& poses) {
+std::vector<std::pair<int, int>> ShapeDistances::near_pairs(const std::vector<Isometry3d>& poses,
+                                                            double distance_m) {
   for (Item& item : implementation_->items) {
     if (!item.object) continue;
     item.object->setTransform(poses[std::size_t(item.index)] * Eigen::Translation3d(item.centre_m));
     item.object->computeAABB();
   }
   implementation_->manager.update();
-}
-
-std::vector<std::pair<int, int>> ShapeDistances::near_pairs(double distance_m) {
   struct Search {
     double distance_m;
     std::vector<std::pair<int, int>> pairs;

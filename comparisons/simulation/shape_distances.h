@@ -18,11 +18,10 @@ class ShapeDistances {
   explicit ShapeDistances(const std::vector<const input::ShapeKind*>& shapes);
   ~ShapeDistances();
 
-  /// @param poses  of all shapes, in the world
-  void move(const std::vector<Eigen::Isometry3d>& poses);
-
   /// Pairs of shapes, lower index first, whose boxes along the world's axes are nearer than this.
-  std::vector<std::pair<int, int>> near_pairs(double distance_m);
+  /// @param poses  of all shapes, in the world
+  std::vector<std::pair<int, int>> near_pairs(const std::vector<Eigen::Isometry3d>& poses,
+                                              double distance_m);
 
   struct Nearest {
     double distance_m = 0;  ///< not positive: the shapes overlap, and the points mean nothing

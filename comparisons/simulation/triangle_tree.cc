@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 #include "softfinger/input/constants.h"
 
@@ -97,19 +98,28 @@ void take_crossing(const Triangle& triangle, const Segment& segment, Points& poi
 /// The nearest points of cores and triangles.
 class SegmentProbe {
  public:
-  explicit SegmentProbe(const Segment& segment) : segment_(segment) {}
-  /// A bound on the distance of all that lies in a ball and in a box around the same centre.
-  double least_m(const Vector3d& centre, double radius_m, const Vector3d&) const {
-    return (nearest_on(segment_, centre) - centre).norm() - radius_m;
+  explicit SegmentProbe(const Segment& segment)
+      : segment_(segment),
+        along_(segment.to - segment.from),
+        middle_((segment.from + segment.to) / 2),
+        half_size_(along_.cwiseAbs() / 2) {
+    if (along_.squaredNorm() > 0) along_over_square_ = along_ / along_.squaredNorm();
+  }
+  /// A bound on the distance of all that lies in a ball and in a box around the same centre: by the
+  /// ball, or by the boxes, which are much thinner around a part of a surface and a short segment.
+  double least_m(const Vector3d& centre, double radius_m, const Vector3d& half_size_m) const {
+    const Vector3d apart = centre - segment_.from;
+    const double part = std::clamp(along_over_square_.dot(apart), 0., 1.);
+    const Vector3d between = (centre - middle_).cwiseAbs() - half_size_ - half_size_m;
+    return std::max((apart - part * along_).norm() - radius_m, between.cwiseMax(0).norm());
   }
   /// @param limit_m  what is farther away need not be found
   Points nearest(const Triangle& triangle, double limit_m) const {
-    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
-    double square = 0;
-    for (const Vector3d& vertex : triangle)
-      square = std::max(square, (vertex - centre).squaredNorm());
+    const Vector3d least = triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]);
+    const Vector3d most = triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]);
+    const Vector3d half_size = (most - least) / 2;
     Points points;
-    if (least_m(centre, std::sqrt(square), {}) > limit_m) return points;
+    if (least_m((least + most) / 2, half_size.norm(), half_size) > limit_m) return points;
     take(triangle, segment_, points);
     return points;
   }
@@ -124,6 +134,8 @@ class SegmentProbe {
 
  private:
   Segment segment_;
+  Vector3d along_, along_over_square_ = Vector3d::Zero();
+  Vector3d middle_, half_size_;  ///< of the box around it
 };
 
 /// Works in the block's frame.
@@ -204,6 +216,7 @@ TriangleTree::TriangleTree(const TriangleSurface& surface)
   std::iota(order_.begin(), order_.end(), 0);
   nodes_.reserve(surface.triangles.size());
   build(0, int(order_.size()));
+  collect_vertices();
 }
 
 /// The node of a range of `order_`, halved across the longest side of the box around its triangles.
@@ -242,6 +255,18 @@ int TriangleTree::build(int first, int count) {
   nodes_[std::size_t(index)].left = left;
   nodes_[std::size_t(index)].right = right;
   return index;
+}
+
+void TriangleTree::collect_vertices() {
+  std::vector<char> taken(surface_.vertices_m.size(), char(false));
+  for (Node& node : nodes_) {
+    node.first_vertex = int(vertices_m_.size());
+    for (int i = node.first; i < node.first + node.count; ++i)
+      for (const int vertex : surface_.triangles[std::size_t(order_[std::size_t(i)])])
+        if (!std::exchange(taken[std::size_t(vertex)], char(true)))
+          vertices_m_.push_back(surface_.vertices_m[std::size_t(vertex)]);
+    node.vertex_count = int(vertices_m_.size()) - node.first_vertex;
+  }
 }
 
 TriangleTree::Nearest TriangleTree::nearest(const Core& core, double limit_m, int guess) const {
@@ -285,8 +310,8 @@ TriangleTree::Nearest TriangleTree::search(const Probe& probe, double limit_m, i
     Waiting near{node.left, least_m(nodes_[std::size_t(node.left)])};
     Waiting far{node.right, least_m(nodes_[std::size_t(node.right)])};
     if (far.least_m < near.least_m) std::swap(near, far);
-    waiting[std::size_t(count++)] = far;
-    waiting[std::size_t(count++)] = near;
+    if (far.least_m < result.distance_m) waiting[std::size_t(count++)] = far;
+    if (near.least_m < result.distance_m) waiting[std::size_t(count++)] = near;
   }
   return result;
 }
@@ -311,28 +336,33 @@ Vector3d TriangleTree::support(const Vector3d& direction) const {
   const Vector3d across = direction.cwiseAbs();
   double farthest = -kInfinity;
   Vector3d result = corner(0, 0);
-  const auto most = [&](int node) {
-    return direction.dot(nodes_[std::size_t(node)].centre) +
-           across.dot(nodes_[std::size_t(node)].half_size_m);
+  struct Waiting {
+    int node;
+    double most;  ///< a bound on how far its vertices reach
   };
-  std::array<int, 128> waiting;
+  const auto bounded = [&](int node) {
+    const Node& box = nodes_[std::size_t(node)];
+    return Waiting{node, direction.dot(box.centre) + across.dot(box.half_size_m)};
+  };
+  std::array<Waiting, 128> waiting;
   int count = 0;
-  waiting[std::size_t(count++)] = 0;
+  waiting[std::size_t(count++)] = bounded(0);
   while (count > 0) {
-    const int index = waiting[std::size_t(--count)];
-    const Node& node = nodes_[std::size_t(index)];
-    if (most(index) <= farthest) continue;
-    for (int i = node.first; i < node.first + node.count; ++i)
-      for (int k = 0; k < 3; ++k) {
-        const Vector3d vertex = corner(order_[std::size_t(i)], k);
-        if (direction.dot(vertex) <= farthest) continue;
-        farthest = direction.dot(vertex);
-        result = vertex;
-      }
+    const Waiting next = waiting[std::size_t(--count)];
+    if (next.most <= farthest) continue;
+    const Node& node = nodes_[std::size_t(next.node)];
+    for (int v = node.first_vertex; v < node.first_vertex + node.vertex_count; ++v) {
+      const Vector3d& vertex = vertices_m_[std::size_t(v)];
+      const double along = direction.dot(vertex);
+      if (along <= farthest) continue;
+      farthest = along;
+      result = vertex;
+    }
     if (node.count > 0) continue;
-    const bool left_first = most(node.left) > most(node.right);
-    waiting[std::size_t(count++)] = left_first ? node.right : node.left;
-    waiting[std::size_t(count++)] = left_first ? node.left : node.right;
+    Waiting near = bounded(node.left), far = bounded(node.right);
+    if (!(near.most > far.most)) std::swap(near, far);
+    if (far.most > farthest) waiting[std::size_t(count++)] = far;
+    if (near.most > farthest) waiting[std::size_t(count++)] = near;
   }
   return result;
 }

@@ -58,9 +58,12 @@ class TriangleTree {
     double radius_m = 0;                                    ///< of the ball
     Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();  ///< of the box
     int first = 0, count = 0;  ///< of a leaf's triangles in order_; 0: two children
+    int first_vertex = 0,
+        vertex_count = 0;  ///< of a leaf in vertices_m_: those in no leaf before it
     int left = -1, right = -1;
   };
   int build(int first, int count);
+  void collect_vertices();
   template <class Probe>
   Nearest search(const Probe& probe, double limit_m, int guess) const;
   Eigen::Vector3d corner(int triangle, int k) const {
@@ -71,6 +74,7 @@ class TriangleTree {
   const TriangleSurface& surface_;
   std::vector<int> order_;  ///< triangles, those of a leaf next to each other
   std::vector<Node> nodes_;
+  std::vector<Eigen::Vector3d> vertices_m_;  ///< of the triangles, each once
 };
 
 }  // namespace softfinger::simulation

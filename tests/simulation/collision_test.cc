@@ -555,6 +555,48 @@ TEST(CollisionDetector, LooksAsFarAsItIsAskedTo) {
   EXPECT_EQ(find(bodies, 0.008).size(), 0u);
 }
 
+/// Pairs that are far apart are not looked at until something has moved far enough, by its path or
+/// by a turn about something far.
+TEST(CollisionDetector, MissesNoPairHoweverTheBodiesMove) {
+  constexpr int kBalls = 30;
+  const double radius_m = 0.008;
+  const Vector3d arm_m(0.06, 0, 0);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto vector = [&] { return Vector3d(unit(random), unit(random), unit(random)); };
+  std::vector<BodyText> bodies;
+  for (int b = 0; b < kBalls; ++b)
+    bodies.push_back({"sphere_radius_mm = 8, position_mm = [60, 0, 0]", at(0.04 * b, 0, 0)});
+  Detection detection(bodies);
+  int near = 0;
+  for (int step = 0; step < 400; ++step) {
+    // Steps of all lengths, from those at rest to leaps.
+    const double part = std::pow(10, 2 * unit(random) - 2);
+    std::vector<Vector3d> centres;
+    for (int b = 0; b < kBalls; ++b) {
+      Isometry3d pose = detection.scene.descriptions[std::size_t(b)].pose;
+      pose.translation() += part * (0.1 * vector() - 0.2 * pose.translation());
+      pose.rotate(Eigen::AngleAxisd(2 * part * unit(random), vector().normalized()));
+      detection.move(b, pose);
+      centres.push_back(pose * arm_m);
+    }
+    const double reach_m = 0.01 * std::pow(10, unit(random) - 0.5);
+    const std::vector<TouchingPoint> points = detection.find(reach_m / 2);  // two of them approach
+    for (int a = 0; a < kBalls; ++a)
+      for (int b = a + 1; b < kBalls; ++b) {
+        const double gap_m =
+            (centres[std::size_t(a)] - centres[std::size_t(b)]).norm() - 2 * radius_m;
+        if (!(gap_m > 0 && gap_m < reach_m)) continue;
+        ++near;
+        EXPECT_TRUE(
+            std::any_of(points.begin(), points.end(),
+                        [&](const TouchingPoint& point) { return point.a == a && point.b == b; }))
+            << "step " << step << ", gap " << gap_m << " of " << reach_m;
+      }
+  }
+  EXPECT_GT(near, 100) << "hardly anything came near";
+}
+
 TEST(CollisionDetector, FindsBodiesThatOverlapDeeply) {
   // A ball pressed through most of a plate between two steps, known from before.
   Detection detection({{"box_size_mm = [100, 100, 20]", at(0, 0, 0)},
