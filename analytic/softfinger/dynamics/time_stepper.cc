@@ -373,6 +373,7 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
     for (const int row : island.rows) island.ids.push_back(ids_[std::size_t(row)]);
     const std::size_t count = island.rows.size();
     island.continued.assign(count, -1);
+    island.earlier_eccentricity_m.setZero(Eigen::Index(count));
     const auto place_of = [&](std::size_t i) {
       const auto found = last_places.find(island.ids[i]);
       return found == last_places.end() ? Place{-1, -1} : found->second;
@@ -409,7 +410,12 @@ void TimeStepper::continue_row(Island& island, std::size_t i, const Island& befo
   if (row >= int(contacts_.size())) return;
   const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
   if (!law) return;
-  problem_.eccentricity_m[row] = before.problem.eccentricity_m[position];
+  // In smooth motion the next one lies on the line through the last two.
+  const double last_m = before.problem.eccentricity_m[position];
+  const double earlier_m = before.earlier_eccentricity_m[position];
+  problem_.eccentricity_m[row] =
+      earlier_m > 0 ? std::clamp(2 * last_m - earlier_m, last_m / 2, 2 * last_m) : last_m;
+  island.earlier_eccentricity_m[int(i)] = last_m;
   if (law->friction_coefficient(1))  // of any load: whether it has one
     problem_.friction_coefficient[row] = before.problem.friction_coefficient[position];
 }

@@ -232,8 +232,9 @@ class TimeStepper {
     std::vector<const EccentricityLaw*> laws;
     std::optional<ConsistentContactSolver> solver;
     int capacity = 0;
-    bool solved = false;         ///< the last problem given to `solver`
-    std::vector<int> continued;  ///< see ContactLcpSolver::solve
+    bool solved = false;                     ///< the last problem given to `solver`
+    std::vector<int> continued;              ///< see ContactLcpSolver::solve
+    Eigen::VectorXd earlier_eccentricity_m;  ///< a step before that of `problem`; 0: none
   };
   std::vector<Island> islands_;
   std::vector<int> island_of_tree_;
