@@ -250,9 +250,10 @@ void CollisionDetector::Implementation::update_near_pairs() {
     if (nearby.distance_m >= 0)
       moved_m = std::max(moved_m, farthest_moved_m(nearby.poses[p], part.pose, part));
   }
-  if (reach + 2 * moved_m <= nearby.distance_m) return;
   // A farther list has more pairs and holds for longer: for several steps at today's velocities.
-  constexpr double kTimesReach = 5;
+  // That of a fast motion is too long afterwards.
+  constexpr double kTimesReach = 5, kTooFar = 25;
+  if (reach + 2 * moved_m <= nearby.distance_m && nearby.distance_m <= kTooFar * reach) return;
   nearby.distance_m = kTimesReach * reach;
   nearby.poses.clear();
   for (const Part& part : parts) nearby.poses.push_back(part.pose);

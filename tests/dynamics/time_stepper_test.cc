@@ -699,6 +699,34 @@ TEST(Eccentricity, AgreesWithTheLoadAtTheEndOfTheStep) {
   ASSERT_GT(stepper.bodies().velocity()[5], 0);
 }
 
+TEST(Eccentricity, StaysThatOfTheLastLoadWhileThereIsNone) {
+  const PowerLaw law;
+  const double radius = 0.02;
+  TimeStepper stepper(
+      Multibody({tests::ground(), tests::ball("ball", radius, 0.1, Vector3d(0, 0, radius))}, {}),
+      {}, options());
+  stepper.applied_forces().push_back({1});
+  SimpleContacts contacts;
+  contacts.pairs = {on_plane(0, 1, radius, 0.6)};
+  contacts.pairs[0].law = &law;
+  double loaded_m = 0;
+  int unloaded = 0;
+  for (int i = 0; i < 60; ++i) {
+    stepper.applied_forces()[0].force_N.z() = i < 30 ? 0.1 * i - 10 : 1;
+    ASSERT_TRUE(stepper.step(contacts).done());
+    ASSERT_EQ(stepper.contacts().size(), 1u);
+    if (stepper.wrench(0).normal_force_N > 0) {
+      EXPECT_EQ(unloaded, 0);
+      loaded_m = stepper.eccentricity_m(0);
+    } else {
+      ++unloaded;
+      EXPECT_EQ(stepper.eccentricity_m(0), loaded_m) << i;
+    }
+  }
+  EXPECT_GE(unloaded, 20);
+  EXPECT_NEAR(loaded_m, law.eccentricity_m(0.981 + 10 - 2.9), 1e-6);
+}
+
 /// 10 kPa on a circle a = 2 mm (P/N)^(1/3).
 struct ConstantShearStress final : EccentricityLaw {
   static double radius_m(double load_N) { return 2e-3 * std::cbrt(load_N); }

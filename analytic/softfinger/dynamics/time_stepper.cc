@@ -374,6 +374,7 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
     const std::size_t count = island.rows.size();
     island.continued.assign(count, -1);
     island.earlier_eccentricity_m.setZero(Eigen::Index(count));
+    island.step = steps_;
     const auto place_of = [&](std::size_t i) {
       const auto found = last_places.find(island.ids[i]);
       return found == last_places.end() ? Place{-1, -1} : found->second;
@@ -410,12 +411,18 @@ void TimeStepper::continue_row(Island& island, std::size_t i, const Island& befo
   if (row >= int(contacts_.size())) return;
   const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
   if (!law) return;
-  // In smooth motion the next one lies on the line through the last two.
   const double last_m = before.problem.eccentricity_m[position];
   const double earlier_m = before.earlier_eccentricity_m[position];
-  problem_.eccentricity_m[row] =
-      earlier_m > 0 ? std::clamp(2 * last_m - earlier_m, last_m / 2, 2 * last_m) : last_m;
-  island.earlier_eccentricity_m[int(i)] = last_m;
+  double& next_m = problem_.eccentricity_m[row];
+  next_m = last_m;
+  if (before.step == steps_) {
+    // The same step again, with more rows.
+    island.earlier_eccentricity_m[int(i)] = earlier_m;
+  } else if (before.solved && before.solution.impulse[4 * position] > 0) {
+    // In smooth motion the next one lies on the line through the last two.
+    if (earlier_m > 0) next_m = std::clamp(2 * last_m - earlier_m, last_m / 2, 2 * last_m);
+    island.earlier_eccentricity_m[int(i)] = last_m;
+  }
   if (law->friction_coefficient(1))  // of any load: whether it has one
     problem_.friction_coefficient[row] = before.problem.friction_coefficient[position];
 }
@@ -481,6 +488,10 @@ LcpResult TimeStepper::solve_islands(StepResult& result) {
   solution_.resize(int(ids_.size()));
   for (Island& island : islands_) {
     describe(island);
+    if (all.status != LcpStatus::solved) {
+      island.solved = false;
+      continue;
+    }
     const LcpResult solved = solve(island, result);
     all.pivots += solved.pivots;
     all.attempts = std::max(all.attempts, solved.attempts);
@@ -491,13 +502,16 @@ LcpResult TimeStepper::solve_islands(StepResult& result) {
       solution_.velocity.segment<4>(4 * row) = island.solution.velocity.segment<4>(4 * own);
       solution_.slip[row] = island.solution.slip[own];
       solution_.ray.segment<4>(4 * row) = island.solution.ray.segment<4>(4 * own);
-      problem_.eccentricity_m[row] = island.problem.eccentricity_m[own];
+      const double earlier_m = island.earlier_eccentricity_m[own];
+      double& own_m = island.problem.eccentricity_m[own];
+      // Without load the guess was not corrected, and the last one stays.
+      if (earlier_m > 0 && !(island.solution.impulse[4 * own] > 0)) own_m = earlier_m;
+      problem_.eccentricity_m[row] = own_m;
       problem_.friction_coefficient[row] = island.problem.friction_coefficient[own];
     }
     if (solved.status == LcpStatus::solved) continue;
     all.status = solved.status;
     all.proof = solved.proof;
-    break;
   }
   return all;
 }

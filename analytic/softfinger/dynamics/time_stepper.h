@@ -235,6 +235,7 @@ class TimeStepper {
     bool solved = false;                     ///< the last problem given to `solver`
     std::vector<int> continued;              ///< see ContactLcpSolver::solve
     Eigen::VectorXd earlier_eccentricity_m;  ///< a step before that of `problem`; 0: none
+    long step = -1;                          ///< in which it was found
   };
   std::vector<Island> islands_;
   std::vector<int> island_of_tree_;

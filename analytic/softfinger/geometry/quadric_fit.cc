@@ -568,17 +568,18 @@ struct RobustFit {
 
 /// Moves a vertex onto the quadric that is fitted without it, so that neither its facets' chords
 /// nor their depths count. The fit follows the vertex by its leverage, which one step tells the
-/// next.
+/// next; where it follows wholly, steps stay short.
 TangentFit fit_without(Facets& facets, Eigen::Index vertex, const RobustFit& with) {
   TangentFit fit = with.fit;
   double residual = with.scatter.of_vertices[vertex], step = residual;
   constexpr int kMostSteps = 8;
+  constexpr double kLeast = 0.05;
   for (int i = 0; i < kMostSteps && std::abs(residual) > kFinestDigit; ++i) {
     facets.move(vertex, step * facets.scale() * fit.normal);
     fit = fit_tangent(facets, fit.normal);
     const double left = vertex_residuals(facets, fit, with.scatter.areas)[vertex];
     const double leverage = 1 - (residual - left) / step;
-    step = leverage > 0 && leverage < 1 ? left / (1 - leverage) : left;
+    step = leverage > 0 && leverage < 1 ? left / std::max(1 - leverage, kLeast) : left;
     residual = left;
   }
   return fit;
