@@ -57,9 +57,8 @@ class TriangleTree {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double radius_m = 0;                                    ///< of the ball
     Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();  ///< of the box
-    int first = 0, count = 0;  ///< of a leaf's triangles in order_; 0: two children
-    int first_vertex = 0,
-        vertex_count = 0;  ///< of a leaf in vertices_m_: those in no leaf before it
+    int first = 0, count = 0;                ///< of a leaf's triangles in order_; 0: two children
+    int first_vertex = 0, vertex_count = 0;  ///< of a leaf in vertices_m_: in no leaf before it
     int left = -1, right = -1;
   };
   int build(int first, int count);
