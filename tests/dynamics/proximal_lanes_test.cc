@@ -143,8 +143,7 @@ TEST(EliminationPattern, HoldsWhatEliminationFills) {
     const Starts starts(scene(seed));
     VelocityFactor factor(kContacts);
     factor.factorise(starts.contacts);
-    EliminationPattern pattern;
-    pattern.set(factor, kContacts);
+    const EliminationPattern& pattern = factor.pattern();
     const int size = factor.rank();
     ASSERT_EQ(pattern.size(), size);
     Eigen::MatrixXd sum = Eigen::MatrixXd::Identity(size, size);

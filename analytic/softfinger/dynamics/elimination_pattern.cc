@@ -1,36 +1,60 @@
 #include "softfinger/dynamics/elimination_pattern.h"
 
-#include <cstddef>
+#include <algorithm>
 
 namespace softfinger::internal {
+namespace {
 
-void EliminationPattern::set(const VelocityFactor& factor, int contacts) {
-  size_ = factor.rank();
-  nonzero_.assign(std::size_t(size_) * std::size_t(size_), char(false));
-  for (int i = 0; i < contacts; ++i) {
-    const int* columns = factor.rows().columns(i);
-    const int count = factor.rows().column_count(i);
-    for (int a = 0; a < count; ++a)
-      for (int b = 0; b < count; ++b)
-        nonzero_[std::size_t(columns[a]) * std::size_t(size_) + std::size_t(columns[b])] = true;
+using Word = std::uint64_t;
+constexpr int kWordBits = 64;
+constexpr std::size_t words_of(int columns) {
+  return std::size_t(columns + kWordBits - 1) / kWordBits;
+}
+
+constexpr Word bit(int row) { return Word(1) << row % kWordBits; }
+
+}  // namespace
+
+EliminationPattern::EliminationPattern(int capacity)
+    : nonzero_(std::size_t(capacity) * words_of(capacity)) {
+  first_.reserve(std::size_t(capacity) + 1);
+  rows_.reserve(std::size_t(capacity) * std::size_t(capacity) / 2);
+  width_.reserve(std::size_t(capacity));
+}
+
+std::uint64_t* EliminationPattern::words(int column) {
+  return nonzero_.data() + std::size_t(column) * words_of(size_);
+}
+
+void EliminationPattern::set(const ContactRows& rows, int size) {
+  size_ = size;
+  std::fill_n(nonzero_.begin(), std::size_t(size) * words_of(size), Word(0));
+  for (int i = 0; i < rows.contacts(); ++i) {
+    const int* columns = rows.columns(i);
+    const int count = rows.column_count(i);
+    for (int a = 0; a < count; ++a) {
+      Word* own = words(columns[a]);
+      for (int b = a + 1; b < count; ++b) own[columns[b] / kWordBits] |= bit(columns[b]);
+    }
   }
   find_rows();
   find_groups();
 }
 
-/// A pivot fills the rows and columns that it meets.
+/// A column's rows are filled in the column of the first of them, from where later ones get them.
 void EliminationPattern::find_rows() {
   rows_.clear();
   first_.assign(1, 0);
   for (int k = 0; k < size_; ++k) {
-    const char* column = &nonzero_[std::size_t(k) * std::size_t(size_)];
+    const Word* own = words(k);
     const std::size_t first = rows_.size();
     for (int row = k + 1; row < size_; ++row)
-      if (column[row]) rows_.push_back(row);
+      if (own[row / kWordBits] & bit(row)) rows_.push_back(row);
     first_.push_back(int(rows_.size()));
-    for (std::size_t a = first; a < rows_.size(); ++a)
-      for (std::size_t b = first; b < rows_.size(); ++b)
-        nonzero_[std::size_t(rows_[a]) * std::size_t(size_) + std::size_t(rows_[b])] = true;
+    if (rows_.size() == first) continue;
+    const int next = rows_[first];
+    Word* filled = words(next);
+    for (std::size_t word = 0; word < words_of(size_); ++word) filled[word] |= own[word];
   }
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
-#include "softfinger/dynamics/velocity_factor.h"
+#include "softfinger/dynamics/contact_rows.h"
 
 /// Internal: what is not zero when sums of L_i^T A L_i are eliminated.
 namespace softfinger::internal {
@@ -14,7 +16,11 @@ class EliminationPattern {
  public:
   static constexpr int kWidestGroup = 6;  ///< as many as a body has velocities
 
-  void set(const VelocityFactor& factor, int contacts);
+  /// @param capacity  of columns; `set` allocates nothing
+  explicit EliminationPattern(int capacity);
+
+  /// @param size  columns of L
+  void set(const ContactRows& rows, int size);
 
   int size() const { return size_; }
   struct Rows {
@@ -32,9 +38,10 @@ class EliminationPattern {
  private:
   void find_rows();
   void find_groups();
+  std::uint64_t* words(int column);
 
   int size_ = 0;
-  std::vector<char> nonzero_;
+  std::vector<std::uint64_t> nonzero_;  ///< a bit per element, by columns
   std::vector<int> first_, rows_, width_;
 };
 

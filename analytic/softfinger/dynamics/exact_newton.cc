@@ -12,6 +12,8 @@ namespace {
 
 /// From that many unknowns on the step may be solved in fewer ones.
 constexpr int kFewUnknowns = 24;
+/// Common velocities that cost as much as one unknown when no rows are exchanged.
+constexpr int kSparser = 2;
 
 }  // namespace
 
@@ -30,7 +32,8 @@ ExactNewton::ExactNewton(int contact_capacity)
       centre_(4 * contact_capacity),
       reached_(4 * contact_capacity),
       move_(4 * contact_capacity),
-      elimination_(4 * contact_capacity) {}
+      elimination_(4 * contact_capacity),
+      pattern_elimination_(4 * contact_capacity) {}
 
 double ExactNewton::evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse) {
   contacts.find_velocity(impulse, velocity_);
@@ -90,11 +93,11 @@ bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::Vector
   // Contacts that open lose their impulse. This part of the step is known, and with it the change
   // of the other contacts' velocities.
   contacts.find_velocity(step_, trial_);
-  elimination_.forget();
-  is_reduced_ = size >= kFewUnknowns && factor(contacts).rank() < size;
-  if (!(is_reduced_ ? factorise_reduced(contacts, impulse, proximal)
-                    : factorise(contacts, impulse, proximal, size)))
-    return false;
+  const int most_common = compliance_ > 0 ? kSparser * size : size;
+  const bool is_reduced = size >= kFewUnknowns && factor(contacts).rank() < most_common;
+  decomposition_ = is_reduced ? factorise_reduced(contacts, impulse, proximal)
+                              : factorise(contacts, impulse, proximal, size);
+  if (decomposition_ == Decomposition::none) return false;
   factored_contacts_ = contacts.contacts();
   for (int i = 0; i < contacts.contacts(); ++i) {
     const int row = first_[std::size_t(i)];
@@ -119,7 +122,8 @@ bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::Vector
 const VelocityFactor& ExactNewton::factor(const ContactOperator& contacts) {
   if (!factor_.is_known()) {
     factor_.factorise(contacts);
-    if (is_reduced_) elimination_.forget();
+    pattern_elimination_.set(factor_.pattern());
+    if (decomposition_ != Decomposition::of_impulses) forget_step();
   }
   return factor_;
 }
@@ -152,50 +156,69 @@ Eigen::Matrix3d ExactNewton::sliding_part(const Contact& contact, double pressur
 }
 
 /// The matrix of the touching contacts' impulses, and its decomposition.
-bool ExactNewton::factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
-                            double proximal, int size) {
+ExactNewton::Decomposition ExactNewton::factorise(const ContactOperator& contacts,
+                                                  const Eigen::VectorXd& impulse, double proximal,
+                                                  int size) {
   DenseElimination::Matrix matrix = elimination_.zeros(size);
   for (int i = 0; i < contacts.contacts(); ++i)
     if (first_[std::size_t(i)] >= 0) assemble_rows(contacts, i, impulse, proximal, matrix);
-  return elimination_.factorise();
+  return elimination_.factorise() ? Decomposition::of_impulses : Decomposition::none;
 }
 
-/// The same in the velocities that the contacts have in common.
-bool ExactNewton::factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
-                                    double proximal) {
-  const int rank = factor_.rank();
-  DenseElimination::Matrix matrix = elimination_.zeros(rank);
+/// The same in the velocities that the contacts have in common. Where contacts give way, pivots are
+/// rarely small, and proximal points need no exact steps. Near a solution they are what the last
+/// digits depend on.
+ExactNewton::Decomposition ExactNewton::factorise_reduced(const ContactOperator& contacts,
+                                                          const Eigen::VectorXd& impulse,
+                                                          double proximal) {
+  for (int i = 0; i < contacts.contacts(); ++i)
+    if (first_[std::size_t(i)] >= 0) find_inverse(contacts, i, impulse[4 * i], proximal);
+  if (compliance_ > 0) {
+    assemble_reduced(pattern_elimination_.identity());
+    if (pattern_elimination_.factorise()) return Decomposition::of_velocities;
+  }
+  DenseElimination::Matrix matrix = elimination_.zeros(factor_.rank());
   matrix.diagonal().setOnes();
-  for (int i = 0; i < contacts.contacts(); ++i) {
+  assemble_reduced(matrix);
+  return elimination_.factorise() ? Decomposition::of_velocities_exchanged : Decomposition::none;
+}
+
+/// A_i^-1 and B_i C_i of a contact that touches.
+void ExactNewton::find_inverse(const ContactOperator& contacts, int i, double pressure,
+                               double proximal) {
+  Contact& contact = contacts_[std::size_t(i)];
+  contact.own_inverse.setZero();
+  contact.from_velocity.setZero();
+  contact.own_inverse(0, 0) = 1 / (compliance_ + proximal);
+  contact.from_velocity(0, 0) = 1;
+  if (!contacts.has_friction(i)) return;
+  const auto metric = contact.metric.asDiagonal();
+  const Eigen::Matrix3d sliding = sliding_part(contact, pressure);
+  contact.sticking = Eigen::Matrix3d::Identity() - sliding;
+  Eigen::Matrix3d own = sliding * metric + compliance_ * (contact.sticking * metric);
+  own.diagonal() += proximal * contact.metric;
+  const Eigen::Matrix3d inverse = own.inverse();
+  contact.own_inverse.bottomRightCorner<3, 3>() = inverse;
+  contact.own_inverse.block<3, 1>(1, 0) =
+      inverse * (sliding * (metric * contact.excess.boundary)) / (compliance_ + proximal);
+  contact.from_velocity.bottomRightCorner<3, 3>() =
+      contact.sticking * factor_.unit(i).tail<3>().asDiagonal();
+}
+
+/// Adds sum L_i^T A_i^-1 B_i C_i L_i.
+void ExactNewton::assemble_reduced(Eigen::Ref<Eigen::MatrixXd> matrix) const {
+  for (int i = 0; i < factor_.rows().contacts(); ++i) {
     if (first_[std::size_t(i)] < 0) continue;
-    Contact& contact = contacts_[std::size_t(i)];
-    contact.own_inverse.setZero();
-    contact.from_velocity.setZero();
-    contact.own_inverse(0, 0) = 1 / (compliance_ + proximal);
-    contact.from_velocity(0, 0) = 1;
-    if (contacts.has_friction(i)) {
-      const auto metric = contact.metric.asDiagonal();
-      const Eigen::Matrix3d sliding = sliding_part(contact, impulse[4 * i]);
-      contact.sticking = Eigen::Matrix3d::Identity() - sliding;
-      Eigen::Matrix3d own = sliding * metric + compliance_ * (contact.sticking * metric);
-      own.diagonal() += proximal * contact.metric;
-      const Eigen::Matrix3d inverse = own.inverse();
-      contact.own_inverse.bottomRightCorner<3, 3>() = inverse;
-      contact.own_inverse.block<3, 1>(1, 0) =
-          inverse * (sliding * (metric * contact.excess.boundary)) / (compliance_ + proximal);
-      contact.from_velocity.bottomRightCorner<3, 3>() =
-          contact.sticking * factor_.unit(i).tail<3>().asDiagonal();
-    }
+    const Contact& contact = contacts_[std::size_t(i)];
     const Eigen::Matrix4d stiffness = contact.own_inverse * contact.from_velocity;
     factor_.rows().add_product(i, stiffness.data(), matrix);
   }
-  return elimination_.factorise();
 }
 
 /// The step whose change of F is right_, by contacts that touch, from the last decomposition; in
 /// its place.
 void ExactNewton::substitute_all(const ContactOperator& contacts) {
-  if (!is_reduced_) {
+  if (decomposition_ == Decomposition::of_impulses) {
     elimination_.substitute(right_);
     return;
   }
@@ -214,7 +237,10 @@ void ExactNewton::substitute_all(const ContactOperator& contacts) {
     const Eigen::Vector4d own = contacts_[std::size_t(i)].own_inverse * read(i);
     factor_.rows().add_transposed(i, own.data(), common_);
   }
-  elimination_.substitute(common_);
+  if (decomposition_ == Decomposition::of_velocities)
+    pattern_elimination_.substitute(common_);
+  else
+    elimination_.substitute(common_);
   for (int i = 0; i < contacts.contacts(); ++i) {
     const int row = first_[std::size_t(i)];
     if (row < 0) continue;
@@ -267,7 +293,7 @@ bool ExactNewton::correct(const ContactOperator& contacts, Eigen::VectorXd& impu
   constexpr double kRoundOff = 1e-14, kSlow = 0.1;
   const int nc = contacts.contacts(), n = 4 * nc;
   iterations_ = 0;
-  if (elimination_.size() == 0 || factored_contacts_ != nc) return false;
+  if (decomposition_ == Decomposition::none || factored_contacts_ != nc) return false;
   double residual = evaluate(contacts, impulse);
   bool slides = false;
   for (int i = 0; i < nc; ++i) {

@@ -6,6 +6,7 @@
 
 #include "softfinger/dynamics/contact_operator.h"
 #include "softfinger/dynamics/dense_elimination.h"
+#include "softfinger/dynamics/pattern_elimination.h"
 #include "softfinger/dynamics/proximal_course.h"
 #include "softfinger/dynamics/velocity_factor.h"
 #include "softfinger/friction/friction_shape.h"
@@ -57,7 +58,7 @@ class ExactNewton {
   bool correct(const ContactOperator& contacts, Eigen::VectorXd& impulse);
 
   /// `correct` has nothing to go by until the next step.
-  void forget_step() { elimination_.forget(); }
+  void forget_step() { decomposition_ = Decomposition::none; }
 
   /// Before the first `solve` of a problem.
   void begin_problem() { factor_.forget(); }
@@ -74,6 +75,9 @@ class ExactNewton {
     Eigen::Matrix4d from_velocity;  ///< B_i C_i
   };
 
+  /// Of the last step's matrix.
+  enum class Decomposition { none, of_impulses, of_velocities, of_velocities_exchanged };
+
   struct Pass {
     double proximal;  ///< this part of W's diagonal is added to W, which may be singular
     bool full_steps;  ///< else they are halved until |F| decreases
@@ -87,10 +91,12 @@ class ExactNewton {
   int number_unknowns(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
                      double proximal, DenseElimination::Matrix& matrix);
-  bool factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal,
-                 int size);
-  bool factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
-                         double proximal);
+  Decomposition factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
+                          double proximal, int size);
+  Decomposition factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
+                                  double proximal);
+  void find_inverse(const ContactOperator& contacts, int i, double pressure, double proximal);
+  void assemble_reduced(Eigen::Ref<Eigen::MatrixXd> matrix) const;
   bool take_steps(const ContactOperator& contacts, ProximalCourse& course);
   double move_on(int size);
   Eigen::Matrix3d sliding_part(const Contact& contact, double pressure) const;
@@ -104,8 +110,9 @@ class ExactNewton {
   Eigen::VectorXd reached_, move_;  ///< the last proximal point, and how it differs from before
   double compliance_ = 0;           ///< c
   DenseElimination elimination_;
+  PatternElimination pattern_elimination_;
+  Decomposition decomposition_ = Decomposition::none;
   int factored_contacts_ = 0;
-  bool is_reduced_ = false;  ///< the decomposition is the one in few unknowns
   int iterations_ = 0, patience_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "softfinger/math/repeat.h"
 #include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
@@ -12,8 +13,7 @@ namespace softfinger::internal {
 class ProximalLanes::Vector {
  public:
   virtual ~Vector() = default;
-  virtual void begin_problem(const ContactOperator& contacts, const VelocityFactor& factor,
-                             const EliminationPattern& pattern) = 0;
+  virtual void begin_problem(const ContactOperator& contacts, const VelocityFactor& factor) = 0;
   virtual void start(int lane, const Eigen::VectorXd& impulse) = 0;
   virtual void advance() = 0;
   virtual void read_best(int lane, Eigen::VectorXd& impulse) const = 0;
@@ -38,16 +38,6 @@ constexpr int kWidth = int(sizeof(V) / sizeof(double));
 template <class V>
 inline void take_root(V& x) {
   for (int lane = 0; lane < kWidth<V>; ++lane) x[lane] = std::sqrt(x[lane]);
-}
-
-/// body(0), body(1), ..., without a loop: the compiler would not always take it apart.
-template <class Body, int... numbers>
-inline void repeat(const Body& body, std::integer_sequence<int, numbers...>) {
-  (body(numbers), ...);
-}
-template <int count, class Body>
-inline void repeat(const Body& body) {
-  repeat(body, std::make_integer_sequence<int, count>());
 }
 
 /// sum += a b and sum -= a b, rounded once. A number is that of all lanes: to subtract zero makes a
@@ -91,8 +81,7 @@ class LanesOf final : public ProximalLanes::Vector {
  public:
   explicit LanesOf(ProximalLanes::Lane* lanes) : lanes_(lanes) {}
 
-  void begin_problem(const ContactOperator& contacts, const VelocityFactor& factor,
-                     const EliminationPattern& pattern) override;
+  void begin_problem(const ContactOperator& contacts, const VelocityFactor& factor) override;
   void start(int lane, const Eigen::VectorXd& impulse) override;
   void advance() override;
   void read_best(int lane, Eigen::VectorXd& impulse) const override;
@@ -194,9 +183,8 @@ std::size_t LanesOf<V>::lines(int contacts, int rank) {
 }
 
 template <class V>
-void LanesOf<V>::begin_problem(const ContactOperator& contacts, const VelocityFactor& factor,
-                               const EliminationPattern& pattern) {
-  pattern_ = &pattern;
+void LanesOf<V>::begin_problem(const ContactOperator& contacts, const VelocityFactor& factor) {
+  pattern_ = &factor.pattern();
   const int nc = contacts.contacts();
   rank_ = factor.rank();
   stride_ =
@@ -751,9 +739,8 @@ ProximalLanes::ProximalLanes() {
 ProximalLanes::~ProximalLanes() = default;
 
 void ProximalLanes::begin_problem(const ContactOperator& contacts, const VelocityFactor& factor) {
-  pattern_.set(factor, contacts.contacts());
   for (Lane& lane : lanes_) lane = {};
-  for (const auto& vector : vectors_) vector->begin_problem(contacts, factor, pattern_);
+  for (const auto& vector : vectors_) vector->begin_problem(contacts, factor);
 }
 
 double ProximalLanes::memory(int contacts, int rank) {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "softfinger/dynamics/contact_operator.h"
-#include "softfinger/dynamics/elimination_pattern.h"
 #include "softfinger/dynamics/proximal_course.h"
 #include "softfinger/dynamics/velocity_factor.h"
 
@@ -56,7 +55,6 @@ class ProximalLanes {
   class Vector;
 
  private:
-  EliminationPattern pattern_;
   Lane lanes_[kLanes];
   std::vector<std::unique_ptr<Vector>> vectors_;
 };

@@ -24,6 +24,7 @@ VelocityFactor::VelocityFactor(int contact_capacity)
       original_(4 * contact_capacity),
       left_(4 * contact_capacity),
       rows_(contact_capacity),
+      elimination_(4 * contact_capacity),
       pattern_(std::size_t(4 * contact_capacity)),
       neighbours_(std::size_t(contact_capacity)),
       rest_(4 * contact_capacity, 4 * contact_capacity),
@@ -72,6 +73,7 @@ void VelocityFactor::factorise(const ContactOperator& contacts) {
   rows_.clear();
   for (int i = 0; i < nc; ++i)
     rows_.append(4, rank_, [this, i](int k) { return &rest_(4 * i, pivots_[std::size_t(k)]); });
+  elimination_.set(rows_, rank_);
 }
 
 /// Columns of L that meet the fewest others left come first (least degree), so that sums of

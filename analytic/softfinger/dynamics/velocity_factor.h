@@ -6,6 +6,7 @@
 
 #include "softfinger/dynamics/contact_operator.h"
 #include "softfinger/dynamics/contact_rows.h"
+#include "softfinger/dynamics/elimination_pattern.h"
 
 /// Internal: the velocities that contacts have in common.
 namespace softfinger::internal {
@@ -36,6 +37,8 @@ class VelocityFactor {
   }
   /// L, four rows of each contact.
   const ContactRows& rows() const { return rows_; }
+  /// Of sums of L_i^T A_i L_i.
+  const EliminationPattern& pattern() const { return elimination_; }
 
  private:
   int largest_pivot(int contact, double least) const;
@@ -50,6 +53,7 @@ class VelocityFactor {
   Eigen::VectorXd original_;  ///< W's diagonal
   Eigen::VectorXd left_;      ///< the same; infinite where a row is eliminated
   ContactRows rows_;
+  EliminationPattern elimination_;
   std::vector<int> pattern_;
   std::vector<int> neighbours_;  ///< rows that the next pivot of each contact meets
   Eigen::MatrixXd rest_;         ///< the Schur complement; in its eliminated columns L
