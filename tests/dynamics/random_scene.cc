@@ -1,5 +1,6 @@
 #include "tests/dynamics/random_scene.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
 
@@ -117,6 +118,8 @@ void RandomScenes::assemble(ContactLcp& problem) {
   }
   problem.delassus = jacobian_ * inverse_mass_ * jacobian_.transpose();
   problem.free_velocity = jacobian_ * velocity_;
+  if (gives_roots)
+    problem.root = (jacobian_ * Eigen::MatrixXd(inverse_mass_.llt().matrixL())).sparseView();
 }
 
 void RandomScenes::add_body(int contact, int body, const Eigen::Matrix3d& frame,

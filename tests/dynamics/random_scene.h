@@ -21,6 +21,9 @@ class RandomScenes {
 
   ContactLcp next(int contacts, int vertices);
 
+  /// Whether problems come with their root, ContactLcp::root.
+  bool gives_roots = false;
+
   /// The next time step of the scene of `problem`, the last one made, after `solution`: gravity for
   /// 0.01 s, and contacts that have moved as in `disturb`. Bodies that have just been hit fly
   /// apart: contacts change what they do.

@@ -26,9 +26,10 @@ double rounding(const ContactLcp& problem, const ContactSolution& solution) {
   return 0x1p-52 * terms.maxCoeff() / problem.free_velocity.lpNorm<Eigen::Infinity>();
 }
 
-Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7) {
+Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with_roots = false) {
   const SixPatchShape shape(0.5, 0.5);
   tests::RandomScenes scenes(seed);
+  scenes.gives_roots = with_roots;
   ContactLcpSolver solver(20, 64);
   ContactSolution solution;
   Count count;
@@ -77,6 +78,13 @@ TEST(RandomScenes, NoneOfTenThousandFailsWithTheExactEllipsoid) {
 
 TEST(RandomScenes, NoneOfTwoThousandFailsWithSixPatches) {
   const Count count = solve(2000, FrictionRule::limit_surface);
+  EXPECT_EQ(count.failures + count.wedged, 0);
+}
+
+TEST(RandomScenes, NoneFailsWhereTheBodiesAreKnown) {
+  Count count = solve(10000, FrictionRule::ellipsoid, 7, true);
+  EXPECT_EQ(count.failures + count.wedged, 0);
+  count = solve(500, FrictionRule::limit_surface, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
 
@@ -147,19 +155,27 @@ TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
 /// alone 35 of them are solved, from the first three 38.
 TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
   constexpr int kContacts = 100, kScenes = 40;
-  tests::RandomScenes scenes(11);
-  ContactLcpSolver solver(kContacts, 0);
-  ContactSolution solution;
-  int without_path = 0;
-  for (int trial = 0; trial < kScenes; ++trial) {
-    ContactLcp problem = scenes.next(kContacts, 16);
-    problem.friction_rule = FrictionRule::ellipsoid;
-    const LcpResult result = solver.solve(problem, solution);
-    ASSERT_EQ(result.status, LcpStatus::solved) << trial;
-    EXPECT_LE(exact_contact_residual(problem, solution), 1e-10) << trial;
-    without_path += result.attempts == 0;
+  for (const bool are_bodies_known : {false, true}) {
+    tests::RandomScenes scenes(11);
+    scenes.gives_roots = are_bodies_known;
+    ContactLcpSolver solver(kContacts, 0);
+    ContactSolution solution;
+    int without_path = 0, wedged = 0;
+    for (int trial = 0; trial < kScenes; ++trial) {
+      ContactLcp problem = scenes.next(kContacts, 16);
+      problem.friction_rule = FrictionRule::ellipsoid;
+      const LcpResult result = solver.solve(problem, solution);
+      ASSERT_EQ(result.status, LcpStatus::solved) << trial << ' ' << are_bodies_known;
+      const double residual = exact_contact_residual(problem, solution);
+      EXPECT_LE(residual, std::max(1e-10, std::min(1e-9, 4 * rounding(problem, solution))))
+          << trial;
+      wedged += residual > 1e-10;
+      without_path += result.attempts == 0;
+    }
+    EXPECT_GE(without_path, kScenes - 1) << are_bodies_known;
+    // Of 2,048 such scenes six are solved to the rounding of W r only, half of them with roots.
+    EXPECT_LE(wedged, 1) << are_bodies_known;
   }
-  EXPECT_GE(without_path, kScenes - 1);
 }
 
 /// From the usual starts proximal points end at impulses up to a thousand times larger than needed,

@@ -204,18 +204,29 @@ TEST(Spinning, ASoftBallIsStoppedByItsTorqueAlone) {
 // --- stacks
 // ---------------------------------------------------------------------------------------
 
-TEST(Stack, OfFiveBoxesDoesNotCreep) {
-  const Vector3d size(0.1, 0.08, 0.05);
+/// Five boxes, each a little aside, so that the loads of the corners differ.
+struct Boxes {
+  Boxes() {
+    for (int i = 0; i < 5; ++i) {
+      bodies.push_back(
+          tests::box("box " + std::to_string(i), size, 0.5,
+                     Vector3d(0.007 * (i % 3), 0.005 * (i % 2), size.z() * (i + 0.5))));
+      SimpleContacts::Pair pair = corners(i, i + 1, size, 0.5);
+      pair.height_m = i == 0 ? 0 : size.z() / 2;
+      contacts.pairs.push_back(pair);
+    }
+  }
+
+  Vector3d size = Vector3d(0.1, 0.08, 0.05);
   std::vector<BodyDescription> bodies = {tests::ground()};
   SimpleContacts contacts;
-  for (int i = 0; i < 5; ++i) {
-    // Each a little aside, so that the loads of the corners differ.
-    bodies.push_back(tests::box("box " + std::to_string(i), size, 0.5,
-                                Vector3d(0.007 * (i % 3), 0.005 * (i % 2), size.z() * (i + 0.5))));
-    SimpleContacts::Pair pair = corners(i, i + 1, size, 0.5);
-    pair.height_m = i == 0 ? 0 : size.z() / 2;
-    contacts.pairs.push_back(pair);
-  }
+};
+
+TEST(Stack, OfFiveBoxesDoesNotCreep) {
+  Boxes stack;
+  const Vector3d size = stack.size;
+  const std::vector<BodyDescription>& bodies = stack.bodies;
+  SimpleContacts& contacts = stack.contacts;
   TimeStepper stepper(Multibody(bodies, {}), {}, options());
   const int steps = 10000;
   double residual = 0;
@@ -238,6 +249,27 @@ TEST(Stack, OfFiveBoxesDoesNotCreep) {
   const double creep = 1e3 * kEpsilon * kGravity * 1e-3 * steps * 1e-3;
   EXPECT_LE(drift, creep);
   EXPECT_LE(turn, creep / size.minCoeff());
+}
+
+/// W is made row by row, G of the same bodies.
+TEST(Stack, KnowsTheRootOfItsProblem) {
+  Boxes stack;
+  TimeStepper stepper(Multibody(stack.bodies, {}), {}, options());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(stepper.step(stack.contacts).done());
+  const ContactLcp problem = stepper.problem();
+  EXPECT_EQ(problem.root.cols(), 6 * 5);
+  const Eigen::MatrixXd product = problem.root * problem.root.transpose();
+  ASSERT_EQ(product.rows(), problem.delassus.rows());
+  for (int a = 0; a < product.rows(); ++a)
+    for (int b = 0; b < product.cols(); ++b)
+      EXPECT_NEAR(product(a, b), problem.delassus(a, b),
+                  20 * kEpsilon * std::sqrt(product(a, a) * product(b, b)));  // twelve products
+
+  TimeStepper::Options facets = options();
+  facets.friction_rule = FrictionRule::facets;
+  TimeStepper other(Multibody(stack.bodies, {}), {}, facets);
+  ASSERT_TRUE(other.step(stack.contacts).done());
+  EXPECT_EQ(other.problem().root.cols(), 0) << "of no use";
 }
 
 // --- invariants over random scenes

@@ -41,12 +41,17 @@ void check_sizes(const ContactLcp& problem, int contact_capacity, int vertex_cap
   if (problem.delassus.rows() != 4 * nc || problem.delassus.cols() != 4 * nc ||
       problem.free_velocity.size() != 4 * nc || problem.eccentricity_m.size() != nc)
     refuse("size", "", "4 rows per contact and one friction coefficient, one e_n");
+  if (problem.root.cols() > 0 && problem.root.rows() != 4 * nc)
+    refuse("G", std::to_string(problem.root.rows()) + " rows", "4 rows per contact");
   if (problem.friction_rule == FrictionRule::limit_surface && int(problem.shapes.size()) != nc)
     refuse("shapes", std::to_string(problem.shapes.size()), "one per contact");
 }
 
 void check_values(const ContactLcp& problem) {
   if (!all_finite(problem.delassus)) refuse("W", "", "finite numbers");
+  for (Eigen::Index column = 0; column < problem.root.cols(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator one(problem.root, column); one; ++one)
+      if (!std::isfinite(one.value())) refuse("G", "", "finite numbers");
   if (!all_finite(problem.free_velocity)) refuse("free velocity", "", "finite numbers");
   if (!is_exact(problem) && !all_finite(problem.vertices)) refuse("V", "", "finite numbers");
   for (int i = 0; i < problem.contacts(); ++i) {

@@ -10,7 +10,7 @@
 namespace softfinger::internal {
 
 ContactOperator::ContactOperator(int contact_capacity)
-    : delassus_(4 * contact_capacity, 4 * contact_capacity),
+    : delassus_(Eigen::MatrixXd::Zero(4 * contact_capacity, 4 * contact_capacity)),
       free_velocity_(4 * contact_capacity),
       natural_sizes_(contact_capacity),
       impulse_scale_(4 * contact_capacity),
@@ -24,10 +24,14 @@ ContactOperator::ContactOperator(int contact_capacity)
       blocks_(16 * std::ptrdiff_t(contact_capacity) * contact_capacity) {}
 
 void ContactOperator::set(const ContactLcp& problem, double proximal) {
+  for (int j = 0; j < contacts_; ++j)
+    for (const int i : neighbours(j)) delassus_.block<4, 4>(4 * i, 4 * j).setZero();
   contacts_ = problem.contacts();
   for (int i = 0; i < contacts_; ++i) scale_contact(problem, i);
   const int n = 4 * contacts_;
   set_blocks(problem.delassus, proximal);
+  const bool has_root = problem.root.cols() > 0 && problem.root.cols() < n && proximal == 0;
+  given_root_ = has_root ? &problem.root : nullptr;
   free_velocity_.head(n) = velocity_scale_.head(n).cwiseProduct(problem.free_velocity);
   velocity_unit_ = free_velocity_.head(n).lpNorm<Eigen::Infinity>();
   if (velocity_unit_ > 0) free_velocity_.head(n) /= velocity_unit_;
@@ -66,11 +70,8 @@ void ContactOperator::set_blocks(const Eigen::MatrixXd& delassus, double proxima
     int end = j * contacts_;
     for (int i = 0; i < contacts_; ++i) {
       const auto given = delassus.block<4, 4>(4 * i, 4 * j);
+      if (given.lpNorm<1>() == 0) continue;
       auto scaled = delassus_.block<4, 4>(4 * i, 4 * j);
-      if (given.lpNorm<1>() == 0) {
-        scaled.setZero();
-        continue;
-      }
       scaled = velocity_scale_.segment<4>(4 * i).asDiagonal() * given *
                impulse_scale_.segment<4>(4 * j).asDiagonal();
       if (i == j) scaled.diagonal() *= 1 + proximal;

@@ -22,6 +22,8 @@ class ContactOperator {
   int contacts() const { return contacts_; }
   const Eigen::MatrixXd& delassus() const { return delassus_; }            ///< W
   const Eigen::VectorXd& free_velocity() const { return free_velocity_; }  ///< v_free
+  /// ContactLcp::root as it was given, if it has fewer columns than W; null: none.
+  const Eigen::SparseMatrix<double>* given_root() const { return given_root_; }
   /// The contacts that this one feels, itself among them.
   struct Neighbours {
     const int *first, *last;
@@ -66,6 +68,7 @@ class ContactOperator {
 
   int contacts_ = 0;
   Eigen::MatrixXd delassus_;
+  const Eigen::SparseMatrix<double>* given_root_ = nullptr;
   Eigen::VectorXd free_velocity_, natural_sizes_, impulse_scale_, velocity_scale_, metrics_;
   double velocity_unit_ = 1;
   std::vector<char> has_friction_, kept_friction_;

@@ -191,10 +191,53 @@ void TimeStepper::assemble() {
     problem_.free_velocity[4 * i] = limits_[std::size_t(i - nc)].gap / dt;
   for (Island& island : islands_)
     island.problem.delassus.setZero(4 * int(island.rows.size()), 4 * int(island.rows.size()));
+  begin_roots();
   for (std::size_t t = 0; t < touching_.size(); ++t)
     if (!touching_[t].empty()) add_tree(t);
+  for (Island& island : islands_) island.problem.root.finalize();
   add_compliance();
   describe_rebounds();
+}
+
+TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
+  return islands_[std::size_t(place_of_row_[std::size_t(rows.front().row)].island)];
+}
+
+/// Room for G where it is of use, and W has one: closed loops take from it, what gives way adds.
+void TimeStepper::begin_roots() {
+  std::vector<int> columns(islands_.size(), 0);
+  std::vector<char> has_root(islands_.size(), options_.friction_rule != FrictionRule::facets);
+  for (std::size_t t = 0; t < touching_.size(); ++t) {
+    if (touching_[t].empty()) continue;
+    const auto island = std::size_t(&island_of(touching_[t]) - islands_.data());
+    columns[island] += bodies_.trees()[t].count;
+    if (factors_[t].is_constrained()) has_root[island] = false;
+  }
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (!contacts_[i].compliance.isZero(0)) has_root[std::size_t(place_of_row_[i].island)] = false;
+  for (std::size_t i = 0; i < islands_.size(); ++i) {
+    const int rows = 4 * int(islands_[i].rows.size());
+    islands_[i].root_columns = 0;
+    islands_[i].problem.root.resize(rows, has_root[i] && columns[i] < rows ? columns[i] : 0);
+  }
+}
+
+/// The columns of a tree.
+/// @param half  L^-1 J^T of the rows that touch it
+void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::MatrixXd& half) {
+  Island& island = island_of(rows);
+  Eigen::SparseMatrix<double>& root = island.problem.root;
+  if (root.cols() == 0) return;
+  for (Eigen::Index k = 0; k < half.rows(); ++k, ++island.root_columns) {
+    root.startVec(island.root_columns);
+    for (std::size_t n = 0; n < rows.size(); ++n) {
+      const int first = 4 * place_of_row_[std::size_t(rows[n].row)].position;
+      for (int row = 0; row < 4; ++row) {
+        const double value = half(k, 4 * Eigen::Index(n) + row);
+        if (value != 0) root.insertBackByOuterInner(island.root_columns, first + row) = value;
+      }
+    }
+  }
 }
 
 /// From tangential velocities to those of sliding.
@@ -269,8 +312,8 @@ void TimeStepper::add_tree(std::size_t t) {
   const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t].transpose());
   // With rows in the order of the memory several at once are multiplied.
   const Eigen::MatrixXd half_transposed = half.transpose(), taken_transposed = taken.transpose();
-  Eigen::MatrixXd& delassus =
-      islands_[std::size_t(place_of_row_[std::size_t(list.front().row)].island)].problem.delassus;
+  add_to_root(list, half);
+  Eigen::MatrixXd& delassus = island_of(list).problem.delassus;
   FourColumns response(half.cols(), 4);  // first, of a row and all behind it
   for (std::size_t n = 0; n < list.size(); ++n) {
     problem_.free_velocity.segment<4>(4 * list[n].row) += velocities.segment<4>(4 * int(n));
@@ -397,7 +440,8 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
       const Place place = place_of(i);
       if (place.island == from) continue_row(island, i, before, place.position);
     }
-    island.problem.delassus.swap(before.problem.delassus);  // its memory
+    island.problem.delassus.swap(before.problem.delassus);  // their memory
+    island.problem.root.swap(before.problem.root);
     island.solver = std::move(before.solver);
     before.solver.reset();  // taken
     island.capacity = before.capacity;
@@ -458,6 +502,17 @@ ContactLcp TimeStepper::problem() const {
       for (std::size_t j = 0; j < island.rows.size(); ++j)
         whole.delassus.block<4, 4>(4 * island.rows[i], 4 * island.rows[j]) =
             island.problem.delassus.block<4, 4>(4 * int(i), 4 * int(j));
+  const auto has_root = [](const Island& island) { return island.problem.root.cols() > 0; };
+  if (!std::all_of(islands_.begin(), islands_.end(), has_root)) return whole;
+  std::vector<Eigen::Triplet<double>> elements;
+  int columns = 0;
+  for (const Island& island : islands_)
+    for (int k = 0; k < island.problem.root.cols(); ++k, ++columns)
+      for (Eigen::SparseMatrix<double>::InnerIterator one(island.problem.root, k); one; ++one)
+        elements.emplace_back(4 * island.rows[std::size_t(one.row() / 4)] + int(one.row() % 4),
+                              columns, one.value());
+  whole.root.resize(4 * rows, columns);
+  whole.root.setFromTriplets(elements.begin(), elements.end());
   return whole;
 }
 

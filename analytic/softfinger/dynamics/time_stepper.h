@@ -175,6 +175,9 @@ class TimeStepper {
   void describe_rows();
   void factorise();
   void assemble();
+  Island& island_of(const std::vector<Touching>& rows);
+  void begin_roots();
+  void add_to_root(const std::vector<Touching>& rows, const Eigen::MatrixXd& half);
   void add_tree(std::size_t tree);
   void add_compliance();
   double approach_m_per_s(const Contact& contact) const;
@@ -228,6 +231,7 @@ class TimeStepper {
     std::vector<int> rows;
     std::vector<long> ids;
     ContactLcp problem;
+    int root_columns = 0;  ///< of the problem's root, that are there
     ContactSolution solution;
     std::vector<const EccentricityLaw*> laws;
     std::optional<ConsistentContactSolver> solver;

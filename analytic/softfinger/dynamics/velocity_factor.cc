@@ -37,7 +37,6 @@ VelocityFactor::VelocityFactor(int contact_capacity)
 void VelocityFactor::factorise(const ContactOperator& contacts) {
   const int nc = contacts.contacts();
   size_ = 4 * nc;
-  rest_.topLeftCorner(size_, size_).setZero();
   for (int i = 0; i < nc; ++i) {
     auto unit = units_.segment<4>(4 * i);
     unit.setOnes();
@@ -47,6 +46,41 @@ void VelocityFactor::factorise(const ContactOperator& contacts) {
       if (impulse > 0) unit[row] = contacts.velocity_scale()[4 * i + row] / impulse;
     }
   }
+  rank_ = 0;
+  if (contacts.given_root())
+    take_root(contacts);
+  else
+    decompose(contacts);
+  is_known_ = true;
+  order_columns(nc);
+  rows_.clear();
+  for (int i = 0; i < nc; ++i)
+    rows_.append(4, rank_, [this, i](int k) { return &rest_(4 * i, pivots_[std::size_t(k)]); });
+  elimination_.set(rows_, rank_);
+}
+
+/// The columns that are given, scaled.
+void VelocityFactor::take_root(const ContactOperator& contacts) {
+  const Eigen::SparseMatrix<double>& root = *contacts.given_root();
+  for (Eigen::Index column = 0; column < root.cols(); ++column) {
+    auto own = rest_.col(rank_).head(size_);
+    own.setZero();
+    bool is_zero = true;
+    for (Eigen::SparseMatrix<double>::InnerIterator one(root, column); one; ++one) {
+      const Eigen::Index row = one.row();
+      if (row % 4 != 0 && !contacts.has_friction(int(row / 4))) continue;
+      own[row] = contacts.impulse_scale()[row] * one.value();
+      is_zero = is_zero && own[row] == 0;
+    }
+    if (is_zero) continue;
+    pivots_[std::size_t(rank_)] = rank_;
+    ++rank_;
+  }
+}
+
+void VelocityFactor::decompose(const ContactOperator& contacts) {
+  const int nc = contacts.contacts();
+  rest_.topLeftCorner(size_, size_).setZero();
   for (int j = 0; j < nc; ++j)
     for (const int i : contacts.neighbours(j)) {
       auto block = rest_.block<4, 4>(4 * i, 4 * j);
@@ -58,8 +92,6 @@ void VelocityFactor::factorise(const ContactOperator& contacts) {
   original_.head(size_) = rest_.diagonal().head(size_);
   left_.head(size_) = original_.head(size_);
   std::fill(eliminated_.begin(), eliminated_.begin() + size_, char(false));
-  rank_ = 0;
-  is_known_ = true;
   // Small pivots come last: they would enlarge the rounding of what is left.
   for (const double least : {1e-1, 1e-2, 1e-4, 1e-8, 1e-12}) {
     std::fill(neighbours_.begin(), neighbours_.begin() + nc, kNotCounted);
@@ -68,12 +100,6 @@ void VelocityFactor::factorise(const ContactOperator& contacts) {
            pivot = largest_pivot(contact, least))
         eliminate(pivot);
   }
-
-  order_columns(nc);
-  rows_.clear();
-  for (int i = 0; i < nc; ++i)
-    rows_.append(4, rank_, [this, i](int k) { return &rest_(4 * i, pivots_[std::size_t(k)]); });
-  elimination_.set(rows_, rank_);
 }
 
 /// Columns of L that meet the fewest others left come first (least degree), so that sums of

@@ -11,15 +11,17 @@
 /// Internal: the velocities that contacts have in common.
 namespace softfinger::internal {
 
-/// W = C L L^T with the columns of L as few as W's rank, at most the velocities of the bodies
-/// that touch: six per body, however many contacts they have. C is diagonal, because the scaled
-/// problem has other units for the velocities of friction than for its impulses. Cholesky's
-/// method. The next pivots are always those of a contact with the fewest neighbours left: once the
-/// contacts of a body with the world have taken its velocities, those with another body have only
-/// this one's left. So L stays as sparse as the bodies are coupled. Rows of friction that do
-/// nothing are left out of it.
+/// W = C L L^T. C is diagonal, because the scaled problem has other units for the velocities of
+/// friction than for its impulses. L is the root that the problem gives, if it does: six columns
+/// per body, however many contacts they have.
 ///
-/// What W has beyond L is at most 1e-12 of its diagonal.
+/// Else it is found by Cholesky's method, with as few columns as W's rank, and more per contact.
+/// The next pivots are always those of a contact with the fewest neighbours left: once the
+/// contacts of a body with the world have taken its velocities, those with another body have only
+/// this one's left. So L stays as sparse as the bodies are coupled. What W has beyond L is at most
+/// 1e-12 of its diagonal.
+///
+/// Rows of friction that do nothing are left out of it.
 class VelocityFactor {
  public:
   explicit VelocityFactor(int contact_capacity);
@@ -41,6 +43,8 @@ class VelocityFactor {
   const EliminationPattern& pattern() const { return elimination_; }
 
  private:
+  void take_root(const ContactOperator& contacts);
+  void decompose(const ContactOperator& contacts);
   int largest_pivot(int contact, double least) const;
   int next_contact(int contacts, double least);
   int count_left(int pivot) const;
@@ -56,7 +60,7 @@ class VelocityFactor {
   EliminationPattern elimination_;
   std::vector<int> pattern_;
   std::vector<int> neighbours_;  ///< rows that the next pivot of each contact meets
-  Eigen::MatrixXd rest_;         ///< the Schur complement; in its eliminated columns L
+  Eigen::MatrixXd rest_;         ///< L; before, in columns left, the Schur complement
   std::vector<int> pivots_;
   std::vector<char> eliminated_;
   std::vector<std::uint64_t> meet_;  ///< a bit for two columns with a contact in common
