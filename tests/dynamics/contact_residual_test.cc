@@ -192,6 +192,28 @@ TEST(ExactContactResidual, SeesATorqueWithoutAnArm) {
   EXPECT_NEAR(exact_residual(problem, {2, 0, 0, 0.5}), 0.25, kOneRoundOff);
 }
 
+/// A body between walls that close. Added to impulses of 1e17 its velocity is lost, and both walls
+/// seem to have what they need.
+TEST(ContactResidual, IsNotZeroWhereImpulsesAbsorbTheVelocities) {
+  ContactLcp problem;
+  problem.delassus.setZero(8, 8);
+  problem.delassus.diagonal().setOnes();
+  problem.delassus(0, 4) = problem.delassus(4, 0) = -1;
+  problem.free_velocity.setZero(8);
+  problem.free_velocity[0] = problem.free_velocity[4] = -1;
+  problem.friction_coefficient.setConstant(2, 0.5);
+  problem.eccentricity_m.setConstant(2, 0.5);
+  problem.vertices = axes();
+  ContactSolution solution;
+  solution.resize(2);
+  solution.impulse[0] = solution.impulse[4] = 1e17;
+  // Four roundings of both impulses.
+  const double least = 4 * 0x1p-52 * 2e17;
+  EXPECT_GE(contact_residual(problem, solution), least);
+  problem.friction_rule = FrictionRule::ellipsoid;
+  EXPECT_GE(exact_contact_residual(problem, solution), least);
+}
+
 TEST(ExactContactResidual, SeesWhatIsNoNumber) {
   ContactLcp problem = block({-1, 0, 0, 0}, FrictionRule::ellipsoid);
   problem.delassus *= 1e300;

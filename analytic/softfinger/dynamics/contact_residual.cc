@@ -15,16 +15,17 @@ namespace {
 constexpr int kRowsAtOnce = 64;
 using SomeRows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kRowsAtOnce, 1>;
 
-/// rows += term(W) r for the rows of W from `first` on.
-template <class Term>
+/// rows += term(W) r for the rows of W from `first` on. Contacts that are open have no impulse.
+template <class Term, class Rows>
 void add_rows(const Eigen::MatrixXd& delassus, const Eigen::VectorXd& impulse, int first,
-              const Term& term, SomeRows& rows) {
+              const Term& term, Rows& rows) {
   with_best_instructions([&] {
     double* to = rows.data();
     const int count = int(rows.size());
     for (Eigen::Index column = 0; column < impulse.size(); ++column) {
       const double* from = delassus.data() + column * delassus.rows() + first;
       const double factor = term(impulse[column]);
+      if (factor == 0) continue;
       for (int row = 0; row < count; ++row) to[row] += factor * term(from[row]);
     }
   });
@@ -84,8 +85,13 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
   return worst;
 }
 
+void add_response(const ContactLcp& problem, const Eigen::VectorXd& impulse,
+                  Eigen::VectorXd& velocity) {
+  add_rows(
+      problem.delassus, impulse, 0, [](double x) { return x; }, velocity);
+}
+
 double rounding_of(const ContactLcp& problem, const ContactSolution& solution, double most) {
-  constexpr double kRoundings = 4;
   double largest = 0;
   const int rows = int(solution.impulse.size());
   SomeRows terms;
@@ -107,38 +113,39 @@ double rounding_of(const ContactLcp& problem, const ContactSolution& solution, d
 
 }  // namespace internal
 
-double contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
-  if (!internal::all_finite(solution.impulse) || !internal::all_finite(solution.velocity))
-    return kInfinity;
-  const ContactSolution own = rebuilt(problem, solution);
-  Eigen::VectorXd least_along = Eigen::VectorXd::Zero(problem.contacts());
-  for (int i = 0; i < problem.contacts() && problem.vertices.cols() > 0; ++i)
-    least_along[i] =
-        internal::scaled_slip(problem, own, i).transpose().lazyProduct(problem.vertices).minCoeff();
-  const double velocity_error = (solution.velocity - own.velocity).lpNorm<Eigen::Infinity>();
-  const double impulse_error = (solution.impulse - own.impulse).lpNorm<Eigen::Infinity>();
-  return std::max({internal::residual_of(problem, own, least_along),
-                   over(velocity_error, problem.free_velocity.lpNorm<Eigen::Infinity>()),
-                   over(impulse_error, own.impulse.lpNorm<Eigen::Infinity>())});
+namespace {
+
+/// The rounding of W r over the free velocities where it is so large that a residual says nothing,
+/// else 0. Impulses of 1e16 absorb the velocities: they would seem to solve what has no solution.
+double rounding_that_hides(const ContactLcp& problem, const ContactSolution& solution) {
+  constexpr double kHides = 1e-3;
+  const Eigen::VectorXd& impulse = solution.impulse;
+  // |W_ij|² <= W_ii W_jj: at most, without looking at W as a whole.
+  double loads = 0, answer = 0;
+  for (Eigen::Index row = 0; row < impulse.size(); ++row) {
+    const double root = std::sqrt(std::max(problem.delassus(row, row), 0.));
+    loads += root * std::abs(impulse[row]);
+    answer = std::max(answer, row % 4 == 3 ? root * problem.eccentricity_m[row / 4] : root);
+  }
+  const double most = internal::kRoundings * std::numeric_limits<double>::epsilon() * loads *
+                      answer / problem.free_velocity.lpNorm<Eigen::Infinity>();
+  if (!(most > kHides)) return 0;
+  const double rounding = internal::rounding_of(problem, solution, kInfinity);
+  return rounding > kHides ? rounding : 0;
 }
 
-double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+/// `velocity_of(contact)`: what its impulses leave it, asked in their order.
+template <class VelocityOf>
+double exact_residual(const ContactLcp& problem, const ContactSolution& solution,
+                      const VelocityOf& velocity_of) {
   const double velocity_unit = problem.free_velocity.lpNorm<Eigen::Infinity>();
   const double impulse_unit = solution.impulse.lpNorm<Eigen::Infinity>();
   double worst = 0;
   const auto add = [&worst](double value, double unit) {
     worst = std::isnan(value) ? kInfinity : std::max(worst, std::abs(over(value, unit)));
   };
-  SomeRows velocities;
   for (int i = 0; i < problem.contacts(); ++i) {
-    const int within = 4 * i % kRowsAtOnce;
-    if (within == 0) {
-      const int count = std::min(kRowsAtOnce, 4 * (problem.contacts() - i));
-      velocities = problem.free_velocity.segment(4 * i, count);
-      add_rows(
-          problem.delassus, solution.impulse, 4 * i, [](double x) { return x; }, velocities);
-    }
-    const Eigen::Vector4d velocity = velocities.segment<4>(within);
+    const Eigen::Vector4d velocity = velocity_of(i);
     if (!internal::all_finite(velocity)) return kInfinity;
     // P and v_n
     const double normal = solution.impulse[4 * i], own = problem.delassus(4 * i, 4 * i);
@@ -170,7 +177,45 @@ double exact_contact_residual(const ContactLcp& problem, const ContactSolution& 
         friction_excess(shape, step * wrench - slip, limit, Eigen::Vector3d::Constant(step));
     add((slip + excess.excess).lpNorm<Eigen::Infinity>(), velocity_unit);
   }
-  return worst;
+  return std::max(worst, rounding_that_hides(problem, solution));
+}
+
+}  // namespace
+
+double contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  if (!internal::all_finite(solution.impulse) || !internal::all_finite(solution.velocity))
+    return kInfinity;
+  const ContactSolution own = rebuilt(problem, solution);
+  Eigen::VectorXd least_along = Eigen::VectorXd::Zero(problem.contacts());
+  for (int i = 0; i < problem.contacts() && problem.vertices.cols() > 0; ++i)
+    least_along[i] =
+        internal::scaled_slip(problem, own, i).transpose().lazyProduct(problem.vertices).minCoeff();
+  const double velocity_error = (solution.velocity - own.velocity).lpNorm<Eigen::Infinity>();
+  const double impulse_error = (solution.impulse - own.impulse).lpNorm<Eigen::Infinity>();
+  return std::max({internal::residual_of(problem, own, least_along),
+                   rounding_that_hides(problem, own),
+                   over(velocity_error, problem.free_velocity.lpNorm<Eigen::Infinity>()),
+                   over(impulse_error, own.impulse.lpNorm<Eigen::Infinity>())});
+}
+
+double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  SomeRows velocities;
+  return exact_residual(problem, solution, [&](int i) -> Eigen::Vector4d {
+    const int within = 4 * i % kRowsAtOnce;
+    if (within == 0) {
+      const int count = std::min(kRowsAtOnce, 4 * (problem.contacts() - i));
+      velocities = problem.free_velocity.segment(4 * i, count);
+      add_rows(
+          problem.delassus, solution.impulse, 4 * i, [](double x) { return x; }, velocities);
+    }
+    return velocities.segment<4>(within);
+  });
+}
+
+double internal::exact_residual_of(const ContactLcp& problem, const ContactSolution& solution) {
+  return exact_residual(problem, solution, [&](int i) -> Eigen::Vector4d {
+    return solution.velocity.segment<4>(4 * i);
+  });
 }
 
 }  // namespace softfinger

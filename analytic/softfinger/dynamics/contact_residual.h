@@ -17,6 +17,9 @@ inline bool is_exact(const ContactLcp& problem) {
   return problem.friction_rule != FrictionRule::facets;
 }
 
+/// That many roundings of W r a residual may have.
+constexpr double kRoundings = 4;
+
 /// Eigen's allFinite, several numbers at a time.
 template <class Matrix>
 bool all_finite(const Matrix& matrix) {
@@ -30,11 +33,18 @@ inline Eigen::Vector3d scaled_slip(const ContactLcp& problem, const ContactSolut
   return arms.cwiseProduct(solution.velocity.segment<3>(4 * contact + 1));
 }
 
+/// velocity += W impulse, of all rows.
+void add_response(const ContactLcp& problem, const Eigen::VectorXd& impulse,
+                  Eigen::VectorXd& velocity);
+
 /// `contact_residual` of a solution whose impulses and velocities are known to belong to its
 /// weights.
 /// @param least_along  the least D_j^T v_t of all vertices, per contact; 0 where there are none
 double residual_of(const ContactLcp& problem, const ContactSolution& solution,
                    const Eigen::VectorXd& least_along);
+
+/// `exact_contact_residual` of a solution whose velocities are known to be those of `add_response`.
+double exact_residual_of(const ContactLcp& problem, const ContactSolution& solution);
 
 /// How much of the residual the rounding of W r alone explains. Where bodies are wedged by impulses
 /// a million times larger than their motion needs, no other impulses would do better.

@@ -155,8 +155,8 @@ double ImpulseSearch::extract(const Task& task) const {
     solution.impulse.segment<4>(4 * i) =
         contacts_.velocity_unit() * contacts_.impulse_scale().segment<4>(4 * i).cwiseProduct(own);
   }
-  solution.velocity.head(size()) = task.problem.free_velocity;
-  solution.velocity.noalias() += task.problem.delassus * solution.impulse;
+  solution.velocity = task.problem.free_velocity;
+  add_response(task.problem, solution.impulse, solution.velocity);
   return complete(task);
 }
 
@@ -166,7 +166,7 @@ double ImpulseSearch::complete(const Task& task) const {
     task.solution.slip[i] =
         slip.squaredNorm() > 0 ? slip.dot(contacts_.boundary_point(i, slip)) : 0;
   }
-  return exact_contact_residual(task.problem, task.solution);
+  return exact_residual_of(task.problem, task.solution);
 }
 
 }  // namespace softfinger::internal

@@ -84,7 +84,7 @@ class ImpulseSearch {
   /// The least impulses with the same velocities in place of the best ones: LeastImpulse. The
   /// solution is left as it is where their residual would be more than ten times as large.
   void take_least_impulse(const Task& task);
-  /// Writes lambda = h(u); returns the residual.
+  /// Writes lambda = h(u) of a solution with its impulses and velocities; returns the residual.
   double complete(const Task& task) const;
 
  private:
