@@ -13,7 +13,7 @@ namespace {
 /// The starts with given impulses fail in both: further ones are drawn.
 TEST(ContactThreads, DoNotChangeTheSolution) {
   constexpr int kContacts = 100;
-  for (const auto& [seed, number] : {std::pair(11u, 85), {22u, 20}}) {
+  for (const auto& [seed, number] : {std::pair(11u, 85), {18u, 0}}) {
     tests::RandomScenes scenes(seed);
     ContactLcp problem;
     for (int trial = 0; trial <= number; ++trial) problem = scenes.next(kContacts, 16);
@@ -38,15 +38,14 @@ TEST(ContactThreads, DoNotChangeTheSolution) {
 /// What processors do whose vectors hold fewer than four numbers.
 TEST(ContactThreads, TakeOneStartAfterAnotherWithoutWideInstructions) {
   constexpr int kContacts = 100;
-  tests::RandomScenes scenes(22);
-  ContactLcp problem;
-  for (int trial = 0; trial <= 20; ++trial) problem = scenes.next(kContacts, 16);
+  ContactLcp problem = tests::RandomScenes(18).next(kContacts, 16);
   problem.friction_rule = FrictionRule::ellipsoid;
   ContactSolution solution;
   const bool had_wide = std::exchange(has_wide_instructions, false);
   const LcpResult result = ContactLcpSolver(kContacts, 0, 2).solve(problem, solution);
   has_wide_instructions = had_wide;
   EXPECT_EQ(result.status, LcpStatus::solved);
+  EXPECT_GT(result.newton_iterations, 400);  // the first start has failed
 }
 
 /// A body of 100 contacts between two walls that close: no start can succeed, and the proof does

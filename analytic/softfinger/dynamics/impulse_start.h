@@ -9,8 +9,9 @@
 /// Internal: where searches begin.
 namespace softfinger::internal {
 
-/// Sweeps of Gauss-Seidel from each start.
-constexpr int kFirstSweeps = 10;
+/// Sweeps of Gauss-Seidel from each start, there and back. Of 3,072 scenes of 100 contacts two
+/// sweeps leave a tenth more to other starts; ten take as long as the iterations that they save.
+constexpr int kFirstSweeps = 4;
 /// All normal impulses before these sweeps; an impulse of 1 gives its contact the largest free
 /// velocity. Of scenes of 100 random contacts 9 in 10 are solved from the first start, 36 in 37
 /// from the three.
