@@ -218,6 +218,9 @@ TEST(ExactContactResidual, SeesWhatIsNoNumber) {
   ContactLcp problem = block({-1, 0, 0, 0}, FrictionRule::ellipsoid);
   problem.delassus *= 1e300;
   EXPECT_GT(exact_residual(problem, {1e300, 0, 0, 0}), 1e300);
+  problem = block({-1, 0, 0, 0}, FrictionRule::ellipsoid);
+  problem.delassus(0, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_GT(exact_residual(problem, {2, 0, 0, 0}), 1e300);
 }
 
 }  // namespace

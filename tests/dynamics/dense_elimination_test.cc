@@ -22,7 +22,6 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& matrix, Eigen::VectorXd right) {
   DenseElimination elimination(size + 3);
   elimination.zeros(size) = matrix;
   EXPECT_TRUE(elimination.factorise());
-  EXPECT_EQ(elimination.size(), size);
   elimination.substitute(right);
   return right;
 }
@@ -58,7 +57,6 @@ TEST(DenseElimination, RefusesASingularMatrix) {
   DenseElimination elimination(3);
   elimination.zeros(3) << 1, 2, 3, 2, 4, 6, 1, 0, 1;
   EXPECT_FALSE(elimination.factorise());
-  EXPECT_EQ(elimination.size(), 0);
 }
 
 }  // namespace

@@ -216,6 +216,8 @@ TEST(Loops, StayClosedUnderContactsAndMotors) {
   EXPECT_LE(open, linkage.coupler * std::pow(fastest * 1e-3, 2));
   EXPECT_NEAR(stepper.bodies().joint_position(0), 1, 1e-9);
   EXPECT_LE(stepper.bodies().velocity().norm(), 1e-9);
+  EXPECT_EQ(stepper.problem().contacts(), 1) << "the crank's limit";
+  EXPECT_EQ(stepper.problem().root.cols(), 0) << "the loop takes from W what three joints would do";
 }
 
 TEST(Loops, ThatLockAMechanismHoldIt) {

@@ -92,11 +92,25 @@ TEST(PatternElimination, HasTheSameBitsWithoutWideInstructions) {
   }
 }
 
+/// Below 1e-8 of its column, in the group and below it.
 TEST(PatternElimination, RefusesPivotsThatAreTooSmall) {
   tests::RandomScenes random(9);
-  const Sum sum(random, 3, 5);
+  Sum sum(random, 2, 1);
+  while (sum.pattern.rows(5).count == 0) sum = Sum(random, 2, 1);  // a contact of both bodies
   PatternElimination elimination(sum.size);
   elimination.set(sum.pattern);
+  const auto is_accepted = [&](int row, int pivot, double ratio) {
+    PatternElimination::Matrix matrix = elimination.identity();
+    matrix(row, pivot) = 1 / ratio;
+    return elimination.factorise();
+  };
+  for (const int pivot : {0, 2, 4})
+    for (const int row : {5, 6, sum.size - 1}) {
+      EXPECT_TRUE(is_accepted(row, pivot, 1.1e-8)) << row << ' ' << pivot;
+      EXPECT_FALSE(is_accepted(row, pivot, 0.9e-8)) << row << ' ' << pivot;
+      EXPECT_FALSE(is_accepted(row, pivot, -0.9e-8)) << row << ' ' << pivot;
+      EXPECT_FALSE(is_accepted(row, pivot, std::numeric_limits<double>::quiet_NaN()));
+    }
   for (const int pivot : {0, 7, sum.size - 1})
     for (const double value : {0., std::numeric_limits<double>::quiet_NaN()}) {
       elimination.identity()(pivot, pivot) = value;

@@ -173,8 +173,8 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
       without_path += result.attempts == 0;
     }
     EXPECT_GE(without_path, kScenes - 1) << are_bodies_known;
-    // Of 2,048 such scenes six are solved to the rounding of W r only, half of them with roots.
-    EXPECT_LE(wedged, 1) << are_bodies_known;
+    // Of 1,024 such scenes three are solved to the rounding of W r only, either way.
+    EXPECT_LE(wedged, are_bodies_known ? 1 : 0);
   }
 }
 

@@ -204,17 +204,19 @@ TEST(Spinning, ASoftBallIsStoppedByItsTorqueAlone) {
 // --- stacks
 // ---------------------------------------------------------------------------------------
 
-/// Five boxes, each a little aside, so that the loads of the corners differ.
+/// Stacks of five boxes, each a little aside, so that the loads of the corners differ.
 struct Boxes {
-  Boxes() {
-    for (int i = 0; i < 5; ++i) {
-      bodies.push_back(
-          tests::box("box " + std::to_string(i), size, 0.5,
-                     Vector3d(0.007 * (i % 3), 0.005 * (i % 2), size.z() * (i + 0.5))));
-      SimpleContacts::Pair pair = corners(i, i + 1, size, 0.5);
-      pair.height_m = i == 0 ? 0 : size.z() / 2;
-      contacts.pairs.push_back(pair);
-    }
+  explicit Boxes(int stacks = 1) {
+    for (int stack = 0; stack < stacks; ++stack)
+      for (int i = 0; i < 5; ++i) {
+        const int box = int(bodies.size());
+        bodies.push_back(
+            tests::box("box " + std::to_string(box), size, 0.5,
+                       Vector3d(0.007 * (i % 3) + stack, 0.005 * (i % 2), size.z() * (i + 0.5))));
+        SimpleContacts::Pair pair = corners(i == 0 ? 0 : box - 1, box, size, 0.5);
+        pair.height_m = i == 0 ? 0 : size.z() / 2;
+        contacts.pairs.push_back(pair);
+      }
   }
 
   Vector3d size = Vector3d(0.1, 0.08, 0.05);
@@ -252,24 +254,77 @@ TEST(Stack, OfFiveBoxesDoesNotCreep) {
 }
 
 /// W is made row by row, G of the same bodies.
-TEST(Stack, KnowsTheRootOfItsProblem) {
-  Boxes stack;
-  TimeStepper stepper(Multibody(stack.bodies, {}), {}, options());
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(stepper.step(stack.contacts).done());
-  const ContactLcp problem = stepper.problem();
-  EXPECT_EQ(problem.root.cols(), 6 * 5);
+void expect_root(const ContactLcp& problem, int columns) {
+  ASSERT_EQ(problem.root.cols(), columns);
+  ASSERT_EQ(problem.root.rows(), problem.delassus.rows());
   const Eigen::MatrixXd product = problem.root * problem.root.transpose();
-  ASSERT_EQ(product.rows(), problem.delassus.rows());
   for (int a = 0; a < product.rows(); ++a)
     for (int b = 0; b < product.cols(); ++b)
       EXPECT_NEAR(product(a, b), problem.delassus(a, b),
                   20 * kEpsilon * std::sqrt(product(a, a) * product(b, b)));  // twelve products
+}
+
+TEST(Root, IsThatOfEachIsland) {
+  for (const int stacks : {1, 2}) {
+    Boxes boxes(stacks);
+    TimeStepper stepper(Multibody(boxes.bodies, {}), {}, options());
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(stepper.step(boxes.contacts).done());
+    expect_root(stepper.problem(), 6 * 5 * stacks);
+  }
+}
+
+TEST(Root, KnowsJointsTheirLimitsAndMotors) {
+  // A bar that turns about its middle, pressed onto a table by a motor.
+  BodyDescription bar = tests::box("bar", Vector3d(0.2, 0.02, 0.02), 0.4, Vector3d(0, 0, 0.02));
+  JointDescription lift, hinge;
+  lift.name = "lift";
+  lift.parent = -1;
+  lift.child = 1;
+  lift.kind = JointKind::prismatic;
+  lift.axis = Vector3d::UnitZ();
+  lift.upper = 0;  // which it is at
+  hinge.name = "hinge";
+  hinge.parent = 1;
+  hinge.child = 2;
+  hinge.kind = JointKind::revolute;
+  hinge.axis = Vector3d::UnitY();
+  hinge.anchor_m = bar.pose.translation();
+  Motor press;
+  press.joint = 0;
+  press.stiffness = 100;
+  press.damping = 1;
+  press.target = -0.01;
+  TimeStepper stepper(
+      Multibody({tests::ground(), tests::ball("slide", 0.005, 0.1, bar.pose.translation()), bar},
+                {lift, hinge}),
+      {press}, options());
+  SimpleContacts contacts;
+  contacts.pairs = {corners(0, 2, Vector3d(0.2, 0.02, 0.04), 0.5)};
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(stepper.step(contacts).done());
+  expect_root(stepper.problem(), 2);
+}
+
+/// Presliding adds to W what the bodies do not know of, and facets need no root.
+TEST(Root, IsNotThereWhereItIsNotThatOfW) {
+  struct Giving final : ContactFinder {
+    SimpleContacts contacts;
+    void find(const Multibody& bodies, double time_step_s, std::vector<Contact>& found) override {
+      contacts.find(bodies, time_step_s, found);
+      found.back().compliance = Vector3d(1e-6, 1e-6, 1e-3);
+    }
+  };
+  Boxes stack;
+  Giving giving;
+  giving.contacts = stack.contacts;
+  TimeStepper gives(Multibody(stack.bodies, {}), {}, options());
+  ASSERT_TRUE(gives.step(giving).done());
+  EXPECT_EQ(gives.problem().root.cols(), 0);
 
   TimeStepper::Options facets = options();
   facets.friction_rule = FrictionRule::facets;
   TimeStepper other(Multibody(stack.bodies, {}), {}, facets);
   ASSERT_TRUE(other.step(stack.contacts).done());
-  EXPECT_EQ(other.problem().root.cols(), 0) << "of no use";
+  EXPECT_EQ(other.problem().root.cols(), 0);
 }
 
 // --- invariants over random scenes

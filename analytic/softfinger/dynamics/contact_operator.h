@@ -22,7 +22,8 @@ class ContactOperator {
   int contacts() const { return contacts_; }
   const Eigen::MatrixXd& delassus() const { return delassus_; }            ///< W
   const Eigen::VectorXd& free_velocity() const { return free_velocity_; }  ///< v_free
-  /// ContactLcp::root as it was given, if it has fewer columns than W; null: none.
+  /// ContactLcp::root as it was given, if it has fewer columns than W; null: none. There as long as
+  /// the problem is.
   const Eigen::SparseMatrix<double>* given_root() const { return given_root_; }
   /// The contacts that this one feels, itself among them.
   struct Neighbours {

@@ -47,6 +47,25 @@ ContactSolution rebuilt(const ContactLcp& problem, const ContactSolution& soluti
   return result;
 }
 
+/// The rounding of W r over the free velocities where it is so large that a residual says nothing,
+/// else 0. Impulses of 1e16 absorb the velocities: they would seem to solve what has no solution.
+double rounding_that_hides(const ContactLcp& problem, const ContactSolution& solution) {
+  constexpr double kHides = 1e-3;
+  const Eigen::VectorXd& impulse = solution.impulse;
+  // |W_ij|² <= W_ii W_jj: at most, without looking at W as a whole.
+  double loads = 0, answer = 0;
+  for (Eigen::Index row = 0; row < impulse.size(); ++row) {
+    const double root = std::sqrt(std::max(problem.delassus(row, row), 0.));
+    loads += root * std::abs(impulse[row]);
+    answer = std::max(answer, row % 4 == 3 ? root * problem.eccentricity_m[row / 4] : root);
+  }
+  const double most = internal::kRoundings * std::numeric_limits<double>::epsilon() * loads *
+                      answer / problem.free_velocity.lpNorm<Eigen::Infinity>();
+  if (!(most > kHides)) return 0;
+  const double rounding = internal::rounding_of(problem, solution, kInfinity);
+  return rounding > kHides ? rounding : 0;
+}
+
 }  // namespace
 
 namespace internal {
@@ -82,7 +101,7 @@ double residual_of(const ContactLcp& problem, const ContactSolution& solution,
     const double along = problem.vertices.col(weight.vertex).dot(scaled_slip(problem, solution, i));
     add(over(std::min(diagonal * weight.value, solution.slip[i] + along), velocity_unit));
   }
-  return worst;
+  return std::max(worst, rounding_that_hides(problem, solution));
 }
 
 void add_response(const ContactLcp& problem, const Eigen::VectorXd& impulse,
@@ -114,25 +133,6 @@ double rounding_of(const ContactLcp& problem, const ContactSolution& solution, d
 }  // namespace internal
 
 namespace {
-
-/// The rounding of W r over the free velocities where it is so large that a residual says nothing,
-/// else 0. Impulses of 1e16 absorb the velocities: they would seem to solve what has no solution.
-double rounding_that_hides(const ContactLcp& problem, const ContactSolution& solution) {
-  constexpr double kHides = 1e-3;
-  const Eigen::VectorXd& impulse = solution.impulse;
-  // |W_ij|² <= W_ii W_jj: at most, without looking at W as a whole.
-  double loads = 0, answer = 0;
-  for (Eigen::Index row = 0; row < impulse.size(); ++row) {
-    const double root = std::sqrt(std::max(problem.delassus(row, row), 0.));
-    loads += root * std::abs(impulse[row]);
-    answer = std::max(answer, row % 4 == 3 ? root * problem.eccentricity_m[row / 4] : root);
-  }
-  const double most = internal::kRoundings * std::numeric_limits<double>::epsilon() * loads *
-                      answer / problem.free_velocity.lpNorm<Eigen::Infinity>();
-  if (!(most > kHides)) return 0;
-  const double rounding = internal::rounding_of(problem, solution, kInfinity);
-  return rounding > kHides ? rounding : 0;
-}
 
 /// `velocity_of(contact)`: what its impulses leave it, asked in their order.
 template <class VelocityOf>
@@ -193,12 +193,12 @@ double contact_residual(const ContactLcp& problem, const ContactSolution& soluti
   const double velocity_error = (solution.velocity - own.velocity).lpNorm<Eigen::Infinity>();
   const double impulse_error = (solution.impulse - own.impulse).lpNorm<Eigen::Infinity>();
   return std::max({internal::residual_of(problem, own, least_along),
-                   rounding_that_hides(problem, own),
                    over(velocity_error, problem.free_velocity.lpNorm<Eigen::Infinity>()),
                    over(impulse_error, own.impulse.lpNorm<Eigen::Infinity>())});
 }
 
 double exact_contact_residual(const ContactLcp& problem, const ContactSolution& solution) {
+  if (!internal::all_finite(problem.delassus)) return kInfinity;
   SomeRows velocities;
   return exact_residual(problem, solution, [&](int i) -> Eigen::Vector4d {
     const int within = 4 * i % kRowsAtOnce;

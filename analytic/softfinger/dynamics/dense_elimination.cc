@@ -210,7 +210,7 @@ DenseElimination::DenseElimination(int capacity)
 
 DenseElimination::Matrix DenseElimination::zeros(int size) {
   const int whole = kFour * tiles_of(size), rest = whole - size;
-  given_ = size;
+  size_ = size;
   const std::ptrdiff_t stride = stride_of(tiles_of(size));
   values_.head(stride * whole).setZero();
   using All = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
@@ -219,13 +219,11 @@ DenseElimination::Matrix DenseElimination::zeros(int size) {
 }
 
 bool DenseElimination::factorise() {
-  const int tiles = tiles_of(given_);
-  const bool is_regular = with_best_instructions([&] {
+  const int tiles = tiles_of(size_);
+  return with_best_instructions([&] {
     return eliminate({values_.data(), stride_of(tiles), tiles, has_tile_.data()}, pivots_.data(),
                      rows_.data());
   });
-  size_ = is_regular ? given_ : 0;
-  return is_regular;
 }
 
 void DenseElimination::substitute(Eigen::VectorXd& right) {

@@ -23,8 +23,6 @@ class DenseElimination {
   bool factorise();
   /// Replaces `right` by the solution.
   void substitute(Eigen::VectorXd& right);
-  void forget() { size_ = 0; }
-  int size() const { return size_; }  ///< of the last decomposition; 0: none
 
  private:
   Eigen::VectorXd values_;
@@ -32,7 +30,6 @@ class DenseElimination {
   std::vector<char> has_tile_;  ///< whether a tile may have other elements than zero; by columns
   std::vector<int> rows_;       ///< tiles of a panel, while it factorises
   Eigen::VectorXd solution_;
-  int given_ = 0;  ///< size of the matrix
   int size_ = 0;
 };
 

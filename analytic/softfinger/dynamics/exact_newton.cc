@@ -95,7 +95,7 @@ bool ExactNewton::find_step(const ContactOperator& contacts, const Eigen::Vector
   contacts.find_velocity(step_, trial_);
   const int most_common = compliance_ > 0 ? kSparser * size : size;
   const bool is_reduced = size >= kFewUnknowns && factor(contacts).rank() < most_common;
-  decomposition_ = is_reduced ? factorise_reduced(contacts, impulse, proximal)
+  decomposition_ = is_reduced ? factorise_reduced(contacts, impulse, proximal, size)
                               : factorise(contacts, impulse, proximal, size);
   if (decomposition_ == Decomposition::none) return false;
   factored_contacts_ = contacts.contacts();
@@ -170,13 +170,14 @@ ExactNewton::Decomposition ExactNewton::factorise(const ContactOperator& contact
 /// digits depend on.
 ExactNewton::Decomposition ExactNewton::factorise_reduced(const ContactOperator& contacts,
                                                           const Eigen::VectorXd& impulse,
-                                                          double proximal) {
+                                                          double proximal, int size) {
   for (int i = 0; i < contacts.contacts(); ++i)
     if (first_[std::size_t(i)] >= 0) find_inverse(contacts, i, impulse[4 * i], proximal);
   if (compliance_ > 0) {
     assemble_reduced(pattern_elimination_.identity());
     if (pattern_elimination_.factorise()) return Decomposition::of_velocities;
   }
+  if (factor_.rank() >= size) return factorise(contacts, impulse, proximal, size);
   DenseElimination::Matrix matrix = elimination_.zeros(factor_.rank());
   matrix.diagonal().setOnes();
   assemble_reduced(matrix);

@@ -23,7 +23,8 @@ namespace softfinger::internal {
 /// small its e_n. Impulses of redundant contacts are not unique. Each step is therefore a proximal
 /// one: it does not change those parts of the impulses that have no effect on velocities.
 ///
-/// Where more contacts touch than the bodies have velocities, the step is solved for these: with
+/// Where the contacts that touch have more unknowns than the bodies velocities, or at least half as
+/// many for a proximal point, the step is solved for these: with
 /// W = C L L^T and dF_i = B_i (W dr)_i + A_i dr_i = -F_i, y = L^T dr follows from
 ///   (1 + sum L_i^T A_i^-1 B_i C_i L_i) y = -sum L_i^T A_i^-1 F_i.
 class ExactNewton {
@@ -94,7 +95,7 @@ class ExactNewton {
   Decomposition factorise(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                           double proximal, int size);
   Decomposition factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
-                                  double proximal);
+                                  double proximal, int size);
   void find_inverse(const ContactOperator& contacts, int i, double pressure, double proximal);
   void assemble_reduced(Eigen::Ref<Eigen::MatrixXd> matrix) const;
   bool take_steps(const ContactOperator& contacts, ProximalCourse& course);

@@ -26,7 +26,7 @@ constexpr int kMostStarts = kGivenStarts + 200;
 /// After this part of the iterations, and the given starts, a point is a solution as well where its
 /// residual is the rounding of W r. Before, other starts often find one with smaller impulses.
 constexpr double kPartForUnrounded = 0.25;
-/// A search needs six times the memory of W.
+/// A search needs nine times the memory of W.
 constexpr int kMostThreads = 4, kMostContactsInParallel = 250;
 
 /// The square of how many more contacts there are than were measured; 1 at least.

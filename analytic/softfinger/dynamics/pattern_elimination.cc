@@ -19,18 +19,13 @@ constexpr std::ptrdiff_t stride_of(int size) {
   return kPart * std::ptrdiff_t((size + 3 * kPart - 2) / kPart | 1);
 }
 
-inline double largest_of(const Four& values) {
-  double largest = values[0];
-  for (int k = 1; k < kFour; ++k) largest = std::max(largest, values[k]);
-  return largest;
-}
-
 }  // namespace
 
 PatternElimination::PatternElimination(int capacity)
     : values_(Eigen::VectorXd::Zero(stride_of(capacity) * capacity)),
       // A column has less than a part for each row below it.
-      panels_(kPart * std::ptrdiff_t(capacity) * capacity / 2) {
+      panels_(kPart * std::ptrdiff_t(capacity) * capacity / 2),
+      solution_(Eigen::VectorXd::Zero(stride_of(capacity))) {
   groups_.reserve(std::size_t(capacity));
   rows_.reserve(std::size_t(capacity) * std::size_t(capacity) / 2);
   parts_.reserve(rows_.capacity());
@@ -120,7 +115,7 @@ bool PatternElimination::eliminate_group(Group& group) {
   const int* parts = parts_.data() + group.first_part;
   int* nonzero = nonzero_parts_.data() + group.first_part;
   double* panel = panels_.data() + group.panel;
-  Four most = {};
+  auto is_small = Four{} == Four{};  // NaN is not
   group.nonzero_parts = 0;
   for (int k = 0; k < group.parts; ++k) {
     Four values[width];
@@ -136,13 +131,12 @@ bool PatternElimination::eliminate_group(Group& group) {
       value = value * block[p][p];
       values[p] = value;
       store(value, panel + kPart * p);
-      const Four size = value < 0 ? -value : value;
-      most = size > most ? size : most;
+      is_small = is_small & (kLeastPivot * value < 1) & (kLeastPivot * value > -1);
     });
     panel += kPart * width;
     nonzero[group.nonzero_parts++] = parts[k];
   }
-  if (!(kLeastPivot * largest_of(most) < 1)) return false;
+  if ((is_small[0] & is_small[1] & is_small[2] & is_small[3]) == 0) return false;
   const int *right = rows_.data() + group.first_row, *end = right + group.rows;
   const int* pair[kColumns];
   int count = 0;
@@ -201,10 +195,12 @@ void PatternElimination::eliminate_columns(const Group& group, const int* const*
 }
 
 void PatternElimination::substitute(Eigen::VectorXd& right) {
-  with_best_instructions([&] { substitute_all(right.data()); });
+  solution_.head(size_) = right.head(size_);
+  with_best_instructions([&] { substitute_all(solution_.data()); });
+  right.head(size_) = solution_.head(size_);
 }
 
-/// x = U_M^-1 L_M^-1 x
+/// x = U_M^-1 L_M^-1 x, with room for a part that begins in the last row.
 void PatternElimination::substitute_all(double* x) {
   for (const Group& group : groups_) {
     double* own = x + group.first;

@@ -56,6 +56,7 @@ class PatternElimination {
   std::vector<int> parts_, nonzero_parts_;
   Eigen::VectorXd values_;  ///< in the groups, and right of them U_M; the pivots inverted
   Eigen::VectorXd panels_;  ///< L_M below the groups, part by part
+  Eigen::VectorXd solution_;
 };
 
 }  // namespace softfinger::internal

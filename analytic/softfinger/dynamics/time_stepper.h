@@ -153,7 +153,8 @@ class TimeStepper {
   Eigen::Vector4d contact_velocity(int contact) const;
   double eccentricity_m(int contact) const { return problem_.eccentricity_m[contact]; }
   double friction_coefficient(int contact) const { return problem_.friction_coefficient[contact]; }
-  /// The last problem, as solved; rows of joint limits come behind the contacts. Assembled here.
+  /// The last problem, as solved; rows of joint limits come behind the contacts. Assembled here. It
+  /// has a root where those of all islands have.
   ContactLcp problem() const;
   const Eigen::VectorXd& free_velocity() const { return problem_.free_velocity; }  ///< its own
   const ContactSolution& solution() const { return solution_; }
