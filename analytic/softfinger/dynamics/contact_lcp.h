@@ -98,7 +98,8 @@ struct ContactSolution {
 ///
 /// Sized once: `solve` then allocates nothing, for solutions that have been resized before. Except
 /// where the first start of a cold solve with exact friction fails, in one of ten problems of 100
-/// contacts: other starts need memory, and each further thread nine times that of W, which it keeps.
+/// contacts: other starts need memory, and each further thread nine times that of W, which it
+/// keeps.
 class ContactLcpSolver {
  public:
   /// @param largest_vertices  of the facets; 0 for exact friction alone
