@@ -151,8 +151,7 @@ TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
   std::printf("at most %d attempts\n", most_attempts);
 }
 
-/// Proximal points solve nearly all of these before a path would begin. From their first start
-/// alone 35 of them are solved, from the first three 38.
+/// Proximal points solve nearly all of these before a path would begin, 38 from their first start.
 TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
   constexpr int kContacts = 100, kScenes = 40;
   for (const bool are_bodies_known : {false, true}) {
