@@ -141,21 +141,38 @@ ShapeDistances::Nearest ShapeDistances::nearest(int a, const Isometry3d& pose_a,
     std::swap(turned.on_a, turned.on_b);
     return turned;
   }
-  fcl::DistanceRequestd request(true);
-  request.distance_tolerance = tolerance_m;
-  fcl::DistanceResultd found;
-  Nearest result;
-  result.distance_m = fcl::distance(one.exact(), pose_a, other.exact(), pose_b, request, found);
-  result.on_a = found.nearest_points[0];
-  result.on_b = found.nearest_points[1];
-  // For some pairs FCL 0.7 gives the points in the shapes' own frames: then they are not as far
-  // apart as it says.
   const double rounding_m = 1e-6 * std::min(one.radius_m, other.radius_m);
-  if (result.distance_m > 0 &&
-      std::abs((result.on_b - result.on_a).norm() - result.distance_m) > rounding_m) {
-    result.on_a = pose_a * result.on_a;
-    result.on_b = pose_b * result.on_b;
+  Nearest result;
+  const auto agree = [&] {
+    return !(result.distance_m > 0) ||
+           std::abs((result.on_b - result.on_a).norm() - result.distance_m) <= rounding_m;
+  };
+  const auto ask = [&](const Isometry3d& pose_of_b) {
+    fcl::DistanceRequestd request(true);
+    request.distance_tolerance = tolerance_m;
+    fcl::DistanceResultd found;
+    result.distance_m =
+        fcl::distance(one.exact(), pose_a, other.exact(), pose_of_b, request, found);
+    result.on_a = found.nearest_points[0];
+    result.on_b = found.nearest_points[1];
+    if (agree()) return;
+    // For some pairs FCL 0.7 gives the points in the shapes' own frames: then they are not as far
+    // apart as it says.
+    result.on_a = pose_a * found.nearest_points[0];
+    result.on_b = pose_of_b * found.nearest_points[1];
+  };
+  ask(pose_b);
+  if (agree()) return result;
+  // Of faces that are parallel to rounding it may give two points that do not belong together.
+  // Those of a shape that is turned by a little do, and the distance is known.
+  constexpr double kLittle_rad = 1e-6;
+  const double distance_m = result.distance_m;
+  for (const Vector3d& axis : {Vector3d(1, 2, 3), Vector3d(-2, 3, 1), Vector3d(3, -1, 2)}) {
+    ask(pose_b * Eigen::AngleAxisd(kLittle_rad, axis.normalized()));
+    if (result.distance_m > 0 && agree()) break;
   }
+  result.distance_m = distance_m;
+  result.on_b = result.on_a + distance_m * (result.on_b - result.on_a).normalized();
   return result;
 }
 
