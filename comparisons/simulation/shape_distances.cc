@@ -165,10 +165,10 @@ ShapeDistances::Nearest ShapeDistances::nearest(int a, const Isometry3d& pose_a,
   if (agree()) return result;
   // Of faces that are parallel to rounding it may give two points that do not belong together.
   // Those of a shape that is turned by a little do, and the distance is known.
-  constexpr double kLittle_rad = 1e-6;
   const double distance_m = result.distance_m;
-  for (const Vector3d& axis : {Vector3d(1, 2, 3), Vector3d(-2, 3, 1), Vector3d(3, -1, 2)}) {
-    ask(pose_b * Eigen::AngleAxisd(kLittle_rad, axis.normalized()));
+  const Vector3d axis = Vector3d(1, 2, 3).normalized();
+  for (const double little_rad : {1e-10, 1e-9, 1e-8, 1e-7, 1e-6}) {
+    ask(pose_b * Eigen::AngleAxisd(little_rad, axis));
     if (result.distance_m > 0 && agree()) break;
   }
   result.distance_m = distance_m;
