@@ -294,8 +294,16 @@ ShapeDistances::Nearest CollisionDetector::Implementation::distance(int first, i
                                                                     PairMemory& memory) const {
   const Part& a = parts[std::size_t(first)];
   Part b = parts[std::size_t(second)];
-  if (!a.is_mesh() || !std::holds_alternative<input::Box>(b.kind()))
-    return distances.nearest(first, a.pose, second, pose_of_b, tolerance_m);
+  if (!a.is_mesh() || !std::holds_alternative<input::Box>(b.kind())) {
+    const ShapeDistances::Nearest at =
+        distances.nearest(first, a.pose, second, pose_of_b, tolerance_m);
+    if (!at.has_points)
+      throw std::runtime_error(fmt::format(
+          "the library FCL finds no nearest points of \"{}\" and \"{}\", {:.4g} mm apart",
+          scene.descriptions[std::size_t(a.body)].name,
+          scene.descriptions[std::size_t(b.body)].name, at.distance_m * 1e3));
+    return at;
+  }
   b.pose = pose_of_b;
   const TriangleTree::Nearest at =
       a.tree->nearest(in_frame(a, core_of(b)->core), kInfinity, memory.triangle);

@@ -26,8 +26,11 @@ class ShapeDistances {
   struct Nearest {
     double distance_m = 0;  ///< not positive: the shapes overlap, and the points mean nothing
     Eigen::Vector3d on_a = Eigen::Vector3d::Zero(), on_b = Eigen::Vector3d::Zero();  ///< world
+    bool has_points = true;  ///< false: those that FCL gives do not belong to the distance
   };
-  /// Nearest points of two shapes at poses of their own, to `tolerance_m`.
+  /// Nearest points of two shapes at poses of their own, to `tolerance_m`. Of faces that are
+  /// parallel to rounding, any two across the gap: FCL 0.7 may even give two that lie beside the
+  /// smaller face (a box of 40 mm above a table: 7 of 2,000,000 poses, by up to 0.7 mm).
   Nearest nearest(int a, const Eigen::Isometry3d& pose_a, int b, const Eigen::Isometry3d& pose_b,
                   double tolerance_m) const;
 
