@@ -48,6 +48,29 @@ TEST(RedundantContacts, FourCornersOfABoxShare) {
   }
 }
 
+/// Heavy boxes on light ones: what rounding leaves of the velocities of unloaded corners is a
+/// hundred times that of loaded ones. Yet all corners share in each step.
+TEST(RedundantContacts, AllCornersUnderHeavyBoxesShareInEachStep) {
+  constexpr int kBoxes = 5;
+  std::string bodies = kTable;
+  for (int i = 0; i < kBoxes; ++i)
+    bodies += box(fmt::format("box_{}", i), Vector3d::Constant(40), {0, 0, 40. * i + 20},
+                  fmt::format("mass_g = {}", 20 << i));
+  const Simulation stack = run(bodies, 10, 2);
+  ASSERT_EQ(stack.recording.frames.size(), 5001u);
+  for (const Frame& frame : stack.recording.frames) {
+    if (frame.time_s < 0.1) continue;
+    ASSERT_EQ(frame.contacts.size(), 4u * kBoxes) << frame.time_s;
+    for (const RecordedContact& contact : frame.contacts) {
+      // 20 g is the lowest one; body 0 is the table.
+      const double above_kg = 0.02 * ((1 << kBoxes) - (1 << (std::max(contact.a, contact.b) - 1)));
+      const double weight_N = 9.81 * above_kg;
+      ASSERT_NEAR(contact.normal_force_N, weight_N / 4, 1e-9 * weight_N) << frame.time_s;
+      ASSERT_NEAR(contact.tangent_force_1_N, 0, 1e-9 * weight_N) << frame.time_s;
+    }
+  }
+}
+
 /// A rod between two jaws, along its whole length or over a part of it, and a torque about the
 /// jaws' normal. Each jaw bears at the two ends of the common line, l apart: the limit is 2 mu P
 /// l/2.

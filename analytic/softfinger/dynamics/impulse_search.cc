@@ -134,12 +134,14 @@ void ImpulseSearch::take_least_impulse(const Task& task) {
   contacts_.find_velocity(impulse_, velocity_);
   velocity_.head(size()) += contacts_.free_velocity().head(size());
   if (!least_.find(task.problem, contacts_, velocity_, impulse_)) return;
-  const double reached = extract(task), residual = task.result.residual;
+  double reached = extract(task);
+  const double residual = task.result.residual;
   // The velocities stay the same. But what is left of them where a contact sticks counts as soon as
-  // it is loaded: the residual may be several times that of before, and is as much rounding.
+  // it is loaded: the residual may be many times that of before, and is as much rounding. Which of
+  // all impulses it is must not depend on such digits.
   constexpr double kSeveral = 10;
-  const double accepted = residual > kSolved ? residual : std::min(kSeveral * residual, kSolved);
-  if (reached <= accepted || task.is_good(reached)) {
+  if (reached > kSeveral * residual && least_.follow(contacts_, impulse_)) reached = extract(task);
+  if (reached <= std::max(residual, kSolved) || task.is_good(reached)) {
     task.result.residual = reached;
   } else {
     task.result.residual = restore_best(task);
