@@ -1,5 +1,6 @@
 #include "softfinger/dynamics/contact_rows.h"
 
+#include "softfinger/math/repeat.h"
 #include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
@@ -13,9 +14,19 @@ inline void add_product_of(const double* values, const int* columns, int width, 
   const double* of[rows];
   for (int row = 0; row < rows; ++row) of[row] = values + row * width;
   for (int a = 0; a < width; ++a) {
-    double along[rows] = {};
-    for (int k = 0; k < rows; ++k)
-      for (int row = 0; row < rows; ++row) along[row] += of[k][a] * own[rows * k + row];
+    double along[kFour];
+    if constexpr (rows == kFour) {
+      Four sum = {};
+      repeat<rows>([&](int k) {
+        Four part;
+        load(own + rows * k, part);
+        sum = sum + of[k][a] * part;
+      });
+      store(sum, along);
+    } else {
+      static_assert(rows == 1);
+      along[0] = of[0][a] * own[0];
+    }
     double* to = &matrix(0, columns[a]);
     for (int b = lower ? a / kFour * kFour : 0; b < whole; b += kFour) {
       Four part, sum;
@@ -38,6 +49,31 @@ inline void add_product_of(const double* values, const int* columns, int width, 
       to[columns[b]] += sum;
     }
   }
+}
+
+/// x += L_i^T y, row by row.
+template <int rows>
+inline void add_transposed_of(const double* values, const int* columns, int width, const double* y,
+                              double* x) {
+  const int whole = width / kFour * kFour;
+  for (int k = 0; k < whole; k += kFour) {
+    Four sum, own;
+    const bool follow_each_other = columns[k + kFour - 1] == columns[k] + kFour - 1;
+    if (follow_each_other)
+      load(x + columns[k], sum);
+    else
+      sum = Four{x[columns[k]], x[columns[k + 1]], x[columns[k + 2]], x[columns[k + 3]]};
+    for (int row = 0; row < rows; ++row) {
+      load(values + row * width + k, own);
+      sum = sum + y[row] * own;
+    }
+    if (follow_each_other)
+      store(sum, x + columns[k]);
+    else
+      for (int n = 0; n < kFour; ++n) x[columns[k + n]] = sum[n];
+  }
+  for (int k = whole; k < width; ++k)
+    for (int row = 0; row < rows; ++row) x[columns[k]] += y[row] * values[row * width + k];
 }
 
 }  // namespace
@@ -67,11 +103,15 @@ void ContactRows::multiply(int contact, const Eigen::VectorXd& x, double* y) con
 }
 
 void ContactRows::add_transposed(int contact, const double* y, Eigen::VectorXd& x) const {
-  const int width = column_count(contact);
-  const int* column = columns(contact);
   const double* own = values(contact);
-  for (int row = 0; row < rows_[std::size_t(contact)]; ++row, own += width)
-    for (int k = 0; k < width; ++k) x[column[k]] += y[row] * own[k];
+  const int* column = columns(contact);
+  const int width = column_count(contact);
+  with_best_instructions([&] {
+    if (rows_[std::size_t(contact)] == 1)
+      add_transposed_of<1>(own, column, width, y, x.data());
+    else
+      add_transposed_of<kMostRows>(own, column, width, y, x.data());
+  });
 }
 
 template <bool lower>

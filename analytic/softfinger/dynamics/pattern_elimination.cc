@@ -57,8 +57,8 @@ void PatternElimination::set(const EliminationPattern& pattern) {
 }
 
 PatternElimination::Matrix PatternElimination::identity() {
-  const Four zeros = {};
   with_best_instructions([&] {
+    const Four zeros = {};
     for (const Group& group : groups_) {
       for (int p = 0; p < group.width; ++p) {
         double* own = column(group.first + p);
@@ -115,7 +115,7 @@ bool PatternElimination::eliminate_group(Group& group) {
   const int* parts = parts_.data() + group.first_part;
   int* nonzero = nonzero_parts_.data() + group.first_part;
   double* panel = panels_.data() + group.panel;
-  auto is_small = Four{} == Four{};  // NaN is not
+  Four squares = {};
   group.nonzero_parts = 0;
   for (int k = 0; k < group.parts; ++k) {
     Four values[width];
@@ -131,11 +131,12 @@ bool PatternElimination::eliminate_group(Group& group) {
       value = value * block[p][p];
       values[p] = value;
       store(value, panel + kPart * p);
-      is_small = is_small & (kLeastPivot * value < 1) & (kLeastPivot * value > -1);
+      squares = squares + value * value;
     });
     panel += kPart * width;
     nonzero[group.nonzero_parts++] = parts[k];
   }
+  const auto is_small = squares < 1 / (kLeastPivot * kLeastPivot);  // NaN is not
   if ((is_small[0] & is_small[1] & is_small[2] & is_small[3]) == 0) return false;
   const int *right = rows_.data() + group.first_row, *end = right + group.rows;
   const int* pair[kColumns];
@@ -225,11 +226,23 @@ void PatternElimination::substitute_all(double* x) {
   }
   for (auto group = groups_.rbegin(); group != groups_.rend(); ++group) {
     double* own = x + group->first;
+    Four first, second;
+    load(own, first);
+    load(own + kPart, second);
     for (int a = 0; a < group->rows; ++a) {
-      const int row = rows_[std::size_t(group->first_row + a)];
-      const double* above = column(row) + group->first;
-      for (int p = 0; p < group->width; ++p) own[p] -= above[p] * x[row];
+      const int right = rows_[std::size_t(group->first_row + a)];
+      const double* above = column(right) + group->first;
+      Four factor;
+      load(above, factor);
+      first = first - factor * x[right];
+      load(above + kPart, factor);
+      second = second - factor * x[right];
     }
+    // What lies behind the group is not its own.
+    double sums[2 * kPart];
+    store(first, sums);
+    store(second, sums + kPart);
+    std::copy_n(sums, group->width, own);
     for (int p = group->width - 1; p >= 0; --p) {
       const double* above = column(group->first + p) + group->first;
       own[p] *= above[p];

@@ -36,14 +36,15 @@ class PatternElimination {
     std::ptrdiff_t panel;   ///< in panels_
   };
 
-  bool eliminate();
+  // Inlined, for else they would not get the instructions of what calls them.
+  [[gnu::always_inline]] inline bool eliminate();
   template <int width>
-  bool eliminate_group(Group& group);
+  [[gnu::always_inline]] inline bool eliminate_group(Group& group);
   template <int width>
-  bool eliminate_above(const Group& group, int right);
+  [[gnu::always_inline]] inline bool eliminate_above(const Group& group, int right);
   template <int width, int count>
-  void eliminate_columns(const Group& group, const int* const* right);
-  void substitute_all(double* x);
+  [[gnu::always_inline]] inline void eliminate_columns(const Group& group, const int* const* right);
+  [[gnu::always_inline]] inline void substitute_all(double* x);
 
   double* column(int index) { return values_.data() + index * stride_; }
 
