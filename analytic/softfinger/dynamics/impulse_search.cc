@@ -137,11 +137,15 @@ void ImpulseSearch::take_least_impulse(const Task& task) {
   double reached = extract(task);
   const double residual = task.result.residual;
   // The velocities stay the same. But what is left of them where a contact sticks counts as soon as
-  // it is loaded: the residual may be many times that of before, and is as much rounding. Which of
-  // all impulses it is must not depend on such digits.
+  // it is loaded: the residual may be several times that of before, and is as much rounding.
   constexpr double kSeveral = 10;
-  if (reached > kSeveral * residual && least_.follow(contacts_, impulse_)) reached = extract(task);
-  if (reached <= std::max(residual, kSolved) || task.is_good(reached)) {
+  double accepted = residual > kSolved ? residual : std::min(kSeveral * residual, kSolved);
+  // Of bodies at rest a further correction leaves rounding alone, however much larger it is.
+  if (reached > accepted && least_.follow(contacts_, impulse_)) {
+    reached = extract(task);
+    accepted = std::max(residual, kSolved);
+  }
+  if (reached <= accepted || task.is_good(reached)) {
     task.result.residual = reached;
   } else {
     task.result.residual = restore_best(task);
