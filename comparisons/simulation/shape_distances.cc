@@ -82,7 +82,7 @@ double mismatch_m(const ShapeDistances::Nearest& nearest) {
 }
 
 /// Whether only rounding makes the mismatch: 2e-15 of the coordinates at most, of all pairs of
-/// shapes that FCL knows.
+/// shapes but a mesh and a sphere, for which FCL 0.7 is not asked.
 bool belong_together(const ShapeDistances::Nearest& nearest) {
   constexpr double kRounding = 1e-14;
   const double size_m = nearest.on_a.norm() + nearest.on_b.norm() + nearest.distance_m;
