@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <stdexcept>
 
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/elliptic_contact.h"
