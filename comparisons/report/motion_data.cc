@@ -144,16 +144,18 @@ double exact_eccentricity_ratio(const RecordedContact& contact) {
 std::vector<ContactTrack> follow_contacts(const Recording& recording) {
   std::vector<ContactTrack> tracks;
   std::vector<Eigen::Vector3d> last_places_m;  // of each track, on body b
+  std::map<std::pair<int, int>, std::vector<std::size_t>> tracks_of_pair;
+  std::vector<Eigen::Vector3d> places_m;
+  std::vector<std::tuple<double, std::size_t, std::size_t>> candidates;
   for (std::size_t frame = 0; frame < recording.frames.size(); ++frame) {
     const std::vector<RecordedContact>& contacts = recording.frames[frame].contacts;
-    std::vector<Eigen::Vector3d> places_m;
-    std::vector<std::tuple<double, std::size_t, std::size_t>> candidates;
+    places_m.clear();
+    candidates.clear();
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       places_m.push_back(recording.frames[frame].poses.at(contacts[i].b).inverse() *
                          contacts[i].point_m);
-      for (std::size_t track = 0; track < tracks.size(); ++track)
-        if (tracks[track].a == contacts[i].a && tracks[track].b == contacts[i].b)
-          candidates.emplace_back((places_m[i] - last_places_m[track]).norm(), track, i);
+      for (const std::size_t track : tracks_of_pair[{contacts[i].a, contacts[i].b}])
+        candidates.emplace_back((places_m[i] - last_places_m[track]).norm(), track, i);
     }
     std::sort(candidates.begin(), candidates.end());
     std::vector<bool> followed(contacts.size(), false);
@@ -166,14 +168,13 @@ std::vector<ContactTrack> follow_contacts(const Recording& recording) {
       if (!followed[i] && !tracks[track].contacts[frame]) follow(track, i);
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       if (followed[i]) continue;
-      const auto same_pair = [&](const ContactTrack& track) {
-        return track.a == contacts[i].a && track.b == contacts[i].b;
-      };
+      std::vector<std::size_t>& of_pair = tracks_of_pair[{contacts[i].a, contacts[i].b}];
       ContactTrack track;
       track.a = contacts[i].a;
       track.b = contacts[i].b;
-      track.ordinal = static_cast<int>(std::count_if(tracks.begin(), tracks.end(), same_pair));
+      track.ordinal = static_cast<int>(of_pair.size());
       track.contacts.resize(recording.frames.size());
+      of_pair.push_back(tracks.size());
       tracks.push_back(std::move(track));
       last_places_m.emplace_back();
       follow(tracks.size() - 1, i);
