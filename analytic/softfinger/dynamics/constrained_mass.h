@@ -22,18 +22,15 @@ class ConstrainedMass {
   void compute(const Eigen::MatrixXd& mass) { compute(mass, Eigen::MatrixXd(0, mass.cols())); }
 
   bool is_constrained() const { return along_.rows() > 0; }
-  /// M^-1 x
-  Eigen::VectorXd solve_unconstrained(const Eigen::VectorXd& x) const { return factors_.solve(x); }
   /// P x: what forces change of velocities that obey the constraints.
   Eigen::VectorXd solve(const Eigen::VectorXd& x) const;
+  void solve_in_place(Eigen::Ref<Eigen::VectorXd> x) const;
   /// K S^+ b: the least change of velocity, measured by its energy, with G v = b.
   Eigen::VectorXd velocity_with(const Eigen::VectorXd& b) const;
-  /// H and N with J P J^T = H^T H - N^T N, of which N is what the constraints take away.
-  Eigen::MatrixXd half(const Eigen::MatrixXd& jacobian_transposed) const {
-    return factors_.matrixL().solve(jacobian_transposed);
-  }
-  Eigen::MatrixXd half_taken(const Eigen::MatrixXd& jacobian_transposed) const {
-    return along_ * jacobian_transposed;
+  /// X and Y with J P J^T = X X^T - Y Y^T, of which Y is what the constraints take away.
+  void half(const Eigen::MatrixXd& jacobian, Eigen::MatrixXd& half) const;
+  Eigen::MatrixXd half_taken(const Eigen::MatrixXd& jacobian) const {
+    return jacobian * along_.transpose();
   }
 
  private:

@@ -8,6 +8,15 @@
 #include "softfinger/math/wide.h"
 
 namespace softfinger::internal {
+namespace {
+
+[[gnu::always_inline]] inline bool is_zero(const Four (&columns)[4]) {
+  using Bits [[gnu::vector_size(sizeof(Four))]] = long long;
+  const Bits zero = (columns[0] == 0) & (columns[1] == 0) & (columns[2] == 0) & (columns[3] == 0);
+  return (zero[0] & zero[1] & zero[2] & zero[3]) != 0;
+}
+
+}  // namespace
 
 ContactOperator::ContactOperator(int contact_capacity)
     : delassus_(Eigen::MatrixXd::Zero(4 * contact_capacity, 4 * contact_capacity)),
@@ -66,19 +75,28 @@ void ContactOperator::scale_contact(const ContactLcp& problem, int i) {
 /// Contacts without a common movable body do not feel each other: their blocks of W are zero. Of
 /// many contacts most are, so that each block is looked at once.
 void ContactOperator::set_blocks(const Eigen::MatrixXd& delassus, double proximal) {
-  for (int j = 0; j < contacts_; ++j) {
-    int end = j * contacts_;
-    for (int i = 0; i < contacts_; ++i) {
-      const auto given = delassus.block<4, 4>(4 * i, 4 * j);
-      if (given.lpNorm<1>() == 0) continue;
-      auto scaled = delassus_.block<4, 4>(4 * i, 4 * j);
-      scaled = velocity_scale_.segment<4>(4 * i).asDiagonal() * given *
-               impulse_scale_.segment<4>(4 * j).asDiagonal();
-      if (i == j) scaled.diagonal() *= 1 + proximal;
-      Eigen::Map<Eigen::Matrix4d>(blocks_.data() + 16 * end) = scaled;
-      neighbours_[std::size_t(end++)] = i;
+  with_best_instructions([&] {
+    for (int j = 0; j < contacts_; ++j) {
+      int end = j * contacts_;
+      for (int i = 0; i < contacts_; ++i) {
+        const double* given = &delassus(4 * i, 4 * j);
+        Four columns[4], scale;
+        for (int k = 0; k < 4; ++k) load(given + k * delassus.rows(), columns[k]);
+        if (is_zero(columns)) continue;
+        double *own = &delassus_(4 * i, 4 * j), *block = blocks_.data() + 16 * end;
+        load(velocity_scale_.data() + 4 * i, scale);
+        for (int k = 0; k < 4; ++k) {
+          columns[k] = scale * columns[k] * impulse_scale_[4 * j + k];
+          if (i == j) columns[k][k] *= 1 + proximal;
+          store(columns[k], own + k * delassus_.rows());
+          store(columns[k], block + 4 * k);
+        }
+        neighbours_[std::size_t(end++)] = i;
+      }
+      neighbour_end_[std::size_t(j)] = end;
     }
-    neighbour_end_[std::size_t(j)] = end;
+  });
+  for (int j = 0; j < contacts_; ++j) {
     const Eigen::Vector3d own = delassus_.block<3, 3>(4 * j + 1, 4 * j + 1).diagonal();
     metrics_.segment<3>(3 * j) = (own.array() > 0).select(own, 1);
   }

@@ -12,21 +12,19 @@
 namespace softfinger {
 namespace {
 
-using FourColumns = Eigen::Matrix<double, Eigen::Dynamic, 4>;
-
-/// result += factor A B for the last rows of A and the result's. A has few columns.
-void add_product(double factor, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, int b_column,
-                 int rows, FourColumns& result) {
-  with_best_instructions([&] {
-    for (int column = 0; column < 4; ++column) {
-      double* to = result.data() + column * result.rows();
-      for (Eigen::Index k = 0; k < a.cols(); ++k) {
-        const double share = factor * b(k, b_column + column);
-        const double* from = a.data() + (k + 1) * a.rows() - rows;
-        for (int row = 0; row < rows; ++row) to[row] += share * from[row];
-      }
-    }
-  });
+/// block += factor A_i A_j^T of the four rows from i and from j on.
+[[gnu::always_inline]] inline void add_product(double factor, const Eigen::MatrixXd& a,
+                                               Eigen::Index i, Eigen::Index j,
+                                               Eigen::Matrix4d& block) {
+  Four sums[4];
+  for (int column = 0; column < 4; ++column) load(block.data() + 4 * column, sums[column]);
+  const double *left = a.data() + i, *right = a.data() + j;
+  for (Eigen::Index k = 0; k < a.cols(); ++k, left += a.rows(), right += a.rows()) {
+    Four part;
+    load(left, part);
+    for (int column = 0; column < 4; ++column) sums[column] += factor * right[column] * part;
+  }
+  for (int column = 0; column < 4; ++column) store(sums[column], block.data() + 4 * column);
 }
 
 }  // namespace
@@ -42,6 +40,7 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
       loop_jacobians_(bodies_.trees().size()),
       loop_openings_(bodies_.trees().size()),
       jacobians_(bodies_.trees().size()),
+      halves_(bodies_.trees().size()),
       masses_(bodies_.trees().size()),
       smooth_motions_(bodies_.trees().size()),
       is_smooth_(bodies_.trees().size()) {
@@ -150,31 +149,32 @@ void TimeStepper::describe_rows() {
 /// bodies would have without contact.
 void TimeStepper::factorise() {
   const double dt = options_.time_step_s;
+  free_velocity_ = momentum_ + dt * passive_;
   for (std::size_t t = 0; t < factors_.size(); ++t) {
     const Multibody::Tree& tree = bodies_.trees()[t];
-    Eigen::MatrixXd matrix = masses_[t];
-    Eigen::VectorXd right =
-        momentum_.segment(tree.first, tree.count) + dt * passive_.segment(tree.first, tree.count);
+    auto velocity = free_velocity_.segment(tree.first, tree.count);  // before, what drives it
+    driven_mass_ = masses_[t];
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       const Motor& motor = motors_[m];
       const int dof = bodies_.velocity_of_joint(motor.joint) - tree.first;
       if (dof < 0 || dof >= tree.count) continue;
       if (motor_limits_[m] != 0) {
-        right[dof] += dt * motor_limits_[m] * motor.max_effort;
+        velocity[dof] += dt * motor_limits_[m] * motor.max_effort;
         continue;
       }
-      matrix(dof, dof) += dt * (motor.damping + dt * motor.stiffness);
-      right[dof] += dt * (motor.feed_forward +
-                          motor.stiffness * (motor.target - bodies_.joint_position(motor.joint)) +
-                          motor.damping * motor.target_velocity);
+      driven_mass_(dof, dof) += dt * (motor.damping + dt * motor.stiffness);
+      velocity[dof] +=
+          dt * (motor.feed_forward +
+                motor.stiffness * (motor.target - bodies_.joint_position(motor.joint)) +
+                motor.damping * motor.target_velocity);
     }
-    auto velocity = free_velocity_.segment(tree.first, tree.count);
     if (tree.loop_rows == 0) {
-      factors_[t].compute(matrix);
-      velocity = factors_[t].solve(right);
+      factors_[t].compute(driven_mass_);
+      factors_[t].solve_in_place(velocity);
     } else {
-      factors_[t].compute(matrix, loop_jacobians_[t]);
-      velocity = factors_[t].solve(right) - factors_[t].velocity_with(loop_openings_[t] / dt);
+      factors_[t].compute(driven_mass_, loop_jacobians_[t]);
+      factors_[t].solve_in_place(velocity);
+      velocity -= factors_[t].velocity_with(loop_openings_[t] / dt);
     }
   }
 }
@@ -194,7 +194,9 @@ void TimeStepper::assemble() {
   begin_roots();
   for (std::size_t t = 0; t < touching_.size(); ++t)
     if (!touching_[t].empty()) add_tree(t);
-  for (Island& island : islands_) island.problem.root.finalize();
+  for (Island& island : islands_)
+    if (island.problem.root.cols() > 0)
+      island.problem.root.resizeNonZeros(island.problem.root.outerIndexPtr()[island.root_columns]);
   add_compliance();
   describe_rebounds();
 }
@@ -205,12 +207,13 @@ TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
 
 /// Room for G where it is of use, and W has one: closed loops take from it, what gives way adds.
 void TimeStepper::begin_roots() {
-  std::vector<int> columns(islands_.size(), 0);
+  std::vector<int> columns(islands_.size(), 0), elements(islands_.size(), 0);
   std::vector<char> has_root(islands_.size(), options_.friction_rule != FrictionRule::facets);
   for (std::size_t t = 0; t < touching_.size(); ++t) {
     if (touching_[t].empty()) continue;
     const auto island = std::size_t(&island_of(touching_[t]) - islands_.data());
     columns[island] += bodies_.trees()[t].count;
+    elements[island] += int(jacobians_[t].size());
     if (factors_[t].is_constrained()) has_root[island] = false;
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i)
@@ -218,25 +221,30 @@ void TimeStepper::begin_roots() {
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const int rows = 4 * int(islands_[i].rows.size());
     islands_[i].root_columns = 0;
-    islands_[i].problem.root.resize(rows, has_root[i] && columns[i] < rows ? columns[i] : 0);
+    Eigen::SparseMatrix<double>& root = islands_[i].problem.root;
+    root.resize(rows, has_root[i] && columns[i] < rows ? columns[i] : 0);
+    if (root.cols() > 0) root.resizeNonZeros(elements[i]);
   }
 }
 
 /// The columns of a tree.
-/// @param half  L^-1 J^T of the rows that touch it
+/// @param half  X of the rows that touch it
 void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::MatrixXd& half) {
   Island& island = island_of(rows);
   Eigen::SparseMatrix<double>& root = island.problem.root;
   if (root.cols() == 0) return;
-  for (Eigen::Index k = 0; k < half.rows(); ++k, ++island.root_columns) {
-    root.startVec(island.root_columns);
+  int end = root.outerIndexPtr()[island.root_columns];
+  for (Eigen::Index k = 0; k < half.cols(); ++k) {
     for (std::size_t n = 0; n < rows.size(); ++n) {
       const int first = 4 * place_of_row_[std::size_t(rows[n].row)].position;
       for (int row = 0; row < 4; ++row) {
-        const double value = half(k, 4 * Eigen::Index(n) + row);
-        if (value != 0) root.insertBackByOuterInner(island.root_columns, first + row) = value;
+        const double value = half(4 * Eigen::Index(n) + row, k);
+        if (value == 0) continue;
+        root.innerIndexPtr()[end] = first + row;
+        root.valuePtr()[end++] = value;
       }
     }
+    root.outerIndexPtr()[++island.root_columns] = end;
   }
 }
 
@@ -307,34 +315,32 @@ bool TimeStepper::makes_energy() const {
 void TimeStepper::add_tree(std::size_t t) {
   const auto& list = touching_[t];
   const Multibody::Tree& tree = bodies_.trees()[t];
-  const Eigen::VectorXd velocities = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
-  const Eigen::MatrixXd half = factors_[t].half(jacobians_[t].transpose());
-  const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t].transpose());
-  // With rows in the order of the memory several at once are multiplied.
-  const Eigen::MatrixXd half_transposed = half.transpose(), taken_transposed = taken.transpose();
+  own_velocity_.noalias() = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
+  for (std::size_t n = 0; n < list.size(); ++n)
+    problem_.free_velocity.segment<4>(4 * list[n].row) +=
+        own_velocity_.segment<4>(4 * Eigen::Index(n));
+  Eigen::MatrixXd& half = halves_[t];
+  factors_[t].half(jacobians_[t], half);
+  const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t]);
   add_to_root(list, half);
   Eigen::MatrixXd& delassus = island_of(list).problem.delassus;
-  FourColumns response(half.cols(), 4);  // first, of a row and all behind it
-  for (std::size_t n = 0; n < list.size(); ++n) {
-    problem_.free_velocity.segment<4>(4 * list[n].row) += velocities.segment<4>(4 * int(n));
-    const int behind = 4 * int(list.size() - n);
-    response.topRows(behind).setZero();
-    add_product(1, half_transposed, half, 4 * int(n), behind, response);
-    if (taken.rows() > 0) {
-      const double free_response = response(0, 0);
-      add_product(-1, taken_transposed, taken, 4 * int(n), behind, response);
-      // What loops lock answers to impulses with the rounding of this difference, or less.
-      constexpr double kLocked = 1e-12;
-      response(0, 0) = std::max(response(0, 0), kLocked * free_response);
+  with_best_instructions([&] {
+    for (std::size_t n = 0; n < list.size(); ++n) {
+      const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
+      for (std::size_t k = n; k < list.size(); ++k) {
+        const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
+        Eigen::Matrix4d block = Eigen::Matrix4d::Zero();
+        add_product(1, half, 4 * Eigen::Index(k), 4 * Eigen::Index(n), block);
+        const double free_response = block(0, 0);
+        add_product(-1, taken, 4 * Eigen::Index(k), 4 * Eigen::Index(n), block);
+        // What loops lock answers to impulses with the rounding of this difference, or less.
+        constexpr double kLocked = 1e-12;
+        if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
+        delassus.block<4, 4>(j, i) += block;
+        if (k != n) delassus.block<4, 4>(i, j) += block.transpose();
+      }
     }
-    const int i = 4 * place_of_row_[std::size_t(list[n].row)].position;
-    for (std::size_t k = n; k < list.size(); ++k) {
-      const int j = 4 * place_of_row_[std::size_t(list[k].row)].position;
-      const Eigen::Matrix4d block = response.middleRows<4>(4 * int(k - n));
-      delassus.block<4, 4>(j, i) += block;
-      if (k != n) delassus.block<4, 4>(i, j) += block.transpose();
-    }
-  }
+  });
 }
 
 /// The part of the gap in the condition of a contact. A gap is known to the rounding of the places
@@ -384,33 +390,47 @@ void TimeStepper::find_islands() {
     const int a = bodies_.tree_of(contact.a), b = bodies_.tree_of(contact.b);
     if (a >= 0 && b >= 0) island_of_tree_[std::size_t(root(a))] = root(b);
   }
+  last_ids_.swap(ids_);
+  last_places_.swap(place_of_row_);
   ids_.clear();
   for (const Contact& contact : contacts_) ids_.push_back(contact.id);
   for (const Limit& limit : limits_) ids_.push_back(-2 - 2 * long(limit.joint) - (limit.sign > 0));
-
-  std::vector<Island> last;
-  last.swap(islands_);
-  std::vector<int> island_of_root(island_of_tree_.size(), -1);
-  place_of_row_.resize(std::size_t(rows));
+  place_of_row_.clear();
+  island_of_root_.assign(island_of_tree_.size(), -1);
+  island_sizes_.clear();
   for (int row = 0; row < rows; ++row) {
-    int& index = island_of_root[std::size_t(root(tree_of_row(row)))];
+    int& index = island_of_root_[std::size_t(root(tree_of_row(row)))];
     if (index < 0) {
-      index = int(islands_.size());
-      islands_.emplace_back();
+      index = int(island_sizes_.size());
+      island_sizes_.push_back(0);
     }
-    std::vector<int>& own = islands_[std::size_t(index)].rows;
-    place_of_row_[std::size_t(row)] = {index, int(own.size())};
-    own.push_back(row);
+    place_of_row_.push_back({index, island_sizes_[std::size_t(index)]++});
   }
-  continue_islands(last);
+  // Most steps have the islands of the last one.
+  if (ids_ == last_ids_ && place_of_row_ == last_places_)
+    continue_same_islands();
+  else
+    continue_other_islands();
+}
+
+void TimeStepper::continue_same_islands() {
+  for (Island& island : islands_) {
+    for (std::size_t i = 0; i < island.rows.size(); ++i)
+      continue_row(island, i, island, island.ids[i] == Contact::kNoId ? -1 : int(i));
+    island.step = steps_;
+  }
 }
 
 /// Each island takes over the solver, and e_n, of a last one with which it shares a row.
-void TimeStepper::continue_islands(std::vector<Island>& last) {
+void TimeStepper::continue_other_islands() {
+  std::vector<Island> last(island_sizes_.size());
+  last.swap(islands_);
+  for (std::size_t row = 0; row < place_of_row_.size(); ++row)
+    islands_[std::size_t(place_of_row_[row].island)].rows.push_back(int(row));
   std::unordered_map<long, Place> last_places;
   for (std::size_t island = 0; island < last.size(); ++island)
     for (std::size_t i = 0; i < last[island].ids.size(); ++i)
-      if (last[island].ids[i] != -1)
+      if (last[island].ids[i] != Contact::kNoId)
         last_places.emplace(last[island].ids[i], Place{int(island), int(i)});
   for (Island& island : islands_) {
     for (const int row : island.rows) island.ids.push_back(ids_[std::size_t(row)]);
@@ -449,14 +469,17 @@ void TimeStepper::continue_islands(std::vector<Island>& last) {
   }
 }
 
+/// @param position  of the row in `before`, which may be the island itself; -1: it was not there
 void TimeStepper::continue_row(Island& island, std::size_t i, const Island& before, int position) {
   island.continued[i] = position;
+  if (position < 0) return;
+  const double earlier_m = before.earlier_eccentricity_m[position];
+  island.earlier_eccentricity_m[int(i)] = 0;
   const int row = island.rows[i];
   if (row >= int(contacts_.size())) return;
   const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
   if (!law) return;
   const double last_m = before.problem.eccentricity_m[position];
-  const double earlier_m = before.earlier_eccentricity_m[position];
   double& next_m = problem_.eccentricity_m[row];
   next_m = last_m;
   if (before.step == steps_) {
@@ -738,12 +761,13 @@ StepResult TimeStepper::step(ContactFinder& finder) {
       for (std::size_t t = 0; t < touching_.size(); ++t) {
         if (touching_[t].empty()) continue;
         const Multibody::Tree& tree = bodies_.trees()[t];
-        Eigen::VectorXd impulse(jacobians_[t].rows());
+        own_impulse_.resize(jacobians_[t].rows());
         for (int n = 0; n < int(touching_[t].size()); ++n)
-          impulse.segment<4>(4 * n) =
+          own_impulse_.segment<4>(4 * n) =
               solution_.impulse.segment<4>(4 * touching_[t][std::size_t(n)].row);
-        new_velocity_.segment(tree.first, tree.count) +=
-            factors_[t].solve(jacobians_[t].transpose() * impulse);
+        change_.noalias() = jacobians_[t].transpose() * own_impulse_;
+        factors_[t].solve_in_place(change_);
+        new_velocity_.segment(tree.first, tree.count) += change_;
       }
     } else {
       result.lcp.status = LcpStatus::solved;

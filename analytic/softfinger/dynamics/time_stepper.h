@@ -25,7 +25,8 @@ struct Contact {
   double eccentricity_m = 0;                          ///< e_n, unless there is a law
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
-  long id = -1;  ///< the same from step to step for as long as the contact lasts
+  static constexpr long kNoId = -1;
+  long id = kNoId;  ///< the same from step to step for as long as the contact lasts
   /// What the contact gives way elastically before it slides, along the axes and about the normal
   /// (m/N, m/N, rad/(N m)): the friction wrench is `elastic_wrench`, that at the start of the step
   /// on body `b`, less the elastic displacement in the step over the compliance, at its end. Zero:
@@ -163,6 +164,9 @@ class TimeStepper {
   struct Island;
   struct Place {  ///< of a row: its island, and where in its list
     int island = -1, position = -1;
+    bool operator==(const Place& other) const {
+      return island == other.island && position == other.position;
+    }
   };
   struct Touching {  ///< a row block of the problem and the columns of one tree
     int row = 0;
@@ -187,7 +191,8 @@ class TimeStepper {
   bool makes_energy() const;
   void describe_friction();
   void find_islands();
-  void continue_islands(std::vector<Island>& last);
+  void continue_same_islands();
+  void continue_other_islands();
   void continue_row(Island& island, std::size_t i, const Island& before, int position);
   void describe(Island& island);
   LcpResult solve(Island& island, StepResult& result);
@@ -216,17 +221,19 @@ class TimeStepper {
   std::vector<ConstrainedMass> factors_;
   std::vector<Eigen::MatrixXd> loop_jacobians_;
   std::vector<Eigen::VectorXd> loop_openings_;
-  std::vector<Eigen::MatrixXd> jacobians_;
+  std::vector<Eigen::MatrixXd> jacobians_, halves_;
   Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
   std::vector<Eigen::MatrixXd> masses_;
+  Eigen::MatrixXd driven_mass_;  ///< of the tree at work, as those below
+  Eigen::VectorXd own_velocity_, own_impulse_, change_;
   Eigen::VectorXd approach_;  ///< per contact: its part in v_free besides velocities
   Eigen::VectorXd before_;    ///< row velocities before the step, of steps with rebounds
   double restitution_used_ = 1;
   bool rebounds_ = false;  ///< some contact, in this step
   ContactLcp problem_;     ///< of all rows, without W: each island has its own
   ContactSolution solution_;
-  std::vector<Place> place_of_row_;
-  std::vector<long> ids_;  ///< per row: contacts by their id, limits by -2 and less
+  std::vector<Place> place_of_row_, last_places_;
+  std::vector<long> ids_, last_ids_;  ///< per row: contacts by their id, limits by -2 and less
   /// Rows that feel each other: a problem of its own, which remembers how it was solved.
   struct Island {
     std::vector<int> rows;
@@ -243,7 +250,8 @@ class TimeStepper {
     long step = -1;                          ///< in which it was found
   };
   std::vector<Island> islands_;
-  std::vector<int> island_of_tree_;
+  std::vector<int> island_of_tree_;  ///< a tree of the same island
+  std::vector<int> island_of_root_, island_sizes_;
   std::vector<SmoothMotion> smooth_motions_;  ///< per tree
   std::vector<char> is_smooth_;               ///< per tree: prepared, and of no loaded contact
 };
