@@ -31,6 +31,7 @@ struct PairMemory {
   int triangle = -1;               ///< of a mesh, the last nearest one
   bool was_outside = false;        ///< the last time, the other shape lay outside the mesh
   std::optional<Vector3d> lowest;  ///< of a mesh over a half-space, the last lowest vertex
+  std::array<Bearing, 2> bearing;  ///< of a and b, where they last touched at flat sides
   /// The last time that the shapes were looked at, their gap was at least this, and b lay so in a.
   double gap_m = 0;
   Isometry3d b_in_a = Isometry3d::Identity();
@@ -474,7 +475,7 @@ void CollisionDetector::Implementation::find_between(int first, int second,
     memory.normal_in_a = a.local_direction(point->axes.col(2));
     if (point->gap_m <= pair.reach_m) points.push_back(*point);
   } else {
-    find_flat_contact(pair, at, points);
+    find_flat_contact(pair, at, memory.bearing, points);
   }
   for (std::size_t p = before; p < points.size(); ++p)
     if (points[p].a > points[p].b) turn_round(points[p]);

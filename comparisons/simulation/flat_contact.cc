@@ -53,30 +53,42 @@ bool is_round_all_over(const Part& part) {
          std::holds_alternative<input::Ellipsoid>(part.kind());
 }
 
+/// A point of a surface, in the world.
+struct Below {
+  Vector3d point_m, normal;
+};
+
 /// The surface nearest to a point; of a mesh none where that is out of reach.
-std::optional<SurfacePoint> surface_below(const Part& part, const Vector3d& point, double reach_m) {
-  if (!part.tree) return surface(part, std::nullopt, point);
+std::optional<Below> surface_below(const Part& part, const Vector3d& point, double reach_m) {
   const Vector3d local = part.local_point(point);
+  if (!part.tree) {
+    const SurfacePoint at = surface_near(part.kind(), local);
+    return Below{part.pose * at.point_m, part.pose.linear() * at.normal};
+  }
   const TriangleTree::Nearest at =
       part.tree->nearest(TriangleTree::Segment{local, local}, kBeyondReach * reach_m);
   if (at.triangle < 0) return std::nullopt;
-  SurfacePoint result;
-  result.point_m = part.pose * at.on_surface;
-  result.normal = part.pose.linear() * part.tree->normal(at.triangle);
-  return result;
+  return Below{part.pose * at.on_surface, part.pose.linear() * part.tree->normal(at.triangle)};
 }
 
 /// What one of the two shapes turns to the other one.
 struct Facing {
-  Facing(const Part& of_part, const Vector3d& direction)
+  Facing(const Part& of_part, const Vector3d& direction, Bearing& memory)
       : part(of_part),
         outward(direction),
         local(part.local_direction(direction)),
-        bearing(bearing_points(part, local)) {}
+        bearing(memory.points) {
+    // Vertices that bear within a hundredth of a radian do so after a turn by a ten-millionth of
+    // that.
+    constexpr double kSame = 1e-9;
+    if (part.is_mesh() && (memory.direction - local).norm() < kSame) return;
+    memory.points = bearing_points(part, local);
+    memory.direction = local;
+  }
 
   const Part& part;
   Vector3d outward, local;  ///< the direction towards the other shape, in the world and the shape
-  std::vector<Vector3d> bearing;  ///< in the shape
+  const std::vector<Vector3d>& bearing;  ///< in the shape
 };
 
 /// Adds the bearing points of one of the two shapes that lie over the other one's face.
@@ -90,9 +102,9 @@ void add_bearing_points(const ShapePair& pair, bool from_a, const Facing& facing
   for (const Vector3d& local : facing.bearing) {
     const long own_slot = slot++;
     const Vector3d bearing = from.pose * local;
-    const std::optional<SurfacePoint> below = surface_below(to, bearing, pair.reach_m);
+    const std::optional<Below> below = surface_below(to, bearing, pair.reach_m);
     if (!below) continue;
-    const SurfacePoint& under = *below;
+    const Below& under = *below;
     Vector3d normal = outward;
     double gap_m = 0;
     if (-outward.dot(under.normal) > kFacing) {
@@ -129,6 +141,7 @@ struct Rim {
 struct Outline {
   std::vector<Edge> edges;
   std::optional<Rim> rim;
+  bool is_empty() const { return edges.empty() && !rim; }
 };
 
 /// All shapes without a flat side or a straight line.
@@ -294,7 +307,7 @@ class Crossings {
 }  // namespace
 
 void find_flat_contact(const ShapePair& pair, const Nearest& nearest,
-                       std::vector<TouchingPoint>& points) {
+                       std::array<Bearing, 2>& bearing, std::vector<TouchingPoint>& points) {
   Places places(pair, points);
   const auto add_nearest = [&] {
     places.add(nearest.on_a, nearest.on_b, nearest.normal, nearest.gap_m, slot::kNearest);
@@ -303,11 +316,11 @@ void find_flat_contact(const ShapePair& pair, const Nearest& nearest,
     add_nearest();
     return;
   }
-  const Facing a(pair.a, nearest.normal), b(pair.b, -nearest.normal);
+  const Facing a(pair.a, nearest.normal, bearing[0]), b(pair.b, -nearest.normal, bearing[1]);
   add_bearing_points(pair, true, a, places);
   add_bearing_points(pair, false, b, places);
-  Crossings(pair, nearest.normal, places)
-      .add(outline_of(a, pair.reach_m), outline_of(b, pair.reach_m));
+  if (const Outline of_b = outline_of(b, pair.reach_m); !of_b.is_empty())
+    Crossings(pair, nearest.normal, places).add(outline_of(a, pair.reach_m), of_b);
   // Where none of these is as near as the nearest point, two edges or rims cross there.
   if (places.least_gap_m() > nearest.gap_m + places.same_m() / 10) add_nearest();
 }
