@@ -10,10 +10,13 @@
 namespace softfinger::internal {
 namespace {
 
+/// Whether all are zero, of either sign.
 [[gnu::always_inline]] inline bool is_zero(const Four (&columns)[4]) {
   using Bits [[gnu::vector_size(sizeof(Four))]] = long long;
-  const Bits zero = (columns[0] == 0) & (columns[1] == 0) & (columns[2] == 0) & (columns[3] == 0);
-  return (zero[0] & zero[1] & zero[2] & zero[3]) != 0;
+  const Bits any = (reinterpret_cast<Bits>(columns[0]) | reinterpret_cast<Bits>(columns[1]) |
+                    reinterpret_cast<Bits>(columns[2]) | reinterpret_cast<Bits>(columns[3]))
+                   << 1;
+  return (any[0] | any[1] | any[2] | any[3]) == 0;
 }
 
 }  // namespace
@@ -87,10 +90,12 @@ void ContactOperator::set_blocks(const Eigen::MatrixXd& delassus, double proxima
         load(velocity_scale_.data() + 4 * i, scale);
         for (int k = 0; k < 4; ++k) {
           columns[k] = scale * columns[k] * impulse_scale_[4 * j + k];
-          if (i == j) columns[k][k] *= 1 + proximal;
           store(columns[k], own + k * delassus_.rows());
           store(columns[k], block + 4 * k);
         }
+        if (i == j && proximal != 0)
+          for (int k = 0; k < 4; ++k)
+            block[5 * k] = own[k * (delassus_.rows() + 1)] *= 1 + proximal;
         neighbours_[std::size_t(end++)] = i;
       }
       neighbour_end_[std::size_t(j)] = end;

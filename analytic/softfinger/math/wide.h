@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstring>
-
 namespace softfinger {
 
 /// Four doubles whose arithmetic is that of each: one instruction where the processor has it.
@@ -14,10 +12,15 @@ using Four [[gnu::vector_size(kFour * sizeof(double))]] = double;
 constexpr int kEight = 8;
 using Eight [[gnu::vector_size(kEight * sizeof(double))]] = double;
 
-/// From and to memory of any alignment. By reference, because what would return them depends on the
-/// instructions.
-inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
-inline void store(const Four& from, double* to) { std::memcpy(to, &from, sizeof from); }
+/// Four doubles in memory of any alignment. A copy of bytes would go through the stack by halves.
+using FourInMemory [[gnu::vector_size(kFour * sizeof(double)), gnu::aligned(alignof(double)),
+                     gnu::may_alias]] = double;
+
+/// By reference, because what would return them depends on the instructions.
+inline void load(const double* from, Four& to) {
+  to = *reinterpret_cast<const FourInMemory*>(from);
+}
+inline void store(const Four& from, double* to) { *reinterpret_cast<FourInMemory*>(to) = from; }
 
 /// Whether the processor has instructions for four doubles at once (AVX2, FMA), and for eight
 /// (AVX-512).
