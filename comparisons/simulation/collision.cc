@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <stdexcept>
 
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/elliptic_contact.h"
@@ -300,7 +299,7 @@ ShapeDistances::Nearest CollisionDetector::Implementation::distance(int first, i
     const ShapeDistances::Nearest at =
         distances.nearest(first, a.pose, second, pose_of_b, tolerance_m);
     if (!at.has_points)
-      throw std::runtime_error(fmt::format(
+      throw CollisionError(fmt::format(
           "the library FCL finds no nearest points of \"{}\" and \"{}\", {:.4g} mm apart",
           scene.descriptions[std::size_t(a.body)].name,
           scene.descriptions[std::size_t(b.body)].name, at.distance_m * 1e3));

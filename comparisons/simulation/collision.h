@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stdexcept>
 #include <vector>
 
 #include "comparisons/input/scene.h"
@@ -8,6 +9,12 @@
 #include "softfinger/dynamics/multibody.h"
 
 namespace softfinger::simulation {
+
+/// Where two bodies touch was not found; in words, with their names.
+class CollisionError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Finds the points where the bodies of a scene touch.
 ///
@@ -24,6 +31,7 @@ class CollisionDetector {
 
   /// Appends all points whose gap may close within `time_step_s` at twice the current velocities,
   /// or is smaller than a hundredth of the smaller body's size.
+  /// @throws CollisionError
   void find(const Multibody& bodies, double time_step_s, std::vector<TouchingPoint>& points);
 
   /// @throws InputError(file) when bodies overlap by more than 1e-4 of the smaller one's size.

@@ -478,7 +478,14 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
     const auto start = Clock::now();
     command(stepper, scene);
     options.command(stepper);
-    const StepResult stepped = stepper.step(finder);
+    StepResult stepped;
+    try {
+      stepped = stepper.step(finder);
+    } catch (const CollisionError& error) {
+      result.failure =
+          fmt::format("step {} at {:.6g} s: {}", step + 1, stepper.time_s(), error.what());
+      break;
+    }
     result.step_ms.push_back(
         std::chrono::duration<double, std::milli>(Clock::now() - start).count());
     if (!options.record_lcp.empty() && stepper.free_velocity().size() > 0)
