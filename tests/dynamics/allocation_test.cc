@@ -9,6 +9,7 @@
 
 #include "softfinger/dynamics/eccentricity_law.h"
 #include "tests/dynamics/random_scene.h"
+#include "tests/dynamics/simple_contacts.h"
 
 namespace {
 std::atomic<std::size_t> heap_calls{0};
@@ -134,6 +135,45 @@ TEST(LcpAllocation, ConsistentEccentricityDoesNotAllocateOnceSized) {
   }
   EXPECT_EQ(result.lcp.status, LcpStatus::solved);
   EXPECT_LE(result.inconsistency, 1e-9);
+}
+
+TEST(StepAllocation, OfFreeBodiesWithTheContactsOfTheLastStepDoesNotAllocate) {
+  // Two boxes at rest, one that slides, and a ball that spins by the e_n of its load.
+  const Eigen::Vector3d size(0.1, 0.06, 0.02);
+  std::vector<BodyDescription> descriptions = {tests::ground()};
+  tests::SimpleContacts contacts;
+  for (int b = 1; b <= 3; ++b) {
+    descriptions.push_back(
+        tests::box("box " + std::to_string(b), size, 0.3, Eigen::Vector3d(0.2 * b, 0, 0.01)));
+    tests::SimpleContacts::Pair pair{tests::SimpleContacts::Pair::Kind::corners_on_plane, 0, b};
+    pair.size_m = size;
+    pair.friction_coefficient = 0.5;
+    contacts.pairs.push_back(pair);
+  }
+  descriptions[3].velocity_m_per_s.x() = 1;
+  descriptions.push_back(tests::ball("ball", 0.01, 0.05, Eigen::Vector3d(0, 0, 0.01)));
+  descriptions[4].angular_velocity_rad_per_s.z() = 10;
+  const PowerEccentricity law(0.002, 1.0 / 3);
+  tests::SimpleContacts::Pair spinning{tests::SimpleContacts::Pair::Kind::ball_on_plane, 0, 4};
+  spinning.radius_b_m = 0.01;
+  spinning.friction_coefficient = 0.5;
+  spinning.law = &law;
+  contacts.pairs.push_back(spinning);
+  TimeStepper::Options options;
+  options.friction_rule = FrictionRule::ellipsoid;
+  options.gravity_m_per_s2 = Eigen::Vector3d(0, 0, -9.81);
+  TimeStepper stepper(Multibody(descriptions, {}), {}, options);
+  for (int step = 0; step < 5; ++step) ASSERT_TRUE(stepper.step(contacts).done());
+  for (int step = 0; step < 20; ++step) {
+    StepResult result;
+    {
+      const NoAllocation watch;
+      result = stepper.step(contacts);
+    }
+    ASSERT_TRUE(result.done()) << step;
+    EXPECT_EQ(result.contacts, 13);
+  }
+  EXPECT_GT(stepper.bodies().velocity_at(3, Eigen::Vector3d::Zero()).x(), 0.5);
 }
 
 }  // namespace

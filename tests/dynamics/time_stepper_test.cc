@@ -940,5 +940,59 @@ TEST(TimeStepper, HoldsABallThatJustFitsBetweenWalls) {
   EXPECT_NEAR(stepper.bodies().pose(2).translation().x(), 0.3, 1e3 * kEpsilon);
 }
 
+// --- islands from step to step -------------------------------------------------------------------
+
+/// Contacts that come in another order in each second step, without their ids in each third.
+class Unsteady final : public ContactFinder {
+ public:
+  explicit Unsteady(const SimpleContacts& contacts) : contacts_(contacts) {}
+
+  void find(const Multibody& bodies, double time_step_s, std::vector<Contact>& contacts) override {
+    contacts_.find(bodies, time_step_s, contacts);
+    ++step_;
+    if (step_ % 2 == 0) std::reverse(contacts.begin(), contacts.end());
+    if (step_ % 3 == 0)
+      for (Contact& contact : contacts) contact.id = Contact::kNoId;
+  }
+
+ private:
+  SimpleContacts contacts_;
+  int step_ = 0;
+};
+
+TEST(Islands, MoveTheSameWhetherTheirContactsStayInOrderOrNot) {
+  const Vector3d size(0.1, 0.06, 0.02);
+  std::vector<BodyDescription> descriptions = {tests::ground()};
+  SimpleContacts steady;
+  for (int b = 1; b <= 3; ++b) {
+    descriptions.push_back(
+        tests::box("box " + std::to_string(b), size, 0.3, Vector3d(0, 0.1 * b, 0.01)));
+    descriptions.back().velocity_m_per_s.x() = 0.5 * b;
+    steady.pairs.push_back(corners(0, b, size, 0.4));
+  }
+  descriptions.push_back(tests::ball("ball", 0.01, 0.05, Vector3d(-0.1, 0, 0.01)));
+  descriptions.back().velocity_m_per_s.x() = 1;
+  descriptions.back().angular_velocity_rad_per_s.z() = 30;
+  const PowerEccentricity law(0.002, 1.0 / 3);
+  steady.pairs.push_back(on_plane(0, 4, 0.01, 0.4));
+  steady.pairs.back().law = &law;
+  Unsteady unsteady(steady);
+  TimeStepper one(Multibody(descriptions, {}), {}, options());
+  TimeStepper other(Multibody(descriptions, {}), {}, options());
+  const int steps = 200;
+  for (int step = 0; step < steps; ++step) {
+    ASSERT_TRUE(one.step(steady).done()) << step;
+    ASSERT_TRUE(other.step(unsteady).done()) << step;
+  }
+  EXPECT_GT(one.bodies().pose(3).translation().x(), 0.1);
+  // The residual of each step's velocities, up to 1.5 m/s, moved through for all that follow.
+  const double moved_m = steps * steps * 1e-3 * kSolver * 1.5;
+  for (int b = 1; b <= 4; ++b) {
+    const Eigen::Isometry3d &pose = one.bodies().pose(b), &same = other.bodies().pose(b);
+    EXPECT_LE((pose.translation() - same.translation()).norm(), moved_m) << b;
+    EXPECT_LE((pose.linear() - same.linear()).norm(), moved_m / 0.01) << b;  // the least size
+  }
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -156,7 +156,7 @@ class Multibody {
   };
   Placement placement(const Tree& tree) const;
   void place(const Tree& tree, const Placement& placement);
-  void set_velocity(const Tree& tree, const Eigen::VectorXd& velocity) {
+  void set_velocity(const Tree& tree, const Eigen::Ref<const Eigen::VectorXd>& velocity) {
     velocity_.segment(tree.first, tree.count) = velocity;
   }
 

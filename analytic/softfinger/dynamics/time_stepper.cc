@@ -42,6 +42,7 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
       jacobians_(bodies_.trees().size()),
       halves_(bodies_.trees().size()),
       masses_(bodies_.trees().size()),
+      driven_masses_(bodies_.trees().size()),
       smooth_motions_(bodies_.trees().size()),
       is_smooth_(bodies_.trees().size()) {
   if (!(options_.time_step_s > 0) || !std::isfinite(options_.time_step_s)) {
@@ -54,7 +55,7 @@ TimeStepper::TimeStepper(Multibody bodies, std::vector<Motor> motors, Options op
         bodies_.velocity_of_joint(motor.joint) < 0)
       throw InputError("time stepper", "motor", "", "a motor drives a revolute or prismatic joint");
   free_velocity_.setZero(bodies_.velocities());
-  new_velocity_ = momentum_ = passive_ = free_velocity_;
+  new_velocity_ = momentum_ = passive_ = change_ = free_velocity_;
   for (std::size_t t = 0; t < masses_.size(); ++t) {
     const Multibody::Tree& tree = bodies_.trees()[t];
     masses_[t].resize(tree.count, tree.count);
@@ -153,7 +154,8 @@ void TimeStepper::factorise() {
   for (std::size_t t = 0; t < factors_.size(); ++t) {
     const Multibody::Tree& tree = bodies_.trees()[t];
     auto velocity = free_velocity_.segment(tree.first, tree.count);  // before, what drives it
-    driven_mass_ = masses_[t];
+    Eigen::MatrixXd& mass = driven_masses_[t];
+    mass = masses_[t];
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       const Motor& motor = motors_[m];
       const int dof = bodies_.velocity_of_joint(motor.joint) - tree.first;
@@ -162,17 +164,17 @@ void TimeStepper::factorise() {
         velocity[dof] += dt * motor_limits_[m] * motor.max_effort;
         continue;
       }
-      driven_mass_(dof, dof) += dt * (motor.damping + dt * motor.stiffness);
+      mass(dof, dof) += dt * (motor.damping + dt * motor.stiffness);
       velocity[dof] +=
           dt * (motor.feed_forward +
                 motor.stiffness * (motor.target - bodies_.joint_position(motor.joint)) +
                 motor.damping * motor.target_velocity);
     }
     if (tree.loop_rows == 0) {
-      factors_[t].compute(driven_mass_);
+      factors_[t].compute(mass);
       factors_[t].solve_in_place(velocity);
     } else {
-      factors_[t].compute(driven_mass_, loop_jacobians_[t]);
+      factors_[t].compute(mass, loop_jacobians_[t]);
       factors_[t].solve_in_place(velocity);
       velocity -= factors_[t].velocity_with(loop_openings_[t] / dt);
     }
@@ -184,6 +186,7 @@ void TimeStepper::assemble() {
   const double dt = options_.time_step_s;
   const int nc = int(contacts_.size()), rows = nc + int(limits_.size());
   problem_.free_velocity.setZero(4 * rows);
+  row_values_.resize(4 * rows);
   approach_.resize(nc);
   for (int i = 0; i < nc; ++i)
     problem_.free_velocity[4 * i] = approach_[i] = approach_m_per_s(contacts_[std::size_t(i)]);
@@ -207,23 +210,28 @@ TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
 
 /// Room for G where it is of use, and W has one: closed loops take from it, what gives way adds.
 void TimeStepper::begin_roots() {
-  std::vector<int> columns(islands_.size(), 0), elements(islands_.size(), 0);
-  std::vector<char> has_root(islands_.size(), options_.friction_rule != FrictionRule::facets);
+  constexpr int kNone = -1;
+  root_columns_.assign(islands_.size(), options_.friction_rule == FrictionRule::facets ? kNone : 0);
+  root_elements_.assign(islands_.size(), 0);
   for (std::size_t t = 0; t < touching_.size(); ++t) {
     if (touching_[t].empty()) continue;
     const auto island = std::size_t(&island_of(touching_[t]) - islands_.data());
-    columns[island] += bodies_.trees()[t].count;
-    elements[island] += int(jacobians_[t].size());
-    if (factors_[t].is_constrained()) has_root[island] = false;
+    int& columns = root_columns_[island];
+    columns = columns == kNone || factors_[t].is_constrained() ? kNone
+                                                               : columns + bodies_.trees()[t].count;
+    root_elements_[island] += int(jacobians_[t].size());
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (!contacts_[i].compliance.isZero(0)) has_root[std::size_t(place_of_row_[i].island)] = false;
+    if (!contacts_[i].compliance.isZero(0))
+      root_columns_[std::size_t(place_of_row_[i].island)] = kNone;
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const int rows = 4 * int(islands_[i].rows.size());
     islands_[i].root_columns = 0;
     Eigen::SparseMatrix<double>& root = islands_[i].problem.root;
-    root.resize(rows, has_root[i] && columns[i] < rows ? columns[i] : 0);
-    if (root.cols() > 0) root.resizeNonZeros(elements[i]);
+    const int root_columns = root_columns_[i] < rows ? std::max(root_columns_[i], 0) : 0;
+    // Eigen takes new memory for each matrix without columns.
+    if (root_columns > 0 || root.cols() > 0) root.resize(rows, root_columns);
+    if (root.cols() > 0) root.resizeNonZeros(root_elements_[i]);
   }
 }
 
@@ -315,10 +323,11 @@ bool TimeStepper::makes_energy() const {
 void TimeStepper::add_tree(std::size_t t) {
   const auto& list = touching_[t];
   const Multibody::Tree& tree = bodies_.trees()[t];
-  own_velocity_.noalias() = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
+  auto velocities = row_values_.head(jacobians_[t].rows());
+  velocities.noalias() = jacobians_[t] * free_velocity_.segment(tree.first, tree.count);
   for (std::size_t n = 0; n < list.size(); ++n)
     problem_.free_velocity.segment<4>(4 * list[n].row) +=
-        own_velocity_.segment<4>(4 * Eigen::Index(n));
+        velocities.segment<4>(4 * Eigen::Index(n));
   Eigen::MatrixXd& half = halves_[t];
   factors_[t].half(jacobians_[t], half);
   const Eigen::MatrixXd taken = factors_[t].half_taken(jacobians_[t]);
@@ -761,13 +770,14 @@ StepResult TimeStepper::step(ContactFinder& finder) {
       for (std::size_t t = 0; t < touching_.size(); ++t) {
         if (touching_[t].empty()) continue;
         const Multibody::Tree& tree = bodies_.trees()[t];
-        own_impulse_.resize(jacobians_[t].rows());
+        auto impulse = row_values_.head(jacobians_[t].rows());
         for (int n = 0; n < int(touching_[t].size()); ++n)
-          own_impulse_.segment<4>(4 * n) =
+          impulse.segment<4>(4 * n) =
               solution_.impulse.segment<4>(4 * touching_[t][std::size_t(n)].row);
-        change_.noalias() = jacobians_[t].transpose() * own_impulse_;
-        factors_[t].solve_in_place(change_);
-        new_velocity_.segment(tree.first, tree.count) += change_;
+        auto change = change_.segment(tree.first, tree.count);
+        change.noalias() = jacobians_[t].transpose() * impulse;
+        factors_[t].solve_in_place(change);
+        new_velocity_.segment(tree.first, tree.count) += change;
       }
     } else {
       result.lcp.status = LcpStatus::solved;

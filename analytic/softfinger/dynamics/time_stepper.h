@@ -223,9 +223,10 @@ class TimeStepper {
   std::vector<Eigen::VectorXd> loop_openings_;
   std::vector<Eigen::MatrixXd> jacobians_, halves_;
   Eigen::VectorXd free_velocity_, new_velocity_, momentum_, passive_;
-  std::vector<Eigen::MatrixXd> masses_;
-  Eigen::MatrixXd driven_mass_;  ///< of the tree at work, as those below
-  Eigen::VectorXd own_velocity_, own_impulse_, change_;
+  std::vector<Eigen::MatrixXd> masses_, driven_masses_;  ///< driven: with those of motors
+  Eigen::VectorXd change_;                               ///< of velocities by impulses
+  Eigen::VectorXd row_values_;  ///< of one tree after the other, of the rows that touch it
+  std::vector<int> root_columns_, root_elements_;  ///< per island, at most
   Eigen::VectorXd approach_;  ///< per contact: its part in v_free besides velocities
   Eigen::VectorXd before_;    ///< row velocities before the step, of steps with rebounds
   double restitution_used_ = 1;
