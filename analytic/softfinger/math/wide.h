@@ -13,8 +13,9 @@ constexpr int kEight = 8;
 using Eight [[gnu::vector_size(kEight * sizeof(double))]] = double;
 
 /// Four doubles in memory of any alignment. A copy of bytes would go through the stack by halves.
-using FourInMemory [[gnu::vector_size(kFour * sizeof(double)), gnu::aligned(alignof(double)),
-                     gnu::may_alias]] = double;
+using FourInMemory
+    [[gnu::vector_size(kFour * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] =
+        double;
 
 /// By reference, because what would return them depends on the instructions.
 inline void load(const double* from, Four& to) {
