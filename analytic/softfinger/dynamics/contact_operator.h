@@ -54,7 +54,9 @@ class ContactOperator {
   /// The point of K farthest along `direction`.
   Eigen::Vector3d boundary_point(int contact, const Eigen::Vector3d& direction) const;
   /// How much slip a unit impulse along each axis makes; 1 along an axis that cannot move.
-  Eigen::Vector3d friction_metric(int contact) const { return metrics_.segment<3>(3 * contact); }
+  Eigen::Map<const Eigen::Vector3d> friction_metric(int contact) const {
+    return Eigen::Map<const Eigen::Vector3d>(metrics_.data() + 3 * contact);
+  }
 
   /// From scaled to the problem's units, row by row:
   /// impulse = impulse_scale * velocity_unit * scaled impulse,

@@ -9,7 +9,7 @@
 #include "softfinger/dynamics/pattern_elimination.h"
 #include "softfinger/dynamics/proximal_course.h"
 #include "softfinger/dynamics/velocity_factor.h"
-#include "softfinger/friction/friction_shape.h"
+#include "softfinger/math/wide.h"
 
 /// Internal: contact impulses with exact friction, from a point close to them.
 namespace softfinger::internal {
@@ -68,12 +68,16 @@ class ExactNewton {
 
  private:
   struct Contact {
-    bool touches = false;                              ///< P may be positive
-    Eigen::Vector3d metric = Eigen::Vector3d::Ones();  ///< A
-    FrictionExcess excess;
+    bool touches = false;  ///< P may be positive
+    bool slides = false;   ///< nu is not zero
+    Eigen::Matrix<double, 3, 4> boundary_and_hessian = Eigen::Matrix<double, 3, 4>::Zero();
     Eigen::Matrix3d sticking;       ///< B_i of friction
     Eigen::Matrix4d own_inverse;    ///< A_i^-1 of the step in few unknowns
     Eigen::Matrix4d from_velocity;  ///< B_i C_i
+    Eigen::Matrix4d stiffness;      ///< A_i^-1 B_i C_i
+
+    auto boundary() const { return boundary_and_hessian.col(0); }         ///< grad h(nu)
+    auto hessian() const { return boundary_and_hessian.rightCols<3>(); }  ///< of h at nu
   };
 
   /// Of the last step's matrix.
@@ -88,6 +92,9 @@ class ExactNewton {
                  Eigen::VectorXd& impulse);
   double evaluate(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   double find_map(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
+  double find_own_map(const ContactOperator& contacts, const Eigen::VectorXd& impulse, int i);
+  bool find_four_maps(const ContactOperator& contacts, const Eigen::VectorXd& impulse, int first,
+                      double& worst);
   bool find_step(const ContactOperator& contacts, const Eigen::VectorXd& impulse, double proximal);
   int number_unknowns(const ContactOperator& contacts, const Eigen::VectorXd& impulse);
   void assemble_rows(const ContactOperator& contacts, int i, const Eigen::VectorXd& impulse,
@@ -97,10 +104,13 @@ class ExactNewton {
   Decomposition factorise_reduced(const ContactOperator& contacts, const Eigen::VectorXd& impulse,
                                   double proximal, int size);
   void find_inverse(const ContactOperator& contacts, int i, double pressure, double proximal);
+  void find_four_inverses(const ContactOperator& contacts, const int (&group)[kFour],
+                          const Eigen::VectorXd& impulse, double proximal);
   void assemble_reduced(Eigen::Ref<Eigen::MatrixXd> matrix) const;
   bool take_steps(const ContactOperator& contacts, ProximalCourse& course);
   double move_on(int size);
-  Eigen::Matrix3d sliding_part(const Contact& contact, double pressure) const;
+  Eigen::Matrix3d sliding_part(const Contact& contact, const Eigen::Vector3d& metric,
+                               double pressure) const;
   void substitute_all(const ContactOperator& contacts);
 
   std::vector<Contact> contacts_;

@@ -32,14 +32,6 @@ constexpr int kPanel = EliminationPattern::kWidestGroup;
 
 // By reference, because what would return vectors depends on the instructions.
 
-template <class V>
-constexpr int kWidth = int(sizeof(V) / sizeof(double));
-
-template <class V>
-inline void take_root(V& x) {
-  for (int lane = 0; lane < kWidth<V>; ++lane) x[lane] = std::sqrt(x[lane]);
-}
-
 /// sum += a b and sum -= a b, rounded once. A number is that of all lanes: to subtract zero makes a
 /// vector of it.
 template <class V, class A, class B>
@@ -57,13 +49,6 @@ inline void subtract_product(const A& a, const B& b, V& sum) {
   for (int lane = 0; lane < kWidth<V>; ++lane)
     next[lane] = __builtin_fma(-left[lane], right[lane], last[lane]);
   sum = next;
-}
-
-template <class V>
-inline bool has_any(const V& condition) {
-  decltype(condition[0] | condition[0]) any = 0;
-  for (int lane = 0; lane < kWidth<V>; ++lane) any |= condition[lane];
-  return any != 0;
 }
 
 /// Of three numbers, by one division.
@@ -331,7 +316,7 @@ void LanesOf<V>::find_target(int i, Beyond& beyond) {
     gauge = gauge + part * part;
   }
   V reach = squares;
-  take_root(reach);
+  take_root(reach, reach);
   beyond.slides = (squares > 0) & ~((limit > 0) & (gauge <= 1));
   beyond.goes_on = beyond.slides & (limit > 0);
   const V least = reach - mean / squares;
@@ -369,7 +354,7 @@ void LanesOf<V>::improve_length(Beyond& beyond) const {
     slope = slope + square * inverse[k];
   }
   V root = sum;
-  take_root(root);
+  take_root(root, root);
   const V step = (root - 1) * sum / slope;
   V next = beyond.length + step;
   next = next > beyond.least ? next : beyond.least;
@@ -400,7 +385,7 @@ void LanesOf<V>::finish_map(int i, const Beyond& beyond, const Mask& where) {
       direction[k] = beyond.target[k] * direction[k];
       norm = norm + direction[k] * direction[k];
     }
-    take_root(norm);
+    take_root(norm, norm);
     const V limit = pressure > 0 ? pressure : V{};
     const V inverse = 1 / norm, weight = 1 / (limit + length * contact.least_inverse_metric);
     for (int k = 0; k < kFriction; ++k) {

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cmath>
+
 namespace softfinger {
 
 /// Four doubles whose arithmetic is that of each: one instruction where the processor has it.
 /// Short loops the compiler takes apart before it sees what they are.
 constexpr int kFour = 4;
 using Four [[gnu::vector_size(kFour * sizeof(double))]] = double;
+/// Of four comparisons: all bits or none.
+using FourConditions = decltype(Four{} > Four{});
 
 /// The same of eight: one instruction with AVX-512. What uses it is compiled for that only, see
 /// `with_widest_instructions`; other processors take twice four.
@@ -22,6 +26,33 @@ inline void load(const double* from, Four& to) {
   to = *reinterpret_cast<const FourInMemory*>(from);
 }
 inline void store(const Four& from, double* to) { *reinterpret_cast<FourInMemory*>(to) = from; }
+
+/// The rows of a matrix become its columns.
+inline void transpose(Four& a, Four& b, Four& c, Four& d) {
+  const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+  const Four ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+  const Four cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+
+template <class V>
+constexpr int kWidth = int(sizeof(V) / sizeof(double));
+
+template <class V>
+inline void take_root(const V& from, V& root) {
+  for (int lane = 0; lane < kWidth<V>; ++lane) root[lane] = std::sqrt(from[lane]);
+}
+
+template <class V>
+inline bool has_any(const V& condition) {
+  decltype(condition[0] | condition[0]) any = 0;
+  for (int lane = 0; lane < kWidth<V>; ++lane) any |= condition[lane];
+  return any != 0;
+}
 
 /// Whether the processor has instructions for four doubles at once (AVX2, FMA), and for eight
 /// (AVX-512).
