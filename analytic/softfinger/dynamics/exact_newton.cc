@@ -112,7 +112,7 @@ double ExactNewton::find_own_map(const ContactOperator& contacts, const Eigen::V
     else
       excess.excess = target;
     contact.slides = excess.excess.squaredNorm() > 0;
-    contact.boundary_and_hessian << excess.boundary, excess.hessian;
+    if (contact.slides) contact.boundary_and_hessian << excess.boundary, excess.hessian;
     map.tail<3>() = velocity.tail<3>() + excess.excess;
     // F contains the error of the wrench times A. Along an axis with a small element of A such an
     // error would hardly show. The weights (P + |nu|/A)/(P + |nu|/max A) raise it to what F would
@@ -169,34 +169,26 @@ bool ExactNewton::find_four_maps(const ContactOperator& contacts, const Eigen::V
     for (int k = 0; k < 3; ++k) excess[k] = is_asked ? target[k] : none;
     BallExcesses ball;
     if (!find_excesses(excess, limit, metric, ball)) return false;
-    Four squares[3];
     for (int k = 0; k < 3; ++k) {
       excess[k] = is_asked ? ball.length * ball.boundary[k] : target[k];
       map[k + 1] = rubs ? velocity[k + 1] + excess[k] : none;
-      squares[k] = excess[k] * excess[k];
     }
-    Four length = squares[0] + squares[1] + squares[2], inverse[3], size;
+    Four length = excess[0] * excess[0] + excess[1] * excess[1] + excess[2] * excess[2];
     const FourConditions slides = length > 0;
-    take_root(length, length);
-    for (int k = 0; k < 3; ++k) inverse[k] = 1 / metric[k];
-    Four least = inverse[0] < inverse[1] ? inverse[0] : inverse[1];
-    least = inverse[2] < least ? inverse[2] : least;
-    const Four weight = 1 / (limit + length * least);
-    size = map[0] < 0 ? -map[0] : map[0];
-    for (int k = 0; k < 3; ++k) {
-      Four part = map[k + 1] < 0 ? -map[k + 1] : map[k + 1];
-      part = length > 0 ? part * ((limit + length * inverse[k]) * weight) : part;
-      size = part > size ? part : size;
+    Four size = map[0] < 0 ? -map[0] : map[0], parts[3];
+    for (int k = 0; k < 3; ++k) parts[k] = map[k + 1] < 0 ? -map[k + 1] : map[k + 1];
+    if (has_any(slides)) {
+      take_root(length, length);
+      Four inverse[3];
+      for (int k = 0; k < 3; ++k) inverse[k] = 1 / metric[k];
+      Four least = inverse[0] < inverse[1] ? inverse[0] : inverse[1];
+      least = inverse[2] < least ? inverse[2] : least;
+      const Four weight = 1 / (limit + length * least);
+      for (int k = 0; k < 3; ++k)
+        parts[k] = length > 0 ? parts[k] * ((limit + length * inverse[k]) * weight) : parts[k];
     }
+    for (int k = 0; k < 3; ++k) size = parts[k] > size ? parts[k] : size;
     size = size / natural_size;
-    Four hessian[3][3];
-    const Four inverse_length = 1 / ball.length;
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 3; ++column) {
-        const double one = row == column ? 1 : 0;
-        const Four element = (one - ball.boundary[row] * ball.boundary[column]) * inverse_length;
-        hessian[row][column] = ball.slides ? element : none;
-      }
     for (int i = 0; i < kFour; ++i) {
       Contact& contact = contacts_[std::size_t(first + i)];
       worst = std::max(worst, size[i]);
@@ -206,6 +198,15 @@ bool ExactNewton::find_four_maps(const ContactOperator& contacts, const Eigen::V
     double* to[kFour];
     for (int i = 0; i < kFour; ++i) to[i] = map_.data() + 4 * (first + i);
     store_columns(map[0], map[1], map[2], map[3], to);
+    if (!has_any(ball.slides)) return true;
+    Four hessian[3][3];
+    const Four inverse_length = 1 / ball.length;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) {
+        const double one = row == column ? 1 : 0;
+        const Four element = (one - ball.boundary[row] * ball.boundary[column]) * inverse_length;
+        hessian[row][column] = ball.slides ? element : none;
+      }
     for (int i = 0; i < kFour; ++i)
       to[i] = contacts_[std::size_t(first + i)].boundary_and_hessian.data();
     store_columns(ball.boundary[0], ball.boundary[1], ball.boundary[2], hessian[0][0], to);

@@ -70,6 +70,7 @@ class ExactNewton {
   struct Contact {
     bool touches = false;  ///< P may be positive
     bool slides = false;   ///< nu is not zero
+    /// Of a contact that slides; else those of before.
     Eigen::Matrix<double, 3, 4> boundary_and_hessian = Eigen::Matrix<double, 3, 4>::Zero();
     Eigen::Matrix3d sticking;       ///< B_i of friction
     Eigen::Matrix4d own_inverse;    ///< A_i^-1 of the step in few unknowns

@@ -43,6 +43,8 @@ inline bool find_excesses(const Four (&target)[3], const Four& limit, const Four
   take_root(squares, reach);
   take_root(gauge, gauge);
   const FourConditions is_beyond = is_there & ~(is_limited & (gauge <= 1));
+  result = BallExcesses{};
+  if (!has_any(is_beyond)) return true;
   FourConditions goes_on = is_beyond & is_limited;
 
   // As `excess_length` of friction_shape.cc.
