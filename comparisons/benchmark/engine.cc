@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "softfinger/pressure/pressure_model.h"
+#include "softfinger/accuracy/default_model.h"
 
 namespace softfinger::benchmark {
 
@@ -28,7 +28,7 @@ Load Scene::load_at(int body, double time_s) const {
 
 double eccentricity_m(ContactProblem contact, double load_N) {
   contact.load.normal_force_N = load_N;
-  return find_pressure_model("fingertip_layer")->predict(contact).torque_arm_exact_m;
+  return default_model(contact).predict(contact).torque_arm_exact_m;
 }
 
 }  // namespace softfinger::benchmark

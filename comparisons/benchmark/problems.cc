@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -269,8 +270,7 @@ std::vector<TruthBound> bounds_of_the_truth() {
   for (const double share : kLoadShares) {
     ContactProblem contact = silicone_on_flat();
     contact.load.normal_force_N = share * kNominal_N;
-    const ErrorBound error =
-        error_bound(contact, find_pressure_model("fingertip_layer")->predict(contact));
+    const ErrorBound error = error_bound(default_model(contact), contact);
     constexpr std::size_t kMaxTorque = 5;
     bounds.push_back({contact.load.normal_force_N, error.known ? error.bound[kMaxTorque] : NAN});
   }

@@ -49,7 +49,11 @@ std::string range_of(const std::vector<double>& errors, const ContactCurve& curv
 }
 
 /// The contact for the plugin, which knows one layer on a rigid object, and Coulomb's law.
-ContactProblem plugin_problem(const input::Case& contact_case, double load_N) {
+ContactProblem plugin_problem(const ApplyOptions& options, const input::Case& contact_case,
+                              double load_N) {
+  if (!options.contact.model.empty())
+    throw InputError("command line", "--model", options.contact.model,
+                     "no --model beside --plugin, which follows the recommended one");
   const auto refuse = [&](const char* what, const char* allowed) {
     throw InputError(contact_case.id, std::string("--plugin with ") + what, "", allowed);
   };
@@ -98,7 +102,7 @@ bool leaves_files_behind(const XmlFile& file, const ApplyOptions& options, const
 
 nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const fs::path& output,
                        const Simulator& simulator, const ContactCurve& curve,
-                       const SoftContact& contact) {
+                       const SoftContact& contact, bool written) {
   const auto errors = relative_errors(simulator, contact, curve);
   const auto force_errors = relative_force_errors(contact, curve);
   const auto text_or_null = [](const std::string& text) {
@@ -121,7 +125,11 @@ nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const f
                      {"relative_error", text::finite_or_null(errors[i])},
                      {"force_relative_error", text::finite_or_null(force_errors[i])}});
   }
-  return {{"model", options.model},
+  return {{"schema", text::kSchema},
+          {"model", options.model},
+          {"usable", curve.nominal.assessment.usable},
+          {"reason", text_or_null(curve.nominal.reason)},
+          {"written", written},
           {"format", exporting::name_of(format_of(file))},
           {"simulator", simulator.name},
           {"output", output.string()},
@@ -140,11 +148,10 @@ nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const f
 
 std::string to_text(const ApplyOptions& options, const XmlFile& file, const fs::path& output,
                     const Simulator& simulator, const ContactCurve& curve) {
-  std::string text = fmt::format(
-      "{} ({}) for {}: {} for {:.4g} N, by {}: e_n {:.4g} mm ({}), dP/dd {:.4g} N/mm\n\n",
-      options.model, exporting::name_of(format_of(file)), simulator.title, curve.case_id,
-      curve.nominal.load_N, curve.model, 1e3 * curve.nominal.eccentricity_m,
-      error_in_words(curve.nominal), 1e-3 * curve.normal_stiffness_N_per_m);
+  std::string text =
+      fmt::format("{} ({}) for {}, by the case {}; dP/dd {:.4g} N/mm\n\n", options.model,
+                  exporting::name_of(format_of(file)), simulator.title, curve.case_id,
+                  1e-3 * curve.normal_stiffness_N_per_m);
   for (const XmlChange& change : file.changes())
     text += fmt::format("line {:<5} {}: {} {} -> {}{}\n", change.line, change.element, change.name,
                         change.before.empty() ? "-" : "\"" + text::shortened(change.before) + "\"",
@@ -153,7 +160,8 @@ std::string to_text(const ApplyOptions& options, const XmlFile& file, const fs::
   if (file.changes().empty()) text += "Nothing had to be changed.\n";
   text += "\n";
   for (const auto trap : simulator.traps) text += fmt::format("- {}\n", trap);
-  return text + "Written: " + output.string() + "\n";
+  return text + "Written: " + output.string() +
+         "\nThe error: " + curve.nominal.assessment.evidence + "\n";
 }
 
 int run_apply(const ApplyOptions& options) {
@@ -181,7 +189,7 @@ int run_apply(const ApplyOptions& options) {
   wanted.force_error = range_of(relative_force_errors(wanted.contact, curve), curve, "force");
   if (options.effective_mass_g > 0) wanted.effective_mass_kg = 1e-3 * options.effective_mass_g;
   if (options.depth_mm > 0) wanted.depth_m = 1e-3 * options.depth_mm;
-  if (options.plugin) wanted.plugin = plugin_problem(contact_case, curve.nominal.load_N);
+  if (options.plugin) wanted.plugin = plugin_problem(options, contact_case, curve.nominal.load_N);
   apply_contact(file, options.fingers, simulator, wanted);
 
   const std::string text = file.text();
@@ -191,17 +199,21 @@ int run_apply(const ApplyOptions& options) {
   if (!again.changes().empty())
     throw InputError(options.model, "the changed file does not read back", "",
                      "elements that are written once");
-  system::write_file_atomically(output, text);
-  if (leaves_files_behind(file, options, output))
+  const bool usable = curve.nominal.assessment.usable, written = usable || options.contact.force;
+  if (written) system::write_file_atomically(output, text);
+  if (written && leaves_files_behind(file, options, output))
     remark(output.string() +
            ": the file names others by relative paths, which do not lie in its folder");
   if (options.json)
-    system::write_to_stdout(to_json(options, file, output, simulator, curve, wanted.contact)
-                                .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(
+        to_json(options, file, output, simulator, curve, wanted.contact, written)
+            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
+        "\n");
   else
-    system::write_text_to_stdout(to_text(options, file, output, simulator, curve));
-  return 0;
+    system::write_text_to_stdout(
+        answer_line(curve) +
+        (written ? to_text(options, file, output, simulator, curve) : std::string(kHowToForce)));
+  return usable ? 0 : 1;
 }
 
 }  // namespace

@@ -10,16 +10,19 @@
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/percent.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
 
-const PressureModel& model_by_name(const std::string& name) {
+/// Null: the recommended one.
+const PressureModel* model_by_name(const std::string& name) {
+  if (name.empty()) return nullptr;
   const auto models = prediction::models_by_name(name);
   if (models.size() != 1)
     throw InputError("command line", "--model", name, "the name of one model; see: list models");
-  return *models.front();
+  return models.front();
 }
 
 /// The numbers of "1,5". Whether they are valid loads is checked in choose_loads.
@@ -68,7 +71,8 @@ const exporting::Simulator& simulator_by_name(const std::string& name) {
 
 void add_contact_choice(CLI::App& command, ContactChoice& choice) {
   command.add_option("--model", choice.model,
-                     "the model whose torque is taken (default bonded_layer); see: list models");
+                     "the model whose torque is taken; default: the recommended one, which predict "
+                     "names first; see: list models");
   command.add_option("--load", choice.load,
                      "nominal load in N, > 0, that the constants are made for (default: the "
                      "middle one of the case's loads)");
@@ -80,14 +84,13 @@ void add_contact_choice(CLI::App& command, ContactChoice& choice) {
                   "\"nominal\" (default): exact at the nominal load; \"range\": the smallest worst "
                   "error over the range")
       ->check(CLI::IsMember({"nominal", "range"}));
-  command
-      .add_option("--tolerance", choice.tolerance,
-                  "of the torque, within which an answer is usable, relative; default: 0.1")
-      ->check(CLI::Range(1e-6, 10.));
+  add_demand(command, choice.demand);
+  command.add_flag("--force", choice.force,
+                   "the lines also where the answer is not usable: nobody vouches for them");
 }
 
 input::Case read_contact_case(const ContactChoice& choice) {
-  refuse_nan(choice.tolerance, "--tolerance", "1e-6 to 10");
+  choice.demand.demand();
   model_by_name(choice.model);
   load_choice(choice);
   CaseInput typed_case = choice.typed_case;
@@ -97,36 +100,27 @@ input::Case read_contact_case(const ContactChoice& choice) {
 
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
                                           const ContactChoice& choice) {
-  const PressureModel& model = model_by_name(choice.model);
+  const PressureModel* const model = model_by_name(choice.model);
   const auto loads = exporting::choose_loads(contact_case.loads_N, load_choice(choice));
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
-  exporting::ContactCurve curve =
-      exporting::ask_contact_curve(contact_case, resolver, model, loads, choice.tolerance);
-  for (const exporting::LoadPoint& point : curve.points)
-    if (!(point.error_bound() <= choice.tolerance)) {
-      remark(fmt::format(
-          "{} is not known to be within {:g} % everywhere, at {:.4g} N for one: {}{}", curve.model,
-          100 * choice.tolerance, point.load_N, error_in_words(point),
-          (point.assessment.determined || !point.assessment.bound) && !point.objection.empty()
-              ? "; " + point.objection
-              : ""));
-      break;
-    }
-  return curve;
+  return exporting::ask_contact_curve(contact_case, resolver, model, loads, choice.demand.demand());
 }
 
 std::string short_error(const exporting::LoadPoint& point) {
   const double error = point.error_bound();
-  if (!std::isfinite(error)) return "±?";
-  return fmt::format(error < 0.0995 ? "±{:.1f} %" : "±{:.0f} %", 100 * error);
+  return std::isfinite(error) ? "± " + text::percent(error) : "± ?";
 }
 
-std::string error_in_words(const exporting::LoadPoint& point) {
-  const std::string error = short_error(point);
-  return point.assessment.bound && point.assessment.determined
-             ? error + " of the finger's"
-             : error + ": " + point.assessment.evidence;
+std::string answer_line(const exporting::ContactCurve& curve) {
+  const exporting::LoadPoint& point = curve.nominal;
+  const std::string answer =
+      fmt::format("torque {:.3g} mN·m {}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm",
+                  1e3 * point.max_torque_Nm(), short_error(point), curve.model, 2e3 * point.a_m,
+                  2e3 * point.b_m, 1e3 * point.eccentricity_m);
+  return point.reason.empty()
+             ? fmt::format("{:g} N: {}\n", point.load_N, answer)
+             : fmt::format("NOT USABLE at {:g} N ({}): {}\n", point.load_N, answer, point.reason);
 }
 
 }  // namespace softfinger::commands

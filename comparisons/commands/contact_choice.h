@@ -4,6 +4,7 @@
 #include <string>
 
 #include "comparisons/commands/case_input.h"
+#include "comparisons/commands/demand_input.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/input/case.h"
@@ -13,32 +14,37 @@ namespace softfinger::commands {
 
 struct ContactChoice {
   CaseInput typed_case;
-  std::string model = "bonded_layer", load, load_range, fit = "nominal";
-  double tolerance = 0.1;
+  std::string model, load, load_range, fit = "nominal";  ///< no model: the recommended one
+  DemandInput demand;
+  bool force = false;  ///< also where the answer is not usable
 
   exporting::Fit kind_of_fit() const;
 };
 
-/// --model, --load, --load-range, --fit and --tolerance. The case's own options are add_case's,
-/// with a load of its own.
+/// --model, --load, --load-range, --fit, --tolerance, --quantities and --force. The case's own
+/// options are add_case's, with a load of its own.
 void add_contact_choice(CLI::App& command, ContactChoice& choice);
 
 /// @throws InputError, also for an unknown model and for loads that are none
 input::Case read_contact_case(const ContactChoice& choice);
 
-/// Remarks on meshes, and on a model that is not known to be within the tolerance, go to standard
-/// error.
+/// Remarks on meshes go to standard error.
 /// @throws InputError
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
                                           const ContactChoice& choice);
 
+/// The second line of an answer that is not usable.
+constexpr const char* kHowToForce =
+    "Nothing is printed or written to be used; --force does it all the same\n";
+
 /// @throws InputError with the nearest name
 const exporting::Simulator& simulator_by_name(const std::string& name);
 
-/// "±4.2 %", "±?" where it is not known.
+/// "± 4.2 %", "± ?" where it is not known.
 std::string short_error(const exporting::LoadPoint& point);
 
-/// "±4.2 % of the finger's", or why that is not known.
-std::string error_in_words(const exporting::LoadPoint& point);
+/// "2 N: torque 4.49 mN·m ± 1.4 %, by fingertip_layer; contact 5.1 x 3.7 mm; e_n 1.87 mm", or
+/// "NOT USABLE at 2 N: ..." with the reason and what to do.
+std::string answer_line(const exporting::ContactCurve& curve);
 
 }  // namespace softfinger::commands

@@ -56,7 +56,7 @@ struct Export {
   }
 };
 
-nlohmann::json to_json(const Export& made, const std::string& fit, double tolerance) {
+nlohmann::json to_json(const Export& made, const std::string& fit, bool with_lines) {
   const ContactCurve& curve = made.curve;
   nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array();
   for (const auto& [name, value] : made.lines.values) values[name] = text::finite_or_null(value);
@@ -70,11 +70,11 @@ nlohmann::json to_json(const Export& made, const std::string& fit, double tolera
          {"simulator_eccentricity_m", text::finite_or_null(made.eccentricity_m(point.load_N))},
          {"relative_error", text::finite_or_null(made.errors[i])},
          {"force_relative_error", text::finite_or_null(made.force_errors[i])},
-         {"valid", point.valid(tolerance)},
-         {"usable", point.error_bound() <= tolerance},
+         {"usable", point.assessment.usable},
          {"error_bound", text::finite_or_null(point.error_bound())}});
   }
-  return {{"case", curve.case_id},
+  return {{"schema", text::kSchema},
+          {"case", curve.case_id},
           {"simulator", made.simulator.name},
           {"law", made.simulator.law},
           {"model", curve.model},
@@ -85,13 +85,16 @@ nlohmann::json to_json(const Export& made, const std::string& fit, double tolera
           {"friction_coefficient", text::finite_or_null(curve.nominal.friction_coefficient)},
           {"friction_exponent", text::finite_or_null(curve.friction_exponent)},
           {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
+          {"usable", curve.nominal.assessment.usable},
+          {"reason",
+           curve.nominal.reason.empty() ? nlohmann::json() : nlohmann::json(curve.nominal.reason)},
           {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
           {"error_evidence", curve.nominal.assessment.evidence},
           {"normal_stiffness_N_per_m", text::finite_or_null(curve.normal_stiffness_N_per_m)},
           {"load_exponent", text::finite_or_null(curve.load_exponent)},
           {"simulator_load_exponent", made.simulator.load_exponent},
-          {"lines", made.lines.text},
-          {"values", values},
+          {"lines", with_lines ? nlohmann::json(made.lines.text) : nlohmann::json()},
+          {"values", with_lines ? values : nlohmann::json()},
           {"loads", loads},
           {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
           {"worst_force_relative_error", text::finite_or_null(made.force_errors[made.worst_force])},
@@ -125,16 +128,12 @@ std::string to_text(const Export& made) {
       : made.simulator.load_exponent == 0
           ? title + " keeps it constant"
           : fmt::format("in {} with P^{:g}", title, made.simulator.load_exponent);
-  std::string text = fmt::format(
-      "{} for {:.4g} N, by {}: e_n {:.4g} mm ({}), largest torque {:.4g} mN·m; e_n goes with "
-      "P^{:.3f} there, {}\nApproach {:.4g} mm, normal stiffness dP/dd {:.4g} N/mm\n{}: {}\n\n{}\n",
-      title, curve.nominal.load_N, curve.model, curve.nominal.eccentricity_m * 1e3,
-      error_in_words(curve.nominal), curve.nominal.max_torque_Nm() * 1e3, curve.load_exponent,
-      growth, curve.nominal.indentation_m * 1e3, curve.normal_stiffness_N_per_m * 1e-3, title,
-      made.simulator.law, made.lines.text);
-  // Where no error is known a model's own assumptions are all there is to go by.
-  if (!curve.nominal.assessment.bound && !curve.nominal.objection.empty())
-    text += fmt::format("Not usable: {}\n\n", curve.nominal.objection);
+  std::string text = made.lines.text + "\n";
+  text += fmt::format(
+      "{}: {}\nThere e_n goes with P^{:.3f}, {}. Approach {:.4g} mm, normal stiffness dP/dd {:.4g} "
+      "N/mm\n",
+      title, made.simulator.law, curve.load_exponent, growth, curve.nominal.indentation_m * 1e3,
+      curve.normal_stiffness_N_per_m * 1e-3);
   text += fmt::format("  {:>9} {:>12} {:>9} {:>16} {:>13} {:>6}\n", "load N", "torque mN·m",
                       "e_n mm", "e_n there mm", "its torque %", "e_n ±");
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
@@ -154,17 +153,25 @@ std::string to_text(const Export& made) {
   return text;
 }
 
+/// What the answer rests on.
+std::string evidence_text(const input::Case& contact_case, const ContactCurve& curve) {
+  return fmt::format("{}\nThe error: {}\n", prediction::describe(contact_case),
+                     curve.nominal.assessment.evidence);
+}
+
 int run_export(const ExportOptions& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const input::Case contact_case = read_contact_case(options.contact);
   const ContactCurve curve = ask_contact_curve(contact_case, options.contact);
   const Export made(simulator, curve, options.contact.kind_of_fit());
+  const bool usable = curve.nominal.assessment.usable, told = usable || options.contact.force;
   if (options.json)
-    system::write_to_stdout(to_json(made, options.contact.fit, options.contact.tolerance).dump(2) +
-                            "\n");
+    system::write_to_stdout(to_json(made, options.contact.fit, told).dump(2) + "\n");
   else
-    system::write_text_to_stdout(prediction::describe(contact_case) + "\n" + to_text(made));
-  return 0;
+    system::write_text_to_stdout(answer_line(curve) +
+                                 (told ? "\n" + to_text(made) + evidence_text(contact_case, curve)
+                                       : std::string(kHowToForce)));
+  return usable ? 0 : 1;
 }
 
 }  // namespace
@@ -186,7 +193,7 @@ void add_export(CLI::App& app, Action& action) {
   command->footer(
       "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "
       "about\n"
-      "P^(1/4) to P^(1/3), where most simulators keep it constant. Under another shear_law of the\n"
+      "P^(1/5) to P^(1/3), where most simulators keep it constant. Under another shear_law of the\n"
       "case the largest force / load, exported as mu, depends on the load too; e_n is then over "
       "the\n"
       "largest force, and both errors are stated.\n"

@@ -11,6 +11,7 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"

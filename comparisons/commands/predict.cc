@@ -6,19 +6,23 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/commands/answer_lines.h"
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/demand_input.h"
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/assessment.h"
-#include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/judgement/input_doubt.h"
+#include "comparisons/judgement/recommended.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -27,18 +31,23 @@ namespace {
 
 struct PredictOptions {
   CaseInput typed_case;
+  DemandInput demand;
   std::string models = "all", torque_rule = "exact", gap = "quadric", page, command_line;
-  double tolerance = 0.1;
   int limit_surface = 0;
-  bool json = false, write_page = false;
+  bool json = false, explain = false, write_page = false;
 };
 
 // Short, so that measuring the cost of a call does not slow the program down noticeably.
 constexpr double kCostBudget_ns = 0.7e6;
 
 /// The requested models; with a sampled gap also layer_fft, which is the one that uses it.
-std::vector<const PressureModel*> chosen_models(const PredictOptions& options) {
+std::vector<const PressureModel*> chosen_models(const PredictOptions& options,
+                                                const input::Case& contact_case) {
   auto models = prediction::models_by_name(options.models);
+  // Without a measured law the model that needs one has nothing to say.
+  if (options.models == "all" && !(contact_case.options.power_law.radius_coefficient > 0))
+    models.erase(std::remove(models.begin(), models.end(), find_pressure_model("power_law")),
+                 models.end());
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {
@@ -57,19 +66,6 @@ void check_limit_surface(const PredictOptions& options, std::size_t answers) {
     throw InputError("command line", "--limit-surface", std::to_string(options.limit_surface),
                      fmt::format("at most {} points for {} answers (loads times models)",
                                  kMostPoints / answers, answers));
-}
-
-/// The error bounds of an answer, from the error atlas.
-void estimate(const input::Case& contact_case, prediction::TorqueRule rule,
-              prediction::ModelAnswer& answer) {
-  if (!answer.prediction.has_answer || answer.sampled) return;
-  const auto found = judgement::estimate_error(std::string(answer.model->card().name), contact_case,
-                                               answer.problem);
-  if (found.bound)
-    answer.error_bound = judgement::with_shear_law(
-        judgement::with_torque_rule(found, answer.prediction, rule), answer);
-  else
-    answer.no_bound = found.outside;
 }
 
 /// The mesh of a case whose region is shown: the finger's, else the object's; null: neither is one.
@@ -124,10 +120,21 @@ std::string tilting_text(const nlohmann::json& result) {
       rolls(0), 1e3 * limit[0].get<double>(), rolls(1), 1e3 * limit[1].get<double>());
 }
 
+/// What follows the first line of a load.
+std::string block_of(const std::vector<prediction::ModelAnswer>& answers,
+                     const prediction::ModelAnswer* first, prediction::TorqueRule rule,
+                     const prediction::Demand& demand) {
+  std::string text;
+  if (first)
+    if (const std::string inputs = judgement::cost_of_inputs(*first, rule); !inputs.empty())
+      text += "  torque by the inputs: " + inputs + "\n";
+  return text + models_text(answers, first, rule, demand);
+}
+
 int run_predict(const PredictOptions& options) {
-  refuse_nan(options.tolerance, "--tolerance", "1e-6 to 10");
-  const auto models = chosen_models(options);
+  const prediction::Demand demand = options.demand.demand();
   const input::Case contact_case = read_case(options.typed_case);
+  const auto models = chosen_models(options, contact_case);
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
   const input::MeshBody* const mesh = shown_mesh(contact_case);
   if (options.write_page && options.page.empty())
@@ -144,7 +151,8 @@ int run_predict(const PredictOptions& options) {
       kCostBudget_ns / static_cast<double>(models.size() * contact_case.loads_N.size());
 
   nlohmann::json results = nlohmann::json::array(), geometries = nlohmann::json::array();
-  std::string text = prediction::describe(contact_case) + "\n";
+  std::string first_lines, evidence = prediction::describe(contact_case) + "\n";
+  std::vector<std::string> blocks;
   for (double load_N : contact_case.loads_N) {
     const prediction::LocalGeometry geometry = resolver.resolve(load_N);
     std::vector<prediction::ModelAnswer> answers;
@@ -153,31 +161,32 @@ int run_predict(const PredictOptions& options) {
         answers.push_back(prediction::ask_sampled_gap(resolver, geometry, contact_case, load_N));
       else
         answers.push_back(prediction::ask_model(*model, contact_case, geometry, load_N, budget_ns));
-      if (options.json)
-        estimate(contact_case, rule, answers.back());  // the table has no place for it
       if (geometry.patch)
         prediction::propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       answers.back().assessment =
-          judgement::assess(contact_case, geometry, answers.back(), rule, options.tolerance);
+          judgement::assess(contact_case, geometry, answers.back(), rule, demand);
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
+    const prediction::ModelAnswer* const first = judgement::recommended(answers);
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      results[results.size() - answers.size() + i]["recommended"] = &answers[i] == first;
     geometries.push_back({{"load_N", load_N},
                           {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                           {"axis_rad", geometry.radii.axis_rad},
                           {"patch", prediction::patch_to_json(geometry)}});
-    text += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
-            table(answers, rule);
+    first_lines += answer_line(load_N, first, rule, demand);
+    blocks.push_back(block_of(answers, first, rule, demand));
+    evidence += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
+                table(answers, rule);
   }
   if (options.write_page) write_page(options, contact_case, resolver, *mesh);
   // Last, so that a refusal stays a single line.
   for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
-  if (options.models == "all" && options.gap == "quadric" && !prediction::slow_models().empty())
-    remark("left out, slower than the others: " + text::joined(prediction::slow_models()) +
-           "; ask with --model NAME or --model everything");
   if (options.json) {
     const ShearLaw& law = contact_case.shear_law;
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
+        {"schema", text::kSchema},
         {"case", contact_case.id},
         {"layer", input::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
@@ -194,6 +203,17 @@ int run_predict(const PredictOptions& options) {
         {"results", results}};
     system::write_to_stdout(object.dump(2) + "\n");
   } else {
+    std::string text = first_lines;
+    for (std::size_t load = 0; load < blocks.size(); ++load)
+      text += (blocks.size() > 1 ? fmt::format("\n{:g} N\n", contact_case.loads_N[load]) : "") +
+              blocks[load];
+    if (options.explain) {
+      text += "\n" + evidence;
+      if (options.models == "all" && options.gap == "quadric")
+        text += "Left out, slower than the others: " + text::joined(prediction::slow_models()) +
+                "; ask with --model NAME or --model everything\n";
+      text += experiments::noise_remark();
+    }
     if (options.limit_surface > 0) {
       for (const auto& result : results) {
         if (result["limit_surface"].empty()) continue;
@@ -215,7 +235,7 @@ int run_predict(const PredictOptions& options) {
         text += tilting_text(result);
       }
     }
-    system::write_text_to_stdout(text + experiments::noise_remark());
+    system::write_text_to_stdout(text);
   }
   return 0;
 }
@@ -231,10 +251,10 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
   command->add_option("--model", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");
-  command
-      ->add_option("--tolerance", options->tolerance,
-                   "of area and torque, within which an answer is usable, relative; default: 0.1")
-      ->check(CLI::Range(1e-6, 10.));
+  add_demand(*command, options->demand);
+  command->add_flag("--explain", options->explain,
+                    "also all numbers of all models, which of their assumptions fail, what each "
+                    "cause costs in per cent, and what a mesh leaves open");
   command
       ->add_option(
           "--torque-rule", options->torque_rule,
@@ -283,6 +303,7 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       "  softfinger predict seed_thumb --set layer.thickness_mm=2 --quiet\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
+      "  softfinger predict silicone_pad_2mm --explain\n"
       "  softfinger predict pad_on_plane --gap sampled\n"
       "  softfinger predict pad_on_plane --page regions.html");
   command->callback([options, page, &action] {

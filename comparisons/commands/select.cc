@@ -6,6 +6,7 @@
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/demand_input.h"
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/judgement/selection/scene_choice.h"
 #include "comparisons/judgement/selection/selection_report.h"
@@ -26,7 +27,8 @@ namespace {
 
 struct SelectOptions {
   CaseInput typed_case;
-  std::string models, quantities, output, command_line;
+  std::string models, output, command_line;
+  DemandInput demand;
   judgement::SelectionOptions selection;
   bool json = false, write_page = false;
 };
@@ -203,7 +205,8 @@ void write_page(const std::filesystem::path& folder, const nlohmann::json& resul
 }
 
 int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
-  if (!options.models.empty() || !options.quantities.empty() || options.selection.budget_us > 0)
+  if (!options.models.empty() || !options.demand.quantities.empty() ||
+      options.selection.budget_us > 0)
     throw InputError("command line", "--models, --quantities, --budget-us", "",
                      "a case: in a scene the models are chosen by how they change its motion");
   const input::Scene scene = input::read_scene(file, settings_of(options.typed_case));
@@ -214,10 +217,10 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
           file.string(), "shear_law", rule.shear_law.name(),
           "\"coulomb\" for select: errors of the models' torque are known for it only");
   const judgement::SceneChoice choice =
-      judgement::choose_for_scene(scene, options.selection.tolerance, fem_table, remark);
+      judgement::choose_for_scene(scene, options.demand.tolerance, fem_table, remark);
   const std::string outcome =
       report::outcome_in_words(choice.plain, choice.chosen, in_words(choice.plain_change));
-  nlohmann::json result = to_json(choice, options.selection.tolerance);
+  nlohmann::json result = to_json(choice, options.demand.tolerance);
   result["outcome"] = outcome;
   if (options.write_page)
     write_page(
@@ -228,21 +231,19 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   else
     system::write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n",
                                              choice.scene.id,
-                                             text::percent(options.selection.tolerance)) +
-                                 table(choice, options.selection.tolerance, outcome));
+                                             text::percent(options.demand.tolerance)) +
+                                 table(choice, options.demand.tolerance, outcome));
   return 0;
 }
 
 int run_select(SelectOptions options) {
-  refuse_nan(options.selection.tolerance, "--tolerance", "1e-6 to 10");
+  options.selection.demand = options.demand.demand();
   refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
   if (const auto file = scene_file(options.typed_case.file); !file.empty())
     return run_scene(file, options);
   if (!options.models.empty()) options.selection.models = allowed_models(options.models);
-  if (!options.quantities.empty())
-    options.selection.quantities = judgement::quantities_by_name(options.quantities);
   const input::Case contact_case = read_case(options.typed_case);
   input::require_coulomb(contact_case, "select");
   const prediction::GeometryResolver resolver(contact_case);
@@ -259,7 +260,7 @@ int run_select(SelectOptions options) {
     text += table(load.choice, options.selection);
   }
   const nlohmann::json result = {
-      {"case", contact_case.id}, {"tolerance", options.selection.tolerance}, {"choices", choices}};
+      {"case", contact_case.id}, {"tolerance", options.demand.tolerance}, {"choices", choices}};
   if (options.write_page) {
     const nlohmann::json report = judgement::selection_report(
         contact_case, resolver, options.selection, loads, options.command_line);
@@ -280,11 +281,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "select",
       "The cheapest model whose stated error meets a tolerance, or a clear \"none\", and why");
   add_case(*command, options->typed_case);
-  command
-      ->add_option("--tolerance", options->selection.tolerance,
-                   "largest relative error allowed, 1e-6 to 10; 0.05 is 5 %")
-      ->required()
-      ->check(CLI::Range(1e-6, 10.));
+  add_demand(*command, options->demand, true);
   command
       ->add_option("--budget-us", options->selection.budget_us,
                    "longest time allowed for one answer, in microseconds, 1e-3 to 1e12; default: "
@@ -292,9 +289,6 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       ->check(CLI::Range(1e-3, 1e12));
   command->add_option("--models", options->models,
                       "allowed models, separated by commas; \"fem\" is one; default: all");
-  command->add_option("--quantities", options->quantities,
-                      "what the tolerance is for, separated by commas: a, b, indentation, area, "
-                      "peak_pressure, max_torque; default: all of them");
   options->command_line = command_line;
   const CLI::Option* output = command->add_option(
       "-o,--output", options->output,

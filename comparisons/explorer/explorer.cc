@@ -9,6 +9,7 @@
 
 #include "comparisons/exporting/normal_stiffness.h"
 #include "comparisons/exporting/simulator.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/limit_surface.h"
@@ -16,9 +17,6 @@
 
 namespace softfinger::explorer {
 namespace {
-
-/// Places in BoundedErrors.
-constexpr std::size_t kArea = 3, kTorque = 5;
 
 std::string json_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "null";
@@ -51,7 +49,7 @@ struct Answer {
   Prediction prediction;
   ErrorBound bound;
 
-  double worst() const { return std::max(bound.bound[kArea], bound.bound[kTorque]); }
+  double worst() const { return worst_of(bound.bound); }
 };
 
 std::string model_json(const PressureModel& model, const Answer& answer, const Question& question) {
@@ -163,7 +161,8 @@ std::string answer(const Question& question) {
   const ContactProblem& problem = question.problem;
   std::vector<Answer> answers;
   List list;
-  int nearest = -1, first = -1;
+  const PressureModel* const recommended = &default_model(problem);
+  int nearest = -1, by_default = -1;
   for (const PressureModel* model : models()) {
     const int place = int(answers.size());
     Answer told;
@@ -171,7 +170,7 @@ std::string answer(const Question& question) {
     told.bound = error_bound(problem, told.prediction);
     answers.push_back(told);
     list.add(model_json(*model, told, question));
-    if (first < 0 && told.prediction.has_answer) first = place;
+    if (model == recommended) by_default = place;
     if (told.bound.known && (nearest < 0 || told.worst() < answers[std::size_t(nearest)].worst()))
       nearest = place;
   }
@@ -180,7 +179,7 @@ std::string answer(const Question& question) {
     shown = -1;
   else if (shown < 0 || shown >= int(answers.size()) ||
            !answers[std::size_t(shown)].prediction.has_answer)
-    shown = nearest >= 0 ? nearest : first;
+    shown = answers[std::size_t(by_default)].prediction.has_answer ? by_default : -1;
   std::string profile = "null", limit = "null", simulators = "[]";
   if (shown >= 0) {
     const PressureModel& model = *models()[std::size_t(shown)];
@@ -190,8 +189,9 @@ std::string answer(const Question& question) {
     simulators = simulators_json(model, problem, prediction);
   }
   return fmt::format(
-      "{{\"models\":{},\"nearest\":{},\"shown\":{},\"profile\":{},\"limit\":{},\"simulators\":{}}}",
-      list.text(), nearest, shown, profile, limit, simulators);
+      "{{\"models\":{},\"nearest\":{},\"recommended\":{},\"shown\":{},\"profile\":{},\"limit\":{},"
+      "\"simulators\":{}}}",
+      list.text(), nearest, by_default, shown, profile, limit, simulators);
 }
 
 }  // namespace softfinger::explorer

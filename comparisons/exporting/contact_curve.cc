@@ -7,6 +7,8 @@
 
 #include "comparisons/exporting/normal_stiffness.h"
 #include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/reason.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::exporting {
@@ -22,29 +24,28 @@ double middle_of(std::vector<double> loads_N) {
 bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 
 LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
-              const PressureModel& model, double load_N, double tolerance) {
-  const prediction::ModelAnswer answer =
-      prediction::ask_model(model, contact_case, geometry, load_N, 0);
+              const PressureModel& model, double load_N, const prediction::Demand& demand) {
+  prediction::ModelAnswer answer = prediction::ask_model(model, contact_case, geometry, load_N);
   const Prediction& prediction = answer.prediction;
-  std::string objections;
-  for (const ValidityCheck& check : prediction.validity)
-    if (!check.holds()) objections += (objections.empty() ? "" : "; ") + std::string(check.message);
   if (!prediction.has_answer || !(prediction.torque_arm_exact_m > 0))
     throw InputError(contact_case.id, "--model", std::string(model.card().name),
-                     fmt::format("a model with a torque at {:g} N{}", load_N,
-                                 objections.empty() ? "" : " (" + objections + ")"));
+                     fmt::format("a model with a torque at {:g} N ({})", load_N,
+                                 judgement::reason_not_usable(answer, demand)));
+  answer.assessment =
+      judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, demand);
   const FrictionEllipsoid limit = answer.friction_ellipsoid(prediction::TorqueRule::exact);
   // Under Coulomb's law the coefficient is the case's own, to the last digit.
   const double friction = contact_case.shear_law.has_shear_strength()
                               ? limit.max_force_N / load_N
                               : contact_case.shear_law.friction_coefficient;
-  return {
-      load_N,
-      friction,
-      limit.eccentricity_m,
-      prediction.indentation_m,
-      objections,
-      judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, tolerance)};
+  return {load_N,
+          friction,
+          limit.eccentricity_m,
+          prediction.indentation_m,
+          prediction.a_m,
+          prediction.b_m,
+          answer.assessment->usable ? "" : judgement::reason_not_usable(answer, demand),
+          *answer.assessment};
 }
 
 }  // namespace
@@ -83,15 +84,19 @@ LoadRange choose_loads(const std::vector<double>& case_loads_N, const LoadChoice
 
 ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
-                               const PressureModel& model, const LoadRange& loads,
-                               double tolerance) {
+                               const PressureModel* chosen, const LoadRange& loads,
+                               const prediction::Demand& demand) {
+  const prediction::LocalGeometry nominal = resolver.resolve(loads.nominal_N);
+  const PressureModel& model =
+      chosen ? *chosen
+             : default_model(prediction::contact_problem(contact_case, nominal, loads.nominal_N));
   ContactCurve curve;
   curve.case_id = contact_case.id;
   curve.model = std::string(model.card().name);
   curve.shear_law = contact_case.shear_law;
-  curve.radii = resolver.resolve(loads.nominal_N).radii;
+  curve.radii = nominal.radii;
   const auto at = [&](double load_N) {
-    return ask(contact_case, resolver.resolve(load_N), model, load_N, tolerance);
+    return ask(contact_case, resolver.resolve(load_N), model, load_N, demand);
   };
   curve.nominal = at(loads.nominal_N);
 

@@ -40,13 +40,10 @@ struct LoadPoint {
   double friction_coefficient = 0;  ///< largest force / P: mu under Coulomb's law
   double eccentricity_m = 0;  ///< e_n = max torque / largest force, (6) of Ciocarlie et al. 2007
   double indentation_m = 0;
-  std::string objection;  ///< which assumptions of the model fail there; empty: all hold
+  double a_m = 0, b_m = 0;  ///< semi-axes of the contact
+  std::string reason;       ///< why the answer is not usable; empty: it is
   prediction::Assessment assessment;
 
-  /// Where a bound is known it decides, as `ModelAnswer::valid`; else no assumption may fail.
-  bool valid(double tolerance) const {
-    return assessment.bound ? error_bound() <= tolerance : objection.empty();
-  }
   double max_force_N() const { return friction_coefficient * load_N; }
   double max_torque_Nm() const { return max_force_N() * eccentricity_m; }
   /// Of the torque, relative, what the fit of a mesh leaves open included; NaN where it is not
@@ -71,11 +68,12 @@ struct ContactCurve {
 };
 
 /// Asks the model at each of these loads, about ten.
-/// @param tolerance  within which the assessments call an answer usable
+/// @param demand  what the assessments call usable
+/// @param model  null: the recommended one at the nominal load
 /// @throws InputError with the model's reason when it has no answer for one of them.
 ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
-                               const PressureModel& model, const LoadRange& loads,
-                               double tolerance);
+                               const PressureModel* model, const LoadRange& loads,
+                               const prediction::Demand& demand);
 
 }  // namespace softfinger::exporting

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/fingertip_layer_core.h"
@@ -50,6 +49,16 @@ QuantityErrors change_by_logarithmic_energy(const prediction::ModelAnswer& answe
   QuantityErrors change = kPerStrain;
   for (double& one : change) one *= scale;
   return change;
+}
+
+/// The bounds, known for Coulomb's law, for the answer's: the torque tau_0 A e(0) is off by what
+/// the area A and an arm are. An arm lies between the semi-axes, and Coulomb's own has the
+/// pressure's error too: the largest of the three.
+QuantityErrors with_shear_law(QuantityErrors bound) {
+  const auto of = [&](Quantity quantity) { return bound[std::size_t(quantity)]; };
+  const double arm = std::max({of(Quantity::a), of(Quantity::b), of(Quantity::max_torque)});
+  bound[std::size_t(Quantity::max_torque)] = of(Quantity::area) + arm;
+  return bound;
 }
 
 const char* reason_without_bound(const input::Case& contact_case,
@@ -177,9 +186,10 @@ std::string what_would_determine(const prediction::LocalGeometry& geometry) {
 
 }  // namespace
 
-Assessment assess(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
-                  const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
-                  double tolerance) {
+Assessment assess_numbers(const input::Case& contact_case,
+                          const prediction::LocalGeometry& geometry,
+                          const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
+                          const prediction::Demand& demand) {
   Assessment result;
   if (answer.prediction.has_answer) result.geometry = geometry_error(geometry, answer, rule);
   if (const char* reason = reason_without_bound(contact_case, answer)) {
@@ -201,34 +211,38 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
     for (std::size_t q = 0; q < change.size(); ++q) (*result.bound)[q] += change[q];
   }
   if (answer.shear_law.kind != ShearLaw::Kind::coulomb) {
-    *result.bound = with_shear_law(*result.bound, answer);
+    *result.bound = with_shear_law(*result.bound);
     for (QuantityErrors& cause : result.causes) cause[std::size_t(Quantity::max_torque)] = kNaN;
   }
-  result.evidence =
-      "this model against fingertip_layer, which was fitted to finite-element runs of whole "
-      "fingers "
-      "at finite strain, pressed without friction: 95 % of them lie inside" +
-      nearest_run_in_words(answer);
-  const auto open = [&](Quantity quantity) { return (*result.geometry)[std::size_t(quantity)]; };
-  // NaN is neither.
-  result.determined = open(Quantity::area) <= tolerance && open(Quantity::max_torque) <= tolerance;
-  result.usable =
-      result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;
+  result.determined = demand.is_met_by(*result.geometry);
+  result.usable = demand.is_met_by(result.totals());
+  return result;
+}
+
+Assessment assess(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
+                  const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
+                  const prediction::Demand& demand) {
+  Assessment result = assess_numbers(contact_case, geometry, answer, rule, demand);
+  if (!result.bound) return result;
+  if (result.known())
+    result.evidence =
+        "this model against fingertip_layer, which was fitted to finite-element runs of whole "
+        "fingers at finite strain, pressed without friction: 95 % of them lie inside" +
+        nearest_run_in_words(answer);
   // Where nothing is known of the geometry the bound is of no use.
   if (!result.determined)
-    result.evidence =
-        (result.known() ? result.evidence + "; " : "") + what_would_determine(geometry);
+    result.evidence += (result.known() ? "; " : "") + what_would_determine(geometry);
   return result;
 }
 
 Assessment assess_finite_elements(const input::Case& contact_case,
                                   const prediction::LocalGeometry& geometry, double load_N,
-                                  double tolerance) {
+                                  const prediction::Demand& demand) {
   // Where a fast model can be assessed the runs lie, by which both are known.
-  Assessment result = assess(contact_case, geometry,
-                             prediction::ask_model(*find_pressure_model("bonded_layer"),
-                                                   contact_case, geometry, load_N, 0),
-                             prediction::TorqueRule::exact, tolerance);
+  Assessment result = assess(
+      contact_case, geometry,
+      prediction::ask_model(*find_pressure_model("bonded_layer"), contact_case, geometry, load_N),
+      prediction::TorqueRule::exact, demand);
   if (!result.bound) {
     result.evidence += "; they state their own error when they have run";
     return result;
@@ -247,8 +261,7 @@ Assessment assess_finite_elements(const input::Case& contact_case,
   std::copy(std::begin(kFingertipLayerTable.finite_elements),
             std::end(kFingertipLayerTable.finite_elements), result.bound->begin());
   result.evidence = "95 % of the runs of whole fingers at finite strain stated less";
-  result.usable =
-      result.total(Quantity::area) <= tolerance && result.total(Quantity::max_torque) <= tolerance;
+  result.usable = demand.is_met_by(result.totals());
   return result;
 }
 

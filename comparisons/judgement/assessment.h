@@ -11,15 +11,22 @@ namespace softfinger::judgement {
 
 /// @param answer     of the case's contact
 /// @param rule       by which the torque is told
-/// @param tolerance  of area and torque, relative
+/// @param demand     what an answer has to meet to be usable
 prediction::Assessment assess(const input::Case& contact_case,
                               const prediction::LocalGeometry& geometry,
                               const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
-                              double tolerance);
+                              const prediction::Demand& demand);
+
+/// The same without its evidence in words, which cost more than all of its numbers.
+prediction::Assessment assess_numbers(const input::Case& contact_case,
+                                      const prediction::LocalGeometry& geometry,
+                                      const prediction::ModelAnswer& answer,
+                                      prediction::TorqueRule rule,
+                                      const prediction::Demand& demand);
 
 /// The same of finite elements of the whole finger that have not run.
 prediction::Assessment assess_finite_elements(const input::Case& contact_case,
                                               const prediction::LocalGeometry& geometry,
-                                              double load_N, double tolerance);
+                                              double load_N, const prediction::Demand& demand);
 
 }  // namespace softfinger::judgement

@@ -20,8 +20,6 @@ using prediction::TorqueRule;
 using reference::PressureProfile;
 using Clock = std::chrono::steady_clock;
 
-/// Of the assessments, which say only how far off a model is.
-constexpr double kUsualTolerance = 0.1;
 constexpr double kCostBudget_ns = 1e5;  // per model and load: milliseconds for the whole suite
 
 /// Whether a profile of the model's pressure may be drawn without being felt: some models solve
@@ -81,7 +79,7 @@ ModelComparison compare_model(const PressureModel& model, const Comparison& load
   if (load.geometry.patch)
     prediction::propagate_radii_uncertainty(load.geometry.patch->relative, comparison.answer);
   comparison.answer.assessment = assess(*load.contact_case, load.geometry, comparison.answer,
-                                        TorqueRule::exact, kUsualTolerance);
+                                        TorqueRule::exact, prediction::Demand{});
   if (!comparison.answer.prediction.has_answer) return comparison;
   if (has_cheap_pressure(comparison.answer)) {
     comparison.along_x = profile(comparison.answer, true);
@@ -179,10 +177,7 @@ LoadErrors errors_of(const Comparison& comparison) {
   errors.fem_failure = comparison.failure;
   errors.size = comparison.size();
   if (const auto open = comparison.geometry_error()) {
-    errors.geometry_error = std::max((*open)[std::size_t(prediction::Quantity::area)],
-                                     (*open)[std::size_t(prediction::Quantity::max_torque)]);
-    // What is not known may be anything.
-    if (std::isnan(errors.geometry_error)) errors.geometry_error = kInfinity;
+    errors.geometry_error = worst_of(*open);
   }
   if (comparison.reference) {
     errors.stated = comparison.reference->error;
@@ -195,8 +190,11 @@ LoadErrors errors_of(const Comparison& comparison) {
     error.sound = is_sound(model.answer.prediction, *comparison.contact_case);
     error.hot_path = model.answer.model->card().hot_path;
     error.applicable = is_applicable(model.answer);
-    error.area = model.errors ? model.errors->area : kNaN;
-    error.max_torque = model.errors ? model.errors->max_torque : kNaN;
+    error.contact = error.max_torque = kNaN;
+    if (model.errors) {
+      error.set_contact(model.errors->a, model.errors->b, model.errors->area);
+      error.max_torque = model.errors->max_torque;
+    }
     errors.models.push_back(error);
   }
   return errors;

@@ -81,7 +81,7 @@ std::string reference_in_words(const input::Case& contact_case);
 LoadErrors errors_of(const Comparison& comparison);
 
 /// @param loads      of the case, at least one
-/// @param tolerance  relative, in area and torque
+/// @param tolerance  relative, in a, b, area and torque
 CaseComparison compare_case(const input::Case& contact_case, std::vector<Comparison> loads,
                             double tolerance);
 

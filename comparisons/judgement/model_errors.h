@@ -4,8 +4,10 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "comparisons/prediction/quantity.h"
 #include "comparisons/reference/reference_result.h"
 
 /// The errors of a comparison, which verdicts, scores and pages need, without cases and answers.
@@ -19,11 +21,16 @@ struct ModelError {
   /// No assumption of the model fails but such that the reference does without: what those cost is
   /// in the errors.
   bool sound = false;
-  double area = 0, max_torque = 0;
-  /// The larger of the two without sign; NaN when one is missing.
-  double larger() const;
+  double contact = 0;  ///< the largest of a, b and area
+  double max_torque = 0;
   bool hot_path = true;    ///< microseconds; a slower model is named only when no such one will do
   bool applicable = true;  ///< false: it was given nothing to answer with, and is not mentioned
+  prediction::Quantity contact_quantity = prediction::Quantity::area;  ///< which one that is
+
+  /// The larger of the two without sign; NaN when one is missing.
+  double larger() const;
+  /// Sets `contact` and `contact_quantity`; NaN when one is missing.
+  void set_contact(double a, double b, double area);
 };
 
 /// All models at one load.
@@ -34,7 +41,7 @@ struct LoadErrors {
   std::string fem_failure;
   std::vector<ModelError> models;   ///< the same models in the same order for every load of a case
   std::optional<double> size = {};  ///< sqrt(a b)/h of the reference
-  /// The larger of what the geometry leaves open in area and torque; 0 for exact bodies.
+  /// The largest of what the geometry leaves open in a, b, area and torque; 0 for exact bodies.
   double geometry_error = 0;
   reference::ReferenceErrors stated = {};
 };
@@ -48,7 +55,18 @@ struct CaseErrors {
 
 inline double ModelError::larger() const {
   // std::max drops a NaN on its right.
-  return std::isnan(max_torque) ? max_torque : std::max(std::abs(area), std::abs(max_torque));
+  return std::isnan(max_torque) ? max_torque : std::max(std::abs(contact), std::abs(max_torque));
+}
+
+inline void ModelError::set_contact(double a, double b, double area) {
+  using prediction::Quantity;
+  contact = area;
+  contact_quantity = Quantity::area;
+  for (const auto& [error, quantity] : {std::pair(a, Quantity::a), std::pair(b, Quantity::b)})
+    if (std::isnan(error) || std::abs(error) > std::abs(contact)) {
+      contact = error;
+      contact_quantity = quantity;
+    }
 }
 
 }  // namespace softfinger::judgement

@@ -46,8 +46,8 @@ bool is_sound_at_all_loads(const CaseErrors& errors, const std::string& name) {
 std::optional<Score> score(const LoadErrors& load, const ModelError& model) {
   if (!load.fem_finished || !model.has_answer) return std::nullopt;
   std::optional<Score> worst;
-  for (const auto& [quantity, error] :
-       {std::pair(Quantity::area, model.area), std::pair(Quantity::max_torque, model.max_torque)})
+  for (const auto& [quantity, error] : {std::pair(model.contact_quantity, model.contact),
+                                        std::pair(Quantity::max_torque, model.max_torque)})
     if (!std::isnan(error) && (!worst || std::abs(error) > worst->error))
       worst = Score{std::abs(error), quantity, load.load_N};
   return worst;

@@ -11,11 +11,11 @@
 /// Summaries of errors over loads, cases and the whole suite, as reports state them.
 namespace softfinger::judgement {
 
-/// The larger |relative error| of a prediction in area and maximal torque, by which models are
-/// compared. Nothing when the model has no answer or the finite elements failed.
+/// The largest |relative error| of a prediction in a, b, area and maximal torque, by which models
+/// are compared. Nothing when the model has no answer or the finite elements failed.
 struct Score {
   double error = 0;
-  prediction::Quantity quantity = prediction::Quantity::area;  ///< or max_torque
+  prediction::Quantity quantity = prediction::Quantity::area;  ///< which one it is
   double load_N = 0;
 };
 std::optional<Score> score(const LoadErrors& load, const ModelError& model);

@@ -31,15 +31,19 @@ struct Record {
 
 /// The worst errors of a model over some loads, signed.
 struct Worst {
-  double area = 0, torque = 0;
-  double larger() const { return std::max(std::abs(area), std::abs(torque)); }
+  double contact = 0, torque = 0;
+  prediction::Quantity quantity = prediction::Quantity::area;  ///< of the contact
+  double larger() const { return std::max(std::abs(contact), std::abs(torque)); }
 };
 
 Worst worst(const Record& record, const Loads& loads) {
   Worst result;
   for (std::size_t load : loads) {
     const ModelError& error = record.errors[load];
-    if (std::abs(error.area) > std::abs(result.area)) result.area = error.area;
+    if (std::abs(error.contact) > std::abs(result.contact)) {
+      result.contact = error.contact;
+      result.quantity = error.contact_quantity;
+    }
     if (std::abs(error.max_torque) > std::abs(result.torque)) result.torque = error.max_torque;
   }
   return result;
@@ -55,7 +59,7 @@ std::string percent(double relative) {
 std::string percent_bound(double relative) { return percent(std::max(std::abs(relative), 1e-3)); }
 
 std::string agreement(const Worst& errors) {
-  return fmt::format("area within {}, torque within {}", percent_bound(errors.area),
+  return fmt::format("contact within {}, torque within {}", percent_bound(errors.contact),
                      percent_bound(errors.torque));
 }
 
@@ -63,7 +67,8 @@ std::string departure(const Worst& errors) {
   const auto with_sign = [](double relative) {
     return (relative < 0 ? "-" : "+") + percent(relative);
   };
-  return fmt::format("off by {} in area, {} in torque", with_sign(errors.area),
+  return fmt::format("off by {} in {}, {} in torque", with_sign(errors.contact),
+                     prediction::kQuantityNames[std::size_t(errors.quantity)],
                      with_sign(errors.torque));
 }
 
@@ -138,12 +143,12 @@ std::string others(const std::vector<Record>& records, const Loads& all) {
                      percent(most));
 }
 
-/// "up to 35 % of area or torque"
+/// "up to 35 % of contact or torque"
 std::string open_in_words(const std::vector<const LoadErrors*>& finished, const Loads& loads) {
   double largest = 0;
   for (const std::size_t load : loads) largest = std::max(largest, finished[load]->geometry_error);
-  if (!(largest < 1)) return "all of area or torque";
-  return fmt::format("up to {} of area or torque", percent(largest));
+  if (!(largest < 1)) return "all of contact or torque";
+  return fmt::format("up to {} of contact or torque", percent(largest));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct Verdict {
 };
 
 /// One sentence that answers which model can be used, with numbers.
-/// @param tolerance  relative, in area and torque
+/// @param tolerance  relative, in a, b, area and torque
 /// @param reference  what the errors are relative to, in words
 Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
                         const std::string& reference);

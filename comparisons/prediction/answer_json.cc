@@ -99,28 +99,24 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
   const auto number = [&](double value) {
     return prediction.has_answer ? text::finite_or_null(value) : nlohmann::json();
   };
-  nlohmann::json result = {
-      {"load_N", answer.problem.load.normal_force_N},
-      {"model", answer.model->card().name},
-      {"a_m", number(prediction.a_m)},
-      {"b_m", number(prediction.b_m)},
-      {"axis_rad", answer.problem.radii.axis_rad},
-      {"indentation_m", number(prediction.indentation_m)},
-      {"peak_pressure_Pa", number(prediction.peak_pressure_Pa)},
-      {"area_m2", number(prediction.area_m2())},
-      {"area_projected_m2", number(prediction.area_m2())},
-      {"shear_law", answer.shear_law.name()},
-      {"max_force_N", number(ellipsoid.max_force_N)},
-      {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
-      {"eccentricity_m", number(ellipsoid.eccentricity_m)},
-      {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
-      {"gap", answer.sampled ? "sampled" : "quadric"},
-      {"valid", answer.valid()},
-      {"validity", to_json(prediction.validity)},
-      {"error_estimate", to_json(answer.error_bound)},
-      {"error_estimate_remark",
-       answer.no_bound.empty() ? nlohmann::json() : nlohmann::json(answer.no_bound)},
-      {"cost_ns", answer.cost_ns}};
+  nlohmann::json result = {{"load_N", answer.problem.load.normal_force_N},
+                           {"model", answer.model->card().name},
+                           {"a_m", number(prediction.a_m)},
+                           {"b_m", number(prediction.b_m)},
+                           {"axis_rad", answer.problem.radii.axis_rad},
+                           {"indentation_m", number(prediction.indentation_m)},
+                           {"peak_pressure_Pa", number(prediction.peak_pressure_Pa)},
+                           {"area_m2", number(prediction.area_m2())},
+                           {"area_projected_m2", number(prediction.area_m2())},
+                           {"shear_law", answer.shear_law.name()},
+                           {"max_force_N", number(ellipsoid.max_force_N)},
+                           {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
+                           {"eccentricity_m", number(ellipsoid.eccentricity_m)},
+                           {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
+                           {"gap", answer.sampled ? "sampled" : "quadric"},
+                           {"valid", answer.valid()},
+                           {"validity", to_json(prediction.validity)},
+                           {"cost_ns", answer.cost_ns}};
   const auto derived = predict_with_gradient(*answer.model, answer.problem);
   const PredictionGradient& gradient = derived.gradient;
   const auto known = [&](double value) {
@@ -164,7 +160,7 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
                              {"region_area_m2", sampled.region_area_m2},
                              {"edge_deviation", sampled.edge_deviation},
                              {"spacing_m", sampled.spacing_m}};
-    result["error_estimate"] = {
+    result["sampled_gap"]["changes_by_rounding"] = {
         {"a", text::finite_or_null(sampled.changes_by_rounding.a)},
         {"b", text::finite_or_null(sampled.changes_by_rounding.b)},
         {"indentation", text::finite_or_null(sampled.changes_by_rounding.indentation)},

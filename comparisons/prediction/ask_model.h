@@ -39,7 +39,7 @@ struct SampledGapResult {
 
 /// How far an answer is from the finger itself, as `judgement::assess` finds it.
 struct Assessment {
-  bool usable = false;      ///< area and torque are within the tolerance, geometry included
+  bool usable = false;      ///< the demanded quantities are within the tolerance, geometry included
   bool determined = false;  ///< what the geometry leaves open of them is
   std::optional<QuantityErrors> bound;     ///< of |relative error| against the full reference
   std::optional<QuantityErrors> geometry;  ///< what the fit of the radii adds, NaN: not known
@@ -52,6 +52,11 @@ struct Assessment {
     const auto q = std::size_t(quantity);
     return bound && geometry ? (*bound)[q] + (*geometry)[q]
                              : std::numeric_limits<double>::quiet_NaN();
+  }
+  QuantityErrors totals() const {
+    QuantityErrors all;
+    for (std::size_t q = 0; q < kQuantities; ++q) all[q] = total(Quantity(q));
+    return all;
   }
   /// Whether both are known, of every quantity.
   bool known() const {
@@ -76,10 +81,7 @@ struct ModelAnswer {
   };
   std::optional<Deviations> deviations;
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
-  /// Bounds of the |relative errors|, or in words why there are none.
-  std::optional<QuantityErrors> error_bound;
-  std::string no_bound;
-  std::optional<Assessment> assessment;  ///< where it was asked for
+  std::optional<Assessment> assessment;     ///< where it was asked for
 
   /// Where a bound is known it decides; else none of the model's assumptions may fail.
   bool valid() const {
@@ -106,15 +108,16 @@ std::vector<const PressureModel*> models_by_name(const std::string& names);
 /// Names of the models that "all" leaves out because they take longer than microseconds.
 std::vector<std::string> slow_models();
 
-/// @param time_budget_ns  time for repeated calls that measure the cost. Slow models are called
-///   once, however long that takes.
+/// @param time_budget_ns  time for repeated calls that measure the cost; none: it is not measured.
+///   Slow models are called once, however long that takes.
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
-                      double time_budget_ns);
+                      std::optional<double> time_budget_ns = std::nullopt);
 
 /// The same for a contact of a case. Adds a check that no model makes itself: whether the layer is
 /// homogeneous.
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
-                      const LocalGeometry& geometry, double load_N, double time_budget_ns);
+                      const LocalGeometry& geometry, double load_N,
+                      std::optional<double> time_budget_ns = std::nullopt);
 
 /// The same contact with other radii of the gap, of which the finger keeps its part: they are told
 /// by the same surface.

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "softfinger/accuracy/error_bound.h"
+
 namespace softfinger::prediction {
 
 /// The numbers of a contact that models are compared in, in the order of tables.
@@ -11,5 +13,15 @@ constexpr int kQuantities = 6;
 constexpr std::array<const char*, kQuantities> kQuantityNames = {
     "a", "b", "indentation", "area", "peak_pressure", "max_torque"};
 using QuantityErrors = std::array<double, kQuantities>;  ///< relative
+
+/// What an answer has to be for its user: these quantities within the tolerance.
+struct Demand {
+  double tolerance = 0.1;  ///< relative
+  QuantityChoice quantities = kUsualQuantities;
+
+  bool is_met_by(const QuantityErrors& errors) const {
+    return worst_of(errors, quantities) <= tolerance;
+  }
+};
 
 }  // namespace softfinger::prediction

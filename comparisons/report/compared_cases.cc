@@ -19,7 +19,8 @@ judgement::ModelError compared_model(const Json& model) {
   error.has_answer = flag(model, "has_answer");
   error.sound = flag(model, "sound");
   error.hot_path = flag(model, "hot_path");
-  error.area = number(relative, "area").value_or(NAN);
+  error.set_contact(number(relative, "a").value_or(NAN), number(relative, "b").value_or(NAN),
+                    number(relative, "area").value_or(NAN));
   error.max_torque = number(relative, "max_torque").value_or(NAN);
   return error;
 }
@@ -35,8 +36,9 @@ judgement::LoadErrors compared_load(const Json& load) {
   const Json& geometry = child(load, "geometry");
   errors.size = number(geometry, "s");
   if (const Json& open = child(geometry, "error"); open.is_object())
-    errors.geometry_error = std::max(number(open, "area").value_or(INFINITY),
-                                     number(open, "max_torque").value_or(INFINITY));
+    for (const char* quantity : {"a", "b", "area", "max_torque"})
+      errors.geometry_error =
+          std::max(errors.geometry_error, number(open, quantity).value_or(INFINITY));
   errors.stated.a = number(stated, "a");
   errors.stated.b = number(stated, "b");
   errors.stated.indentation = number(stated, "indentation");

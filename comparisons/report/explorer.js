@@ -237,7 +237,7 @@ function drawLimit(answer) {
 
 // Words and tables -----------------------------------------------------------------------------------
 
-const [AREA, TORQUE] = [3, 5];
+const [A, B, AREA, TORQUE] = [0, 1, 3, 5];
 let times = models.map(() => null);
 
 const rows = all("tr[data-model]").map((row) => ({
@@ -255,9 +255,10 @@ function showTable(answer) {
     const scaled = {a: [model.a_m, 1e3], b: [model.b_m, 1e3], area: [model.area_m2, 1e6], indentation: [model.indentation_m, 1e3],
       peak: [model.peak_pressure_Pa, 1e-3], torque: [model.max_torque_Nm, 1e3], arm: [model.eccentricity_m, 1e3]};
     for (const [key, [value, factor]] of Object.entries(scaled)) write(cells[key], value === null ? "–" : number(value * factor));
-    for (const [key, q] of [["area_bound", AREA], ["torque_bound", TORQUE]]) {
-      write(cells[key], model.bound ? percent(model.bound[q]) : "–");
-      cells[key].className = !model.bound ? "" : 100 * model.bound[q] <= state.within ? "within" : "beyond";
+    for (const [key, quantities] of [["contact_bound", [A, B, AREA]], ["torque_bound", [TORQUE]]]) {
+      const worst = model.bound && Math.max(...quantities.map((q) => model.bound[q]));
+      write(cells[key], model.bound ? percent(worst) : "–");
+      cells[key].className = !model.bound ? "" : 100 * worst <= state.within ? "within" : "beyond";
     }
     write(cells.time, duration(times[i]));
     const [kind, words] = model.usable ? ["good", "✓ usable"] : model.bound ? ["bad", "✕ no"] : ["failed", "? not known"];
@@ -300,14 +301,6 @@ function showSimulators(answer) {
     write(pre, answer.simulators.find(({name}) => name === pre.dataset.simulator)?.text ?? "");
 }
 
-function cheapest(answer) {
-  let found = -1;
-  answer.models.forEach((model, i) => {
-    if (model.usable && times[i] !== null && (found < 0 || times[i] < times[found])) found = i;
-  });
-  return found;
-}
-
 function verdictOf(answer) {
   if (answer.shown < 0) return "No model has an answer here: the result would be too large or too small for a number.";
   const name = (i) => models[i].label;
@@ -315,11 +308,9 @@ function verdictOf(answer) {
   const size = `a contact of ${number(2e3 * a_m)} by ${number(2e3 * b_m)} mm that carries at most ${number(1e3 * max_torque_Nm)} mN·m about the normal`;
   const parts = [`${name(answer.shown)}: ${size}${bound ? `, within ${percent(bound[TORQUE])}` : ", with an error that is not known"}.`];
   if (answer.nearest < 0) parts.push(`${sentence(answer.models[answer.shown].outside)} Compare with finite elements.`);
-  else if (answer.nearest !== answer.shown) parts.push(`The nearest model is ${name(answer.nearest)}.`);
-  else parts.push("It is the nearest model.");
-  const cheap = cheapest(answer);
-  if (cheap >= 0) parts.push(`The cheapest that is usable is ${name(cheap)}, ${duration(times[cheap])} in this browser.`);
-  else if (answer.nearest >= 0 && !answer.models.some((model) => model.usable)) parts.push(`None is known to be within ${state.within} %: ask finite elements.`);
+  else if (answer.recommended !== answer.shown) parts.push(`The recommended model is ${name(answer.recommended)}.`);
+  else parts.push("It is the recommended model.");
+  if (answer.nearest >= 0 && !answer.models.some((model) => model.usable)) parts.push(`None is known to be within ${state.within} %: ask finite elements.`);
   return parts.join(" ");
 }
 

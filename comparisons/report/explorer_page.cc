@@ -62,7 +62,7 @@ Html model_rows() {
         "value=\"{}\"> <span class=\"swatch\" style=\"background:{}\"></span>{}</label></th>"
         "<td class=\"words\"><span class=\"badge\" data-key=\"verdict\"></span></td>",
         name, place, style_of_place(std::size_t(place)).colour, label(name));
-    for (const char* key : {"area_bound", "torque_bound", "torque", "arm", "a", "b", "area",
+    for (const char* key : {"contact_bound", "torque_bound", "torque", "arm", "a", "b", "area",
                             "indentation", "peak", "time"})
       rows += html("<td data-key=\"{}\"></td>", key);
     rows += "</tr>\n";
@@ -75,7 +75,7 @@ Html model_table() {
   return scrolling_table(
              "<th scope=\"col\">the model drawn</th><th scope=\"col\" "
              "class=\"words\">usable</th>" +
-                 column_heading("area within", "") + column_heading("torque within", "") +
+                 column_heading("contact within", "") + column_heading("torque within", "") +
                  column_heading("largest torque", "mN·m") + column_heading("torque / μP", "mm") +
                  column_heading("a", "mm") + column_heading("b", "mm") +
                  column_heading("area", "mm²") + column_heading("approach", "mm") +
@@ -141,7 +141,8 @@ Html explorer_body(const std::string& version, const std::string& command) {
                    "ellipsoid")) +
          "<h2 id=\"models\">The models</h2>\n"
          "<p>The bounds hold 95 % of the errors against finite elements of whole fingers at finite "
-         "strain; <i>usable</i> means that those of area and torque are within the tolerance. Only "
+         "strain; <i>usable</i> means that those of a, b, area and torque are within the "
+         "tolerance. Only "
          "the radii of the gap are known here: the layer counts as flat, all curvature as the "
          "object's. In a case of <code>softfinger predict</code> finger and object each have "
          "their own.</p>\n" +

@@ -145,6 +145,8 @@ std::optional<TouchingPoint> find_elliptic_contact(const ShapePair& pair, const 
   const double side = to_axes.determinant();
   const Matrix2d of_a = to_axes.transpose() * meeting->curvature_of_a * to_axes;
   point.curvature_of_a = {of_a(0, 0), of_a(1, 1), side * of_a(0, 1)};
+  point.a_is_sphere = std::holds_alternative<input::Sphere>(pair.a.kind());
+  point.b_is_sphere = std::holds_alternative<input::Sphere>(pair.b.kind());
   point.axes.col(2) = meeting->normal;
   point.axes.col(0) = (meeting->plane * principal.eigenvectors().col(0)).normalized();
   point.axes.col(1) = meeting->normal.cross(point.axes.col(0));

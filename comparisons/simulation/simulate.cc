@@ -134,19 +134,21 @@ class SceneContacts final : public ContactFinder {
 
   void add_pressure(const TouchingPoint& point, const input::ContactRule& rule, Origin& origin,
                     Contact& contact) {
-    ContactProblem problem;
-    const PressureModel* model = model_of_contact(scene_, point.a, point.b, point.radii, problem);
-    if (!model) return;
+    const auto soft = soft_contact(scene_, point.a, point.b, point.radii);
+    if (!soft) return;
+    ContactProblem problem = *soft;
     // The layer is bent over the body that carries it.
     const SurfaceCurvature& of_a = point.curvature_of_a;
+    const bool a_is_finger = scene_.bodies[std::size_t(point.a)].layer.has_value();
     problem.finger_curvature =
-        scene_.bodies[std::size_t(point.a)].layer
-            ? of_a
-            : SurfaceCurvature{1 / point.radii.major_m - of_a.xx_per_m,
-                               1 / point.radii.minor_m - of_a.yy_per_m, -of_a.xy_per_m};
-    origin.pressure = &pressures_.emplace_back(*model, problem, rule.shear_law);
+        a_is_finger ? of_a
+                    : SurfaceCurvature{1 / point.radii.major_m - of_a.xx_per_m,
+                                       1 / point.radii.minor_m - of_a.yy_per_m, -of_a.xy_per_m};
+    problem.is_object_spherical = a_is_finger ? point.b_is_sphere : point.a_is_sphere;
+    const PressureModel& model = model_of_contact(scene_, point.a, point.b, problem);
+    origin.pressure = &pressures_.emplace_back(model, problem, rule.shear_law);
     contact.eccentricity_law = origin.pressure;
-    if (rule.presliding) presliding_.add(contact.id, *model, problem);
+    if (rule.presliding) presliding_.add(contact.id, model, problem);
     if (const auto table = tables_.find(&rule); table != tables_.end())
       contact.eccentricity_law = &table->second;
     if (!origin.friction->shape) return;

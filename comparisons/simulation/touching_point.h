@@ -16,7 +16,8 @@ struct TouchingPoint {
   bool elliptic = false;            ///< both relative curvatures are positive and known
   RelativeRadii radii;              ///< of an elliptic point
   SurfaceCurvature curvature_of_a;  ///< along its axes; `b` has the rest
-  long id = -1;                     ///< the same for as long as the contact lasts
+  bool a_is_sphere = false, b_is_sphere = false;  ///< of an elliptic point: exact spheres
+  long id = -1;                                   ///< the same for as long as the contact lasts
 };
 
 }  // namespace softfinger::simulation

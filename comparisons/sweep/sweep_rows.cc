@@ -9,6 +9,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "comparisons/judgement/assessment.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/csv.h"
 #include "comparisons/text/hash.h"
@@ -78,7 +79,6 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
   for (const PressureModel* model : prediction::models_by_name("all")) {
     if (model->card().name == "power_law" && !(base.options.power_law.radius_coefficient > 0))
       continue;
-    if (model->card().finite_strain && !base.fem_finite) continue;
     models.push_back(model);
   }
   return models;
@@ -95,7 +95,7 @@ std::string SweepRows::header() const {
   for (const PressureModel* model : models_) {
     for (const char* quantity : kQuantities)
       text += fmt::format(",{}_{}", model->card().name, quantity);
-    text += fmt::format(",{}_valid", model->card().name);
+    text += fmt::format(",{}_usable", model->card().name);
   }
   if (sweep_.fem()) {
     for (const char* quantity : kQuantities) text += std::string(",fem_") + quantity;
@@ -138,22 +138,26 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
       append_exact(load_N, text);
       append_number(geometry.radii.major_m, text);
       append_number(geometry.radii.minor_m, text);
-      const ContactProblem problem = prediction::contact_problem(contact_case, geometry, load_N);
       for (const PressureModel* model : models_) {
-        Prediction prediction = model->predict(problem);
-        prediction::check_homogeneity(contact_case, prediction.validity);
+        const prediction::ModelAnswer answer =
+            prediction::ask_model(*model, contact_case, geometry, load_N);
+        const Prediction& prediction = answer.prediction;
         if (!prediction.has_answer) {
           text.append(6, ',');
           text += ",no";
           continue;
         }
-        const FrictionEllipsoid ellipsoid{load_N * problem.load.friction_coefficient,
-                                          prediction.torque_arm_exact_m};
+        const FrictionEllipsoid ellipsoid =
+            answer.friction_ellipsoid(prediction::TorqueRule::exact);
         for (const double value :
              {prediction.a_m, prediction.b_m, prediction.indentation_m, prediction.peak_pressure_Pa,
               prediction.area_m2(), ellipsoid.max_torque_Nm()})
           append_number(value, text);
-        text += prediction.valid() ? ",yes" : ",no";
+        const bool usable =
+            judgement::assess_numbers(contact_case, geometry, answer, prediction::TorqueRule::exact,
+                                      prediction::Demand{})
+                .usable;
+        text += usable ? ",yes" : ",no";
       }
       std::string failure;
       if (fem) {

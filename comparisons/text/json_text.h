@@ -5,6 +5,10 @@
 
 namespace softfinger::text {
 
+/// The value of the key "schema" in every JSON object that a command prints or writes: which names
+/// and meanings its other keys have.
+constexpr int kSchema = 2;
+
 /// Parses a text that may contain anything.
 /// @returns null for text that is not JSON, and for JSON nested deeper than any file of this
 /// project: some functions of the library are recursive and would run out of stack.

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <set>
 
-#include "comparisons/judgement/atlas/case_estimate.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
 #include "softfinger/input/errors.h"
 
@@ -213,64 +212,6 @@ TEST(AtlasProblem, HasTheSizeThatWasAskedFor) {
                     1e-9);
 }
 
-TEST(ErrorEstimate, OfThePapersTorqueRuleHasItsOwnError) {
-  judgement::ErrorAtlas::Estimate estimate;
-  estimate.bound.emplace();
-  estimate.bound->fill(0.02);
-  estimate.mean.fill(-0.015);
-  Prediction prediction;
-  prediction.torque_arm_exact_m = 1;
-  prediction.torque_arm_paper_m = 0.9;
-  const auto torque = std::size_t(judgement::Quantity::max_torque);
-  EXPECT_EQ(
-      judgement::with_torque_rule(estimate, prediction, prediction::TorqueRule::exact)[torque],
-      0.02);
-  const judgement::QuantityErrors paper =
-      judgement::with_torque_rule(estimate, prediction, prediction::TorqueRule::paper);
-  // The exact rule's true error lies in -0.015 ± 0.005: that of the sqrt(ab) rule between 0.9 *
-  // 0.98 and 0.9 * 0.99.
-  EXPECT_NEAR(paper[torque], 1 - 0.9 * 0.98, 1e-12);
-  EXPECT_EQ(paper[0], 0.02);
-}
-
-/// A sphere on a flat layer of 2 mm, h/R = 0.2, or a round finger on a plane.
-input::Case finite_strain_case(const std::string& bodies, const std::string& fem,
-                               const std::string& layer = "") {
-  return input::parse_case("id = \"x\"\n[geometry]\n" + bodies +
-                               "\n[layer]\nthickness_mm = 2\n"
-                               "youngs_modulus_kPa = 300\npoisson_ratio = 0.47\n" +
-                               layer +
-                               "\n[contact]\nload_N = 1\nfriction_coefficient = 0.5\n[fem]\n" +
-                               fem + "kinematics = \"finite\"\n",
-                           "x.toml");
-}
-
-TEST(FiniteStrainAtlas, BoundsRoundContactsOfTheMaterialThatItKnows) {
-  const ContactProblem problem{{0.01, 0.01, 0}, {2e-3, 3e5, 0.47}, {1, 0.5}};
-  const std::string flat = "finger = { radii_mm = [inf, inf] }\n";
-  for (const auto& [bodies, fem] :
-       {std::pair(flat + "object = { sphere_radius_mm = 10 }", ""),
-        {"finger = { radii_mm = [10, 10] }\nobject = { radii_mm = [inf, inf] }",
-         "geometry = \"curved\"\n"}}) {
-    const input::Case known = finite_strain_case(bodies, fem);
-    for (const char* model :
-         {"hertz", "bonded_layer", "finite_strain_layer", "fem_linear", "fem"}) {
-      const auto estimate = judgement::estimate_error(model, known, problem);
-      ASSERT_TRUE(estimate.bound) << model << ": " << estimate.outside;
-      for (const double bound : *estimate.bound) EXPECT_GT(bound, 0) << model;
-    }
-    const auto torque = std::size_t(judgement::Quantity::max_torque);
-    EXPECT_LT((*judgement::estimate_error("bonded_layer", known, problem).bound)[torque],
-              (*judgement::estimate_error("hertz", known, problem).bound)[torque]);
-    const input::Case other = finite_strain_case(bodies, fem, "volumetric = \"logarithmic\"");
-    EXPECT_NE(judgement::estimate_error("hertz", other, problem).outside.find("neo-Hookean"),
-              std::string::npos);
-  }
-  const input::Case paraboloid = finite_strain_case(flat + "object = { radii_mm = [10, 10] }", "");
-  EXPECT_NE(judgement::estimate_error("hertz", paraboloid, problem).outside.find("spheres"),
-            std::string::npos);
-}
-
 /// x of min |F x - y|².
 Eigen::Vector2d least_squares(const std::vector<Eigen::Vector2d>& features,
                               const std::vector<double>& values) {
@@ -347,28 +288,6 @@ TEST(FiniteStrainLayer, HoldsOnPadsThatItHasNotSeen) {
           << judgement::kQuantityNames[std::size_t(quantity)] << ", s " << run.s;
   }
   EXPECT_EQ(pads, 25);
-}
-
-input::Case simple_case() {
-  input::Case contact_case;
-  contact_case.id = "simple";
-  return contact_case;
-}
-
-TEST(CaseEstimate, HasNoBoundForLayersThatTheAtlasDoesNotKnow) {
-  const ContactProblem problem = judgement::problem_of(run_at(0.3, 2, 1));
-  const auto outside = [&](const input::Case& contact_case) {
-    const auto estimate = judgement::estimate_error("hertz", contact_case, problem);
-    EXPECT_FALSE(estimate.bound);
-    return estimate.outside;
-  };
-  ASSERT_TRUE(judgement::estimate_error("hertz", simple_case(), problem).bound);
-  input::Case stack = simple_case();
-  stack.sublayers.resize(2);
-  EXPECT_NE(outside(stack).find("homogeneous"), std::string::npos);
-  input::Case own_mesh = simple_case();
-  own_mesh.fem_mesh = "layer.msh";
-  EXPECT_NE(outside(own_mesh).find("mesh"), std::string::npos);
 }
 
 }  // namespace

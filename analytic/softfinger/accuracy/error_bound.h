@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -11,6 +14,21 @@ namespace softfinger {
 /// In this order, as everywhere: a, b, indentation, area, peak pressure, largest torque.
 constexpr std::size_t kBoundedQuantities = 6;
 using BoundedErrors = std::array<double, kBoundedQuantities>;  ///< relative
+
+/// Which quantities have to meet a tolerance, in the same order.
+using QuantityChoice = std::array<bool, kBoundedQuantities>;
+/// An answer is called usable where its contact and its torque are within the tolerance: a, b,
+/// area, largest torque. Everywhere, unless the user chooses other quantities.
+constexpr QuantityChoice kUsualQuantities = {true, true, false, true, false, true};
+
+/// The largest of the chosen errors, infinite where one of them is not known (NaN).
+inline double worst_of(const BoundedErrors& errors,
+                       const QuantityChoice& chosen = kUsualQuantities) noexcept {
+  double worst = 0;
+  for (std::size_t q = 0; q < kBoundedQuantities; ++q)
+    if (chosen[q] && !(errors[q] <= worst)) worst = std::isnan(errors[q]) ? kInfinity : errors[q];
+  return worst;
+}
 
 /// What an expected error consists of.
 enum class ErrorCause {

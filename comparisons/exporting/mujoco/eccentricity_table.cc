@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "softfinger/pressure/pressure_model.h"
+#include "softfinger/accuracy/default_model.h"
 
 namespace softfinger::exporting {
 namespace {
@@ -16,7 +16,7 @@ const double kStep = std::log(10.0) / kPerDecade;
 }  // namespace
 
 EccentricityTable::EccentricityTable(const ContactProblem& problem) {
-  const PressureModel& model = *find_pressure_model("fingertip_layer");
+  const PressureModel& model = default_model(problem);
   const ElasticLayer& layer = problem.layer;
   const double radius_m = std::sqrt(problem.radii.major_m) * std::sqrt(problem.radii.minor_m);
   const double unit_N = layer.plane_strain_modulus_Pa() * std::pow(layer.thickness_m, 3) / radius_m;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
@@ -12,10 +13,8 @@
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/json_text.h"
-#include "comparisons/text/nearest_name.h"
 #include "comparisons/text/percent.h"
 #include "softfinger/input/constants.h"
-#include "softfinger/input/errors.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -35,12 +34,20 @@ void take(const prediction::Assessment& found, Candidate& candidate) {
   candidate.remark = found.evidence;
 }
 
+/// 0 for the hot path, then one more for each decade of milliseconds. The costs of slow models are
+/// those of stored runs, so that the class is the same from run to run.
+int cost_class(bool hot_path, double cost_us) {
+  return hot_path || !(cost_us > 1) ? 0 : 1 + std::max(0, int(std::floor(std::log10(cost_us))));
+}
+
 Candidate candidate_of(const PressureModel& model, const input::Case& contact_case,
-                       const prediction::LocalGeometry& geometry, double load_N, double tolerance) {
+                       const prediction::LocalGeometry& geometry, double load_N,
+                       const prediction::Demand& demand) {
   Candidate candidate;
   candidate.model = std::string(model.card().name);
   if (!model.card().hot_path) {
     candidate.cost_us = error_atlas().cost_ns(candidate.model) * 1e-3;
+    candidate.cost_class = cost_class(false, candidate.cost_us);
     candidate.remark = "not asked, because of its time; predict --model " + candidate.model +
                        " tells how far off it is";
     return candidate;
@@ -48,7 +55,7 @@ Candidate candidate_of(const PressureModel& model, const input::Case& contact_ca
   const prediction::ModelAnswer answer =
       prediction::ask_model(model, contact_case, geometry, load_N, kShortBudget_ns);
   candidate.cost_us = answer.cost_ns * 1e-3;
-  take(assess(contact_case, geometry, answer, prediction::TorqueRule::exact, tolerance), candidate);
+  take(assess(contact_case, geometry, answer, prediction::TorqueRule::exact, demand), candidate);
   return candidate;
 }
 
@@ -70,11 +77,12 @@ double finite_element_cost_s(const input::Case& contact_case,
 
 Candidate finite_elements(const input::Case& contact_case,
                           const prediction::LocalGeometry& geometry, double load_N,
-                          double tolerance) {
+                          const prediction::Demand& demand) {
   Candidate candidate;
   candidate.model = "fem";
   candidate.cost_us = 1e6 * finite_element_cost_s(contact_case, geometry);
-  take(assess_finite_elements(contact_case, geometry, load_N, tolerance), candidate);
+  candidate.cost_class = cost_class(false, candidate.cost_us);
+  take(assess_finite_elements(contact_case, geometry, load_N, demand), candidate);
   return candidate;
 }
 
@@ -83,19 +91,14 @@ void judge(Candidate& candidate, const SelectionOptions& options) {
   if (!candidate.bound) return;
   candidate.worst = -1;
   for (std::size_t q = 0; q < kQuantities; ++q) {
-    const auto quantity = Quantity(q);
-    if (!options.quantities.empty() &&
-        std::find(options.quantities.begin(), options.quantities.end(), quantity) ==
-            options.quantities.end())
-      continue;
+    if (!options.demand.quantities[q]) continue;
     const double total = (*candidate.bound)[q];
     // What is not known is not within any tolerance.
     if (!(total <= candidate.worst)) {
       candidate.worst = std::isnan(total) ? kInfinity : total;
-      candidate.worst_quantity = quantity;
+      candidate.worst_quantity = Quantity(q);
     }
   }
-  candidate.accurate = candidate.worst <= options.tolerance;
 }
 
 std::string worst_text(const Candidate& candidate) {
@@ -109,14 +112,14 @@ std::string refusal(const Choice& choice, const SelectionOptions& options) {
   const Candidate* accurate = nullptr;
   for (const Candidate& candidate : choice.candidates) {
     if (candidate.bound && (!nearest || candidate.worst < nearest->worst)) nearest = &candidate;
-    if (candidate.accurate && !accurate) accurate = &candidate;
+    if (candidate.usable && !accurate) accurate = &candidate;
   }
   if (accurate)
     return fmt::format(
         "none within {} costs at most {}: the cheapest that is accurate enough, {}, "
         "takes {}",
-        text::percent(options.tolerance), duration_text(options.budget_us), worst_text(*accurate),
-        duration_text(accurate->cost_us));
+        text::percent(options.demand.tolerance), duration_text(options.budget_us),
+        worst_text(*accurate), duration_text(accurate->cost_us));
   const auto is_untold_fem = [](const Candidate& candidate) {
     return candidate.model == "fem" && !candidate.bound;
   };
@@ -124,7 +127,7 @@ std::string refusal(const Choice& choice, const SelectionOptions& options) {
       std::any_of(choice.candidates.begin(), choice.candidates.end(), is_untold_fem);
   if (nearest)
     return fmt::format("none of the allowed models is known to be within {}: the nearest is {}{}",
-                       text::percent(options.tolerance), worst_text(*nearest),
+                       text::percent(options.demand.tolerance), worst_text(*nearest),
                        untold_fem ? "; fem states its own error when it has run" : "");
   // The slowest one's reason is the contact's, not a model's own.
   return "no error is known of any of the allowed models: " +
@@ -141,23 +144,6 @@ std::string duration_text(double time_us) {
   return fmt::format("{:.3g} s", time_us * 1e-6);
 }
 
-std::vector<Quantity> quantities_by_name(const std::string& names) {
-  const std::vector<std::string> known(kQuantityNames.begin(), kQuantityNames.end());
-  std::vector<Quantity> quantities;
-  for (std::size_t start = 0; start <= names.size();) {
-    const std::size_t end = std::min(names.find(',', start), names.size());
-    const std::string name = names.substr(start, end - start);
-    const auto found = std::find(known.begin(), known.end(), name);
-    if (found == known.end())
-      throw InputError("command line",
-                       "unknown quantity \"" + name + "\"" + text::did_you_mean(name, known), "",
-                       text::joined(known));
-    quantities.push_back(Quantity(found - known.begin()));
-    start = end + 1;
-  }
-  return quantities;
-}
-
 Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
                     double load_N, const SelectionOptions& options) {
   Choice choice;
@@ -169,13 +155,17 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
   for (const PressureModel* model : all_pressure_models())
     if (allowed(model->card().name))
       choice.candidates.push_back(
-          candidate_of(*model, contact_case, geometry, load_N, options.tolerance));
+          candidate_of(*model, contact_case, geometry, load_N, options.demand));
   if (allowed("fem"))
-    choice.candidates.push_back(finite_elements(contact_case, geometry, load_N, options.tolerance));
+    choice.candidates.push_back(finite_elements(contact_case, geometry, load_N, options.demand));
   for (Candidate& candidate : choice.candidates) judge(candidate, options);
+  // Equal ones stay in the order of their names.
+  const auto rank = [](const Candidate& candidate) {
+    return std::pair(candidate.cost_class, candidate.bound ? candidate.worst : kInfinity);
+  };
   std::stable_sort(
       choice.candidates.begin(), choice.candidates.end(),
-      [](const Candidate& left, const Candidate& right) { return left.cost_us < right.cost_us; });
+      [&](const Candidate& left, const Candidate& right) { return rank(left) < rank(right); });
 
   const int count = int(choice.candidates.size());
   const auto at = [&](int i) -> const Candidate& { return choice.candidates[std::size_t(i)]; };
@@ -189,11 +179,12 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
   for (int i = count - 1; i >= 0; --i)
     if (i != choice.chosen && at(i).bound && at(i).worst < kBetter * chosen.worst)
       choice.next_better = i;
-  for (int i = 0; i < choice.chosen; ++i)
-    if (at(i).bound) choice.next_cheaper = i;
-  choice.reason =
-      fmt::format("the cheapest that meets {}: {}, {} per answer", text::percent(options.tolerance),
-                  worst_text(chosen), duration_text(chosen.cost_us));
+  for (int i = count - 1; i >= 0; --i)
+    if (at(i).bound && at(i).cost_class < chosen.cost_class) choice.next_cheaper = i;
+  choice.reason = fmt::format(
+      "{} meets {}: {}, {} per answer",
+      chosen.cost_class == 0 ? "the best of the fast models" : "the cheapest that",
+      text::percent(options.demand.tolerance), worst_text(chosen), duration_text(chosen.cost_us));
   if (choice.next_cheaper >= 0)
     choice.reason += fmt::format("; cheaper, but only {}, {}", worst_text(at(choice.next_cheaper)),
                                  duration_text(at(choice.next_cheaper).cost_us));
@@ -213,19 +204,18 @@ nlohmann::json to_json(const Choice& choice) {
     candidates.push_back(
         {{"model", candidate.model},
          {"cost_us", text::finite_or_null(candidate.cost_us)},
-         {"error_estimate", prediction::to_json(candidate.bound)},
+         {"error_bound", prediction::to_json(candidate.bound)},
          {"usable", candidate.usable},
          {"worst", candidate.bound ? text::finite_or_null(candidate.worst) : json()},
          {"worst_quantity",
           candidate.bound ? json(kQuantityNames[std::size_t(candidate.worst_quantity)]) : json()},
-         {"accurate", candidate.accurate},
          {"affordable", candidate.affordable},
          {"remark", candidate.remark.empty() ? json() : json(candidate.remark)}});
   const Candidate* chosen =
       choice.chosen < 0 ? nullptr : &choice.candidates[std::size_t(choice.chosen)];
   return {{"load_N", choice.load_N},
           {"model", name(choice.chosen)},
-          {"error_estimate", chosen ? prediction::to_json(chosen->bound) : json()},
+          {"error_bound", chosen ? prediction::to_json(chosen->bound) : json()},
           {"cost_us", chosen ? json(chosen->cost_us) : json()},
           {"next_better", name(choice.next_better)},
           {"next_cheaper", name(choice.next_cheaper)},
@@ -251,7 +241,7 @@ std::string table(const Choice& choice, const SelectionOptions& options) {
     }
     for (const double bound : *candidate.bound) text += fmt::format("{:>15}", text::percent(bound));
     text += candidate.meets()       ? "  meets it\n"
-            : candidate.accurate    ? "  too slow\n"
+            : candidate.usable      ? "  too slow\n"
             : candidate.affordable  ? "\n"
             : options.budget_us > 0 ? "  too slow\n"
                                     : "\n";

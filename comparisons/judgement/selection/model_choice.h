@@ -18,43 +18,42 @@ using prediction::Quantity;
 using prediction::QuantityErrors;
 
 struct SelectionOptions {
-  double tolerance = 0.05;           ///< of every chosen quantity, relative
-  double budget_us = 0;              ///< per answer; 0: any
-  std::vector<std::string> models;   ///< allowed ones, by name, "fem" too; empty: all and fem
-  std::vector<Quantity> quantities;  ///< that have to meet the tolerance; empty: all
+  prediction::Demand demand;
+  double budget_us = 0;             ///< per answer; 0: any
+  std::vector<std::string> models;  ///< allowed ones, by name, "fem" too; empty: all and fem
 };
 
 /// A model as a candidate for one contact.
 struct Candidate {
   std::string model;
-  double cost_us = 0;
+  double cost_us = 0;  ///< as measured, or of an earlier run
+  /// By which costs are compared: all models of the hot path are equal, since what they differ by
+  /// is less than what one measurement differs from the next; the others differ by decades.
+  int cost_class = 0;
   std::optional<QuantityErrors> bound;  ///< `Assessment::total`: what the fit leaves open included
-  bool usable = false;  ///< area and torque within the tolerance, as predict says it
-  double worst = 0;     ///< largest bound among the chosen quantities
+  bool usable = false;  ///< the demand is met: what predict says for the same demand
+  double worst = 0;     ///< largest bound among the demanded quantities
   Quantity worst_quantity = Quantity::a;
   std::string remark;  ///< the evidence for the bound, or why there is none
-  bool accurate = false, affordable = false;
+  bool affordable = false;
 
-  bool meets() const { return accurate && affordable; }
+  bool meets() const { return usable && affordable; }
 };
 
-/// The answer for one load. Indices into `candidates`, which are ordered by cost; -1: none.
+/// The answer for one load. Indices into `candidates`, which are ordered by their class of cost,
+/// within it by their worst bound; -1: none.
 struct Choice {
   double load_N = 0;
   std::vector<Candidate> candidates;
   int chosen = -1;
   int next_better = -1;   ///< the cheapest whose stated error is at least a tenth smaller
-  int next_cheaper = -1;  ///< the most expensive of those that cost less
+  int next_cheaper = -1;  ///< the best of those of a lower class of cost
   std::string reason;     ///< one or two sentences
 };
 
 /// Models that take longer than microseconds are not asked, and have no bound.
 Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
                     double load_N, const SelectionOptions& options);
-
-/// The names of the quantities that were typed, separated by commas.
-/// @throws InputError for an unknown one
-std::vector<Quantity> quantities_by_name(const std::string& names);
 
 /// "420 ns", "1.7 s"
 std::string duration_text(double time_us);

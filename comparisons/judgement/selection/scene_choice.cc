@@ -11,6 +11,7 @@
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/percent.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/friction/friction_shape.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -57,7 +58,7 @@ bool has_mesh(const input::SceneBody& body) {
 FingerContact finger_contact(const input::Scene& scene, const RecordedContact& contact) {
   FingerContact result;
   ContactProblem& problem = result.problem;
-  simulation::model_of_contact(scene, contact.a, contact.b, contact.radii, problem);
+  problem = *simulation::soft_contact(scene, contact.a, contact.b, contact.radii);
   problem.load.normal_force_N = contact.normal_force_N;
   problem.finger_curvature = contact.finger_curvature;
   const input::SceneBody &a = scene.bodies[std::size_t(contact.a)],
@@ -198,6 +199,11 @@ const input::FrictionLaw* sufficient_friction(double surface_change, double tole
   return kPatches <= tolerance ? &input::kSixPatchesLaw : &input::kLimitSurfaceLaw;
 }
 
+/// The model that the most accurate simulation gives these bodies.
+std::string default_model_name(const PairUse& use) {
+  return std::string(default_model(use.contact.problem).card().name);
+}
+
 void decide(PairUse& use, double tolerance) {
   PairChoice& choice = use.choice;
   // A contact that sticks goes on sticking with a smaller e_n, until its limit meets its wrench.
@@ -206,11 +212,11 @@ void decide(PairUse& use, double tolerance) {
   choice.allowed_error = std::max(tolerance, margin / 2);
 
   SelectionOptions options;
-  options.tolerance = choice.allowed_error;
-  options.quantities = {Quantity::max_torque};
+  options.demand.tolerance = choice.allowed_error;
+  options.demand.quantities.fill(false);
+  options.demand.quantities[std::size_t(Quantity::max_torque)] = true;
   for (const PressureModel* model : all_pressure_models())
-    // The most accurate simulation has bonded layers: those of finite strain would differ from it.
-    if (model->card().hot_path && !model->card().finite_strain && model->card().name != "power_law")
+    if (model->card().hot_path && model->card().name != "power_law")
       options.models.emplace_back(model->card().name);
   choice.pressure = choose_for_finger(use.contact.problem, options);
   choice.friction = sufficient_friction(choice.surface_change, tolerance);
@@ -224,7 +230,7 @@ void decide(PairUse& use, double tolerance) {
   if (choice.pressure.chosen < 0 && !takes_finite_elements(use.contact.problem)) {
     choice.detail = ContactDetail::limit_surface;
     choice.friction = &input::kLimitSurfaceLaw;
-    choice.model = "bonded_layer";
+    choice.model = default_model_name(use);
     choice.reason = "the most accurate there is, its error not known: " + choice.pressure.reason;
     return;
   }
@@ -375,9 +381,9 @@ bool refine(Uses& uses, const MotionChange& change) {
   for (const auto& [pair, use] : uses) {
     const PairChoice& choice = use.choice;
     least = std::min(least, choice.detail);
-    any_cheap =
-        any_cheap || choice.friction != &input::kLimitSurfaceLaw ||
-        (!choice.model.empty() && choice.model != "table" && choice.model != "bonded_layer");
+    any_cheap = any_cheap || choice.friction != &input::kLimitSurfaceLaw ||
+                (!choice.model.empty() && choice.model != "table" &&
+                 choice.model != default_model_name(use));
   }
   if (least >= ContactDetail::limit_surface && !any_cheap) return false;
   for (auto& [pair, use] : uses) {
@@ -396,7 +402,7 @@ bool refine(Uses& uses, const MotionChange& change) {
     } else {
       continue;
     }
-    if (choice.model != "table") choice.model = "bonded_layer";
+    if (choice.model != "table") choice.model = default_model_name(use);
   }
   return true;
 }
@@ -512,10 +518,10 @@ SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const 
 }
 
 std::string reference_in_words(const SceneChoice& choice) {
-  return choice.reference_has_tables
-             ? "e_n of finite elements where no model is known to be accurate enough, the bonded "
-               "layer elsewhere, and exact limit surfaces"
-             : "the bonded layer and exact limit surfaces everywhere";
+  return choice.reference_has_tables ? "e_n of finite elements where no model is known to be "
+                                       "accurate enough, the recommended "
+                                       "model elsewhere, and exact limit surfaces"
+                                     : "the recommended model and exact limit surfaces everywhere";
 }
 
 std::string in_words(const MotionChange& change) {
@@ -562,7 +568,7 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
     entry["model"] = pair.detail == ContactDetail::point ? json("rigid") : json(pair.model);
     for (const Candidate& candidate : pair.pressure.candidates)
       if (candidate.model == pair.model) {
-        entry["error_estimate"] = prediction::to_json(candidate.bound);
+        entry["error_bound"] = prediction::to_json(candidate.bound);
         entry["cost_us"] = text::finite_or_null(candidate.cost_us);
       }
     entry["load_range_N"] = {pair.least_load_N, pair.largest_load_N};

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "comparisons/judgement/atlas/atlas_overview.h"
-#include "comparisons/judgement/atlas/case_estimate.h"
+#include "comparisons/judgement/atlas/error_atlas.h"
 #include "comparisons/judgement/atlas/error_causes.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
@@ -103,8 +103,8 @@ json causes(const input::Case& contact_case, const SelectionOptions& options,
             const LoadChoice& load) {
   const AtlasFile& atlas = error_atlas().file();
   // Outside the atlas the nearest run may be too different from this contact.
-  if (contact_case.fem_curved || contact_case.fem_finite ||
-      !estimate_error("fem", contact_case, load.problem).bound)
+  if (contact_case.fem_curved || contact_case.fem_finite || !contact_case.sublayers.empty() ||
+      !contact_case.fem_mesh.empty() || !error_atlas().estimate("fem", load.problem).bound)
     return nullptr;
   std::size_t index = 0;
   const AtlasRun* run = nearest_run(atlas, load.problem, index);
@@ -137,11 +137,15 @@ json causes(const input::Case& contact_case, const SelectionOptions& options,
 
 std::string limits_in_words(const SelectionOptions& options) {
   std::string words;
-  if (!options.quantities.empty()) {
+  if (options.demand.quantities != kUsualQuantities) {
     words = "The tolerance holds for ";
-    for (std::size_t i = 0; i < options.quantities.size(); ++i)
-      words += (i ? ", " : "") + std::string(kQuantityNames[std::size_t(options.quantities[i])]);
-    words += " only. ";
+    const char* separator = "";
+    for (std::size_t q = 0; q < kQuantities; ++q)
+      if (options.demand.quantities[q]) {
+        words += separator + std::string(kQuantityNames[q]);
+        separator = ", ";
+      }
+    words += ". ";
   }
   if (options.budget_us > 0)
     words += fmt::format("At most {} per answer. ", duration_text(options.budget_us));
@@ -191,7 +195,7 @@ json selection_report(const input::Case& contact_case, const prediction::Geometr
           {"limits", limits_in_words(options)},
           {"file", contact_case.file.filename().string()},
           {"case_toml", contact_case.text},
-          {"tolerance", options.tolerance},
+          {"tolerance", options.demand.tolerance},
           {"choices", list},
           {"models", cards()},
           {"curves", error_curves(contact_case, resolver, options, choices)},

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "comparisons/prediction/quantity.h"
+
+namespace softfinger::commands {
+
+/// What commands are told of an answer that is good enough: --tolerance and --quantities.
+struct DemandInput {
+  double tolerance = 0.1;
+  std::string quantities;  ///< as typed; empty: the usual ones
+
+  /// @throws InputError for an unknown quantity, and for a tolerance that is no number
+  prediction::Demand demand() const;
+};
+
+/// @param required  whether --tolerance has no default
+void add_demand(CLI::App& command, DemandInput& typed, bool required = false);
+
+}  // namespace softfinger::commands
