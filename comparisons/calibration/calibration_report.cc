@@ -344,8 +344,22 @@ std::vector<std::string> sentences(const CaseCalibration& calibration) {
 
 }  // namespace
 
+/// "youngs_modulus 556.2 kPa (498.2 to 615.6 kPa), thickness ..."
+std::string answer_line(const CaseCalibration& calibration) {
+  std::string out;
+  for (const ParameterEstimate& estimate : calibration.found.parameters) {
+    const Unit unit = unit_of(estimate.parameter);
+    out += fmt::format("{}{} {:.4g}{}{} ({}{})", out.empty() ? "" : ", ",
+                       range_of(estimate.parameter).name, estimate.value * unit.per_SI,
+                       *unit.name ? " " : "", unit.name,
+                       estimate.is_determined() ? "" : "NOT DETERMINED: ", interval_text(estimate));
+  }
+  return out + "\n";
+}
+
 std::string describe(const CaseCalibration& calibration) {
-  std::string out = calibration.fitted.id + ": " + headline(calibration) + "\n";
+  std::string out =
+      answer_line(calibration) + calibration.fitted.id + ": " + headline(calibration) + "\n";
   out += "\n" + parameter_table(calibration) + "\n";
   for (const std::string& sentence : sentences(calibration)) out += sentence + "\n";
   if (calibration.cannot_tell.empty())

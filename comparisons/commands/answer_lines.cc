@@ -43,8 +43,15 @@ std::string model_row(const ModelAnswer& answer, prediction::TorqueRule rule) {
 
 }  // namespace
 
+std::string in_words(const std::optional<judgement::InputDoubt>& inputs) {
+  if (!inputs) return "";
+  const double torque = inputs->relative[std::size_t(Quantity::max_torque)];
+  return " (by the inputs ± " + (std::isfinite(torque) ? text::percent(torque) : "?") + ")";
+}
+
 std::string answer_line(double load_N, const ModelAnswer* answer, prediction::TorqueRule rule,
-                        const prediction::Demand& demand) {
+                        const prediction::Demand& demand,
+                        const std::optional<judgement::InputDoubt>& inputs) {
   if (!answer) return fmt::format("{:g} N: NO ANSWER by any of these models\n", load_N);
   const Prediction& p = answer->prediction;
   const FrictionEllipsoid limit = answer->friction_ellipsoid(rule);
@@ -53,11 +60,12 @@ std::string answer_line(double load_N, const ModelAnswer* answer, prediction::To
                                 ? ""
                                 : fmt::format("; largest force {:.3g} N", limit.max_force_N);
   return fmt::format(
-      "{:g} N: {}torque {:.3g} mN·m ± {}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm{}; "
+      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm{}; "
       "MuJoCo {}\n",
       load_N, usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
       1e3 * limit.max_torque_Nm(), bound_in_words(*answer, {Quantity::max_torque}),
-      answer->model->card().name, 2e3 * p.a_m, 2e3 * p.b_m, 1e3 * limit.eccentricity_m, force,
+      in_words(inputs), answer->model->card().name, 2e3 * p.a_m, 2e3 * p.b_m,
+      1e3 * limit.eccentricity_m, force,
       exporting::mujoco_friction(rounded(limit.max_force_N / load_N),
                                  rounded(limit.max_torque_Nm() / load_N)));
 }

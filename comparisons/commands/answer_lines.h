@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "comparisons/judgement/input_doubt.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/quantity.h"
 
@@ -13,8 +15,13 @@ namespace softfinger::commands {
 /// friction="0.8 0.0015 0.0001"", or the same after "NOT USABLE within 10 %". `±` is the bound
 /// against the finger itself, with what the geometry leaves open. Without an answer it says why.
 /// @param answer  assessed; null where no model has an answer
+/// @param inputs  what the case's own doubts move, where it has any
 std::string answer_line(double load_N, const prediction::ModelAnswer* answer,
-                        prediction::TorqueRule rule, const prediction::Demand& demand);
+                        prediction::TorqueRule rule, const prediction::Demand& demand,
+                        const std::optional<judgement::InputDoubt>& inputs);
+
+/// "", or " (by the inputs ± 18 %)".
+std::string in_words(const std::optional<judgement::InputDoubt>& inputs);
 
 /// The usable models in a table, best first; of each other one a line that says why not.
 std::string models_text(const std::vector<prediction::ModelAnswer>& answers,

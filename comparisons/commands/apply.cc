@@ -140,6 +140,7 @@ nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const f
           {"friction_coefficient", text::finite_or_null(contact.friction_coefficient)},
           {"eccentricity_m", text::finite_or_null(contact.eccentricity_m)},
           {"normal_stiffness_N_per_m", text::finite_or_null(curve.normal_stiffness_N_per_m)},
+          {"input_doubt", to_json(curve.nominal.inputs)},
           {"changes", changes},
           {"loads", loads},
           {"worst_relative_error", text::finite_or_null(worst)},

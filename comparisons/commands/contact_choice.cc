@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "comparisons/commands/answer_lines.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
@@ -115,9 +116,9 @@ std::string short_error(const exporting::LoadPoint& point) {
 std::string answer_line(const exporting::ContactCurve& curve) {
   const exporting::LoadPoint& point = curve.nominal;
   const std::string answer =
-      fmt::format("torque {:.3g} mN·m {}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm",
-                  1e3 * point.max_torque_Nm(), short_error(point), curve.model, 2e3 * point.a_m,
-                  2e3 * point.b_m, 1e3 * point.eccentricity_m);
+      fmt::format("torque {:.3g} mN·m {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm",
+                  1e3 * point.max_torque_Nm(), short_error(point), in_words(point.inputs),
+                  curve.model, 2e3 * point.a_m, 2e3 * point.b_m, 1e3 * point.eccentricity_m);
   return point.reason.empty()
              ? fmt::format("{:g} N: {}\n", point.load_N, answer)
              : fmt::format("NOT USABLE at {:g} N ({}): {}\n", point.load_N, answer, point.reason);

@@ -2,10 +2,14 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
+#include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/explorer/explorer.h"
+#include "comparisons/exporting/contact_curve.h"
+#include "comparisons/prediction/local_geometry.h"
 #include "comparisons/report/explorer_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -14,7 +18,31 @@
 namespace softfinger::commands {
 namespace {
 
-int run_explore(const std::string& output, bool as_json, const std::string& command_line) {
+struct ExploreOptions {
+  CaseInput typed_case;
+  std::string output = "explore.html", command_line;
+  bool json = false;
+};
+
+/// The contact of a case at its middle load.
+/// @throws InputError for what the page does not know
+std::optional<report::ExplorerStart> start_of(const CaseInput& typed) {
+  const bool is_typed = !typed.file.empty() || !typed.radii_mm.empty();
+  if (!is_typed) return std::nullopt;
+  const input::Case contact_case = read_case(typed);
+  input::require_coulomb(contact_case, "explore");
+  if (!contact_case.sublayers.empty() || contact_case.object_layer.thickness_m > 0)
+    throw InputError(contact_case.id, "layers", "several", "one homogeneous layer for explore");
+  const prediction::GeometryResolver resolver(contact_case);
+  for (const std::string& line : resolver.remarks()) remark(line);
+  const double load_N = exporting::choose_loads(contact_case.loads_N, {}).nominal_N;
+  return report::ExplorerStart{
+      typed.file.empty() ? "command line" : typed.file,
+      prediction::contact_problem(contact_case, resolver.resolve(load_N), load_N)};
+}
+
+int run_explore(const ExploreOptions& options) {
+  const std::string& output = options.output;
   if (output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of an HTML file");
   if (!report::has_explorer())
@@ -24,9 +52,10 @@ int run_explore(const std::string& output, bool as_json, const std::string& comm
                                  report::kExplorerPackages),
                      "", "");
   system::write_file_atomically(
-      output, report::explorer_page("softfinger " + system::program_version(), command_line));
+      output, report::explorer_page("softfinger " + system::program_version(), options.command_line,
+                                    start_of(options.typed_case)));
   remark("the page is " + output);
-  if (as_json) {
+  if (options.json) {
     nlohmann::json models = nlohmann::json::array();
     for (const PressureModel* model : explorer::models()) models.push_back(model->card().name);
     const nlohmann::json object = {{"page", output}, {"models", models}};
@@ -39,24 +68,24 @@ int run_explore(const std::string& output, bool as_json, const std::string& comm
 }  // namespace
 
 void add_explore(CLI::App& app, Action& action, const std::string& command_line) {
-  auto output = std::make_shared<std::string>("explore.html");
+  auto options = std::make_shared<ExploreOptions>();
+  options->command_line = command_line;
   CLI::App* command = app.add_subcommand("explore",
                                          "A page with sliders for a contact: ellipse, pressure, "
                                          "limit surface, error bounds, lines for "
                                          "simulators, at once");
-  command->add_option("-o,--output", *output, "HTML file to write; default: explore.html");
-  auto json = std::make_shared<bool>(false);
-  command->add_flag("--json", *json,
+  add_case(*command, options->typed_case);
+  command->add_option("-o,--output", options->output, "HTML file to write; default: explore.html");
+  command->add_flag("--json", options->json,
                     "one JSON object on standard output: the page's file, the models in it");
   command->footer(
+      "With a case the page starts from its contact, at the middle one of its loads.\n"
       "The page needs no network: the models run in the browser, compiled to WebAssembly. The\n"
       "contact stands in the page's address, behind #, so that a link repeats it.\n"
       "Samples:\n"
       "  softfinger explore\n"
-      "  softfinger explore --output fingertip.html");
-  command->callback([output, json, command_line, &action] {
-    action = [output, json, command_line] { return run_explore(*output, *json, command_line); };
-  });
+      "  softfinger explore silicone_pad_2mm --output fingertip.html");
+  command->callback([options, &action] { action = [options] { return run_explore(*options); }; });
 }
 
 }  // namespace softfinger::commands

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/contact_choice.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
+#include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
@@ -56,12 +58,31 @@ struct Export {
   }
 };
 
+/// Against the finger itself, what its geometry leaves open included.
+std::optional<prediction::QuantityErrors> bound_of(const LoadPoint& point) {
+  if (!point.assessment.bound) return std::nullopt;
+  return point.assessment.totals();
+}
+
 nlohmann::json to_json(const Export& made, const std::string& fit, bool with_lines) {
   const ContactCurve& curve = made.curve;
-  nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array();
+  nlohmann::json values = nlohmann::json::object(), loads = nlohmann::json::array(),
+                 results = nlohmann::json::array();
   for (const auto& [name, value] : made.lines.values) values[name] = text::finite_or_null(value);
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const LoadPoint& point = curve.points[i];
+    results.push_back({{"load_N", point.load_N},
+                       {"model", curve.model},
+                       {"a_m", point.a_m},
+                       {"b_m", point.b_m},
+                       {"indentation_m", point.indentation_m},
+                       {"max_force_N", text::finite_or_null(point.max_force_N())},
+                       {"max_torque_Nm", text::finite_or_null(point.max_torque_Nm())},
+                       {"eccentricity_m", text::finite_or_null(point.eccentricity_m)},
+                       {"usable", point.assessment.usable},
+                       {"recommended", point.load_N == curve.nominal.load_N},
+                       {"error_bound", prediction::to_json(bound_of(point))},
+                       {"geometry_error", prediction::to_json(point.assessment.geometry)}});
     loads.push_back(
         {{"load_N", point.load_N},
          {"eccentricity_m", text::finite_or_null(point.eccentricity_m)},
@@ -90,12 +111,14 @@ nlohmann::json to_json(const Export& made, const std::string& fit, bool with_lin
            curve.nominal.reason.empty() ? nlohmann::json() : nlohmann::json(curve.nominal.reason)},
           {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
           {"error_evidence", curve.nominal.assessment.evidence},
+          {"input_doubt", to_json(curve.nominal.inputs)},
           {"normal_stiffness_N_per_m", text::finite_or_null(curve.normal_stiffness_N_per_m)},
           {"load_exponent", text::finite_or_null(curve.load_exponent)},
           {"simulator_load_exponent", made.simulator.load_exponent},
           {"lines", with_lines ? nlohmann::json(made.lines.text) : nlohmann::json()},
           {"values", with_lines ? values : nlohmann::json()},
           {"loads", loads},
+          {"results", results},
           {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
           {"worst_force_relative_error", text::finite_or_null(made.force_errors[made.worst_force])},
           {"traps", made.simulator.traps}};

@@ -144,6 +144,7 @@ int run_predict(const PredictOptions& options) {
                      "for a case whose finger or object is a mesh");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
+  const judgement::DoubtedCases doubted(contact_case, resolver);
   const prediction::TorqueRule rule = options.torque_rule == "paper"
                                           ? prediction::TorqueRule::paper
                                           : prediction::TorqueRule::exact;
@@ -168,13 +169,17 @@ int run_predict(const PredictOptions& options) {
       results.push_back(to_json(answers.back(), rule, options.limit_surface));
     }
     const prediction::ModelAnswer* const first = judgement::recommended(answers);
-    for (std::size_t i = 0; i < answers.size(); ++i)
-      results[results.size() - answers.size() + i]["recommended"] = &answers[i] == first;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      nlohmann::json& result = results[results.size() - answers.size() + i];
+      result["recommended"] = &answers[i] == first;
+      result["input_doubt"] = to_json(doubted.move(answers[i], rule));
+    }
     geometries.push_back({{"load_N", load_N},
                           {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                           {"axis_rad", geometry.radii.axis_rad},
                           {"patch", prediction::patch_to_json(geometry)}});
-    first_lines += answer_line(load_N, first, rule, demand);
+    first_lines +=
+        answer_line(load_N, first, rule, demand, first ? doubted.move(*first, rule) : std::nullopt);
     blocks.push_back(block_of(answers, first, rule, demand));
     evidence += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
                 table(answers, rule);

@@ -250,17 +250,23 @@ int run_select(SelectOptions options) {
   for (const std::string& line : resolver.remarks()) remark(line);
   std::vector<judgement::LoadChoice> loads;
   nlohmann::json choices = nlohmann::json::array();
-  std::string text = prediction::describe(contact_case) + "\n";
+  std::string first_lines, tables;
   for (const double load_N : contact_case.loads_N) {
     judgement::LoadChoice& load = loads.emplace_back();
     load.geometry = resolver.resolve(load_N);
     load.problem = prediction::contact_problem(contact_case, load.geometry, load_N);
     load.choice = judgement::choose_model(contact_case, load.geometry, load_N, options.selection);
     choices.push_back(to_json(load.choice));
-    text += table(load.choice, options.selection);
+    first_lines += answer_line(load.choice);
+    tables += table(load.choice, options.selection);
   }
-  const nlohmann::json result = {
-      {"case", contact_case.id}, {"tolerance", options.demand.tolerance}, {"choices", choices}};
+  nlohmann::json results = nlohmann::json::array();
+  for (const judgement::LoadChoice& load : loads)
+    for (const nlohmann::json& one : judgement::results_json(load.choice)) results.push_back(one);
+  const nlohmann::json result = {{"case", contact_case.id},
+                                 {"tolerance", options.demand.tolerance},
+                                 {"choices", choices},
+                                 {"results", results}};
   if (options.write_page) {
     const nlohmann::json report = judgement::selection_report(
         contact_case, resolver, options.selection, loads, options.command_line);
@@ -269,7 +275,8 @@ int run_select(SelectOptions options) {
   if (options.json)
     system::write_to_stdout(result.dump(2) + "\n");
   else
-    system::write_text_to_stdout(text);
+    system::write_text_to_stdout(first_lines + tables + "\n" + prediction::describe(contact_case) +
+                                 "\n");
   return 0;
 }
 

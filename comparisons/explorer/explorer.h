@@ -14,8 +14,8 @@ namespace softfinger::explorer {
 struct Question {
   ContactProblem problem;  ///< one flat layer under a rigid object, R' >= R''
   double tolerance = 0.1;  ///< of area and torque, within which an answer is usable, relative
-  int shown = -1;          ///< place in `models()` of the model that is drawn; -1: the nearest one,
-                           ///< -2: none, only the numbers of `models` are asked for
+  int shown = -1;  ///< place in `models()` of the model that is drawn; -1: the recommended one,
+                   ///< -2: none, only the numbers of `models` are asked for
 };
 
 /// The models that take microseconds and need no measured law, in the registry's order.
@@ -27,8 +27,9 @@ const std::vector<const PressureModel*>& models();
 ///       "peak_pressure_Pa", "max_torque_Nm", "eccentricity_m",
 ///       "bound": null or [a, b, indentation, area, peak pressure, torque], "outside": why null,
 ///       "usable", "objections": [ messages of the checks that fail ] } ],
-///     "nearest": place of the model whose larger bound of area and torque is smallest; -1: no
-///       bound is known,
+///     "nearest": place of the model whose largest bound of a, b, area and torque is smallest;
+///       -1: no bound is known,
+///     "recommended": place of `default_model`,
 ///     "shown": place of the one that the rest is about; -1: none, the rest is null or empty,
 ///     "profile": { "position": part of the semi-axis, "long_Pa", "short_Pa" },
 ///     "limit": { "exponent", "along_long", "along_short": [ [force_N, torque_Nm], .. ],

@@ -24,7 +24,8 @@ double middle_of(std::vector<double> loads_N) {
 bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 
 LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
-              const PressureModel& model, double load_N, const prediction::Demand& demand) {
+              const PressureModel& model, double load_N, const prediction::Demand& demand,
+              const judgement::DoubtedCases* doubted = nullptr) {
   prediction::ModelAnswer answer = prediction::ask_model(model, contact_case, geometry, load_N);
   const Prediction& prediction = answer.prediction;
   if (!prediction.has_answer || !(prediction.torque_arm_exact_m > 0))
@@ -45,7 +46,8 @@ LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& 
           prediction.a_m,
           prediction.b_m,
           answer.assessment->usable ? "" : judgement::reason_not_usable(answer, demand),
-          *answer.assessment};
+          *answer.assessment,
+          doubted ? doubted->move(answer, prediction::TorqueRule::exact) : std::nullopt};
 }
 
 }  // namespace
@@ -98,7 +100,8 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   const auto at = [&](double load_N) {
     return ask(contact_case, resolver.resolve(load_N), model, load_N, demand);
   };
-  curve.nominal = at(loads.nominal_N);
+  const judgement::DoubtedCases doubted(contact_case, resolver);
+  curve.nominal = ask(contact_case, nominal, model, loads.nominal_N, demand, &doubted);
 
   constexpr int kSteps = 6;
   const double step = std::log(loads.highest_N / loads.lowest_N) / kSteps;

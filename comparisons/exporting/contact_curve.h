@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/input/case.h"
+#include "comparisons/judgement/input_doubt.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -43,6 +44,7 @@ struct LoadPoint {
   double a_m = 0, b_m = 0;  ///< semi-axes of the contact
   std::string reason;       ///< why the answer is not usable; empty: it is
   prediction::Assessment assessment;
+  std::optional<judgement::InputDoubt> inputs;  ///< what the case's own doubts move, if asked for
 
   double max_force_N() const { return friction_coefficient * load_N; }
   double max_torque_Nm() const { return max_force_N() * eccentricity_m; }

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "comparisons/input/case_table.h"
+#include "comparisons/input/doubted_numbers.h"
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
@@ -396,8 +398,16 @@ void settle_finger_shape(Case& contact_case) {
     finger->shape = FingerShape::ellipsoid;
 }
 
-Case case_of(const toml::table& root, const std::string& text, const fs::path& file) {
+Case case_of(const toml::table& typed, const std::string& text, const fs::path& file) {
   const TomlReader reader(file.string());
+  if (has_doubts(typed)) {
+    toml::table root = typed;
+    Doubts doubts = settle_doubts(reader, root);
+    Case result = case_of(root, text, file);
+    result.doubts = std::move(doubts);
+    return result;
+  }
+  const toml::table& root = typed;
   reader.check_keys(
       root, "",
       {"id", "question", "geometry", "layer", "object_layer", "power_law", "contact", "fem"});
@@ -427,6 +437,11 @@ Case case_of(const toml::table& root, const std::string& text, const fs::path& f
 Case parse_case(const std::string& text, const fs::path& file, const Settings& settings) {
   const toml::table root = parse_toml(text, file.string(), settings);
   return case_of(root, text_of(root, text, settings), file);
+}
+
+Case with_value(const Case& contact_case, const Doubt& doubt, double value) {
+  const Settings setting = {{doubt.key, fmt::format("{}", value), doubt.key}};
+  return parse_case(contact_case.text, contact_case.file, setting);
 }
 
 std::optional<Eigen::Vector3d> axis_direction(const std::string& typed) {

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/input/doubt.h"
 #include "comparisons/input/setting.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
@@ -91,6 +92,7 @@ struct Case {
   ModelOptions options;
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
   std::vector<double> loads_N;               ///< all different
+  Doubts doubts;                             ///< numbers that were given with their doubt
   ShearLaw shear_law;                        ///< what friction carries at a point
   int fem_level = 2;                         ///< 1 to 3
   bool fem_curved = false;                   ///< finite elements on the finger's own curved core
@@ -121,6 +123,10 @@ Case read_case(const std::filesystem::path& file, const Settings& settings = {})
 /// The same for a text that is already in memory; `file` is used in messages and to find meshes.
 Case parse_case(const std::string& text, const std::filesystem::path& file,
                 const Settings& settings = {});
+
+/// The same case with another value of a doubted number, in the file's unit.
+/// @throws InputError where the case does not allow that value
+Case with_value(const Case& contact_case, const Doubt& doubt, double value);
 
 /// A direction by its axis: "x", "+x", "-x", ... "-z"; null for any other text.
 std::optional<Eigen::Vector3d> axis_direction(const std::string& typed);

@@ -61,11 +61,20 @@ QuantityErrors with_shear_law(QuantityErrors bound) {
   return bound;
 }
 
+/// Whether the sublayers differ: a layer of equal ones is homogeneous.
+bool is_stack(const input::Case& contact_case) {
+  const auto& sublayers = contact_case.sublayers;
+  return std::any_of(sublayers.begin(), sublayers.end(), [&](const input::Sublayer& one) {
+    return one.layer.youngs_modulus_Pa != sublayers.front().layer.youngs_modulus_Pa ||
+           one.layer.poisson_ratio != sublayers.front().layer.poisson_ratio;
+  });
+}
+
 const char* reason_without_bound(const input::Case& contact_case,
                                  const prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer) return "the model has no answer";
   if (answer.sampled) return "bounds are known for the fitted quadric, not for a sampled gap";
-  if (!contact_case.sublayers.empty()) return "bounds are known for homogeneous layers only";
+  if (is_stack(contact_case)) return "bounds are known for homogeneous layers only";
   if (!contact_case.fem_mesh.empty()) return "no bounds are known for layers of a user's own mesh";
   if (contact_case.fem_finite && contact_case.fem_finite->material != "neo_hookean")
     return "bounds are known for neo-Hookean layers only";

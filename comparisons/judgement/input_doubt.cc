@@ -2,7 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/text/json_text.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -42,6 +49,78 @@ std::string cost_of_inputs(const ModelAnswer& answer, TorqueRule rule) {
                                                     : "tau_0 + 10 %",
       rougher);
   return words;
+}
+
+DoubtedCases::DoubtedCases(const input::Case& contact_case,
+                           const prediction::GeometryResolver& known)
+    : loads_N_(contact_case.loads_N), doubts_(contact_case.doubts.size()) {
+  for (std::size_t doubt = 0; doubt < doubts_; ++doubt) {
+    const input::Doubt& of = contact_case.doubts[doubt];
+    std::optional<InputError> refusal;
+    bool any = false;
+    for (const double value : {of.lower, of.upper}) {
+      try {
+        auto moved = std::make_unique<const input::Case>(with_value(contact_case, of, value));
+        auto geometry = std::make_unique<const prediction::GeometryResolver>(*moved, &known);
+        varied_.push_back({doubt, std::move(moved), std::move(geometry)});
+        any = true;
+      } catch (const InputError& error) {
+        refusal = error;
+      }
+    }
+    if (!any) throw *refusal;
+  }
+}
+
+double DoubtedCases::load_N(const Varied& varied, double asked_N) const {
+  const auto found = std::find(loads_N_.begin(), loads_N_.end(), asked_N);
+  return found == loads_N_.end()
+             ? asked_N
+             : varied.contact_case->loads_N[std::size_t(found - loads_N_.begin())];
+}
+
+std::optional<InputDoubt> DoubtedCases::move(const ModelAnswer& answer, TorqueRule rule) const {
+  if (doubts_ == 0 || !answer.prediction.has_answer || !answer.model->card().hot_path)
+    return std::nullopt;
+  constexpr std::size_t kNumbers = prediction::kQuantities + 1;
+  const auto numbers_of = [&](const ModelAnswer& of) -> std::array<double, kNumbers> {
+    const Prediction& p = of.prediction;
+    const FrictionEllipsoid limit = of.friction_ellipsoid(rule);
+    return {p.a_m,
+            p.b_m,
+            p.indentation_m,
+            p.area_m2(),
+            p.peak_pressure_Pa,
+            limit.max_torque_Nm(),
+            limit.eccentricity_m};
+  };
+  const auto here = numbers_of(answer);
+  std::vector<std::array<double, kNumbers>> largest(doubts_);
+  for (const Varied& varied : varied_) {
+    const double there_N = load_N(varied, answer.problem.load.normal_force_N);
+    const ModelAnswer moved = prediction::ask_model(*answer.model, *varied.contact_case,
+                                                    varied.geometry->resolve(there_N), there_N);
+    const auto there = numbers_of(moved);
+    for (std::size_t n = 0; n < kNumbers; ++n) {
+      const double change = moved.prediction.has_answer ? std::abs(there[n] / here[n] - 1) : kNaN;
+      double& known = largest[varied.doubt][n];
+      if (std::isnan(change) || change > known) known = change;
+    }
+  }
+  std::array<double, kNumbers> sum{};
+  for (const auto& changes : largest)
+    for (std::size_t n = 0; n < kNumbers; ++n) sum[n] = std::hypot(sum[n], changes[n]);
+  InputDoubt doubt;
+  std::copy_n(sum.begin(), doubt.relative.size(), doubt.relative.begin());
+  doubt.eccentricity = sum.back();
+  return doubt;
+}
+
+nlohmann::json to_json(const std::optional<InputDoubt>& doubt) {
+  if (!doubt) return nullptr;
+  nlohmann::json json = prediction::to_json(std::optional(doubt->relative));
+  json["eccentricity"] = text::finite_or_null(doubt->eccentricity);
+  return json;
 }
 
 }  // namespace softfinger::judgement

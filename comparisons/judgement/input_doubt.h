@@ -1,8 +1,16 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "comparisons/input/case.h"
 #include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/quantity.h"
 
 /// What the numbers of a case cost: how far the answer moves when they do.
 namespace softfinger::judgement {
@@ -11,5 +19,41 @@ namespace softfinger::judgement {
 /// answer's own model at the changed number. Twice the modulus is a usual difference between a data
 /// sheet and a fingertip. Empty without an answer, and for models slower than the hot path.
 std::string cost_of_inputs(const prediction::ModelAnswer& answer, prediction::TorqueRule rule);
+
+/// How far the doubts of a case's numbers move an answer, at 95 %, relative.
+struct InputDoubt {
+  prediction::QuantityErrors relative{};
+  double eccentricity = 0;  ///< of e_n
+};
+
+/// The case with each of its doubted numbers at either bound, and the geometry of each.
+class DoubtedCases {
+ public:
+  /// @param known  the resolver of the case itself, whose meshes are not read again
+  DoubtedCases(const input::Case& contact_case, const prediction::GeometryResolver& known);
+
+  /// The root of the sum of squares over the doubted numbers; of each the larger change of both
+  /// bounds, or of the one that the case allows. Nothing where no number is doubted, where there is
+  /// no answer, and for models slower than the hot path. Unknown (NaN) where the model has no
+  /// answer at a bound.
+  /// A load of the case moves with its own doubt, another load stays.
+  std::optional<InputDoubt> move(const prediction::ModelAnswer& answer,
+                                 prediction::TorqueRule rule) const;
+
+ private:
+  struct Varied {
+    std::size_t doubt;
+    std::unique_ptr<const input::Case> contact_case;  ///< the resolver points into it
+    std::unique_ptr<const prediction::GeometryResolver> geometry;
+  };
+  double load_N(const Varied& varied, double asked_N) const;
+
+  std::vector<double> loads_N_;  ///< of the case
+  std::vector<Varied> varied_;
+  std::size_t doubts_ = 0;
+};
+
+/// {"a", .., "max_torque", "eccentricity"}: relative; null without a doubt.
+nlohmann::json to_json(const std::optional<InputDoubt>& doubt);
 
 }  // namespace softfinger::judgement

@@ -136,7 +136,9 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
       text::finite_or_null(load_N * answer.problem.radii.major_m)};
   if (answer.assessment) {
     result["usable"] = answer.assessment->usable;
-    result["error_bound"] = to_json(answer.assessment->bound);
+    const bool is_known = answer.assessment->bound.has_value();
+    result["error_bound"] =
+        is_known ? to_json(std::optional(answer.assessment->totals())) : nlohmann::json();
     result["error_evidence"] = answer.assessment->evidence;
     result["error_causes"] = nullptr;
     if (answer.assessment->bound)

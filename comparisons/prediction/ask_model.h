@@ -83,10 +83,8 @@ struct ModelAnswer {
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
   std::optional<Assessment> assessment;     ///< where it was asked for
 
-  /// Where a bound is known it decides; else none of the model's assumptions may fail.
-  bool valid() const {
-    return assessment && assessment->bound ? assessment->usable : prediction.valid();
-  }
+  /// Where the answer was assessed, whether it is usable; else no assumption of the model may fail.
+  bool valid() const { return assessment ? assessment->usable : prediction.valid(); }
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m

@@ -7,7 +7,7 @@ import {line} from "d3-shape";
 import wasm from "softfinger-explorer";
 
 const page = document.documentElement;
-const {sliders, models} = JSON.parse(document.getElementById("data").textContent);
+const {sliders, models, shape, case: caseName} = JSON.parse(document.getElementById("data").textContent);
 const the = (id) => document.getElementById(id);
 const all = (selector) => [...document.querySelectorAll(selector)];
 
@@ -314,15 +314,18 @@ function verdictOf(answer) {
   return parts.join(" ");
 }
 
+// With the case's own bodies while the gap is theirs; other relative radii belong to no bodies that a command could name.
+const isGapOfCase = () => caseName && ["R1", "R2"].every((key) => state[key] === sliders.find((slider) => slider.key === key).start);
 const commandOf = () =>
-  `softfinger predict --radii-mm ${state.R1},${state.R2} --thickness-mm ${state.h} --youngs-modulus-kPa ${state.E} ` +
-  `--poisson-ratio ${state.nu} --load ${state.P} --friction ${state.mu} --tolerance ${Number((state.within / 100).toPrecision(12))}`;
+  `softfinger predict ${isGapOfCase() ? caseName : `--radii-mm ${state.R1},${state.R2}`} --thickness-mm ${state.h} --youngs-modulus-kPa ${state.E} ` +
+  `--poisson-ratio ${state.nu} --load ${state.P} --friction ${state.mu} --tolerance ${Number((state.within / 100).toPrecision(12))}` +
+  (caseName && !isGapOfCase() ? "   # takes the layer for flat, unlike this page" : "");
 
 // Putting it together --------------------------------------------------------------------------------
 
 let library = null, settled = 0, frame = 0;
 const widths = () => Object.values(pictures).map((picture) => picture.box.clientWidth);
-const numbers = () => [...sliders.map(({key, si_per_unit}) => state[key] * si_per_unit), state.shown];
+const numbers = () => [...sliders.map(({key, si_per_unit}) => state[key] * si_per_unit), state.shown, ...shape];
 
 // While a slider moves, parts out of sight wait until they are seen, or until it rests.
 const parts = new Map([

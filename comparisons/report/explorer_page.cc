@@ -1,6 +1,7 @@
 #include "comparisons/report/explorer_page.h"
 
 #include <array>
+#include <cmath>
 
 #include "comparisons/explorer/explorer.h"
 #include "comparisons/exporting/simulator.h"
@@ -53,7 +54,7 @@ Html chart(const char* name, const Html& caption) {
 Html model_rows() {
   Html rows =
       "<tr><th scope=\"row\"><label><input type=\"radio\" name=\"shown\" value=\"-1\" checked> "
-      "the nearest one</label></th><td colspan=\"11\"></td></tr>\n";
+      "the recommended one</label></th><td colspan=\"11\"></td></tr>\n";
   int place = 0;
   for (const PressureModel* model : explorer::models()) {
     const std::string name(model->card().name);
@@ -110,7 +111,44 @@ Html model_cards() {
   return details("What each model assumes", "<dl>" + out + "</dl>");
 }
 
-Html explorer_body(const std::string& version, const std::string& command) {
+/// The parts of the relative curvature that the finger has along x and y and its twist, and 1 for
+/// an object that is an exact sphere: what `question` in explorer/web/entry.cc takes after the
+/// sliders.
+std::array<double, 4> shape_of(const ContactProblem& problem) {
+  const RelativeRadii& gap = problem.radii;
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  return {finger.xx_per_m * gap.major_m, finger.yy_per_m * gap.minor_m,
+          finger.xy_per_m * std::sqrt(gap.major_m) * std::sqrt(gap.minor_m),
+          problem.is_object_spherical ? 1. : 0.};
+}
+
+/// In the sliders' order, in their units; the tolerance is the page's own.
+std::array<double, 7> numbers_of(const ContactProblem& problem) {
+  const std::array<double, 7> si = {problem.radii.major_m,
+                                    problem.radii.minor_m,
+                                    problem.layer.thickness_m,
+                                    problem.layer.youngs_modulus_Pa,
+                                    problem.layer.poisson_ratio,
+                                    problem.load.normal_force_N,
+                                    problem.load.friction_coefficient};
+  std::array<double, 7> numbers;
+  for (std::size_t i = 0; i < si.size(); ++i) numbers[i] = si[i] / kSliders[i].si_per_unit;
+  return numbers;
+}
+
+Html whose_curvature(const std::optional<ExplorerStart>& start) {
+  if (!start)
+    return "Only the radii of the gap are known here: the layer counts as flat, all curvature as "
+           "the object's. <code>softfinger explore CASE</code> starts from a case, where finger "
+           "and object each have their own.";
+  return html(
+      "Finger and object share the curvature of the gap as in the case <code>{}</code>, also when "
+      "the relative radii are moved.",
+      start->case_name);
+}
+
+Html explorer_body(const std::string& version, const std::string& command,
+                   const std::optional<ExplorerStart>& start) {
   Html sliders;
   for (const Slider& slider : kSliders) sliders += slider_row(slider);
   return html(
@@ -142,11 +180,8 @@ Html explorer_body(const std::string& version, const std::string& command) {
          "<h2 id=\"models\">The models</h2>\n"
          "<p>The bounds hold 95 % of the errors against finite elements of whole fingers at finite "
          "strain; <i>usable</i> means that those of a, b, area and torque are within the "
-         "tolerance. Only "
-         "the radii of the gap are known here: the layer counts as flat, all curvature as the "
-         "object's. In a case of <code>softfinger predict</code> finger and object each have "
-         "their own.</p>\n" +
-         model_table() + model_cards() +
+         "tolerance. " +
+         whose_curvature(start) + "</p>\n" + model_table() + model_cards() +
          "<h2 id=\"simulators\">What to type into a simulator</h2>\n<p>For the model drawn, exact "
          "at "
          "this load. <code>softfinger export</code> also states the error over a range of "
@@ -169,7 +204,8 @@ Html explorer_body(const std::string& version, const std::string& command) {
 
 bool has_explorer() { return !embedded::explorer_js.text.empty(); }
 
-std::string explorer_page(const std::string& version, const std::string& command) {
+std::string explorer_page(const std::string& version, const std::string& command,
+                          const std::optional<ExplorerStart>& start) {
   Json sliders = Json::array(), models = Json::array();
   for (const Slider& slider : kSliders)
     sliders.push_back({{"key", slider.key},
@@ -182,6 +218,12 @@ std::string explorer_page(const std::string& version, const std::string& command
                        {"logarithmic", slider.logarithmic},
                        {"least", slider.least},
                        {"largest", slider.largest}});
+  Json shape = Json::array({0, 0, 0, 0});
+  if (start) {
+    const auto numbers = numbers_of(start->problem);
+    for (std::size_t i = 0; i < numbers.size(); ++i) sliders[i]["start"] = numbers[i];
+    shape = shape_of(start->problem);
+  }
   std::size_t place = 0;
   for (const PressureModel* model : explorer::models()) {
     const std::string name(model->card().name);
@@ -190,8 +232,11 @@ std::string explorer_page(const std::string& version, const std::string& command
   }
   Page page{"A soft fingertip, pressed and turned",
             {embedded::report_css, embedded::explorer_css},
-            explorer_body(version, command),
-            {{"sliders", sliders}, {"models", models}},
+            explorer_body(version, command, start),
+            {{"sliders", sliders},
+             {"models", models},
+             {"shape", shape},
+             {"case", start ? Json(start->case_name) : Json()}},
             {embedded::explorer_js}};
   page.runs_wasm = true;
   return render_page(page);

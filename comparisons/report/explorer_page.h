@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "softfinger/input/contact_problem.h"
 
 namespace softfinger::report {
 
@@ -11,11 +14,20 @@ bool has_explorer();
 inline constexpr std::string_view kExplorerPackages =
     "clang lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc libclang-rt-14-dev-wasm32";
 
+/// The contact that the page starts with. The sliders have its numbers; the parts of the relative
+/// curvature that the finger has stay as they are.
+struct ExplorerStart {
+  std::string case_name;  ///< as typed; empty: made up
+  ContactProblem problem;
+};
+
 /// The page of `softfinger explore`: sliders for a contact, and what the models, their error
 /// bounds, the limit surface and the simulators make of it, computed in the browser by the library
 /// itself (explorer/explorer.h). It needs no network and no server. Only with `has_explorer()`.
 /// @param version  "softfinger 0.1.0"
 /// @param command  as typed
-std::string explorer_page(const std::string& version, const std::string& command);
+/// @param start    none: a silicone finger on a plane by its relative radii
+std::string explorer_page(const std::string& version, const std::string& command,
+                          const std::optional<ExplorerStart>& start = std::nullopt);
 
 }  // namespace softfinger::report

@@ -291,10 +291,15 @@ void write_report(const SuiteComparison& suite, const fs::path& output) {
 }
 
 json answer_as_json(const SuiteComparison& suite, const fs::path& output) {
-  json cases = json::array();
-  for (const judgement::CaseComparison& compared : suite.cases)
+  json cases = json::array(), results = json::array();
+  for (const judgement::CaseComparison& compared : suite.cases) {
     cases.push_back({{"id", compared.contact_case->id}, {"verdict", compared.verdict.sentence}});
-  return {{"cases", cases},
+    for (const judgement::Comparison& load : compared.loads)
+      for (const json& one : results_json(load, suite.tolerance)) results.push_back(one);
+  }
+  return {{"schema", text::kSchema},
+          {"cases", cases},
+          {"results", results},
           {"tolerance", suite.tolerance},
           {"trusted", is_trusted_everywhere(suite)},
           {"report", fs::absolute(output / "report.html").string()},

@@ -12,6 +12,7 @@
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/atlas_overview.h"
+#include "comparisons/judgement/scoring.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/program_paths.h"
@@ -227,7 +228,7 @@ const std::string kNoErrors(std::size(kErrors), ',');
 std::string csv_head() {
   std::string head =
       "case,load_N,thickness_m,youngs_modulus_Pa,poisson_ratio,friction_coefficient,"
-      "radius_major_m,radius_minor_m,model,valid,a_m,b_m,axis_rad,indentation_m,peak_pressure_Pa,"
+      "radius_major_m,radius_minor_m,model,usable,a_m,b_m,axis_rad,indentation_m,peak_pressure_Pa,"
       "area_m2,area_projected_m2,max_torque_Nm,eccentricity_m,max_torque_paper_Nm";
   for (const char* key : kErrors) head += std::string(",relative_error_") + key;
   for (const char* key : kErrors) head += std::string(",stated_error_") + key;
@@ -256,7 +257,7 @@ std::string reference_row(const Comparison& load) {
          "," + cell(result.wall_s) + "\n";
 }
 
-std::string model_row(const Comparison& load, const ModelComparison& model) {
+std::string model_row(const Comparison& load, const ModelComparison& model, bool usable) {
   const prediction::ModelAnswer& answer = model.answer;
   const Prediction& p = answer.prediction;
   const FrictionEllipsoid exact = answer.friction_ellipsoid(TorqueRule::exact);
@@ -268,7 +269,7 @@ std::string model_row(const Comparison& load, const ModelComparison& model) {
           : ",," + cell(answer.problem.radii.axis_rad) + ",,,,,,,";
   const auto& errors = model.errors;
   return contact_cells(load) + "," + text::csv_cell(std::string(answer.model->card().name)) + "," +
-         (p.valid() ? "yes" : "no") + numbers +
+         (usable ? "yes" : "no") + numbers +
          (errors ? cells({errors->a, errors->b, errors->area, errors->indentation,
                           errors->peak_pressure, errors->max_torque})
                  : kNoErrors) +
@@ -317,9 +318,51 @@ std::string results_csv(const SuiteComparison& suite) {
   for (const CaseComparison& compared : suite.cases)
     for (const Comparison& load : compared.loads) {
       if (load.reference) csv += reference_row(load);
-      for (const ModelComparison& model : load.models) csv += model_row(load, model);
+      const judgement::LoadErrors errors = judgement::errors_of(load);
+      for (std::size_t i = 0; i < load.models.size(); ++i)
+        csv += model_row(load, load.models[i],
+                         judgement::judge(errors, errors.models[i], suite.tolerance) ==
+                             judgement::Judgement::usable);
     }
   return csv;
+}
+
+json results_json(const Comparison& load, double tolerance) {
+  json results = json::array();
+  if (load.reference) {
+    const reference::ReferenceResult& fem = *load.reference;
+    results.push_back({{"case", load.contact_case->id},
+                       {"load_N", load.load_N},
+                       {"model", "fem"},
+                       {"a_m", fem.a_m},
+                       {"b_m", fem.b_m},
+                       {"indentation_m", fem.indentation_m},
+                       {"area_projected_m2", fem.area_projected_m2},
+                       {"max_torque_Nm", fem.max_torque_Nm},
+                       {"eccentricity_m", fem.eccentricity_m},
+                       {"error", fem.document.value("error", json())},
+                       {"geometry_error", prediction::to_json(load.geometry_error())}});
+  }
+  const judgement::LoadErrors errors = judgement::errors_of(load);
+  for (std::size_t i = 0; i < load.models.size(); ++i) {
+    const prediction::ModelAnswer& answer = load.models[i].answer;
+    const Prediction& p = answer.prediction;
+    const auto number = [&](double value) { return p.has_answer ? finite_or_null(value) : json(); };
+    const FrictionEllipsoid limit = answer.friction_ellipsoid(TorqueRule::exact);
+    results.push_back({{"case", load.contact_case->id},
+                       {"load_N", load.load_N},
+                       {"model", answer.model->card().name},
+                       {"a_m", number(p.a_m)},
+                       {"b_m", number(p.b_m)},
+                       {"indentation_m", number(p.indentation_m)},
+                       {"area_projected_m2", number(p.area_m2())},
+                       {"max_torque_Nm", number(limit.max_torque_Nm())},
+                       {"eccentricity_m", number(limit.eccentricity_m)},
+                       {"usable", judgement::judge(errors, errors.models[i], tolerance) ==
+                                      judgement::Judgement::usable},
+                       {"relative_error", to_json(load.models[i].errors)}});
+  }
+  return results;
 }
 
 }  // namespace softfinger::suite

@@ -31,6 +31,10 @@ nlohmann::json report_json(const SuiteComparison& suite);
 /// report.
 nlohmann::json page_json(const SuiteComparison& suite);
 
+/// The results of one load as all commands have them (docs/json.md): the finite elements, then the
+/// models, usable where they are within the tolerance of them.
+nlohmann::json results_json(const judgement::Comparison& load, double tolerance);
+
 /// One row per case, load and model, the finite elements first; empty where a number does not
 /// exist. Models have relative errors against the finite elements, these have the errors that they
 /// state themselves.

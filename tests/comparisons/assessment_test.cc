@@ -38,9 +38,11 @@ struct Asked {
   Asked(const std::string& text, const char* model)
       : contact_case(input::parse_case(text, "x.toml")),
         geometry(prediction::GeometryResolver(contact_case).resolve(2)),
-        answer(prediction::ask_model(*find_pressure_model(model), contact_case, geometry, 2, 0)) {}
+        answer(prediction::ask_model(*find_pressure_model(model), contact_case, geometry, 2)) {}
   Assessment assess(double tolerance = 0.1, TorqueRule rule = TorqueRule::exact) const {
-    return judgement::assess(contact_case, geometry, answer, rule, tolerance);
+    prediction::Demand demand;
+    demand.tolerance = tolerance;
+    return judgement::assess(contact_case, geometry, answer, rule, demand);
   }
   /// The finger's part of the gap's curvature along both axes.
   std::array<double, 2> share() const {
@@ -81,9 +83,11 @@ TEST(Assessment, SaysUsableWithinTheToleranceOnly) {
   ASSERT_TRUE(found.bound);
   EXPECT_TRUE(found.usable);
   EXPECT_FALSE(layer.assess(1e-3).usable);
-  const double area = (*found.bound)[std::size_t(Quantity::area)];
-  EXPECT_FALSE(layer.assess(0.99 * std::max(area, torque_bound(found))).usable);
-  EXPECT_TRUE(layer.assess(1.01 * std::max(area, torque_bound(found))).usable);
+  const double worst = worst_of(found.totals());
+  for (const Quantity quantity : {Quantity::a, Quantity::b, Quantity::area, Quantity::max_torque})
+    EXPECT_GE(worst, found.total(quantity));
+  EXPECT_FALSE(layer.assess(0.99 * worst).usable);
+  EXPECT_TRUE(layer.assess(1.01 * worst).usable);
   EXPECT_EQ((*found.geometry)[0], 0) << "typed radii are exact";
 }
 
@@ -133,8 +137,9 @@ TEST(Assessment, StatesWhatFacetsAsLargeAsTheContactLeaveOpen) {
                                          "0] }\nobject.radii_mm = [inf, inf]"),
                       "bonded_layer");
     const Assessment found = asked.assess();
-    EXPECT_EQ(found.usable,
-              found.total(Quantity::area) <= 0.1 && found.total(Quantity::max_torque) <= 0.1);
+    EXPECT_EQ(found.usable, found.total(Quantity::a) <= 0.1 && found.total(Quantity::b) <= 0.1 &&
+                                found.total(Quantity::area) <= 0.1 &&
+                                found.total(Quantity::max_torque) <= 0.1);
     return (*found.geometry)[std::size_t(Quantity::area)];
   };
   // All vertices lie on the sphere: the fit scatters by nothing and would leave nothing open. Edges

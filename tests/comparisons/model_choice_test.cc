@@ -5,12 +5,17 @@
 
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 
+#include "comparisons/explorer/explorer.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/comparison.h"
+#include "comparisons/judgement/recommended.h"
+#include "comparisons/simulation/contact_model.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -46,7 +51,7 @@ const Contact kRubberPad(0.49, 0.03, 0.03, 2), kOval(0.3, 0.03, 0.015, 1);
 
 TEST(ModelChoice, ClosedFormsAreRefusedInWordsWhereNoneHolds) {
   SelectionOptions options;
-  options.tolerance = 0.1;
+  options.demand.tolerance = 0.1;
   options.models = {"hertz", "winkler", "thin_incompressible"};
   const Choice choice = kRubberPad.choose(options);
   EXPECT_EQ(choice.chosen, -1);
@@ -60,7 +65,7 @@ TEST(ModelChoice, ClosedFormsAreRefusedInWordsWhereNoneHolds) {
 TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
   SelectionOptions options;
   for (const double tolerance : {2., 0.3, 0.1, 0.05, 0.03, 0.015, 1e-3, 1e-5}) {
-    options.tolerance = tolerance;
+    options.demand.tolerance = tolerance;
     const Choice choice = kOval.choose(options);
     const auto& all = choice.candidates;
     ASSERT_EQ(all.size(), all_pressure_models().size() + 1) << "and fem";
@@ -82,7 +87,7 @@ TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
     }
     EXPECT_FALSE(choice.reason.empty());
   }
-  options.tolerance = 0.1;
+  options.demand.tolerance = 0.1;
   options.budget_us = 1e-3;
   const Choice none = kOval.choose(options);
   EXPECT_EQ(none.chosen, -1);
@@ -91,7 +96,7 @@ TEST(ModelChoice, IsTheCheapestThatMeetsToleranceAndBudget) {
 
 TEST(ModelChoice, TellsWhatTheFiniteElementsOfTheCaseCost) {
   SelectionOptions options;
-  options.tolerance = 0.1;
+  options.demand.tolerance = 0.1;
   options.models = {"fem"};
   const auto cost_us = [&](bool curved, bool finite, bool is_scan) {
     Contact contact = kOval;
@@ -109,7 +114,7 @@ TEST(ModelChoice, TellsWhatTheFiniteElementsOfTheCaseCost) {
 
 TEST(ModelChoice, LeavesTheErrorOnAMeshToTheFiniteElementsThemselves) {
   SelectionOptions options;
-  options.tolerance = 1e-3;
+  options.demand.tolerance = 1e-3;
   options.models = {"bonded_layer", "fem"};
   Contact contact = kOval;
   ASSERT_TRUE(contact.choose(options).candidates.back().bound);
@@ -127,15 +132,14 @@ TEST(ModelChoice, LeavesTheErrorOnAMeshToTheFiniteElementsThemselves) {
 
 TEST(ModelChoice, JudgesTheQuantitiesThatCount) {
   SelectionOptions options;
-  options.tolerance = 1;
+  options.demand.tolerance = 1;
   options.models = {"winkler"};
-  options.quantities = judgement::quantities_by_name("max_torque,a");
+  options.demand.quantities = {true, false, false, false, false, true};  // a and the torque
   const Choice choice = kOval.choose(options);
   const Candidate& winkler = choice.candidates.front();
   ASSERT_TRUE(winkler.bound);
   EXPECT_EQ(winkler.worst, std::max((*winkler.bound)[std::size_t(Quantity::a)],
                                     (*winkler.bound)[std::size_t(Quantity::max_torque)]));
-  EXPECT_THROW(judgement::quantities_by_name("max_torqe"), InputError);
 }
 
 TEST(ModelChoice, DoesNotAskModelsThatTakeMilliseconds) {
@@ -193,28 +197,72 @@ bool same(double one, double other) {
   return one == other || (std::isnan(one) && std::isnan(other));
 }
 
+/// Two bodies that touch in a scene as the bodies of a contact do.
+input::Scene scene_of(const ContactProblem& problem) {
+  input::Scene scene;
+  scene.bodies.resize(2);
+  scene.bodies[0].layer = problem.layer;
+  scene.rules.resize(1);
+  scene.rule_of_pair.assign(4, 0);
+  return scene;
+}
+
+/// What each command takes where no model is asked for, as the largest torque in N m.
+/// @param told  what predict says of all models
+void expect_one_torque(const input::Case& contact, const prediction::GeometryResolver& resolver,
+                       const std::vector<prediction::ModelAnswer>& told, const Choice& selected) {
+  const prediction::ModelAnswer* const first = judgement::recommended(told);
+  ASSERT_TRUE(first);
+  const ContactProblem& problem = first->problem;
+  ASSERT_EQ(first->model, &default_model(problem));
+  const double load_N = contact.loads_N.front();
+  const double torque_Nm = first->friction_ellipsoid(prediction::TorqueRule::exact).max_torque_Nm();
+  // export and apply
+  const auto curve = exporting::ask_contact_curve(
+      contact, resolver, nullptr, {load_N, 0.99 * load_N, 1.01 * load_N}, prediction::Demand{});
+  EXPECT_EQ(curve.model, first->model->card().name);
+  EXPECT_EQ(curve.nominal.max_torque_Nm(), torque_Nm);
+  EXPECT_EQ(curve.nominal.assessment.usable, first->assessment->usable);
+  // select
+  if (first->assessment->usable) {
+    EXPECT_EQ(selected.candidates[std::size_t(selected.chosen)].model, first->model->card().name);
+  }
+  // simulate
+  const PressureModel& simulated = simulation::model_of_contact(scene_of(problem), 0, 1, problem);
+  EXPECT_EQ(simulated.predict(problem).torque_arm_exact_m, first->prediction.torque_arm_exact_m);
+  // explore
+  explorer::Question question;
+  question.problem = problem;
+  const nlohmann::json explored = nlohmann::json::parse(explorer::answer(question));
+  EXPECT_EQ(explored["models"][explored["shown"].get<std::size_t>()]["max_torque_Nm"], torque_Nm);
+  EXPECT_EQ(explored["models"][explored["shown"].get<std::size_t>()]["usable"],
+            first->assessment->usable);
+}
+
 TEST(AllCommands, SayTheSameOf300RandomContacts) {
   RandomCases cases;
   int known = 0, usable = 0;
   for (int i = 0; i < 300; ++i) {
     const input::Case contact = cases.next();
-    const double load_N = contact.loads_N.front(), tolerance = 0.1;
+    const double load_N = contact.loads_N.front();
+    const prediction::Demand demand;
     const prediction::GeometryResolver resolver(contact);
     const prediction::LocalGeometry geometry = resolver.resolve(load_N);
     SelectionOptions options;
-    options.tolerance = tolerance;
+    options.demand = demand;
     const Choice selected = choose_model(contact, geometry, load_N, options);
     const judgement::Comparison compared =
         judgement::compare(contact, geometry, load_N, {}, "none");
+    std::vector<prediction::ModelAnswer> told_of_all;
     for (const PressureModel* model : all_pressure_models()) {
       if (!model->card().hot_path) continue;
       const std::string name(model->card().name);
       SCOPED_TRACE(name + " in case " + std::to_string(i));
       const prediction::ModelAnswer answer =
-          prediction::ask_model(*model, contact, geometry, load_N, 0);
+          prediction::ask_model(*model, contact, geometry, load_N);
       // predict
       const prediction::Assessment told =
-          judgement::assess(contact, geometry, answer, prediction::TorqueRule::exact, tolerance);
+          judgement::assess(contact, geometry, answer, prediction::TorqueRule::exact, demand);
       // The library
       const ErrorBound bound =
           error_bound(*model, prediction::contact_problem(contact, geometry, load_N));
@@ -240,13 +288,16 @@ TEST(AllCommands, SayTheSameOf300RandomContacts) {
       // export
       if (answer.prediction.has_answer && answer.prediction.torque_arm_exact_m > 0 && i % 10 == 0) {
         const auto curve = exporting::ask_contact_curve(
-            contact, resolver, *model, {load_N, 0.99 * load_N, 1.01 * load_N}, tolerance);
+            contact, resolver, model, {load_N, 0.99 * load_N, 1.01 * load_N}, demand);
         EXPECT_TRUE(same(curve.nominal.error_bound(), told.total(Quantity::max_torque)));
         EXPECT_EQ(curve.nominal.assessment.usable, told.usable);
       }
       known += told.bound.has_value();
       usable += told.usable;
+      told_of_all.push_back(answer);
+      told_of_all.back().assessment = told;
     }
+    expect_one_torque(contact, resolver, told_of_all, selected);
   }
   // Neither all nor none, or nothing was tested.
   std::printf("%d bounds known, %d usable\n", known, usable);

@@ -26,17 +26,17 @@ TEST(Verdict, NamesTheModelThatHoldsAtAllLoads) {
        load(2, {{"hertz", true, true, 0.04, 0.01}, {"winkler", true, false, 0.7, 0.3}})},
       kTolerance, kReference);
   EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::good);
-  EXPECT_EQ(
-      verdict.sentence,
-      "Use Hertz (area within 4.0 %, torque within 2.0 % of the finger) at 1 and 2 N; Winkler is "
-      "off by +70 % in area, +40 % in torque.");
+  EXPECT_EQ(verdict.sentence,
+            "Use Hertz (contact within 4.0 %, torque within 2.0 % of the finger) at 1 and 2 N; "
+            "Winkler is "
+            "off by +70 % in area, +40 % in torque.");
 }
 
 TEST(Verdict, ClaimsNoBetterBoundThanATenthOfAPerCent) {
   EXPECT_EQ(judgement::compose_verdict({load(1, {{"hertz", true, true, 1e-6, -1e-5}})}, kTolerance,
                                        kReference)
                 .sentence,
-            "Use Hertz (area within 0.1 %, torque within 0.1 % of the finger) at 1 N.");
+            "Use Hertz (contact within 0.1 %, torque within 0.1 % of the finger) at 1 N.");
 }
 
 TEST(Verdict, DoesNotClaimWhatTheMeshLeavesOpen) {
@@ -45,9 +45,10 @@ TEST(Verdict, DoesNotClaimWhatTheMeshLeavesOpen) {
   EXPECT_EQ(judge(open, open.models[0], kTolerance), judgement::Judgement::undetermined);
   const judgement::Verdict alone = judgement::compose_verdict({open}, kTolerance, kReference);
   EXPECT_EQ(alone.verdict_class, judgement::VerdictClass::undetermined);
-  EXPECT_EQ(alone.sentence,
-            "The mesh does not determine the contact at 0.2 N: its radii leave up to 35 % of area "
-            "or torque open; a finer scan, another point or a larger load would.");
+  EXPECT_EQ(
+      alone.sentence,
+      "The mesh does not determine the contact at 0.2 N: its radii leave up to 35 % of contact "
+      "or torque open; a finer scan, another point or a larger load would.");
   const judgement::Verdict partly = judgement::compose_verdict(
       {open, load(5, {{"hertz", true, true, 0.01, 0.02}})}, kTolerance, kReference);
   EXPECT_EQ(partly.verdict_class, judgement::VerdictClass::mixed);
@@ -64,10 +65,11 @@ TEST(Verdict, SaysAtWhichLoadsAModelHoldsAndWhatIsNearestElsewhere) {
        load(5, {{"hertz", true, false, 0.3, 0.2}, {"winkler", true, true, -0.2, 0.1}})},
       kTolerance, kReference);
   EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::mixed);
-  EXPECT_EQ(verdict.sentence,
-            "Use Hertz at 0.5 N (area within 1.0 %, torque within 2.0 %); no model can be relied "
-            "on at 5 N: nearest is Winkler, off by -20 % in area, +10.0 % in torque; ask the "
-            "finite elements there.");
+  EXPECT_EQ(
+      verdict.sentence,
+      "Use Hertz at 0.5 N (contact within 1.0 %, torque within 2.0 %); no model can be relied "
+      "on at 5 N: nearest is Winkler, off by -20 % in area, +10.0 % in torque; ask the "
+      "finite elements there.");
 }
 
 TEST(Verdict, PutsModelsTogetherThatHoldAtDifferentLoads) {
@@ -76,9 +78,10 @@ TEST(Verdict, PutsModelsTogetherThatHoldAtDifferentLoads) {
        load(5, {{"hertz", true, false, 0.3, 0.2}, {"winkler", true, true, 0.05, 0.04}})},
       kTolerance, kReference);
   EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::mixed);
-  EXPECT_EQ(verdict.sentence,
-            "Use Hertz at 0.5 N (area within 1.0 %, torque within 2.0 %), Winkler at 5 N (area "
-            "within 5.0 %, torque within 4.0 %).");
+  EXPECT_EQ(
+      verdict.sentence,
+      "Use Hertz at 0.5 N (contact within 1.0 %, torque within 2.0 %), Winkler at 5 N (contact "
+      "within 5.0 %, torque within 4.0 %).");
 }
 
 TEST(Verdict, SaysThatNoneHoldsAndHowNearTheNearestComes) {
@@ -102,7 +105,7 @@ TEST(Verdict, DoesNotTrustAnErrorThatCrossesZeroOutsideTheAssumptions) {
       {load(5, {{"winkler", true, false, 0.02, -0.01}})}, kTolerance, kReference);
   EXPECT_EQ(verdict.verdict_class, judgement::VerdictClass::mixed);
   EXPECT_EQ(verdict.sentence,
-            "No model can be relied on at 5 N: nearest is Winkler (area within 2.0 %, "
+            "No model can be relied on at 5 N: nearest is Winkler (contact within 2.0 %, "
             "torque within 1.0 %), outside its range, where its error may just cross zero; ask the "
             "finite elements there.");
 }
@@ -126,7 +129,7 @@ TEST(Verdict, IsSilentOnAModelThatTheCaseGivesNoDataFor) {
   EXPECT_EQ(judgement::compose_verdict({load(1, {{"hertz", true, true, 0.01, 0.01}, without_data})},
                                        kTolerance, kReference)
                 .sentence,
-            "Use Hertz (area within 1.0 %, torque within 1.0 % of the finger) at 1 N.");
+            "Use Hertz (contact within 1.0 %, torque within 1.0 % of the finger) at 1 N.");
 }
 
 TEST(Verdict, LeadsWithTheMostAccurateFastModelAndNamesOneMore) {
@@ -140,10 +143,10 @@ TEST(Verdict, LeadsWithTheMostAccurateFastModelAndNamesOneMore) {
       {"winkler", true, false, 0.2, 0.1}};
   std::vector<judgement::LoadErrors> loads;
   for (double load_N : {0.5, 1.0, 2.0, 5.0, 10.0}) loads.push_back(load(load_N, models));
-  EXPECT_EQ(
-      judgement::compose_verdict(loads, kTolerance, kReference).sentence,
-      "Use Bonded layer (area within 0.2 %, torque within 0.1 % of the finger) or Hertz (area "
-      "within 5.0 %, torque within 4.0 %) at 0.5 to 10 N; 2 others are off by 20 % to 90 %.");
+  EXPECT_EQ(judgement::compose_verdict(loads, kTolerance, kReference).sentence,
+            "Use Bonded layer (contact within 0.2 %, torque within 0.1 % of the finger) or Hertz "
+            "(contact "
+            "within 5.0 %, torque within 4.0 %) at 0.5 to 10 N; 2 others are off by 20 % to 90 %.");
 }
 
 TEST(Verdict, NamesASlowModelWhenNoOtherWillDo) {
@@ -152,7 +155,7 @@ TEST(Verdict, NamesASlowModelWhenNoOtherWillDo) {
       judgement::compose_verdict({load(1, {{"hertz", true, false, 0.5, 0.4}, slow})}, kTolerance,
                                  kReference)
           .sentence;
-  EXPECT_TRUE(contains(sentence, "Use Layer fft (area within 0.1 %")) << sentence;
+  EXPECT_TRUE(contains(sentence, "Use Layer fft (contact within 0.1 %")) << sentence;
   EXPECT_TRUE(contains(sentence, "Hertz is off by +50 %")) << sentence;
   // Also where nothing holds everywhere: beside a fast model that does as well it has no place.
   const std::string mixed =

@@ -1,4 +1,5 @@
 // What the page's script calls. Numbers go through memory, words come back as JSON.
+#include <cmath>
 #include <cstddef>
 #include <string>
 
@@ -15,16 +16,21 @@ softfinger::explorer::Question typed(const double* values) {
   problem.load = {values[5], values[6]};
   question.tolerance = values[7];
   question.shown = int(values[8]);
+  const softfinger::RelativeRadii& gap = problem.radii;
+  problem.finger_curvature = {values[9] / gap.major_m, values[10] / gap.minor_m,
+                              values[11] / std::sqrt(gap.major_m) / std::sqrt(gap.minor_m)};
+  problem.is_object_spherical = values[12] != 0;
   return question;
 }
 
-double numbers[9];
+double numbers[13];
 
 }  // namespace
 
 extern "C" {
 
-/// Where the script puts R', R'', h, E, nu, P, mu (SI), tolerance and the shown model's place.
+/// Where the script puts R', R'', h, E, nu, P, mu (SI), tolerance, the shown model's place, the
+/// finger's parts of the relative curvature along x, y and its twist, and 1 for a sphere as object.
 __attribute__((export_name("question"))) double* question() { return numbers; }
 
 /// The answer to what lies there: `softfinger::explorer::answer`, ended by a zero.

@@ -223,11 +223,29 @@ nlohmann::json to_json(const Choice& choice) {
           {"candidates", candidates}};
 }
 
+nlohmann::json results_json(const Choice& choice) {
+  nlohmann::json results = nlohmann::json::array();
+  for (std::size_t i = 0; i < choice.candidates.size(); ++i) {
+    const Candidate& candidate = choice.candidates[i];
+    results.push_back({{"load_N", choice.load_N},
+                       {"model", candidate.model},
+                       {"usable", candidate.usable},
+                       {"recommended", int(i) == choice.chosen},
+                       {"error_bound", prediction::to_json(candidate.bound)},
+                       {"cost_us", text::finite_or_null(candidate.cost_us)}});
+  }
+  return results;
+}
+
+std::string answer_line(const Choice& choice) {
+  if (choice.chosen < 0) return fmt::format("{:g} N: NONE: {}\n", choice.load_N, choice.reason);
+  const Candidate& chosen = choice.candidates[std::size_t(choice.chosen)];
+  return fmt::format("{:g} N: {}, {} per answer\n", choice.load_N, worst_text(chosen),
+                     duration_text(chosen.cost_us));
+}
+
 std::string table(const Choice& choice, const SelectionOptions& options) {
-  std::string text = fmt::format(
-      "\n{:g} N: {}\n  {}\n", choice.load_N,
-      choice.chosen < 0 ? std::string("none") : choice.candidates[std::size_t(choice.chosen)].model,
-      choice.reason);
+  std::string text = fmt::format("\n{:g} N\n  {}\n", choice.load_N, choice.reason);
   text += fmt::format("  {:<20}{:>10}", "stated error", "cost");
   for (const char* name : kQuantityNames) text += fmt::format("{:>15}", name);
   text += "\n";

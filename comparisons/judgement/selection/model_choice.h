@@ -61,6 +61,12 @@ std::string duration_text(double time_us);
 /// The contract's keys of one choice, and all candidates.
 nlohmann::json to_json(const Choice& choice);
 
+/// The candidates as a list of results, as other commands have it (docs/json.md).
+nlohmann::json results_json(const Choice& choice);
+
+/// "2 N: fingertip_layer within 1 % (area), 1.2 us per answer", or why there is none.
+std::string answer_line(const Choice& choice);
+
 /// The same as a table to read.
 std::string table(const Choice& choice, const SelectionOptions& options);
 

@@ -1,0 +1,110 @@
+#include "comparisons/input/doubted_numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace softfinger::input {
+namespace {
+
+constexpr double kLargestFactor = 1000;
+/// Standard deviations to a bound of 95 %.
+constexpr double kStdsTo95 = 2;
+
+const toml::table* doubted_number(const toml::node& node) {
+  const toml::table* table = node.as_table();
+  const bool is_doubted = table && table->size() == 2 && table->contains("value") &&
+                          (table->contains("factor") || table->contains("std"));
+  return is_doubted ? table : nullptr;
+}
+
+Doubt read_doubt(const TomlReader& reader, const toml::table& table, const std::string& key) {
+  Doubt doubt;
+  doubt.key = key;
+  doubt.value = reader.number(*table.get("value"), key + ".value", "a finite number");
+  if (const toml::node* factor = table.get("factor")) {
+    const std::string allowed = fmt::format(
+        "a number above 1, at most {:g}; the value is a positive number", kLargestFactor);
+    const double times = reader.number(*factor, key + ".factor", allowed);
+    if (!(times > 1) || times > kLargestFactor || !(doubt.value > 0))
+      reader.refuse(*factor, key + ".factor", allowed);
+    doubt.lower = doubt.value / times;
+    doubt.upper = doubt.value * times;
+    return doubt;
+  }
+  const toml::node& std = *table.get("std");
+  const std::string allowed = "a finite number > 0, the standard deviation in the value's unit";
+  const double width = kStdsTo95 * reader.number(std, key + ".std", allowed);
+  if (!(width > 0) || !std::isfinite(width)) reader.refuse(std, key + ".std", allowed);
+  doubt.lower = doubt.value - width;
+  doubt.upper = doubt.value + width;
+  return doubt;
+}
+
+/// Moves the number out of its table to where it stands for all of it. It keeps its line of the
+/// file, for messages.
+template <class Put>
+void put_number(toml::node& doubted, const Put& put) {
+  toml::node& number = *doubted.as_table()->get("value");
+  if (auto* whole = number.as_integer()) {
+    auto moved = std::move(*whole);
+    put(std::move(moved));
+  } else {
+    auto moved = std::move(*number.as_floating_point());
+    put(std::move(moved));
+  }
+}
+
+void settle(const TomlReader& reader, toml::node& node, const std::string& path, Doubts& doubts) {
+  if (toml::table* table = node.as_table()) {
+    std::vector<std::string> keys;
+    for (const auto& [key, entry] : *table) keys.emplace_back(key.str());
+    for (const std::string& key : keys) {
+      toml::node& entry = *table->get(key);
+      const std::string entry_path = path.empty() ? key : path + "." + key;
+      const toml::table* doubted = doubted_number(entry);
+      if (!doubted) {
+        settle(reader, entry, entry_path, doubts);
+        continue;
+      }
+      doubts.push_back(read_doubt(reader, *doubted, entry_path));
+      put_number(entry, [&](auto&& number) { table->insert_or_assign(key, std::move(number)); });
+    }
+  } else if (toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      const std::string entry_path = fmt::format("{}[{}]", path, i);
+      const toml::table* doubted = doubted_number((*array)[i]);
+      if (!doubted) {
+        settle(reader, (*array)[i], entry_path, doubts);
+        continue;
+      }
+      doubts.push_back(read_doubt(reader, *doubted, entry_path));
+      put_number((*array)[i], [&](auto&& number) {
+        array->replace(array->cbegin() + std::ptrdiff_t(i), std::move(number));
+      });
+    }
+  }
+}
+
+}  // namespace
+
+Doubts settle_doubts(const TomlReader& reader, toml::table& root) {
+  Doubts doubts;
+  settle(reader, root, "", doubts);
+  return doubts;
+}
+
+bool has_doubts(const toml::node& node) {
+  if (doubted_number(node)) return true;
+  if (const toml::table* table = node.as_table())
+    return std::any_of(table->begin(), table->end(),
+                       [](const auto& entry) { return has_doubts(entry.second); });
+  const toml::array* array = node.as_array();
+  return array && std::any_of(array->begin(), array->end(),
+                              [](const toml::node& entry) { return has_doubts(entry); });
+}
+
+}  // namespace softfinger::input
