@@ -47,7 +47,7 @@ def select_page(build):
     answer = json.loads(run(build, "select", CASE, "--tolerance", TOLERANCE, "--json"))
     for choice in answer["choices"]:
         for entry in choice["candidates"]:
-            for quantity, value in (entry["error_estimate"] or {}).items():
+            for quantity, value in (entry["error_bound"] or {}).items():
                 if value is not None:
                     yield "select_page", str(choice["load_N"]), entry["model"], f"relative_{quantity}", value
 

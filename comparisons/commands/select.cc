@@ -229,10 +229,10 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   if (options.json)
     system::write_to_stdout(result.dump(2) + "\n");
   else
-    system::write_text_to_stdout(fmt::format("{}: what its soft contacts need for {}\n",
-                                             choice.scene.id,
+    system::write_text_to_stdout(fmt::format("{}{}: what its soft contacts need for {}\n",
+                                             outcome.empty() ? "" : outcome + "\n", choice.scene.id,
                                              text::percent(options.demand.tolerance)) +
-                                 table(choice, options.demand.tolerance, outcome));
+                                 table(choice, options.demand.tolerance));
   return 0;
 }
 

@@ -136,7 +136,7 @@ Html candidates_table(const Json& selection, const Json& choice) {
   Html rows;
   for (const Json& candidate : child(choice, "candidates")) {
     const std::string name = text(candidate, "model");
-    const Json& bound = child(candidate, "error_estimate");
+    const Json& bound = child(candidate, "error_bound");
     rows += html("<tr{}><th scope=\"row\">{}</th><td>{}</td>",
                  name == chosen ? Html(" class=\"fem\"") : "", model_key(selection, name),
                  time_of(candidate));
@@ -203,7 +203,7 @@ Json selection_chart_data(const Json& selection) {
     for (const Json& candidate : child(choice, "candidates"))
       candidates.push_back({{"model", text(candidate, "model")},
                             {"cost_us", child(candidate, "cost_us")},
-                            {"bound", child(candidate, "error_estimate")},
+                            {"bound", child(candidate, "error_bound")},
                             {"chosen", text(candidate, "model") == text(choice, "model")}});
     loads.push_back({{"load_N", child(choice, "load_N")}, {"candidates", candidates}});
   }

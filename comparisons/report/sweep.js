@@ -186,7 +186,7 @@
     .map(([one, next]) => `M${short(x(one.x))},${short(y(one.y))}L${short(x(next.x))},${short(y(next.y))}`).join("");
 
   const told = (source, row, value) => [
-    `${source.style.label}: ${said(value)}${source !== fem && !source.valid[row] ? " (not valid)" : ""}`,
+    `${source.style.label}: ${said(value)}${source !== fem && !source.valid[row] ? " (not usable)" : ""}`,
     ...variables.filter((v) => Number.isFinite(v.values[row])).map((v) => v.says(v.values[row])),
   ].join("\n");
 
@@ -455,7 +455,7 @@
     const valid = known.filter((p) => p.valid).length;
     caption([
       `${source.style.label}.`, heldText(),
-      source === fem ? "" : `Its assumptions hold in ${valid} of ${known.length} points${
+      source === fem ? "" : `It is usable in ${valid} of ${known.length} points${
         valid === 0 || valid === known.length ? "" : cells ? ": the dashed line parts them from the others" : "; the others are faint"}.`,
       known.length < points.length ? `${points.length - known.length} without an answer are ${cells ? "empty" : "small and grey"}.` : "",
       withoutText(),

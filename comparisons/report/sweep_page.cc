@@ -174,7 +174,7 @@ Source source_of(const Columns& columns, const std::string& name) {
     source.values[i] = columns.numbers(name + "_" + kQuantities[i].column);
     for (double& value : source.values[i]) value *= kQuantities[i].factor;
   }
-  for (const std::string& word : columns.texts(name + "_valid"))
+  for (const std::string& word : columns.texts(name + "_usable"))
     source.valid.push_back(word == "yes");
   return source;
 }
@@ -239,7 +239,7 @@ Table table_of(const Json& sweep) {
   return table;
 }
 
-/// The first that calls itself valid somewhere, else the first with any answer.
+/// The first that is usable somewhere, else the first with any answer.
 const Source* first_usable(const Table& table) {
   const Source* answering = nullptr;
   for (const Source& model : table.models)
@@ -346,7 +346,7 @@ Html finding_of_models(const Table& table) {
     if (const Range range = range_of(model->values[i]); range.count > 0)
       parts.push_back(html("{} {}", kQuantities[i].words,
                            range_text(range.least, range.largest, kQuantities[i].unit)));
-  return html("By {}: {}. Its assumptions hold in {} of {}.", label(model->name), listed(parts),
+  return html("By {}: {}. It is usable in {} of {}.", label(model->name), listed(parts),
               grouped(double(valid)), count_text(double(answered), "row", "rows"));
 }
 
@@ -426,7 +426,7 @@ Html name_cell(const Source& source) {
 Html ranges_section(const Table& table) {
   Html head =
       "<th scope=\"col\">model</th><th scope=\"col\">rows with an answer</th><th "
-      "scope=\"col\">of these valid</th>";
+      "scope=\"col\">of these usable</th>";
   for (const Quantity& quantity : kQuantities) head += head_cell(quantity);
   Html rows;
   const auto add = [&](const Source& source, bool is_fem) {
@@ -517,7 +517,7 @@ Html rows_section(const Table& table) {
   for (const Source* source : sources) {
     const std::string name = label(source->name);
     for (const Quantity& quantity : kQuantities) head += head_cell(quantity, name);
-    if (source->name != "fem") head += html("<th scope=\"col\">valid<small>{}</small></th>", name);
+    if (source->name != "fem") head += html("<th scope=\"col\">usable<small>{}</small></th>", name);
   }
   if (any_failure) head += "<th scope=\"col\" class=\"words\">failure</th>";
   for (std::size_t row = 0; row < shown; ++row) {

@@ -51,8 +51,6 @@ json to_json(const ModelComparison& model) {
   const prediction::ModelAnswer& answer = model.answer;
   json object = prediction::to_json(answer, TorqueRule::exact, 0);
   object.erase("load_N");
-  object.erase("error_estimate");
-  object.erase("error_estimate_remark");
   // Here it is measured: the verdict says it.
   object.erase("usable");
   const bool has_answer = answer.prediction.has_answer;

@@ -33,8 +33,8 @@ input::Case round_contact() {
 ContactCurve curve_of(const input::Case& contact_case, const char* model,
                       const LoadChoice& choice = {}) {
   return ask_contact_curve(contact_case, prediction::GeometryResolver(contact_case),
-                           *find_pressure_model(model), choose_loads(contact_case.loads_N, choice),
-                           0.1);
+                           find_pressure_model(model), choose_loads(contact_case.loads_N, choice),
+                           prediction::Demand{});
 }
 
 ContactCurve hertz_curve() { return curve_of(round_contact(), "hertz", {kLoad_N, {}}); }

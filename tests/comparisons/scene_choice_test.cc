@@ -180,7 +180,7 @@ TEST(SceneChoice, KeepsAModelThatIsKnownBetterThanFiniteElements) {
   EXPECT_EQ(calls, 1);
   for (const judgement::PairChoice& pair : choice.pairs) {
     EXPECT_EQ(pair.detail, judgement::ContactDetail::limit_surface) << pair.reason;
-    EXPECT_EQ(pair.model, "bonded_layer");
+    EXPECT_EQ(pair.model, "fingertip_layer");
     EXPECT_NE(pair.reason.find("no better is known"), std::string::npos) << pair.reason;
   }
 }

@@ -265,8 +265,8 @@ TEST(SelectPage, SaysChoiceErrorsCausesAndCommandWithoutJavaScript) {
   const std::vector<double> numbers = numbers_in(text);
   for (const Json& choice : selection["choices"]) {
     for (const Json& candidate : choice["candidates"]) {
-      if (!candidate["error_estimate"].is_object()) continue;
-      for (const Json& error : candidate["error_estimate"])
+      if (!candidate["error_bound"].is_object()) continue;
+      for (const Json& error : candidate["error_bound"])
         EXPECT_TRUE(contains(numbers, 100 * error.get<double>(), 0.05)) << error;
     }
     for (const char* key : {"geometry_fit", "ellipse", "pressure", "circle_rule", "max_torque"})

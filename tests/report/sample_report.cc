@@ -391,7 +391,7 @@ Json sample_selection() {
   const auto candidate = [](const char* model, double cost_us, double error, bool accurate) {
     return Json{{"model", model},
                 {"cost_us", cost_us},
-                {"error_estimate",
+                {"error_bound",
                  {{"a", error / 2},
                   {"b", error / 3},
                   {"indentation", error / 4},
@@ -409,7 +409,7 @@ Json sample_selection() {
     const double hertz = 0.031 * load_N, winkler = 0.5 / load_N;
     const bool hertz_will_do = hertz <= 0.05, winkler_will_do = winkler <= 0.05 && load_N < 5;
     Json silent = candidate("power_law", 0.03, 0, false);
-    silent["error_estimate"] = nullptr;
+    silent["error_bound"] = nullptr;
     silent["remark"] = "no law <given>";
     choices.push_back(
         {{"load_N", load_N},

@@ -81,7 +81,7 @@ class SampleSweep {
     for (std::size_t i = 0; i < models_; ++i) {
       names.push_back({{"name", kModels[i].first}, {"title", kModels[i].second}});
       for (const char* quantity :
-           {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm", "valid"})
+           {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm", "usable"})
         columns.push_back(std::string(kModels[i].first) + "_" + quantity);
     }
     if (fem_) {

@@ -37,7 +37,7 @@ TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
         "30 rows have an answer, 0 failed.",
         // 2 mN·m (h/mm)^(1/2) P/N from 0.5 mm and 1 N to 5 mm and 5 N.
         "By Bonded layer: a 2.26 to 7.16 mm", "largest torque 1.41 to 22.4 mN·m",
-        "Its assumptions hold in 30 of 30 rows"})
+        "It is usable in 30 of 30 rows"})
     EXPECT_TRUE(contains(text, part)) << part;
 }
 
@@ -69,7 +69,7 @@ TEST(SweepPage, DoesNotPreferAModelThatAnswersOnlyTheEasyRows) {
   for (std::size_t row = 0; row < sweep["rows"].size(); ++row)
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const std::string name = columns[column];
-      if (name.rfind("hertz_", 0) != 0 || name == "hertz_valid") continue;
+      if (name.rfind("hertz_", 0) != 0 || name == "hertz_usable") continue;
       const std::size_t fem =
           std::find(columns.begin(), columns.end(), "fem_" + name.substr(6)) - columns.begin();
       sweep["rows"][row][column] = row == 0 ? sweep["rows"][row][fem] : Json();

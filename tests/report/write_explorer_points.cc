@@ -100,8 +100,10 @@ json simulators_of(const PressureModel& model, const ContactProblem& problem) {
   contact_case.loads_N = {problem.load.normal_force_N};
   contact_case.shear_law = ShearLaw::coulomb(problem.load.friction_coefficient);
   const prediction::GeometryResolver resolver(contact_case);
+  prediction::Demand demand;
+  demand.tolerance = kTolerance;
   const exporting::ContactCurve curve = exporting::ask_contact_curve(
-      contact_case, resolver, model, exporting::choose_loads(contact_case.loads_N, {}), kTolerance);
+      contact_case, resolver, &model, exporting::choose_loads(contact_case.loads_N, {}), demand);
   json texts = json::object();
   for (const exporting::Simulator& simulator : exporting::all_simulators())
     texts[std::string(simulator.name)] =

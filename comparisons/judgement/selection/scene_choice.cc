@@ -604,8 +604,8 @@ nlohmann::json to_json(const SceneChoice& choice, double tolerance) {
           {"saving", saving_in_words(choice)}};
 }
 
-std::string table(const SceneChoice& choice, double tolerance, const std::string& outcome) {
-  std::string text = outcome.empty() ? "" : "  " + outcome + "\n";
+std::string table(const SceneChoice& choice, double tolerance) {
+  std::string text;
   for (const PairChoice& pair : choice.pairs)
     text += fmt::format("  {:<34}{:<14}{:<16}{:<14}{:>9.3g} N\n    {}\n",
                         choice.scene.bodies[std::size_t(pair.a)].name + " - " +

@@ -108,7 +108,6 @@ std::string in_words(const MotionChange& change);
 std::string saving_in_words(const SceneChoice& choice);
 
 nlohmann::json to_json(const SceneChoice& choice, double tolerance);
-/// @param outcome  what becomes of the scene, in words; comes first
-std::string table(const SceneChoice& choice, double tolerance, const std::string& outcome);
+std::string table(const SceneChoice& choice, double tolerance);
 
 }  // namespace softfinger::judgement
