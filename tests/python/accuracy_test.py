@@ -7,7 +7,7 @@ import numpy
 
 import softfinger
 from samples import FAST_MODELS, PAD, needs_program, random_contacts
-from softfinger import _program
+from softfinger import _accuracy, _program
 
 
 class ErrorBounds(unittest.TestCase):
@@ -27,25 +27,44 @@ class ErrorBounds(unittest.TestCase):
         found = softfinger.error_bound(**{**PAD, "thickness_m": [2e-3, 1.0]})
         self.assertEqual(found.known.tolist(), [True, False])
         self.assertEqual(found.bound.area[1], numpy.inf)
+        self.assertEqual(found.by_strain.area.mask.tolist(), [False, True])
+        alone = softfinger.error_bound(**{**PAD, "thickness_m": 1.0})
+        self.assertEqual((alone.bound.area, alone.expected, alone.usable()), (numpy.inf, None, False))
         self.assertIn("thick", found.outside[1])
         self.assertEqual(found.outside[0], "")
         self.assertEqual(found.usable().tolist(), [True, False])
 
 
 class Select(unittest.TestCase):
-    def test_the_choice_meets_the_tolerance_and_nothing_cheaper_does(self):
+    def test_the_choice_meets_the_tolerance_and_nothing_cheaper_or_equally_cheap_is_better(self):
         contacts = random_contacts(200)
+        usable = ("a", "b", "area", "max_torque")
         for tolerance in (0.02, 0.1, 0.5):
             choice = softfinger.select(**contacts, tolerance=tolerance)
             for i, name in enumerate(choice.model):
-                worst = {m: bound.bound.largest()[i] for m, bound in choice.bounds.items()}
+                worst = {m: bound.bound.largest(usable)[i] for m, bound in choice.bounds.items()}
                 if not name:
                     self.assertGreater(min(worst.values()), tolerance)
                     continue
                 self.assertLessEqual(worst[name], tolerance)
+                self.assertEqual(choice.bound[i], worst[name])
                 for other, cost in choice.cost_s.items():
-                    if cost < choice.cost_s[name]:
+                    if max(cost, choice.cost_s[name]) < 1e-6:
+                        self.assertGreaterEqual(worst[other], worst[name])
+                    elif cost < choice.cost_s[name] / 10:
                         self.assertGreater(worst[other], tolerance)
+
+    def test_costs_below_a_microsecond_are_equal_and_decades_count_above(self):
+        costs_s = (0, 2e-8, 9e-7, 1.1e-6, 9e-6, 1.1e-5, 1e-3)
+        self.assertEqual([_accuracy._cost_class(cost) for cost in costs_s], [0, 0, 0, 1, 1, 2, 3])
+
+    def test_usable_is_what_select_chooses_by(self):
+        contacts = random_contacts(200)
+        bound = softfinger.error_bound(**contacts, model="bonded_layer")
+        choice = softfinger.select(**contacts, models=["bonded_layer"], tolerance=0.1)
+        self.assertEqual(bound.usable().tolist(), (choice.model != "").tolist())
+        self.assertIn(True, bound.usable())
+        self.assertIn(False, bound.usable())
 
     @needs_program
     def test_the_program_states_the_same_errors(self):

@@ -119,10 +119,16 @@ class Gradient(unittest.TestCase):
             contact.normal_stiffness_N_per_m, 1 / contact.d_indentation_m.normal_force_N
         )
 
-    def test_nothing_is_known_without_an_answer(self):
-        contact = softfinger.predict_with_gradient(**{**PAD, "poisson_ratio": 0.5}, model="winkler")
-        self.assertFalse(contact.known)
-        self.assertEqual(contact.normal_stiffness_N_per_m, 0)
+    def test_what_has_no_derivatives_is_masked_or_raised(self):
+        """An elliptic contact of two layers is answered, and has no derivatives."""
+        layers = {**PAD, "object_youngs_modulus_Pa": 3e5, "object_poisson_ratio": 0.45}
+        contact = softfinger.predict_with_gradient(**layers, object_thickness_m=[0.0, 2e-3])
+        self.assertEqual(contact.known.tolist(), [True, False])
+        self.assertEqual(contact.prediction.has_answer.tolist(), [True, True])
+        for values in (contact.normal_stiffness_N_per_m, contact.d_a_m.thickness_m):
+            self.assertEqual(values.mask.tolist(), [False, True])
+        with self.assertRaisesRegex(softfinger.NoAnswer, "no derivatives"):
+            softfinger.predict_with_gradient(**layers, object_thickness_m=2e-3)
 
 
 if __name__ == "__main__":

@@ -1,19 +1,22 @@
 """Predictions: shapes, the program's own bits, errors, results as data."""
 
 import copy
+import dataclasses
 import pickle
 import sys
 import tempfile
 import threading
 import time
 import unittest
+import warnings
 
 import numpy
 
 import softfinger
 from samples import FAST_MODELS, PAD, needs_program, random_contacts
-from softfinger import _core, _program
-from softfinger._contacts import NUMBERS, Contacts
+from softfinger import _core, _predict, _program
+from softfinger import _contacts
+from softfinger._contacts import Contacts
 
 CASE = """
 id = "from_a_test"
@@ -21,19 +24,21 @@ question = "the same bits?"
 [geometry]
 {geometry}
 [layer]
-thickness_mm = 1.7
-youngs_modulus_kPa = 310
-poisson_ratio = 0.43
+{layer}
 [contact]
-load_N = [0.05, 0.7, 5.0]
+load_N = {loads_N}
 friction_coefficient = 0.7
 """
 
 
-def told_by_the_program(geometry):
+LAYER = {"thickness_mm": 1.7, "youngs_modulus_kPa": 310, "poisson_ratio": 0.43}
+
+
+def told_by_the_program(geometry, layer=LAYER, loads_N=(0.05, 0.7, 5.0)):
     """Of all fast models, and the contact of each of their answers as our arguments."""
+    keys = "\n".join(f"{name} = {float(value)!r}" for name, value in layer.items())
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
-        file.write(CASE.format(geometry=geometry))
+        file.write(CASE.format(geometry=geometry, layer=keys, loads_N=list(map(float, loads_N))))
         file.flush()
         told = _program.run_program(["predict", file.name, "--json"])
     for result in told["results"]:
@@ -48,6 +53,11 @@ def told_by_the_program(geometry):
         yield result, arguments
 
 
+def _python_type(value):
+    return type(value.item()) if isinstance(value, numpy.generic) else type(value)
+
+
+NUMBERS = ("a_m", "b_m", "indentation_m", "area_m2", "peak_pressure_Pa", "max_torque_Nm")
 NUMBERS_TOLD = ("a_m", "b_m", "indentation_m", "peak_pressure_Pa", "max_torque_Nm")
 
 
@@ -66,6 +76,8 @@ class Broadcasting(unittest.TestCase):
             self.assertEqual(together.max_torque_Nm.shape, (3, 2))
             for i in range(3):
                 for j in range(2):
+                    if not together.has_answer[i, j]:
+                        continue
                     single = softfinger.predict(
                         **{**PAD, "normal_force_N": loads[i, 0], "thickness_m": thickness[j]},
                         model=model,
@@ -98,22 +110,72 @@ class SameBits(unittest.TestCase):
         for model in FAST_MODELS:
             together = softfinger.predict(**contacts, model=model)
             for i in range(101):
-                single = softfinger.predict(**{k: v[i] for k, v in contacts.items()}, model=model)
-                self.assertEqual(together.a_m[i], single.a_m)
-                self.assertEqual(together.indentation_m[i], single.indentation_m)
+                alone = {k: v[i] for k, v in contacts.items()}
+                if not together.has_answer[i]:
+                    with self.assertRaises(softfinger.NoAnswer):
+                        softfinger.predict(**alone, model=model)
+                    continue
+                single = softfinger.predict(**alone, model=model)
+                for name in NUMBERS:
+                    self.assertEqual(getattr(together, name)[i], getattr(single, name), name)
+
+    def test_plain_numbers_have_those_of_arrays(self):
+        """Plain numbers are answered by the compiled part at once, all others one by one in Python."""
+        contacts = random_contacts(300)
+        for model in (None, *FAST_MODELS):
+            for i in range(300):
+                plain = {k: float(v[i]) for k, v in contacts.items()}
+                array = {k: v[i : i + 1] for k, v in contacts.items()}
+                together = softfinger.predict(**array, model=model)
+                if not together.has_answer[0]:
+                    continue
+                at_once = _predict._predict_at_once({**plain, "model": model})
+                self.assertIsNotNone(at_once)
+                for field in dataclasses.fields(at_once):
+                    value = getattr(together, field.name)
+                    value = value[0] if isinstance(value, numpy.ndarray) else value
+                    self.assertEqual(getattr(at_once, field.name), value, field.name)
+                    self.assertIs(type(getattr(at_once, field.name)), _python_type(value))
 
     @needs_program
     def test_the_program_predicts_the_same(self):
         compared = 0
         for result, arguments in told_by_the_program("relative_radii_mm = [20, 5]"):
-            contact = softfinger.predict(**arguments, model=result["model"])
-            if not contact.has_answer:
-                self.assertIsNone(result["a_m"])
+            if result["a_m"] is None:
+                with self.assertRaises(softfinger.NoAnswer):
+                    softfinger.predict(**arguments, model=result["model"])
                 continue
+            contact = softfinger.predict(**arguments, model=result["model"])
             for name in NUMBERS_TOLD:
                 self.assertEqual(getattr(contact, name), result[name], f"{result['model']} {name}")
                 compared += 1
         self.assertGreater(compared, 60)
+
+    @needs_program
+    def test_the_program_predicts_the_same_of_fifty_random_contacts(self):
+        random = numpy.random.default_rng(58)
+        for _ in range(50):
+            radii = sorted(numpy.exp(random.uniform(1, 4, 2)), reverse=True)
+            told = told_by_the_program(
+                f"relative_radii_mm = {[float(r) for r in radii]}",
+                {
+                    "thickness_mm": random.uniform(0.5, 6),
+                    "youngs_modulus_kPa": random.uniform(50, 2000),
+                    "poisson_ratio": random.uniform(0.2, 0.5),
+                },
+                [random.uniform(0.05, 20)],
+            )
+            recommended = 0
+            for result, arguments in told:
+                if result["a_m"] is None:
+                    continue
+                by_name = softfinger.predict(**arguments, model=result["model"])
+                for name in NUMBERS_TOLD:
+                    self.assertEqual(getattr(by_name, name), result[name], result["model"])
+                if result.get("recommended"):
+                    recommended += 1
+                    self.assertEqual(softfinger.predict(**arguments), by_name)
+            self.assertEqual(recommended, 1)
 
     @needs_program
     def test_the_program_says_the_same_of_two_bodies(self):
@@ -126,8 +188,10 @@ class SameBits(unittest.TestCase):
             for name in ("radius_major_m", "radius_minor_m"):
                 self.assertAlmostEqual(getattr(gap, name) / arguments[name], 1, delta=1e-14)
             arguments.update(gap.arguments(), model=result["model"])
+            if result["a_m"] is None:
+                continue
             contact = softfinger.predict(**arguments)
-            for name in NUMBERS_TOLD if contact.has_answer else ():
+            for name in NUMBERS_TOLD:
                 self.assertAlmostEqual(getattr(contact, name) / result[name], 1, delta=1e-13)
             if result["error_bound"] is None:
                 continue
@@ -152,7 +216,7 @@ class Errors(unittest.TestCase):
         self.assertEqual(str(error), "predict: poisson_ratio[1] = 0.7: allowed: 0 to 0.5")
 
     def test_every_number_has_a_range(self):
-        for number in NUMBERS:
+        for number in _contacts.NUMBERS:
             for broken in ("wrong", numpy.nan, -numpy.inf, None, 1j, [True]):
                 error = self.refused(**{number.name: broken})
                 self.assertEqual(error.argument, number.name)
@@ -168,9 +232,26 @@ class Errors(unittest.TestCase):
         self.assertIn("normal_force_N (2,), thickness_m (3,)", str(error))
 
     def test_unknown_models_and_arguments_are_refused(self):
-        self.assertIn("bonded_layer", str(self.refused(model="bonded")))
-        with self.assertRaisesRegex(TypeError, r"^predict\(\) .*thickness_mm"):
+        self.assertRegex(str(self.refused(model="bonded")), "did you mean bonded_layer[?]$")
+        with self.assertRaisesRegex(
+            TypeError, r"^predict\(\) .*'thickness_mm'; did you mean thickness_m\?$"
+        ):
             softfinger.predict(**PAD, thickness_mm=2)
+        with self.assertRaisesRegex(TypeError, r"^predict\(\) .*'normal_force_N'"):
+            softfinger.predict(**{k: v for k, v in PAD.items() if k != "normal_force_N"})
+
+    def test_names_that_are_not_there_name_the_nearest_one(self):
+        for wrong, meant in (
+            (lambda: softfinger.predct, "predict"),
+            (lambda: softfinger.limit_surface, "LimitSurface"),
+            (lambda: softfinger.predict(**PAD).max_torque, "max_torque_Nm"),
+            (lambda: softfinger.error_bound(**PAD).bounds, "bound"),
+        ):
+            with self.assertRaisesRegex(AttributeError, rf"did you mean {meant}\?$"):
+                wrong()
+        with self.assertRaisesRegex(TypeError, r"'angle_deg'; did you mean angle_rad\?$"):
+            softfinger.gap_between(0.01, angle_deg=3)
+        self.assertFalse(hasattr(softfinger, "nothing_like_this"))
 
     def test_an_object_layer_needs_a_modulus(self):
         error = self.refused(object_thickness_m=1e-3)
@@ -180,6 +261,73 @@ class Errors(unittest.TestCase):
         error = self.refused(poisson_ratio=0.7)
         again = pickle.loads(pickle.dumps(error))
         self.assertEqual((str(again), again.value), (str(error), 0.7))
+
+
+class Units(unittest.TestCase):
+    """What is unusual is answered, with one warning."""
+
+    def warned(self, function=softfinger.predict, **arguments):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            answer = function(**{**PAD, **arguments})
+        return answer, caught
+
+    def test_millimetres_in_place_of_metres_are_named_with_what_is_usual(self):
+        contact, (warning,) = self.warned(radius_major_m=20, radius_minor_m=5, thickness_m=2)
+        self.assertIs(warning.category, UserWarning)
+        self.assertEqual(warning.filename, __file__)
+        self.assertRegex(str(warning.message), r"^predict: thickness_m = 2 \(usual: 10 um to 100 mm\)")
+        self.assertIn("radius_major_m = 20 (usual: 0.1 mm to 1 m)", str(warning.message))
+        self.assertGreater(contact.a_m, 0)
+
+    def test_every_number_with_a_unit_has_its_usual_range(self):
+        for name, low, high in (
+            ("normal_force_N", 1e-3, 1e4),
+            ("youngs_modulus_Pa", 1e3, 1e9),
+            ("thickness_m", 1e-5, 0.1),
+            ("radius_major_m", 1e-4, 1),
+            ("radius_minor_m", 1e-4, 1),
+        ):
+            radii = {"radius_major_m": 1.0, "radius_minor_m": 1e-4}
+            for usual in (low, high):
+                self.assertEqual(self.warned(**{**radii, name: usual})[1], [], name)
+            if name == "radius_minor_m":
+                radii["radius_major_m"] = 2.0
+            for odd in (0.99 * low, 1.01 * high):
+                if name == "radius_major_m" and odd < low:
+                    radii["radius_minor_m"] = odd
+                (warning,) = self.warned(**{**radii, name: odd})[1]
+                self.assertIn(f"{name} = {odd:g}", str(warning.message))
+
+    def test_the_first_one_of_an_array_is_named_once(self):
+        for function in (softfinger.error_bound, softfinger.select):
+            _, (warning,) = self.warned(function, youngs_modulus_Pa=[3e5, 300, 400])
+            self.assertIn("youngs_modulus_Pa = 300 (usual: 1 kPa to 1 GPa)", str(warning.message))
+
+    def test_a_rigid_object_and_a_flat_finger_are_usual(self):
+        zeros = dict(object_thickness_m=0, object_youngs_modulus_Pa=0.0, finger_xx_per_m=[0.0])
+        self.assertEqual(self.warned(**zeros)[1], [])
+
+
+class TheRecommendedModel(unittest.TestCase):
+    def test_it_answers_where_none_is_named_and_is_named_in_the_result(self):
+        self.assertEqual(softfinger.predict(**PAD).model, softfinger.error_bound(**PAD).model)
+        hollow = {**PAD, "finger_xx_per_m": [10.0, -10.0], "finger_yy_per_m": 100.0}
+        contact = softfinger.predict(**hollow)
+        self.assertEqual(contact.model.tolist(), ["fingertip_layer", "bonded_layer"])
+        for i, model in enumerate(contact.model):
+            alone = {k: v[i] if isinstance(v, list) else v for k, v in hollow.items()}
+            single = softfinger.predict(**alone)
+            self.assertEqual(single, softfinger.predict(**alone, model=model))
+            self.assertEqual(contact.max_torque_Nm[i], single.max_torque_Nm)
+            self.assertEqual(
+                softfinger.error_bound(**hollow).bound.area[i],
+                softfinger.error_bound(**alone, model=model).bound.area,
+            )
+            self.assertEqual(
+                softfinger.predict_with_gradient(**hollow).d_a_m.thickness_m[i],
+                softfinger.predict_with_gradient(**alone, model=model).d_a_m.thickness_m,
+            )
 
 
 class Results(unittest.TestCase):
@@ -201,13 +349,56 @@ class Results(unittest.TestCase):
 
     def test_their_text_names_the_numbers(self):
         text = repr(softfinger.predict(**PAD))
-        self.assertRegex(text, r"^Prediction\(model='fingertip_layer', has_answer=True, a_m=0\.00")
+        self.assertRegex(text, r"^Prediction\(model='\w+_layer', has_answer=True, a_m=0\.00")
 
-    def test_no_answer_is_zero_and_says_why(self):
+    def test_their_text_is_a_few_lines(self):
+        for arguments in (PAD, random_contacts(5), random_contacts(500)):
+            for function, lines in (
+                (softfinger.predict, 8),
+                (softfinger.error_bound, 8),
+                (softfinger.select, 2),
+                (softfinger.predict_with_gradient, 10),
+            ):
+                text = repr(function(**arguments)).split("\n")
+                self.assertLessEqual(len(text), lines, text)
+                self.assertLessEqual(max(map(len, text)), 100, text)
+        self.assertRegex(
+            repr(softfinger.select(**PAD)), r"^Choice\(model='\w+', bound=0\.\d+\)$"
+        )
+
+    def test_no_answer_of_an_array_is_masked_and_nan_for_who_takes_the_mask_off(self):
         stiff = {**PAD, "poisson_ratio": [0.4, 0.5]}
         contact = softfinger.predict(**stiff, model="winkler")
         self.assertEqual(contact.has_answer.tolist(), [True, False])
-        self.assertEqual(contact.a_m[1], 0)
+        for field in dataclasses.fields(contact):
+            values = getattr(contact, field.name)
+            as_asked = field.name in (*stiff, "shear_strength_Pa")
+            if as_asked or not isinstance(values, numpy.ndarray) or values.dtype == bool:
+                continue
+            self.assertEqual(values.mask.tolist(), [False, True], field.name)
+            self.assertTrue(numpy.isnan(numpy.asarray(values)[1]), field.name)
+            self.assertEqual(values.sum(), values[0])
+        used = contact.friction_ellipsoid().utilisation([0.5, 0, 0])
+        self.assertEqual(used.mask.tolist(), [False, True])
+        self.assertNotIsInstance(
+            softfinger.predict(**stiff, model="hertz").a_m, numpy.ma.MaskedArray
+        )
+
+    def test_no_answer_of_one_contact_is_raised_and_says_why(self):
+        stiff = {**PAD, "poisson_ratio": 0.5}
+        functions = {
+            "predict": softfinger.predict,
+            "pressure_Pa": lambda **numbers: softfinger.pressure_Pa(**numbers, x_m=0, y_m=0),
+            "eccentricity_law": softfinger.eccentricity_law,
+            "predict_with_gradient": softfinger.predict_with_gradient,
+        }
+        for name, function in functions.items():
+            with self.assertRaisesRegex(
+                softfinger.NoAnswer, "'winkler' has no answer: at nu = 1/2", msg=name
+            ) as caught:
+                function(**stiff, model="winkler")
+            self.assertIsInstance(caught.exception, ValueError)
+            self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).value, "winkler")
         failing = softfinger.checks(**{**PAD, "poisson_ratio": 0.5}, model="winkler")
         self.assertTrue(any(not check.holds and check.message for check in failing))
 
@@ -216,7 +407,8 @@ class Results(unittest.TestCase):
         for model in ("hertz", "winkler"):
             contact = softfinger.predict(**huge, model=model)
             self.assertEqual(contact.has_answer.tolist(), [True, False])
-            self.assertEqual((contact.max_force_N[1], contact.max_torque_Nm[1]), (0, 0))
+            for values in (contact.max_force_N, contact.max_torque_Nm, contact.a_m):
+                self.assertEqual(values.mask.tolist(), [False, True])
             alone = softfinger.checks(**{**huge, "friction_coefficient": 1e200}, model=model)
             self.assertEqual([c.name for c in alone if not c.holds], ["representable"])
 
@@ -247,8 +439,8 @@ class Results(unittest.TestCase):
 class OtherThreads(unittest.TestCase):
     def test_they_run_during_a_batch(self):
         """With an endless switch interval only a call that lets go of the lock lets others run."""
-        names = [number.name for number in NUMBERS]
-        defaults = {n.name: n.default for n in NUMBERS}
+        names = [number.name for number in _contacts.NUMBERS]
+        defaults = {n.name: n.default for n in _contacts.NUMBERS}
         columns = {**defaults, **random_contacts(200_000)}
         numbers = Contacts.of("test", {name: columns[name] for name in names}).numbers
         state = []

@@ -6,8 +6,8 @@ namespace {
 
 /// Whether bounds are known, expected errors (6, n), their causes (4, 6, n), bounds (6, n), and why
 /// nothing is known, per contact.
-py::tuple bounds(const std::string& name, const py::dict& numbers) {
-  const PressureModel& model = model_named(name);
+py::tuple bounds(const std::optional<std::string>& name, const py::dict& numbers) {
+  const AskedModel model(name);
   const Contacts contacts(numbers);
   const std::size_t count = contacts.count();
   py::array_t<bool> known{py::ssize_t(count)};
@@ -20,7 +20,8 @@ py::tuple bounds(const std::string& name, const py::dict& numbers) {
   {
     const py::gil_scoped_release others_may_run;
     for (std::size_t i = 0; i < count; ++i) {
-      const ErrorBound found = error_bound(model, contacts.problem(i));
+      const ContactProblem problem = contacts.problem(i);
+      const ErrorBound found = error_bound(model.of(problem), problem);
       is_known[i] = found.known;
       reasons[i] = found.outside;
       for (std::size_t q = 0; q < kBoundedQuantities; ++q) {

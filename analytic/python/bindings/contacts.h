@@ -1,10 +1,13 @@
 #pragma once
 
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -85,5 +88,27 @@ inline const PressureModel& model_named(const std::string& name) {
   if (!model) throw py::key_error(name);
   return *model;
 }
+
+/// The model with that name for all contacts, or, without a name, the recommended one for each.
+class AskedModel {
+ public:
+  explicit AskedModel(const std::optional<std::string>& name)
+      : named_(name ? &model_named(*name) : nullptr) {}
+
+  const PressureModel& of(const ContactProblem& problem) const {
+    return named_ ? *named_ : default_model(problem);
+  }
+  /// The one that all of these contacts get; null where they get several, or there are none.
+  const PressureModel* of_all(const Contacts& contacts) const {
+    if (named_ || contacts.count() == 0) return named_;
+    const PressureModel* first = &of(contacts.problem(0));
+    for (std::size_t i = 1; i < contacts.count(); ++i)
+      if (&of(contacts.problem(i)) != first) return nullptr;
+    return first;
+  }
+
+ private:
+  const PressureModel* named_;
+};
 
 }  // namespace softfinger::python

@@ -27,8 +27,8 @@ std::array<const Derivatives*, kNumbers> numbers_of(const PredictionGradient& gr
 
 /// Whether derivatives are known, the three stuck stiffnesses (3, n), and derivatives
 /// (numbers, variables, n): each derivative is contiguous.
-py::tuple gradient(const std::string& name, const py::dict& numbers) {
-  const PressureModel& model = model_named(name);
+py::tuple gradient(const std::optional<std::string>& name, const py::dict& numbers) {
+  const AskedModel model(name);
   const Contacts contacts(numbers);
   const std::size_t count = contacts.count();
   py::array_t<bool> known{py::ssize_t(count)};
@@ -38,7 +38,8 @@ py::tuple gradient(const std::string& name, const py::dict& numbers) {
   {
     const py::gil_scoped_release others_may_run;
     for (std::size_t i = 0; i < count; ++i) {
-      const PredictionGradient of = predict_with_gradient(model, contacts.problem(i)).gradient;
+      const ContactProblem problem = contacts.problem(i);
+      const PredictionGradient of = predict_with_gradient(model.of(problem), problem).gradient;
       is_known[i] = of.known;
       stuck[i] = of.stuck.torsional_Nm_per_rad;
       stuck[count + i] = of.stuck.tangential_x_N_per_m;

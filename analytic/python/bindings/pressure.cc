@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "analytic/python/bindings/contacts.h"
 
 namespace softfinger::python {
@@ -22,11 +24,24 @@ py::list models() {
   return cards;
 }
 
-/// One by one: predict_batch knows rigid objects only.
-void predict_each(const PressureModel& model, const Contacts& contacts,
+/// Of each contact the place of its recommended model in `models()`.
+py::array_t<int> default_models(const py::dict& numbers) {
+  const Contacts contacts(numbers);
+  const std::vector<const PressureModel*>& all = all_pressure_models();
+  py::array_t<int> result{py::ssize_t(contacts.count())};
+  int* place = result.mutable_data();
+  for (std::size_t i = 0; i < contacts.count(); ++i)
+    place[i] =
+        int(std::find(all.begin(), all.end(), &default_model(contacts.problem(i))) - all.begin());
+  return result;
+}
+
+/// One by one: predict_batch knows one model and rigid objects only.
+void predict_each(const AskedModel& model, const Contacts& contacts,
                   const PredictionBatch& answers) {
   for (std::size_t i = 0; i < contacts.count(); ++i) {
-    const Prediction answer = model.predict(contacts.problem(i));
+    const ContactProblem problem = contacts.problem(i);
+    const Prediction answer = model.of(problem).predict(problem);
     answers.a_m[i] = answer.a_m;
     answers.b_m[i] = answer.b_m;
     answers.indentation_m[i] = answer.indentation_m;
@@ -36,8 +51,8 @@ void predict_each(const PressureModel& model, const Contacts& contacts,
   }
 }
 
-py::dict predict(const std::string& name, const py::dict& numbers) {
-  const PressureModel& model = model_named(name);
+py::dict predict(const std::optional<std::string>& name, const py::dict& numbers) {
+  const AskedModel asked(name);
   const Contacts contacts(numbers);
   py::dict result;
   const auto output = [&](const char* quantity) {
@@ -52,10 +67,11 @@ py::dict predict(const std::string& name, const py::dict& numbers) {
                                 output("torque_arm_exact_m"),
                                 output("torque_arm_paper_m")};
   const py::gil_scoped_release others_may_run;
-  if (contacts.have_object_layers())
-    predict_each(model, contacts, answers);
+  const PressureModel* model = asked.of_all(contacts);
+  if (!model || contacts.have_object_layers())
+    predict_each(asked, contacts, answers);
   else
-    predict_batch(model, contacts.batch(), answers);
+    predict_batch(*model, contacts.batch(), answers);
   return result;
 }
 
@@ -69,26 +85,30 @@ py::list checks(const std::string& name, const py::dict& numbers) {
   return result;
 }
 
-Numbers pressure_Pa(const std::string& name, const py::dict& numbers, const Numbers& points_m) {
+/// None where the model has no answer.
+std::optional<Numbers> pressure_Pa(const std::string& name, const py::dict& numbers,
+                                   const Numbers& points_m) {
   const PressureModel& model = model_named(name);
   const ContactProblem problem = Contacts(numbers).problem(0);
   const double* point = rows(points_m, 2);
   Numbers result(points_m.shape(0));
   double* pressure = result.mutable_data();
   const py::ssize_t count = points_m.shape(0);
-  const py::gil_scoped_release others_may_run;
-  const Prediction prediction = model.predict(problem);
-  for (py::ssize_t i = 0; i < count; ++i)
-    pressure[i] = prediction.has_answer
-                      ? model.pressure_Pa(problem, prediction, point[2 * i], point[2 * i + 1])
-                      : 0;
-  return result;
+  Prediction prediction;
+  {
+    const py::gil_scoped_release others_may_run;
+    prediction = model.predict(problem);
+    for (py::ssize_t i = 0; prediction.has_answer && i < count; ++i)
+      pressure[i] = model.pressure_Pa(problem, prediction, point[2 * i], point[2 * i + 1]);
+  }
+  return prediction.has_answer ? std::optional<Numbers>(result) : std::nullopt;
 }
 
 }  // namespace
 
 void bind_pressure(py::module_& module) {
   module.def("models", &models);
+  module.def("default_models", &default_models);
   module.def("predict", &predict);
   module.def("checks", &checks);
   module.def("pressure_Pa", &pressure_Pa);

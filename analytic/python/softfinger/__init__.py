@@ -21,7 +21,7 @@ from ._calibrate import (
     calibrate,
 )
 from ._core import __version__
-from ._errors import InputError, ProgramError
+from ._errors import InputError, NoAnswer, ProgramError
 from ._fem import FemResult, fem
 from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 from ._geometry import Gap, QuadricFit, fit, gap_between, weld
@@ -66,6 +66,7 @@ __all__ = [
     "ModelFit",
     "Motor",
     "NextMeasurement",
+    "NoAnswer",
     "Outlier",
     "Prediction",
     "PredictionWithGradient",
@@ -93,3 +94,9 @@ __all__ = [
     "simulate",
     "weld",
 ]
+
+
+def __getattr__(name):  # only for what is not there
+    from ._names import unknown_attribute
+
+    raise unknown_attribute("softfinger", name, __all__)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from typing import Optional, Sequence
 
@@ -10,19 +11,23 @@ import numpy
 
 from . import _core
 from ._contacts import (
+    POSITIVE,
     as_numbers,
     check_model,
     check_range,
+    models_of,
     takes_contacts,
-    POSITIVE,
 )
-from ._result import Flags, Numbers, Result, Words, shaped
 from ._errors import InputError
+from ._names import choices
+from ._result import Flags, Numbers, Result, Words, result, shaped, shaped_rows
 
 QUANTITIES = ("a", "b", "indentation", "area", "peak_pressure", "max_torque")
+#: Those within the tolerance make a model usable, as all commands of the program mean it.
+USABLE = ("a", "b", "area", "max_torque")
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Errors(Result):
     """Relative errors of each quantity."""
 
@@ -38,33 +43,38 @@ class Errors(Result):
         return numpy.maximum.reduce([getattr(self, quantity) for quantity in quantities])
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class ErrorBound(Result):
-    """What is known of a model's errors. Where `known` is false, `bound` is infinite and
-    `expected` and its causes are zero."""
+    """What is known of a model's errors. Where `known` is false, `bound` is infinite, and `expected`
+    and its causes are masked, for a single contact None."""
 
-    model: str
+    model: Words  #: whose errors they are; an array where each contact got the recommended one
     known: Flags  #: bool
     bound: Errors  #: of the size of the error, in 95 % of all contacts
-    expected: Errors  #: signed: the model's answer over the finger's, less 1; the sum of
-    by_model: Errors  #: the model's own error, for a flat layer in linear theory
-    by_strain: Errors  #: what strain of the layer costs
-    by_slope: Errors  #: slope of the surfaces at the contact's edge
-    by_curvature: Errors  #: curvature of the layer
+    expected: Optional[Errors]  #: signed: the model's answer over the finger's, less 1; the sum of
+    by_model: Optional[Errors] = dataclasses.field(repr=False)  #: the model's own error, for a flat layer in linear theory
+    by_strain: Optional[Errors] = dataclasses.field(repr=False)  #: what strain of the layer costs
+    by_slope: Optional[Errors] = dataclasses.field(repr=False)  #: slope of the surfaces at the contact's edge
+    by_curvature: Optional[Errors] = dataclasses.field(repr=False)  #: curvature of the layer
     outside: Words  #: why nothing is known, in words; "" where it is
 
-    def usable(self, tolerance: float = 0.1) -> Flags:
-        """Whether area and torque are within the tolerance (relative), as `softfinger predict` says
-        it for bodies whose radii are exact."""
-        return self.known & (self.bound.largest(("area", "max_torque")) <= tolerance)
+    def usable(
+        self, tolerance: float = 0.1, quantities: Sequence[str] = USABLE
+    ) -> Flags:
+        """Whether a, b, area and torque are within the tolerance (relative), as `softfinger predict`
+        says it for bodies whose radii are exact; or other quantities."""
+        return self.known & (self.bound.largest(quantities) <= tolerance)
 
 
-def _errors(rows, shape):
-    return Errors(*(shaped(row, shape) for row in rows))
+def _expected_errors(rows, known, shape):
+    """None for a single contact of which nothing is known."""
+    if not shape and not known:
+        return None
+    return Errors(*shaped_rows(rows, shape, known))
 
 
 @takes_contacts
-def error_bound(contacts, model: str = "fingertip_layer") -> ErrorBound:
+def error_bound(contacts, model: Optional[str] = None) -> ErrorBound:
     """The errors of a model, against finite elements of the whole finger: neo-Hookean layer on a
     rigid core, bent over a finger of the given curvature.
 
@@ -72,7 +82,7 @@ def error_bound(contacts, model: str = "fingertip_layer") -> ErrorBound:
     what 95 % of them differ from it. Costs two predictions. Other threads run meanwhile.
 
     Args:
-        model: a name out of `models()`
+        model: a name out of `models()`; default: the recommended one for each contact
 
     Returns:
         ErrorBound, whose numbers have the shape to which the arguments broadcast
@@ -81,26 +91,28 @@ def error_bound(contacts, model: str = "fingertip_layer") -> ErrorBound:
     shape = contacts.shape
     known, expected, causes, bound, outside = _core.error_bound(model, contacts.numbers)
     if model == "power_law":  # as in the program: the bounds are of theories
-        known[:], expected[:], causes[:], bound[:] = False, 0, 0, numpy.inf
+        known[:], bound[:] = False, numpy.inf
         outside = ["a measured law holds for the finger that it was measured on"] * known.size
     return ErrorBound(
-        model,
+        models_of(contacts, model),
         shaped(known, shape),
-        _errors(bound, shape),
-        _errors(expected, shape),
-        *(_errors(cause, shape) for cause in causes),
+        Errors(*shaped_rows(bound, shape)),
+        _expected_errors(expected, known, shape),
+        *(_expected_errors(cause, known, shape) for cause in causes),
         shaped(numpy.array(outside, dtype=object), shape) if shape else outside[0],
     )
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Choice(Result):
-    """The cheapest model that is accurate enough, for each contact."""
+    """The cheapest model that is accurate enough, for each contact; of equally cheap ones that with
+    the least bound."""
 
     model: Words  #: its name; "" where none is known to meet the tolerance
     bound: Numbers  #: its largest error among the quantities asked for; infinite without a model
-    cost_s: dict[str, float]  #: measured here, per contact, by model
-    bounds: dict[str, ErrorBound]  #: ErrorBound by model
+    #: measured here, per contact, by model
+    cost_s: dict[str, float] = dataclasses.field(repr=False)
+    bounds: dict[str, ErrorBound] = dataclasses.field(repr=False)  #: ErrorBound by model
 
 
 @takes_contacts
@@ -108,17 +120,19 @@ def select(
     contacts,
     tolerance: float = 0.05,
     models: Optional[Sequence[str]] = None,
-    quantities: Sequence[str] = QUANTITIES,
+    quantities: Sequence[str] = USABLE,
 ) -> Choice:
     """The cheapest model whose stated error is within a tolerance, for each contact.
 
     Only fast models are asked (`ModelCard.is_fast`), and no finite elements: `softfinger select`
-    also knows these. The cost is that of a prediction of all these contacts, measured.
+    also knows these. The cost is that of a prediction of all these contacts, measured; all below a
+    microsecond count as equal, so that the choice does not change from run to run.
 
     Args:
         tolerance: of every chosen quantity, relative; positive and finite
         models: names of those allowed; default: all fast ones
-        quantities: out of "a", "b", "indentation", "area", "peak_pressure", "max_torque"
+        quantities: out of "a", "b", "indentation", "area", "peak_pressure", "max_torque"; default:
+            a, b, area and max_torque
 
     Returns:
         Choice, whose arrays have the shape to which the arguments broadcast
@@ -130,25 +144,35 @@ def select(
     quantities = (quantities,) if isinstance(quantities, str) else tuple(quantities)
     for quantity in quantities:
         if quantity not in QUANTITIES:
-            raise InputError("select", "quantities", quantity, ", ".join(QUANTITIES))
+            raise InputError("select", "quantities", quantity, choices(quantity, QUANTITIES))
     if not quantities:
         raise InputError("select", "quantities", quantities, "at least one")
     fast = [card["name"] for card in _core.models() if card["is_fast"]]
     names = fast if models is None else [models] if isinstance(models, str) else list(models)
     for name in names:
         if name not in fast:
-            raise InputError("select", "models", name, ", ".join(fast))
+            raise InputError("select", "models", name, choices(name, fast))
     if not names:
         raise InputError("select", "models", models, "at least one of " + ", ".join(fast))
     cost_s = {name: _cost_s(name, contacts) for name in names}
     bounds = {name: error_bound.of_contacts(contacts, name) for name in names}
     chosen = numpy.full(contacts.shape, "", dtype=object)
     bound = numpy.full(contacts.shape, numpy.inf)
-    for name in sorted(names, key=cost_s.get, reverse=True):  # the cheapest one last
-        worst = numpy.asarray(bounds[name].bound.largest(quantities))
-        chosen = numpy.where(worst <= tolerance, name, chosen)
-        bound = numpy.where(worst <= tolerance, worst, bound)
+    classes = {name: _cost_class(cost) for name, cost in cost_s.items()}
+    for cost_class in sorted(set(classes.values()), reverse=True):  # the cheapest one last
+        of_class = numpy.full(contacts.shape, False)
+        for name in (name for name in names if classes[name] == cost_class):
+            worst = numpy.asarray(bounds[name].bound.largest(quantities))
+            better = (worst <= tolerance) & (~of_class | (worst < bound))
+            chosen, bound = numpy.where(better, name, chosen), numpy.where(better, worst, bound)
+            of_class |= better
     return Choice(shaped(chosen, contacts.shape), shaped(bound, contacts.shape), cost_s, bounds)
+
+
+def _cost_class(cost_s):
+    """All that take less than a microsecond are equally cheap, and above it decades count: smaller
+    differences are those of a measurement of time."""
+    return max(0, math.ceil(math.log10(max(cost_s, 1e-9) / 1e-6)))
 
 
 def _cost_s(name, contacts):

@@ -21,9 +21,11 @@ from ._contacts import (
     broadcast,
     check_range,
     check_shear_law,
+    models_of,
 )
-from ._result import Result
 from ._errors import InputError
+from ._names import choices, suggests_keywords
+from ._result import Result, masked_where_nan, result
 
 #: Of what may be measured: the argument's name by the program's.
 _QUANTITIES = {
@@ -62,7 +64,7 @@ _MEASURED = Range(
 _STD = Range(_MEASURED.holds, "positive and finite, or NaN where it is not known")
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Estimate(Result):
     """One parameter that was looked for, in SI units."""
 
@@ -75,7 +77,7 @@ class Estimate(Result):
     determined: bool  #: the interval spans less than a factor of two
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Outlier(Result):
     """A measurement that was left out: a fit to the others predicts it too badly to be chance."""
 
@@ -87,18 +89,19 @@ class Outlier(Result):
     deviation: float  #: (measured - predicted)/std
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class ModelFit(Result):
     """A model or a shear law, fitted to the same data for comparison."""
 
     name: str
     aic: float  #: Akaike's criterion; above the least by 2 is little, by 10 much
     scatter: float  #: root mean square of (measured - predicted)/predicted
-    held_out_error: float  #: on the upper third of the loads, by a fit to the others; NaN: too few
+    #: on the upper third of the loads, by a fit to the others; None: too few of them
+    held_out_error: Optional[float]
     parameters: dict[str, float]  #: by name, SI units
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class NextMeasurement(Result):
     """The one further measurement that would help most with the parameter that is known worst."""
 
@@ -110,7 +113,7 @@ class NextMeasurement(Result):
     std_then: float
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Goodness(Result):
     """How well the model fits."""
 
@@ -121,17 +124,17 @@ class Goodness(Result):
     scatter: dict[str, float]  #: relative, of values without a stated error, by argument
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Curve(Result):
     """A quantity over the load, and where chance leaves the fit itself in 95 % of all cases."""
 
     load_N: numpy.ndarray  #: (41,)
     value: numpy.ndarray  #: (41,)
-    low: numpy.ndarray  #: (41,); NaN where the covariance is not known
+    low: numpy.ndarray  #: (41,); masked where the covariance is not known
     high: numpy.ndarray  #: (41,)
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Calibration(Result):
     """What measurements say of a fingertip. Measured quantities are named by their arguments."""
 
@@ -150,7 +153,7 @@ class Calibration(Result):
     contact: dict[str, Any]  #: the fitted contact, for predict(**found.contact, normal_force_N=..)
     #: (...,), as given; so are the shapes of the next four, whose arrays go by argument
     load_N: numpy.ndarray = dataclasses.field(repr=False)
-    measured: dict[str, numpy.ndarray] = dataclasses.field(repr=False)  #: NaN: not measured
+    measured: dict[str, numpy.ndarray] = dataclasses.field(repr=False)  #: masked: not measured
     std: dict[str, numpy.ndarray] = dataclasses.field(repr=False)  #: stated, or from the scatter
     predicted: dict[str, numpy.ndarray] = dataclasses.field(repr=False)  #: where measured
     deviation: dict[str, numpy.ndarray] = dataclasses.field(repr=False)  #: (measured-predicted)/std
@@ -158,6 +161,7 @@ class Calibration(Result):
     curves: dict[str, Curve] = dataclasses.field(repr=False)
 
 
+@suggests_keywords
 def calibrate(
     *,
     load_N: ArrayLike,
@@ -187,7 +191,7 @@ def calibrate(
     winkler_modulus: str = "oedometric",
     fit: Union[None, str, Sequence[str]] = None,
     fixed: Optional[Mapping[str, float]] = None,
-    model: str = "fingertip_layer",
+    model: Optional[str] = None,
 ) -> Calibration:
     """Modulus, thickness and friction of a fingertip from measured contacts, with intervals: the
     numbers of `softfinger calibrate`.
@@ -203,7 +207,8 @@ def calibrate(
         indentation_m: approach of the bodies
         max_torque_Nm: about the normal, at slip
         tangential_force_N: at slip
-        a_m_std, ..: standard deviations; NaN or absent: from the scatter about the fit
+        a_m_std, ..: standard deviations; NaN or absent: from the scatter about the fit. (What was
+            not measured may be NaN or masked in all of these; in the results it is masked.)
         radius_major_m, radius_minor_m: relative radii R' >= R''; see `gap_between`
         finger_xx_per_m, finger_yy_per_m, finger_xy_per_m: the finger's own curvature; see `predict`
         youngs_modulus_Pa, thickness_m, poisson_ratio: of the layer, to start from, or as known
@@ -216,7 +221,7 @@ def calibrate(
         fixed: values in place of those to start from, not fitted; keys "youngs_modulus_Pa",
             "thickness_m", "poisson_ratio", "radius_m" (sqrt(R' R'')), "friction_coefficient",
             "shear_strength_Pa"
-        model: "fingertip_layer", "bonded_layer", "winkler" or "hertz"
+        model: "fingertip_layer", "bonded_layer", "winkler" or "hertz"; default: the recommended one
         winkler_modulus: as `predict` has it
 
     Returns:
@@ -228,8 +233,8 @@ def calibrate(
             by how much
     """
     given = dict(locals())
-    if model not in _MODELS:
-        raise InputError("calibrate", "model", model, ", ".join(_MODELS))
+    if model is not None and model not in _MODELS:
+        raise InputError("calibrate", "model", model, choices(model, _MODELS))
     check_shear_law("calibrate", shear_law)
     fixed = _fixed_values(fixed)
     loads, measured, stds = _measurements(given)
@@ -238,6 +243,8 @@ def calibrate(
 
     unique_N, contact_of_row = numpy.unique(loads.reshape(-1), return_inverse=True)
     contacts = _contacts(given, start, unique_N)
+    model = models_of(contacts, model)
+    model = model if isinstance(model, str) else model[0]  # the loads are those of one finger
     rows = list(_rows(measured))
     quantity, index = numpy.array(rows).T
     every = list(_QUANTITIES)
@@ -271,7 +278,7 @@ def calibrate(
         arrays = {q: numpy.full(loads.shape, numpy.nan) for q in every if q in measured}
         for (q, i), number in zip(rows, found[name]):
             arrays[every[q]].reshape(-1)[i] = number
-        return {_QUANTITIES[q]: array for q, array in arrays.items()}
+        return {_QUANTITIES[q]: masked_where_nan(array) for q, array in arrays.items()}
 
     predicted, deviation = in_shape("predicted"), in_shape("deviation")
     outliers = []
@@ -290,8 +297,8 @@ def calibrate(
         covariance=found["covariance"],
         cannot_tell=tuple(found["cannot_tell"]),
         next_measurement=_next(found["next_measurement"]),
-        models=tuple(ModelFit(*one) for one in found["models"]),
-        shear_laws=tuple(ModelFit(*one) for one in found["shear_laws"]),
+        models=tuple(map(_model_fit, found["models"])),
+        shear_laws=tuple(map(_model_fit, found["shear_laws"])),
         outliers=tuple(outliers),
         goodness=Goodness(
             probability if (std > 0).any() else None,
@@ -302,14 +309,22 @@ def calibrate(
         ),
         growth_exponent=found["growth_exponent"],
         load_N=loads,
-        measured={_QUANTITIES[q]: array for q, array in measured.items()},
+        measured={_QUANTITIES[q]: masked_where_nan(array) for q, array in measured.items()},
         std=in_shape("std"),
         predicted=predicted,
         deviation=deviation,
         curves={
-            _QUANTITIES[q]: Curve(curve_loads_N, *curve) for q, curve in found["curves"].items()
+            _QUANTITIES[q]: Curve(curve_loads_N, *map(masked_where_nan, curve))
+            for q, curve in found["curves"].items()
         },
         contact=_contact(values, names, given, fixed, shear_law),
+    )
+
+
+def _model_fit(found):
+    name, aic, scatter, held_out_error, parameters = found
+    return ModelFit(
+        name, aic, scatter, None if numpy.isnan(held_out_error) else held_out_error, parameters
     )
 
 
@@ -321,7 +336,7 @@ def _fixed_values(fixed):
         raise InputError("calibrate", "fixed", fixed, "a dict of numbers by " + ", ".join(keys))
     for key, value in (fixed or {}).items():
         if key not in keys:
-            raise InputError("calibrate", "fixed", key, ", ".join(keys))
+            raise InputError("calibrate", "fixed", key, choices(key, keys))
         values[keys[key]] = _in_range(f"fixed[{key!r}]", keys[key], value)
     return values
 
@@ -404,7 +419,7 @@ def _parameters_to_find(fit, fixed, model, law, measured):
         raise InputError(function, "fit", fit, "names out of " + ", ".join(_PARAMETERS))
     for name in names:
         if not isinstance(name, str) or name not in _PARAMETERS:
-            raise InputError(function, "fit", name, ", ".join(_PARAMETERS))
+            raise InputError(function, "fit", name, choices(name, _PARAMETERS))
         if names.count(name) > 1:
             raise InputError(function, "fit", name, "each parameter once")
         if name in fixed:

@@ -3,11 +3,15 @@
 import dataclasses
 import functools
 import inspect
+import math
+import warnings
+from typing import Any, Optional
 
 import numpy
 
 from . import _core
 from ._errors import InputError
+from ._names import choices, unexpected
 
 REQUIRED = inspect.Parameter.empty
 
@@ -27,33 +31,65 @@ AT_LEAST_ONE = Range(lambda x: (x >= 1) & (x < numpy.inf), "1 or more, finite")
 
 
 @dataclasses.dataclass(frozen=True)
+class Usual:
+    """What fingertips and other soft contacts have, in SI units. A number outside of it is answered
+    with a warning: most often it is in millimetres, or in metres where millimetres were meant."""
+
+    low: float
+    high: float
+    words: str
+
+    def holds(self, values):
+        return (values >= self.low) & (values <= self.high)
+
+
+_FORCE = Usual(1e-3, 1e4, "1 mN to 10 kN")
+_MODULUS = Usual(1e3, 1e9, "1 kPa to 1 GPa")
+_LAYER = Usual(1e-5, 0.1, "10 um to 100 mm")
+_RADIUS = Usual(1e-4, 1.0, "0.1 mm to 1 m")
+_CURVATURE = Usual(-1e4, 1e4, "that of radii above 0.1 mm")
+_POISSON = Usual(0.0, 0.5, "0 to 0.5")
+_FRICTION = Usual(0.0, 10.0, "0 to 10")
+
+
+@dataclasses.dataclass(frozen=True)
 class Number:
     name: str
     range: Range
     default: object
     meaning: str
+    usual: Optional[Usual] = None  # a default is usual, too
 
 
 # Broadcast against each other.
 ARRAYS = (
-    Number("normal_force_N", POSITIVE, REQUIRED, "load P"),
-    Number("youngs_modulus_Pa", POSITIVE, REQUIRED, "E of the layer"),
-    Number("poisson_ratio", POISSON, REQUIRED, "nu of the layer"),
-    Number("thickness_m", POSITIVE, REQUIRED, "h of the layer"),
-    Number("radius_major_m", POSITIVE, REQUIRED, "R', the longer relative radius of curvature"),
-    Number("radius_minor_m", POSITIVE, REQUIRED, "R'', at most R'"),
-    Number("friction_coefficient", NOT_NEGATIVE, REQUIRED, "mu"),
+    Number("normal_force_N", POSITIVE, REQUIRED, "load P", _FORCE),
+    Number("youngs_modulus_Pa", POSITIVE, REQUIRED, "E of the layer", _MODULUS),
+    Number("poisson_ratio", POISSON, REQUIRED, "nu of the layer", _POISSON),
+    Number("thickness_m", POSITIVE, REQUIRED, "h of the layer", _LAYER),
+    Number(
+        "radius_major_m", POSITIVE, REQUIRED, "R', the longer relative radius of curvature", _RADIUS
+    ),
+    Number("radius_minor_m", POSITIVE, REQUIRED, "R'', at most R'", _RADIUS),
+    Number("friction_coefficient", NOT_NEGATIVE, REQUIRED, "mu", _FRICTION),
     Number(
         "finger_xx_per_m",
         FINITE,
         0.0,
         "the finger's own curvature along the contact's long axis; 0: a flat layer",
+        _CURVATURE,
     ),
-    Number("finger_yy_per_m", FINITE, 0.0, "the same along its short axis"),
-    Number("finger_xy_per_m", FINITE, 0.0, "its twist"),
-    Number("object_thickness_m", NOT_NEGATIVE, 0.0, "of a layer on the object; 0: a rigid object"),
-    Number("object_youngs_modulus_Pa", NOT_NEGATIVE, 0.0, "of that layer"),
-    Number("object_poisson_ratio", POISSON, 0.0, "of that layer"),
+    Number("finger_yy_per_m", FINITE, 0.0, "the same along its short axis", _CURVATURE),
+    Number("finger_xy_per_m", FINITE, 0.0, "its twist", _CURVATURE),
+    Number(
+        "object_thickness_m",
+        NOT_NEGATIVE,
+        0.0,
+        "of a layer on the object; 0: a rigid object",
+        _LAYER,
+    ),
+    Number("object_youngs_modulus_Pa", NOT_NEGATIVE, 0.0, "of that layer", _MODULUS),
+    Number("object_poisson_ratio", POISSON, 0.0, "of that layer", _POISSON),
 )
 # For all contacts of a call. The last four are for single models.
 SCALARS = (
@@ -84,6 +120,7 @@ FRICTION_COEFFICIENT = Number(
     NOT_NEGATIVE,
     None,
     "mu; needed by all laws but 'shear_strength', refused by that",
+    _FRICTION,
 )
 SHEAR_STRENGTH = Number(
     "shear_strength_Pa",
@@ -100,19 +137,32 @@ SHEAR_LAW = Number(
 )
 
 
-def model_card_names():
-    return [card["name"] for card in _core.models()]
+#: In the order of `_core.models()`.
+MODELS = tuple(card["name"] for card in _core.models())
 
 
 def check_model(function, name):
-    known = model_card_names()
-    if name not in known:
-        raise InputError(function, "model", name, ", ".join(known))
+    """Of a model's name, or None for the recommended model of each contact."""
+    if name is not None and name not in MODELS:
+        raise InputError(function, "model", name, choices(name, MODELS))
     return name
 
 
+def models_of(contacts, name):
+    """The names of the models that answer: one, or an array of them for arrays of contacts of which
+    each gets the recommended one."""
+    if name is not None:
+        return name
+    places = _core.default_models(contacts.numbers)
+    if not contacts.shape:
+        return MODELS[places[0]]
+    return numpy.array(MODELS, dtype=object)[places].reshape(contacts.shape)
+
+
 def as_numbers(function, name, value):
-    """An array of doubles."""
+    """An array of doubles. What is masked is missing, and NaN."""
+    if isinstance(value, numpy.ma.MaskedArray):
+        value = numpy.ma.filled(value.astype(numpy.float64), numpy.nan)
     try:
         numbers = numpy.asarray(value)
         if numbers.dtype.kind not in "uif":  # no truth values, texts or complex numbers
@@ -132,7 +182,7 @@ def check_range(function, name, values, allowed):
 
 def check_shear_law(function, law):
     if law not in SHEAR_LAWS:
-        raise InputError(function, "shear_law", law, ", ".join(SHEAR_LAWS))
+        raise InputError(function, "shear_law", law, choices(law, SHEAR_LAWS))
     return law
 
 
@@ -160,6 +210,35 @@ def refuse_first(function, name, values, inside, allowed):
     raise InputError(function, name + place, float(values[index]), allowed)
 
 
+def warn_of_the_unusual(function, arrays, numbers):
+    """One warning of a call, which names the first unusual value of each number."""
+    found = []
+    for number in numbers:
+        values = arrays[number.name]
+        if number.usual is None or number.usual.holds(values).all():
+            continue
+        odd = ~number.usual.holds(values) & (values != number.default)
+        if odd.any():
+            found.append(
+                f"{number.name} = {float(values[odd].flat[0]):g} (usual: {number.usual.words})"
+            )
+    if found:
+        warnings.warn(
+            f"{function}: {', '.join(found)}: millimetres and metres mixed up? All numbers are in "
+            "SI units; the answer is for them as they are",
+            UserWarning,
+            stacklevel=_levels_to_the_caller(),
+        )
+
+
+def _levels_to_the_caller():
+    """To the line outside of this package that called it: what the warning is about."""
+    frame, level = inspect.currentframe().f_back, 1
+    while frame.f_back and frame.f_globals.get("__package__") == __package__:
+        frame, level = frame.f_back, level + 1
+    return level
+
+
 def broadcast(function, arrays):
     """Named arrays in their common shape.
 
@@ -171,10 +250,13 @@ def broadcast(function, arrays):
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.shape)
         raise InputError(function, "shapes", shapes, "shapes that broadcast to one") from None
-    return shape, {
-        name: numpy.ascontiguousarray(numpy.broadcast_to(array, shape)).reshape(-1)
-        for name, array in arrays.items()
-    }
+    return shape, {name: _flat(array, shape) for name, array in arrays.items()}
+
+
+def _flat(array, shape):
+    if not array.shape:  # most arguments: broadcast_to takes ten times as long
+        return numpy.full(math.prod(shape), array)
+    return numpy.ascontiguousarray(numpy.broadcast_to(array, shape)).reshape(-1)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -188,20 +270,48 @@ class Contacts:
     def of(cls, function, arguments):
         """Of the arguments by name; `shear_law` with its numbers may be among them."""
         numbers = ARRAYS
+        law = arguments.get("shear_law", "coulomb")
         if "shear_law" in arguments:
             numbers = ARRAYS + (SHEAR_STRENGTH,)
             friction = friction_of(
                 function,
-                arguments["shear_law"],
+                law,
                 arguments["friction_coefficient"],
                 arguments["shear_strength_Pa"],
             )
             names = ("friction_coefficient", "shear_strength_Pa")
             arguments = {**arguments, **dict(zip(names, friction))}
+        shape, flat = (), ONE_CONTACT.numbers(arguments) if law == "coulomb" else None
+        if flat is None:
+            shape, flat = cls._checked(function, arguments, numbers)
+        for number in SCALARS:
+            value = arguments[number.name]
+            if number.range is not None and value is not number.default:
+                array = as_numbers(function, number.name, value)
+                if array.shape:
+                    raise InputError(function, number.name, value, "one number for all contacts")
+                check_range(function, number.name, array, number.range)
+                value = float(array)
+            flat[number.name] = value
+        flat["shear_law"] = law
+        if flat["winkler_modulus"] not in ("oedometric", "youngs"):
+            raise InputError(
+                function, "winkler_modulus", flat["winkler_modulus"], "'oedometric' or 'youngs'"
+            )
+        if not isinstance(flat["is_object_spherical"], (bool, numpy.bool_)):
+            raise InputError(
+                function, "is_object_spherical", flat["is_object_spherical"], "True or False"
+            )
+        return cls(shape, flat)
+
+    @staticmethod
+    def _checked(function, arguments, numbers):
+        """The common shape, and the flat arrays by name."""
         arrays = {}
         for number in numbers:
             arrays[number.name] = as_numbers(function, number.name, arguments[number.name])
             check_range(function, number.name, arrays[number.name], number.range)
+        warn_of_the_unusual(function, arrays, numbers)
         major, minor = arrays["radius_major_m"], arrays["radius_minor_m"]
         shape, flat = broadcast(function, arrays)
         if not (major >= minor).all():
@@ -224,25 +334,7 @@ class Contacts:
                     stiff,
                     "positive where object_thickness_m is",
                 )
-        for number in SCALARS:
-            value = arguments[number.name]
-            if number.range is not None:
-                array = as_numbers(function, number.name, value)
-                if array.shape:
-                    raise InputError(function, number.name, value, "one number for all contacts")
-                check_range(function, number.name, array, number.range)
-                value = float(array)
-            flat[number.name] = value
-        flat["shear_law"] = arguments.get("shear_law", "coulomb")
-        if flat["winkler_modulus"] not in ("oedometric", "youngs"):
-            raise InputError(
-                function, "winkler_modulus", flat["winkler_modulus"], "'oedometric' or 'youngs'"
-            )
-        if not isinstance(flat["is_object_spherical"], (bool, numpy.bool_)):
-            raise InputError(
-                function, "is_object_spherical", flat["is_object_spherical"], "True or False"
-            )
-        return cls(shape, flat)
+        return shape, flat
 
     def require_single(self, function, instead):
         if self.shape:
@@ -277,6 +369,13 @@ def _documented(arrays, scalars):
     )
 
 
+#: One contact of plain and usual numbers, which the compiled part checks at once. For all else it gives
+#: None: the words of refusals and warnings are here.
+ONE_CONTACT = _core.OneContact(
+    {n.name: (n.usual.low, n.usual.high, n.default is REQUIRED) for n in ARRAYS}
+)
+
+
 def takes_contacts(function):
     """Makes a function of checked contacts one of the numbers of contacts, by keyword.
 
@@ -286,13 +385,43 @@ def takes_contacts(function):
     return _taking(function, ARRAYS, SCALARS)
 
 
-def takes_contacts_with_friction(function):
-    """The same for a function that knows other shear laws than Coulomb's."""
-    arrays = [n if n.name != "friction_coefficient" else FRICTION_COEFFICIENT for n in ARRAYS]
-    return _taking(function, [*arrays, SHEAR_STRENGTH], [*SCALARS, SHEAR_LAW])
+def takes_contacts_with_friction(function, at_once=None):
+    """The same for a function that knows other shear laws than Coulomb's.
+
+    Args:
+        at_once: a fast way for plain arguments, which gives None for all others
+    """
+    return _taking(function, [*_ARRAYS_WITH_FRICTION, SHEAR_STRENGTH], _SCALARS_WITH_LAW, at_once)
 
 
-def _taking(function, arrays, scalars):
+_ARRAYS_WITH_FRICTION = [
+    n if n.name != "friction_coefficient" else FRICTION_COEFFICIENT for n in ARRAYS
+]
+_SCALARS_WITH_LAW = [*SCALARS, SHEAR_LAW]
+#: Of all arguments of a contact that knows shear laws.
+DEFAULTS_WITH_FRICTION = {
+    number.name: number.default
+    for number in (*_ARRAYS_WITH_FRICTION, SHEAR_STRENGTH, *_SCALARS_WITH_LAW)
+}
+
+
+def complete(function, arguments, defaults):
+    """The arguments with the defaults of those that are not given.
+
+    Raises:
+        TypeError: as Python's own for a call that does not fit
+    """
+    complete = {**defaults, **arguments}
+    if len(complete) > len(defaults):
+        name = next(name for name in arguments if name not in defaults)
+        raise unexpected(function, name, defaults)
+    missing = [name for name, value in complete.items() if value is REQUIRED]
+    if missing:
+        raise TypeError(f"{function}() misses the keyword argument {missing[0]!r}")
+    return complete
+
+
+def _taking(function, arrays, scalars, at_once=None):
     own = list(inspect.signature(function).parameters.values())[1:]
     contact = [
         inspect.Parameter(
@@ -310,16 +439,18 @@ def _taking(function, arrays, scalars):
     signature = inspect.Signature(
         contact + own_by_keyword, return_annotation=inspect.signature(function).return_annotation
     )
+    defaults = {name: parameter.default for name, parameter in signature.parameters.items()}
+    own_names = [parameter.name for parameter in own]
 
     @functools.wraps(function)
     def of_numbers(**arguments):
-        try:
-            bound = signature.bind(**arguments)
-        except TypeError as wrong:
-            raise TypeError(f"{function.__name__}() {wrong}") from None
-        bound.apply_defaults()
-        contacts = Contacts.of(function.__name__, bound.arguments)
-        return function(contacts, **{p.name: bound.arguments[p.name] for p in own})
+        if at_once is not None:
+            answer = at_once(arguments)
+            if answer is not None:
+                return answer
+        given = complete(function.__name__, arguments, defaults)
+        contacts = Contacts.of(function.__name__, given)
+        return function(contacts, **{name: given[name] for name in own_names})
 
     of_numbers.of_contacts = function
     of_numbers.__signature__ = signature

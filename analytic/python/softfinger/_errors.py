@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from typing import Any
 
 
@@ -49,6 +48,22 @@ class InputError(ValueError):
         """As the program tells it, "<where>: <what>"."""
         where, _, what = line.partition(": ")
         return cls(where, what)
+
+
+class NoAnswer(InputError):
+    """A model has no answer, or no derivatives, for a single contact. The message says why.
+
+    Arrays of contacts are masked in its place: see `Prediction`.
+
+    Attributes:
+        function: what was asked
+        argument: "model"
+        value: the model's name
+        allowed: the reason, in words
+    """
+
+    def __str__(self):
+        return f"{self.function}: {self.argument} = {self.value!r} has no answer: {self.allowed}"
 
 
 class ProgramError(RuntimeError):

@@ -26,8 +26,8 @@ from ._contacts import (
     friction_of,
     refuse_first,
 )
-from ._result import Flags, Numbers, Result, shaped
 from ._errors import InputError
+from ._result import Flags, Numbers, Result, masked, result, shaped
 
 _EXPONENT = Range(lambda n: (n > -1) & (n <= 1000), "above -1, at most 1000")
 
@@ -69,7 +69,7 @@ def _direction(function, value):
     return _single(function, "direction_rad", value, Range(numpy.isfinite, "finite"))
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class FrictionEllipsoid(Result):
     """The limit f² + tau²/e_n² <= (mu P)² of a soft contact (Ciocarlie et al. 2007, eq. 1, 6).
 
@@ -92,7 +92,10 @@ class FrictionEllipsoid(Result):
 
     def __post_init__(self):
         for name in ("max_force_N", "eccentricity_m"):
-            value = as_numbers("FrictionEllipsoid", name, getattr(self, name))
+            value = getattr(self, name)
+            if isinstance(value, numpy.ma.MaskedArray):  # of contacts without an answer
+                value = value.compressed()
+            value = as_numbers("FrictionEllipsoid", name, value)
             check_range("FrictionEllipsoid", name, value, NOT_NEGATIVE)
 
     @classmethod
@@ -151,7 +154,8 @@ class FrictionEllipsoid(Result):
     def utilisation(self, wrench: ArrayLike) -> Numbers:
         """sqrt(f²/(mu P)² + tau²/(e_n mu P)²): below 1 the contact sticks.
 
-        Infinite for a wrench that a vanishing limit cannot carry, 0 for no wrench at all.
+        Infinite for a wrench that a vanishing limit cannot carry, 0 for no wrench at all; masked
+        where the limit is.
 
         Args:
             wrench: (..., 3), finite, in N and N m; its leading axes broadcast with the ellipsoid's
@@ -177,7 +181,8 @@ class FrictionEllipsoid(Result):
             numpy.ascontiguousarray(arm, float).reshape(-1),
             numpy.ascontiguousarray(vectors).reshape(-1, 3),
         )
-        return shaped(used, force.shape)
+        is_known = ~(numpy.isnan(force) | numpy.isnan(arm))
+        return shaped(masked(used, is_known.reshape(-1)), force.shape)
 
     def sample_section(self, direction_rad: float, count: int) -> numpy.ndarray:
         """Points of the section by the plane of one direction of force, for plotting.
@@ -260,7 +265,7 @@ class _Surface(Result):
         )
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class LimitSurface(_Surface):
     """The exact force-torque limit surface of a contact with pressure p ~ (1 - x²/a² - y²/b²)^n in
     which every point slides with Coulomb friction against its own velocity (Howe, Cutkosky 1996).
@@ -312,7 +317,7 @@ class LimitSurface(_Surface):
         return self._core.wrench_for_center_of_rotation(vectors).reshape(shape + (3,))
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class ShearSurface(_Surface):
     """The exact limit surface of the same contact under another shear law than Coulomb's: the
     LimitSurface with mu p replaced by the law's stress.

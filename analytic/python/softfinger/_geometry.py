@@ -10,15 +10,16 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._contacts import FINITE, POSITIVE, Range, as_numbers, broadcast, check_range
-from ._result import Numbers, Result, shaped
 from ._errors import InputError
+from ._names import suggests_keywords
+from ._result import Numbers, Result, result, shaped
 
 Curvature = Union[ArrayLike, tuple[ArrayLike, ArrayLike], "QuadricFit"]
 
 _RADIUS = Range(lambda r: ~numpy.isnan(r) & (r != 0), "not zero; infinite: flat, negative: hollow")
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class QuadricFit(Result):
     """Least-squares quadric, depth = A x² + B y² + C x y below the tangent plane, of a surface near
     a point. A convex body has positive radii; infinite ones are flat, negative ones hollow."""
@@ -43,6 +44,7 @@ class QuadricFit(Result):
     sharpest_kink_rad: float
 
 
+@suggests_keywords
 def weld(corners_m: ArrayLike) -> tuple[numpy.ndarray, numpy.ndarray]:
     """Triangles as STL files hold them, with equal corners made one vertex.
 
@@ -61,6 +63,7 @@ def weld(corners_m: ArrayLike) -> tuple[numpy.ndarray, numpy.ndarray]:
     return vertices, triangles[(a != b) & (b != c) & (c != a)]
 
 
+@suggests_keywords
 def fit(
     surface: Union[ArrayLike, tuple[ArrayLike, ArrayLike]],
     point_m: ArrayLike,
@@ -128,7 +131,7 @@ def _vector(name, value):
     return vector
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Gap(Result):
     """The gap x²/(2 R') + y²/(2 R'') between two bodies, and the finger's part of it."""
 
@@ -145,6 +148,7 @@ class Gap(Result):
         return {name: getattr(self, name) for name in names}
 
 
+@suggests_keywords
 def gap_between(
     finger: Curvature, object: Curvature = numpy.inf, angle_rad: ArrayLike = 0.0
 ) -> Gap:

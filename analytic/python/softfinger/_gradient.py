@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 
+from typing import Optional
+
 from . import _core
-from ._contacts import check_model, takes_contacts
-from ._result import Flags, Numbers, Result, shaped
+from ._contacts import check_model, models_of, takes_contacts
+from ._errors import NoAnswer
 from ._predict import Prediction, predict
+from ._result import Flags, Numbers, Result, result, shaped, shaped_rows
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Derivatives(Result):
     """Derivatives of one number with respect to each number of the contact, in SI units.
 
@@ -29,12 +32,12 @@ class Derivatives(Result):
     friction_coefficient: Numbers
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class PredictionWithGradient(Result):
     """A prediction, its derivatives, and the stiffnesses of the contact before it slips.
 
     Where `known` is false (no answer, two layers, or a model that solves the contact numerically)
-    derivatives and stiffnesses are zero.
+    derivatives and stiffnesses of arrays are masked; for a single contact it is a NoAnswer.
     """
 
     prediction: Prediction
@@ -62,29 +65,35 @@ _VARIABLES = [f.name for f in dataclasses.fields(Derivatives)]
 
 
 @takes_contacts
-def predict_with_gradient(contacts, model: str = "fingertip_layer") -> PredictionWithGradient:
+def predict_with_gradient(contacts, model: Optional[str] = None) -> PredictionWithGradient:
     """A prediction, its exact derivatives (forward differentiation) and the contact's stiffnesses.
 
     `result.d_max_torque_Nm.thickness_m` is the derivative of the largest torque with respect to
     the layer's thickness. Takes four to five times a prediction's time; other threads run.
 
     Args:
-        model: a name out of `models()`
+        model: a name out of `models()`; default: the recommended one for each contact
 
     Returns:
         PredictionWithGradient, whose numbers have the shape to which the arguments broadcast
     """
-    check_model("predict_with_gradient", model)
+    function = "predict_with_gradient"
+    check_model(function, model)
     shape = contacts.shape
+    prediction = predict.of_contacts(contacts, model)
     known, stuck, derivatives = _core.gradient(model, contacts.numbers)
+    if not shape and not known:
+        reason = "it has no derivatives here: they are of one layer, and of models that are formulas"
+        raise NoAnswer(function, "model", models_of(contacts, model), reason)
     load_per_m = derivatives[
         _NUMBERS.index("d_indentation_m"), _VARIABLES.index("normal_force_N")
     ].copy()
     load_per_m[known] = 1 / load_per_m[known]
+
     return PredictionWithGradient(
-        predict.of_contacts(contacts, model),
+        prediction,
         shaped(known, shape),
-        shaped(load_per_m, shape),
-        *(shaped(stiffness, shape) for stiffness in stuck),
-        *(Derivatives(*(shaped(by, shape) for by in number)) for number in derivatives),
+        *shaped_rows(load_per_m[None], shape, known),
+        *shaped_rows(stuck, shape, known),
+        *(Derivatives(*shaped_rows(number, shape, known)) for number in derivatives),
     )

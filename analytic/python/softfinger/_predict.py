@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Union
+import functools
+from typing import Optional, Union
 
 import numpy
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._contacts import SHEAR_LAWS, check_model, takes_contacts, takes_contacts_with_friction
-from ._result import Flags, Numbers, Result, shaped
-from ._errors import InputError
+from ._contacts import (
+    ONE_CONTACT,
+    SHEAR_LAWS,
+    check_model,
+    models_of,
+    takes_contacts,
+    takes_contacts_with_friction,
+)
+from ._result import Flags, Numbers, Result, Words, masked, result, shaped
+from ._errors import InputError, NoAnswer
 from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 
 
@@ -35,11 +43,12 @@ def models() -> dict[str, ModelCard]:
     return {card["name"]: ModelCard(**card) for card in _core.models()}
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Prediction(Result):
-    """Contact ellipse and pressure of one model. All numbers are zero where it has no answer."""
+    """Contact ellipse and pressure. Arrays of contacts are masked where the model has no answer; a
+    single contact without one is a NoAnswer, which `predict` raises."""
 
-    model: str
+    model: Words  #: that answered; an array where each contact got the recommended one
     has_answer: Flags  #: bool; `checks` tells why not
     a_m: Numbers  #: semi-axis along the contact's long axis, a >= b
     b_m: Numbers  #: semi-axis along the short axis
@@ -68,12 +77,10 @@ class Prediction(Result):
         arm.
 
         Raises:
-            InputError: for arrays, and without an answer
+            InputError: for arrays
         """
         if numpy.shape(self.a_m):
             raise InputError("limit_surface", "shape", numpy.shape(self.a_m), "one contact")
-        if not self.has_answer:
-            raise InputError("limit_surface", "has_answer", False, "a contact with an answer")
         (exponent,) = _core.equivalent_exponents(
             *(numpy.array([x]) for x in (self.a_m, self.b_m, self.torque_arm_exact_m))
         )
@@ -95,15 +102,27 @@ def _is_normal(values):
     return (values >= limits.tiny) & (values <= limits.max)
 
 
-@takes_contacts_with_friction
-def predict(contacts, model: str = "fingertip_layer") -> Prediction:
+def _predict_at_once(arguments):
+    fields = ONE_CONTACT.predict(arguments)
+    if fields is None:
+        return None
+    prediction = object.__new__(Prediction)
+    object.__setattr__(prediction, "__dict__", fields)
+    return prediction
+
+
+@functools.partial(takes_contacts_with_friction, at_once=_predict_at_once)
+def predict(contacts, model: Optional[str] = None) -> Prediction:
     """Contact ellipse, indentation, pressure and largest torque of elastic layers on rigid cores.
 
     Answers arrays by the C++ library's predict_batch, with the same bits; bonded_layer and
-    fingertip_layer take a fifth of a microsecond per contact. Other threads run meanwhile.
+    fingertip_layer take a fifth of a microsecond per contact, and a contact by itself a few
+    microseconds. Other threads run during arrays.
 
     Args:
-        model: a name out of `models()`; its card names the equations and their source
+        model: a name out of `models()`, whose card names the equations and their source; default:
+            the recommended model for each contact, fingertip_layer for one layer on a convex
+            finger, else bonded_layer
 
     Returns:
         Prediction, whose numbers have the shape to which the arguments broadcast
@@ -120,10 +139,11 @@ def predict(contacts, model: str = "fingertip_layer") -> Prediction:
     # As PressureModel::predict has it, which knows the friction coefficient: what a double cannot
     # hold is no answer.
     is_lost = (friction > 0) & ~(_is_normal(force) & _is_normal(torque))
-    if is_lost.any():
-        for values in numbers.values():
-            values[is_lost] = 0
-    has_answer = numbers["a_m"] > 0
+    has_answer = (numbers["a_m"] > 0) & ~is_lost
+    shape = contacts.shape
+    names = models_of(contacts, model)
+    if not shape and not has_answer:
+        raise no_answer("predict", contacts, names)
     if law == "coulomb":
         arm = numbers["torque_arm_exact_m"].copy()
     else:
@@ -133,15 +153,24 @@ def predict(contacts, model: str = "fingertip_layer") -> Prediction:
             SHEAR_LAWS.index(law), *ellipse, exponent, load, friction, strength
         )
         torque = force * arm
-    numbers.update(has_answer=has_answer, max_force_N=force, max_torque_Nm=torque)
-    numbers["eccentricity_m"] = arm
-    for name in ("max_force_N", "max_torque_Nm", "eccentricity_m"):
-        numbers[name][~has_answer] = 0
-    numbers.update(normal_force_N=load, friction_coefficient=friction, shear_strength_Pa=strength)
-    shape = contacts.shape
+    numbers.update(max_force_N=force, max_torque_Nm=torque, eccentricity_m=arm)
+    asked = dict(normal_force_N=load, friction_coefficient=friction, shear_strength_Pa=strength)
     return Prediction(
-        model, shear_law=law, **{name: shaped(x, shape) for name, x in numbers.items()}
+        names,
+        shaped(has_answer, shape),
+        shear_law=law,
+        **{name: shaped(masked(x, has_answer), shape) for name, x in numbers.items()},
+        **{name: shaped(x, shape) for name, x in asked.items()},
     )
+
+
+def no_answer(function, contacts, model):
+    """The NoAnswer of one contact, with the model's reasons."""
+    failing = [check.message for check in _checks(contacts, model) if not check.holds]
+    reasons = [message.removeprefix("no answer: ") for message in failing]
+    if model != "bonded_layer":
+        reasons.append("ask another model, for instance bonded_layer")
+    return NoAnswer(function, "model", model, "; ".join(reasons))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -156,36 +185,47 @@ class Check:
     message: str  #: what it means when it does not hold
 
 
+def _checks(contacts, model):
+    return tuple(Check(*check) for check in _core.checks(model, contacts.numbers))
+
+
 @takes_contacts
-def checks(contacts, model: str = "fingertip_layer") -> tuple[Check, ...]:
+def checks(contacts, model: Optional[str] = None) -> tuple[Check, ...]:
     """Which assumptions of a model hold for one contact, and why it has no answer if it has none.
 
     Args:
-        model: a name out of `models()`
+        model: a name out of `models()`; default: the recommended one
 
     Returns:
         tuple of Check
     """
     check_model("checks", model)
     contacts.require_single("checks", "call it for each")
-    return tuple(Check(*check) for check in _core.checks(model, contacts.numbers))
+    return _checks(contacts, models_of(contacts, model))
 
 
 @takes_contacts
 def pressure_Pa(
-    contacts, x_m: ArrayLike, y_m: ArrayLike, model: str = "fingertip_layer"
+    contacts, x_m: ArrayLike, y_m: ArrayLike, model: Optional[str] = None
 ) -> Numbers:
     """The pressure of one contact at points of the contact plane, in Pa; 0 outside of the contact.
 
     Args:
         x_m, y_m: arrays that broadcast, along the contact's long and short axis from its centre
-        model: a name out of `models()`
+        model: a name out of `models()`; default: the recommended one
 
     Returns:
         array of the shape to which x_m and y_m broadcast
+
+    Raises:
+        NoAnswer: the model has none for this contact
     """
     check_model("pressure_Pa", model)
     contacts.require_single("pressure_Pa", "call it for each")
+    model = models_of(contacts, model)
     x, y = numpy.broadcast_arrays(numpy.asarray(x_m, float), numpy.asarray(y_m, float))
     points = numpy.stack([x.reshape(-1), y.reshape(-1)], axis=1)
-    return shaped(_core.pressure_Pa(model, contacts.numbers, points), x.shape)
+    pressure = _core.pressure_Pa(model, contacts.numbers, points)
+    if pressure is None:
+        raise no_answer("pressure_Pa", contacts, model)
+    return shaped(pressure, x.shape)

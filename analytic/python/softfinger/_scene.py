@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import os
 import subprocess
@@ -12,12 +11,13 @@ from typing import Union
 import numpy
 
 from ._errors import InputError
+from ._names import choices
 from ._program import find_program, input_file, refusal
-from ._result import Result
+from ._result import Result, result
 from ._simulation import StepError
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class SceneContact(Result):
     """A contact at the end of a step. The force acts on the second body."""
 
@@ -194,7 +194,7 @@ class Scene:
     @staticmethod
     def _of(function, argument, states, name):
         if name not in states:
-            raise InputError(function, argument, name, ", ".join(states) or "there is none")
+            raise InputError(function, argument, name, choices(name, states) or "there is none")
         return states[name]
 
 

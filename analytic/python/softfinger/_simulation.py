@@ -27,7 +27,9 @@ from ._contacts import (
     takes_contacts,
 )
 from ._errors import InputError
-from ._result import Result
+from ._names import choices
+from ._predict import predict
+from ._result import Result, result
 
 _FRICTION = ("ellipsoid", "six_patches", "limit_surface")
 _KINDS = ("fixed", "revolute", "prismatic", "ball")
@@ -63,7 +65,7 @@ def _zeros():
     return dataclasses.field(default_factory=lambda: numpy.zeros(3))
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Body(Result):
     """A rigid body at the start. Mass and inertia of a fixed one do not matter."""
 
@@ -140,7 +142,7 @@ def _at(position_m):
     return pose
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Joint(Result):
     """How `child` hangs on `parent` (names of bodies; None: the world). Anchor and axis in world
     coordinates at the start, where the joint's position is `start`, in rad or m."""
@@ -157,7 +159,7 @@ class Joint(Result):
 
     def __post_init__(self):
         if self.kind not in _KINDS:
-            raise InputError("Joint", "kind", self.kind, ", ".join(_KINDS))
+            raise InputError("Joint", "kind", self.kind, choices(self.kind, _KINDS))
         _checked(
             self,
             {"axis": (3,), "anchor_m": (3,)},
@@ -165,7 +167,7 @@ class Joint(Result):
         )
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class Motor(Result):
     """Drives a joint: effort = stiffness (target - position) + damping (target_velocity - velocity)
     + feed_forward, within +-max_effort. Stiffness and damping act implicitly: none makes a step
@@ -196,20 +198,24 @@ class Motor(Result):
 
 
 @takes_contacts
-def eccentricity_law(contacts, model: str = "fingertip_layer") -> Callable[[float], float]:
+def eccentricity_law(contacts, model: Optional[str] = None) -> Callable[[float], float]:
     """e_n of a soft contact as its load changes, for the contacts of a simulation.
 
     The load given is replaced by that of each step; the friction coefficient is the contact's own.
 
     Args:
-        model: a name out of `models()`
+        model: a name out of `models()`; default: the recommended one
 
     Returns:
         a function: law(load_N) is e_n in m
+
+    Raises:
+        NoAnswer: the model has none at the load given
     """
     check_model("eccentricity_law", model)
     contacts.require_single("eccentricity_law", "call it for each")
-    return _core.ModelEccentricity(model, contacts.numbers)
+    asked = predict.of_contacts(contacts, model)
+    return _core.ModelEccentricity(asked.model, contacts.numbers)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -307,7 +313,7 @@ class BoxOnPlane(_Pair):
                 yield self._contact(on_box - gap / 2 * normal, normal, gap, number)
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@result
 class ContactState(Result):
     """A contact of the last step: the mean force and torque that it exerts on body b."""
 
@@ -362,7 +368,7 @@ class Simulation:
         friction: str = "ellipsoid",
     ) -> None:
         if friction not in _FRICTION:
-            raise InputError("Simulation", "friction", friction, ", ".join(_FRICTION))
+            raise InputError("Simulation", "friction", friction, choices(friction, _FRICTION))
         self._body = _index("bodies", [body.name for body in bodies])
         self._joint = _index("joints", [joint.name for joint in joints])
         self._motors = {motor.joint: motor for motor in motors}
@@ -559,7 +565,7 @@ class Simulation:
     @staticmethod
     def _index_of(function, argument, index, name):
         if name not in index:
-            raise InputError(function, argument, name, ", ".join(index) or "there is none")
+            raise InputError(function, argument, name, choices(name, index) or "there is none")
         return index[name]
 
 

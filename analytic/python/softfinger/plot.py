@@ -3,7 +3,7 @@ imported when a figure is drawn."""
 
 from __future__ import annotations
 
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 import numpy
 
@@ -27,25 +27,23 @@ def _axes(axes):
 
 
 @takes_contacts_with_friction
-def plot_contact(contacts, model: str = "fingertip_layer", axes: Any = None) -> Any:
+def plot_contact(contacts, model: Optional[str] = None, axes: Any = None) -> Any:
     """Draws contact ellipse and pressure of one contact, in mm and kPa at equal scale.
 
     Args:
-        model: a name out of `models()`
+        model: a name out of `models()`; default: the recommended one
         axes: matplotlib axes to draw into; default: a new figure
 
     Returns:
         the axes
 
     Raises:
+        NoAnswer: the model has none for this contact
         ImportError: matplotlib is not installed
     """
     contacts.require_single("plot_contact", "call it for each")
     prediction = predict.of_contacts(contacts, model)
-    if not prediction.has_answer:
-        raise InputError(
-            "plot_contact", "model", model, "a model with an answer; `checks` tells why not"
-        )
+    model = prediction.model
     axes = _axes(axes)
     span = 1.2 * prediction.a_m * numpy.linspace(-1, 1, 161)
     x, y = numpy.meshgrid(span, span)
@@ -158,7 +156,7 @@ def plot_calibration(found: Calibration, axes: Any = None) -> Any:
         for outlier in found.outliers:
             if outlier.quantity == quantity:
                 is_outlier[outlier.index] = True
-        counts = ~is_outlier & ~numpy.isnan(measured)
+        counts = ~is_outlier & ~numpy.ma.getmaskarray(measured)
         one.fill_between(curve.load_N, scale * curve.low, scale * curve.high, alpha=0.25)
         one.plot(curve.load_N, scale * curve.value, label=found.model)
         one.errorbar(
