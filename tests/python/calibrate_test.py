@@ -192,13 +192,29 @@ class Calibrate(unittest.TestCase):
     def test_curves_pass_through_what_is_predicted_and_have_it_in_their_band(self):
         found = softfinger.calibrate(**inked_fingertip(), **FINGER)
         for name, curve in found.curves.items():
-            at = ~numpy.isnan(found.measured[name])
+            at = ~numpy.ma.getmaskarray(found.measured[name])
             drawn = numpy.interp(
                 numpy.log(found.load_N[at]), numpy.log(curve.load_N), numpy.log(curve.value)
             )
             # Powers of the load, straight between points that are 12 % apart.
             numpy.testing.assert_allclose(numpy.exp(drawn), found.predicted[name][at], rtol=1e-3)
             self.assertTrue((curve.low < curve.value).all() and (curve.value < curve.high).all())
+
+    def test_what_was_not_measured_is_masked_and_may_be_given_so(self):
+        measured = inked_fingertip()
+        masked = {name: numpy.ma.masked_invalid(values) for name, values in measured.items()}
+        found = softfinger.calibrate(**measured, **FINGER)
+        self.assertEqual(softfinger.calibrate(**masked, **FINGER), found)
+        missing = numpy.isnan(measured["max_torque_Nm"])
+        self.assertTrue(missing.any())
+        for arrays in (found.measured, found.std, found.predicted, found.deviation):
+            torque = arrays["max_torque_Nm"]
+            self.assertEqual(numpy.ma.getmaskarray(torque).tolist(), missing.tolist())
+
+    def test_what_too_few_data_leave_unknown_is_none(self):
+        widths = {k: v[:2] for k, v in inked_fingertip().items() if k in ("load_N", "a_m", "b_m")}
+        found = softfinger.calibrate(**widths, **FINGER, fit=["youngs_modulus"])
+        self.assertIn(None, [model.held_out_error for model in found.models])
 
     def test_what_cannot_be_used_is_refused_by_name(self):
         good = {**inked_fingertip(), **FINGER}

@@ -354,7 +354,7 @@ class Results(unittest.TestCase):
     def test_their_text_is_a_few_lines(self):
         for arguments in (PAD, random_contacts(5), random_contacts(500)):
             for function, lines in (
-                (softfinger.predict, 8),
+                (softfinger.predict, 9),
                 (softfinger.error_bound, 8),
                 (softfinger.select, 2),
                 (softfinger.predict_with_gradient, 10),

@@ -76,7 +76,7 @@ def _text_of(value):
         return text if len(text) <= _SHORT else f"({len(value)} of {type(value[0]).__name__})"
     text = " ".join(repr(value).split())
     if isinstance(value, Result) and len(text) > _SHORT:
-        return f"{type(value).__name__}(..)"
+        return "(..)"
     return text
 
 
@@ -85,11 +85,11 @@ def _text_of_array(values):
         return _text_of_list(values.tolist())
     if values.dtype.kind == "f":
         known = numpy.ma.compressed(values)
-        span = f", {known.min():.6g} to {known.max():.6g}" if known.size else ""
-        return f"<{values.shape} numbers{span}>"
+        span = f": {known.min():.3g} to {known.max():.3g}" if known.size else ""
+        return f"<{values.shape}{span}>"
     if values.dtype.kind == "b":
-        return f"<{values.shape}, {int(values.sum())} of {values.size} true>"
-    return f"<{values.shape} of {', '.join(map(repr, sorted(set(values.flat))))}>"
+        return f"<{values.shape}: {int(values.sum())} true>"
+    return f"<{values.shape}: {', '.join(map(repr, sorted(set(values.flat))))}>"
 
 
 def _text_of_list(values):
