@@ -29,7 +29,9 @@ class ErrorBounds(unittest.TestCase):
         self.assertEqual(found.bound.area[1], numpy.inf)
         self.assertEqual(found.by_strain.area.mask.tolist(), [False, True])
         alone = softfinger.error_bound(**{**PAD, "thickness_m": 1.0})
-        self.assertEqual((alone.bound.area, alone.expected, alone.usable()), (numpy.inf, None, False))
+        self.assertEqual(
+            (alone.bound.area, alone.expected, alone.usable()), (numpy.inf, None, False)
+        )
         self.assertIn("thick", found.outside[1])
         self.assertEqual(found.outside[0], "")
         self.assertEqual(found.usable().tolist(), [True, False])

@@ -1,38 +1,25 @@
-"""The notebooks run from top to bottom.
+"""The notebooks run from top to bottom, and show what they are kept with."""
 
-Their code cells are executed by Python itself, one after the other in one namespace, as Jupyter would:
-neither Jupyter nor its kernel is needed. A line may end with `;`, but no cell uses magics.
-"""
-
-import contextlib
 import importlib.util
-import io
 import json
 import os
 import pathlib
+import re
 import shutil
 import struct
 import tempfile
 import unittest
 
-os.environ["MPLBACKEND"] = "Agg"
-os.environ.setdefault("MPLCONFIGDIR", os.environ.get("TMPDIR", "/tmp"))
-
 import numpy
 
-FOLDER = pathlib.Path(os.environ["SOFTFINGER_SOURCE"], "analytic", "python", "notebooks")
+PYTHON = pathlib.Path(os.environ["SOFTFINGER_SOURCE"], "analytic", "python")
+FOLDER = PYTHON / "notebooks"
 
-
-def run(notebook):
-    """What the code cells print together."""
-    printed = io.StringIO()
-    namespace = {"__name__": "__main__"}
-    for number, cell in enumerate(json.loads(notebook.read_text(encoding="utf-8"))["cells"]):
-        if cell["cell_type"] == "code":
-            code = compile("".join(cell["source"]), f"{notebook.name}, cell {number}", "exec")
-            with contextlib.redirect_stdout(printed):
-                exec(code, namespace)
-    return printed.getvalue()
+_spec = importlib.util.spec_from_file_location(
+    "run_notebooks", PYTHON / "tools" / "run_notebooks.py"
+)
+run_notebooks = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(run_notebooks)
 
 
 def write_ellipsoid(path, semi_axes_mm=(12, 7, 14), count=60):
@@ -56,32 +43,57 @@ def write_ellipsoid(path, semi_axes_mm=(12, 7, 14), count=60):
 
 @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "no matplotlib")
 class Notebooks(unittest.TestCase):
-    def setUp(self):
+    @classmethod
+    def setUpClass(cls):
         folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.addCleanup(os.chdir, os.getcwd())
+        cls.addClassCleanup(folder.cleanup)
+        cls.addClassCleanup(os.chdir, os.getcwd())
         os.chdir(folder.name)
         mesh = pathlib.Path(os.environ.get("SOFTFINGER_MESHES", ""), "shadow_like_pad.stl")
-        if mesh.is_file():
+        cls.has_mesh = mesh.is_file()
+        if cls.has_mesh:
             shutil.copy(mesh, "tip.stl")
         else:
             write_ellipsoid("tip.stl")
+        cls.notebooks = {
+            path.stem: (
+                json.loads(path.read_text(encoding="utf-8")),
+                run_notebooks.text_of(run_notebooks.run(path)),
+            )
+            for path in FOLDER.glob("*.ipynb")
+        }
 
-    def test_all_of_them_run(self):
-        notebooks = sorted(FOLDER.glob("*.ipynb"))
-        self.assertGreaterEqual(len(notebooks), 3)
-        for notebook in notebooks:
-            with self.subTest(notebook.name):
-                self.assertTrue(run(notebook))
+    def test_they_show_what_they_are_kept_with(self):
+        """In words, and a picture where there is one. Of another scan than that of the built-in meshes
+        the words are others."""
+        self.assertGreaterEqual(len(self.notebooks), 3)
+        for name, (kept, shown) in self.notebooks.items():
+            with self.subTest(name):
+                self.assertGreater(len("".join(shown)), 500)
+                if self.has_mesh or "tip.stl" not in str(kept):
+                    self.assertEqual(
+                        shown,
+                        run_notebooks.text_of(kept),
+                        "run analytic/python/tools/run_notebooks.py",
+                    )
 
     def test_the_lines_for_mujoco_are_those_of_the_table(self):
-        printed = run(FOLDER / "from_a_scan_to_mujoco.ipynb")
-        self.assertRegex(printed, r'friction="0\.8 0\.00[0-9]+ 0\.0001"')
+        _, shown = self.notebooks["from_a_scan_to_mujoco"]
+        self.assertRegex("".join(shown), r'friction="0\.8 0\.00[0-9]+ 0\.0001"')
 
-    def test_they_are_kept_without_output(self):
-        for notebook in FOLDER.glob("*.ipynb"):
-            for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
-                self.assertFalse(cell.get("outputs"), notebook.name)
+    def test_what_the_fit_leaves_open_is_part_of_the_bound(self):
+        for name, part in (
+            (
+                "from_a_scan_to_mujoco",
+                r"within ([0-9.]+) %, of which the fit of the radii ([0-9.]+) %",
+            ),
+            ("calibrate", r"within ([0-9.]+) %: what the data leave open ([0-9.]+) %"),
+        ):
+            found = re.findall(part, "".join(self.notebooks[name][1]))
+            self.assertTrue(found, name)
+            for whole, by_fit in found:
+                self.assertGreater(float(by_fit), 0)
+                self.assertGreater(float(whole), float(by_fit))
 
 
 if __name__ == "__main__":

@@ -276,7 +276,9 @@ class Units(unittest.TestCase):
         contact, (warning,) = self.warned(radius_major_m=20, radius_minor_m=5, thickness_m=2)
         self.assertIs(warning.category, UserWarning)
         self.assertEqual(warning.filename, __file__)
-        self.assertRegex(str(warning.message), r"^predict: thickness_m = 2 \(usual: 10 um to 100 mm\)")
+        self.assertRegex(
+            str(warning.message), r"^predict: thickness_m = 2 \(usual: 10 um to 100 mm\)"
+        )
         self.assertIn("radius_major_m = 20 (usual: 0.1 mm to 1 m)", str(warning.message))
         self.assertGreater(contact.a_m, 0)
 
@@ -362,9 +364,7 @@ class Results(unittest.TestCase):
                 text = repr(function(**arguments)).split("\n")
                 self.assertLessEqual(len(text), lines, text)
                 self.assertLessEqual(max(map(len, text)), 100, text)
-        self.assertRegex(
-            repr(softfinger.select(**PAD)), r"^Choice\(model='\w+', bound=0\.\d+\)$"
-        )
+        self.assertRegex(repr(softfinger.select(**PAD)), r"^Choice\(model='\w+', bound=0\.\d+\)$")
 
     def test_no_answer_of_an_array_is_masked_and_nan_for_who_takes_the_mask_off(self):
         stiff = {**PAD, "poisson_ratio": [0.4, 0.5]}

@@ -58,7 +58,7 @@ class BoxOnPlane:
         *,
         friction_coefficient: float,
         eccentricity_m: Union[float, Callable[[float], float]] = ...,
-        shape: Optional[tuple[float, float]] = ...,
+        shape: Optional[tuple[float, float]] = ...
     ) -> None: ...
     def find(self, simulation: Simulation) -> Iterable[Contact]: ...
 
@@ -216,28 +216,28 @@ class Derivatives:
     ) -> None: ...
 
 class ErrorBound:
-    model: str
+    model: Words
     known: Flags
     bound: Errors
-    expected: Errors
-    by_model: Errors
-    by_strain: Errors
-    by_slope: Errors
-    by_curvature: Errors
+    expected: Optional[Errors]
+    by_model: Optional[Errors]
+    by_strain: Optional[Errors]
+    by_slope: Optional[Errors]
+    by_curvature: Optional[Errors]
     outside: Words
     def __init__(
         self,
-        model: str,
+        model: Words,
         known: Flags,
         bound: Errors,
-        expected: Errors,
-        by_model: Errors,
-        by_strain: Errors,
-        by_slope: Errors,
-        by_curvature: Errors,
+        expected: Optional[Errors],
+        by_model: Optional[Errors],
+        by_strain: Optional[Errors],
+        by_slope: Optional[Errors],
+        by_curvature: Optional[Errors],
         outside: Words,
     ) -> None: ...
-    def usable(self, tolerance: float = ...) -> Flags: ...
+    def usable(self, tolerance: float = ..., quantities: Sequence[str] = ...) -> Flags: ...
 
 class Errors:
     a: Numbers
@@ -433,14 +433,14 @@ class ModelFit:
     name: str
     aic: float
     scatter: float
-    held_out_error: float
+    held_out_error: Optional[float]
     parameters: dict[str, float]
     def __init__(
         self,
         name: str,
         aic: float,
         scatter: float,
-        held_out_error: float,
+        held_out_error: Optional[float],
         parameters: dict[str, float],
     ) -> None: ...
 
@@ -480,6 +480,10 @@ class NextMeasurement:
         std_then: float,
     ) -> None: ...
 
+class NoAnswer(InputError):
+    @property
+    def reason(self) -> str: ...
+
 class Outlier:
     quantity: str
     index: tuple[int, ...]
@@ -498,7 +502,7 @@ class Outlier:
     ) -> None: ...
 
 class Prediction:
-    model: str
+    model: Words
     has_answer: Flags
     a_m: Numbers
     b_m: Numbers
@@ -516,7 +520,7 @@ class Prediction:
     shear_strength_Pa: Numbers
     def __init__(
         self,
-        model: str,
+        model: Words,
         has_answer: Flags,
         a_m: Numbers,
         b_m: Numbers,
@@ -713,7 +717,7 @@ class Simulation:
         *,
         time_step_s: float = ...,
         gravity_m_per_s2: ArrayLike = ...,
-        friction: str = ...,
+        friction: str = ...
     ) -> None: ...
     @property
     def time_s(self) -> float: ...
@@ -753,7 +757,7 @@ class SphereOnPlane:
         *,
         friction_coefficient: float,
         eccentricity_m: Union[float, Callable[[float], float]] = ...,
-        shape: Optional[tuple[float, float]] = ...,
+        shape: Optional[tuple[float, float]] = ...
     ) -> None: ...
     def find(self, simulation: Simulation) -> Iterable[Contact]: ...
 
@@ -774,7 +778,7 @@ class SphereOnSphere:
         *,
         friction_coefficient: float,
         eccentricity_m: Union[float, Callable[[float], float]] = ...,
-        shape: Optional[tuple[float, float]] = ...,
+        shape: Optional[tuple[float, float]] = ...
     ) -> None: ...
     def find(self, simulation: Simulation) -> Iterable[Contact]: ...
 
@@ -809,7 +813,7 @@ def calibrate(
     winkler_modulus: str = ...,
     fit: Union[None, str, Sequence[str]] = ...,
     fixed: Optional[Mapping[str, float]] = ...,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> Calibration: ...
 def checks(
     *,
@@ -831,7 +835,7 @@ def checks(
     power_law_coefficient: float = ...,
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> tuple[Check, ...]: ...
 def eccentricity_law(
     *,
@@ -853,7 +857,7 @@ def eccentricity_law(
     power_law_coefficient: float = ...,
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> Callable[[float], float]: ...
 def error_bound(
     *,
@@ -875,10 +879,10 @@ def error_bound(
     power_law_coefficient: float = ...,
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> ErrorBound: ...
 def fem(
-    case: Union[str, os.PathLike, dict],
+    case: Union[None, str, os.PathLike, dict] = ...,
     *,
     level: Optional[int] = ...,
     torsion: bool = ...,
@@ -886,6 +890,7 @@ def fem(
     approach_m: Optional[float] = ...,
     output: Union[None, str, os.PathLike] = ...,
     time_limit_s: Optional[float] = ...,
+    **contact: ArrayLike
 ) -> tuple[FemResult, ...]: ...
 def fit(
     surface: Union[ArrayLike, tuple[ArrayLike, ArrayLike]],
@@ -917,7 +922,7 @@ def predict(
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
     shear_law: str = ...,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> Prediction: ...
 def predict_with_gradient(
     *,
@@ -939,7 +944,7 @@ def predict_with_gradient(
     power_law_coefficient: float = ...,
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> PredictionWithGradient: ...
 def pressure_Pa(
     *,
@@ -963,7 +968,7 @@ def pressure_Pa(
     power_law_pressure_exponent: float = ...,
     x_m: ArrayLike,
     y_m: ArrayLike,
-    model: str = ...,
+    model: Optional[str] = ...
 ) -> Numbers: ...
 def select(
     *,
@@ -987,7 +992,7 @@ def select(
     power_law_pressure_exponent: float = ...,
     tolerance: float = ...,
     models: Optional[Sequence[str]] = ...,
-    quantities: Sequence[str] = ...,
+    quantities: Sequence[str] = ...
 ) -> Choice: ...
 def simulate(scene: Union[str, os.PathLike, dict]) -> Scene: ...
 def weld(corners_m: ArrayLike) -> tuple[numpy.ndarray, numpy.ndarray]: ...

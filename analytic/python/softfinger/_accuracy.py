@@ -52,15 +52,17 @@ class ErrorBound(Result):
     known: Flags  #: bool
     bound: Errors  #: of the size of the error, in 95 % of all contacts
     expected: Optional[Errors]  #: signed: the model's answer over the finger's, less 1; the sum of
-    by_model: Optional[Errors] = dataclasses.field(repr=False)  #: the model's own error, for a flat layer in linear theory
+    by_model: Optional[Errors] = dataclasses.field(
+        repr=False
+    )  #: the model's own error, for a flat layer in linear theory
     by_strain: Optional[Errors] = dataclasses.field(repr=False)  #: what strain of the layer costs
-    by_slope: Optional[Errors] = dataclasses.field(repr=False)  #: slope of the surfaces at the contact's edge
+    by_slope: Optional[Errors] = dataclasses.field(
+        repr=False
+    )  #: slope of the surfaces at the contact's edge
     by_curvature: Optional[Errors] = dataclasses.field(repr=False)  #: curvature of the layer
     outside: Words  #: why nothing is known, in words; "" where it is
 
-    def usable(
-        self, tolerance: float = 0.1, quantities: Sequence[str] = USABLE
-    ) -> Flags:
+    def usable(self, tolerance: float = 0.1, quantities: Sequence[str] = USABLE) -> Flags:
         """Whether a, b, area and torque are within the tolerance (relative), as `softfinger predict`
         says it for bodies whose radii are exact; or other quantities."""
         return self.known & (self.bound.largest(quantities) <= tolerance)

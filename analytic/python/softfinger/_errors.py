@@ -59,11 +59,15 @@ class NoAnswer(InputError):
         function: what was asked
         argument: "model"
         value: the model's name
-        allowed: the reason, in words
+        reason: why, and what to do
     """
 
+    @property
+    def reason(self) -> str:
+        return self.allowed
+
     def __str__(self):
-        return f"{self.function}: {self.argument} = {self.value!r} has no answer: {self.allowed}"
+        return f"{self.function}: {self.argument} = {self.value!r} has no answer: {self.reason}"
 
 
 class ProgramError(RuntimeError):

@@ -83,7 +83,9 @@ def predict_with_gradient(contacts, model: Optional[str] = None) -> PredictionWi
     prediction = predict.of_contacts(contacts, model)
     known, stuck, derivatives = _core.gradient(model, contacts.numbers)
     if not shape and not known:
-        reason = "it has no derivatives here: they are of one layer, and of models that are formulas"
+        reason = (
+            "it has no derivatives here: they are of one layer, and of models that are formulas"
+        )
         raise NoAnswer(function, "model", models_of(contacts, model), reason)
     load_per_m = derivatives[
         _NUMBERS.index("d_indentation_m"), _VARIABLES.index("normal_force_N")

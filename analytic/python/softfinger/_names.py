@@ -6,7 +6,7 @@ import inspect
 
 
 def did_you_mean(name, known):
-    """"; did you mean NAME?" for the nearest of the known names, "" where none is near."""
+    """ "; did you mean NAME?" for the nearest of the known names, "" where none is near."""
     if not isinstance(name, str) or not name:
         return ""
     by_lower = {one.lower(): one for one in known}

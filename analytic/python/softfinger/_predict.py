@@ -205,9 +205,7 @@ def checks(contacts, model: Optional[str] = None) -> tuple[Check, ...]:
 
 
 @takes_contacts
-def pressure_Pa(
-    contacts, x_m: ArrayLike, y_m: ArrayLike, model: Optional[str] = None
-) -> Numbers:
+def pressure_Pa(contacts, x_m: ArrayLike, y_m: ArrayLike, model: Optional[str] = None) -> Numbers:
     """The pressure of one contact at points of the contact plane, in Pa; 0 outside of the contact.
 
     Args:

@@ -29,14 +29,14 @@ def plot_contact(
     power_law_exponent: float = ...,
     power_law_pressure_exponent: float = ...,
     shear_law: str = ...,
-    model: str = ...,
-    axes: Any = ...,
+    model: Optional[str] = ...,
+    axes: Any = ...
 ) -> Any: ...
 def plot_limit_surface(
     limit: Union[LimitSurface, ShearSurface, FrictionEllipsoid],
     direction_rad: float = ...,
     axes: Any = ...,
     count: int = ...,
-    **style: Any,
+    **style: Any
 ) -> Any: ...
 def plot_calibration(found: Calibration, axes: Any = ...) -> Any: ...
