@@ -4,6 +4,7 @@ usage: PYTHONPATH=build/release/python python3 tests/python/bench.py
 """
 
 import time
+import timeit
 
 import softfinger
 from samples import FAST_MODELS, random_contacts
@@ -33,9 +34,10 @@ def main(count=1_000_000):
         ]
         print(f"{model:20}" + "".join(f"{rate:10.2f}" for rate in rates))
     one = {name: float(values[0]) for name, values in contacts.items()}
-    print(
-        f"one contact by itself: {1e6 * fastest_s(lambda: softfinger.predict(**one)):.0f} microseconds"
-    )
+    print("microseconds of one contact by itself:")
+    for function in (softfinger.predict, softfinger.predict_with_gradient, softfinger.error_bound):
+        seconds = min(timeit.repeat(lambda: function(**one), number=1000, repeat=5)) / 1000
+        print(f"{function.__name__:24}{1e6 * seconds:6.1f}")
 
 
 if __name__ == "__main__":
