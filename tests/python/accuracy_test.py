@@ -7,7 +7,7 @@ import numpy
 
 import softfinger
 from samples import FAST_MODELS, PAD, needs_program, random_contacts
-from softfinger import _accuracy, _program
+from softfinger import _program
 
 
 class ErrorBounds(unittest.TestCase):
@@ -38,7 +38,7 @@ class ErrorBounds(unittest.TestCase):
 
 
 class Select(unittest.TestCase):
-    def test_the_choice_meets_the_tolerance_and_nothing_cheaper_or_equally_cheap_is_better(self):
+    def test_the_choice_is_the_best_of_those_that_meet_the_tolerance(self):
         contacts = random_contacts(200)
         usable = ("a", "b", "area", "max_torque")
         for tolerance in (0.02, 0.1, 0.5):
@@ -50,15 +50,7 @@ class Select(unittest.TestCase):
                     continue
                 self.assertLessEqual(worst[name], tolerance)
                 self.assertEqual(choice.bound[i], worst[name])
-                for other, cost in choice.cost_s.items():
-                    if max(cost, choice.cost_s[name]) < 1e-6:
-                        self.assertGreaterEqual(worst[other], worst[name])
-                    elif cost < choice.cost_s[name] / 10:
-                        self.assertGreater(worst[other], tolerance)
-
-    def test_costs_below_a_microsecond_are_equal_and_decades_count_above(self):
-        costs_s = (0, 2e-8, 9e-7, 1.1e-6, 9e-6, 1.1e-5, 1e-3)
-        self.assertEqual([_accuracy._cost_class(cost) for cost in costs_s], [0, 0, 0, 1, 1, 2, 3])
+                self.assertEqual(worst[name], min(worst.values()))
 
     def test_usable_is_what_select_chooses_by(self):
         contacts = random_contacts(200)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import time
 from typing import Optional, Sequence
 
@@ -107,8 +106,7 @@ def error_bound(contacts, model: Optional[str] = None) -> ErrorBound:
 
 @result
 class Choice(Result):
-    """The cheapest model that is accurate enough, for each contact; of equally cheap ones that with
-    the least bound."""
+    """The fast model with the least bound among those that are accurate enough, for each contact."""
 
     model: Words  #: its name; "" where none is known to meet the tolerance
     bound: Numbers  #: its largest error among the quantities asked for; infinite without a model
@@ -124,11 +122,11 @@ def select(
     models: Optional[Sequence[str]] = None,
     quantities: Sequence[str] = USABLE,
 ) -> Choice:
-    """The cheapest model whose stated error is within a tolerance, for each contact.
+    """The fast model whose stated error is within a tolerance, and the least, for each contact.
 
-    Only fast models are asked (`ModelCard.is_fast`), and no finite elements: `softfinger select`
-    also knows these. The cost is that of a prediction of all these contacts, measured; all below a
-    microsecond count as equal, so that the choice does not change from run to run.
+    Fast models (`ModelCard.is_fast`) count as equally cheap, as `softfinger select` has it, so that
+    the choice does not change from run to run; that knows the slow ones and finite elements, too.
+    The cost, for information, is that of a prediction of all these contacts, measured.
 
     Args:
         tolerance: of every chosen quantity, relative; positive and finite
@@ -160,21 +158,11 @@ def select(
     bounds = {name: error_bound.of_contacts(contacts, name) for name in names}
     chosen = numpy.full(contacts.shape, "", dtype=object)
     bound = numpy.full(contacts.shape, numpy.inf)
-    classes = {name: _cost_class(cost) for name, cost in cost_s.items()}
-    for cost_class in sorted(set(classes.values()), reverse=True):  # the cheapest one last
-        of_class = numpy.full(contacts.shape, False)
-        for name in (name for name in names if classes[name] == cost_class):
-            worst = numpy.asarray(bounds[name].bound.largest(quantities))
-            better = (worst <= tolerance) & (~of_class | (worst < bound))
-            chosen, bound = numpy.where(better, name, chosen), numpy.where(better, worst, bound)
-            of_class |= better
+    for name in names:
+        worst = numpy.asarray(bounds[name].bound.largest(quantities))
+        better = (worst <= tolerance) & (worst < bound)
+        chosen, bound = numpy.where(better, name, chosen), numpy.where(better, worst, bound)
     return Choice(shaped(chosen, contacts.shape), shaped(bound, contacts.shape), cost_s, bounds)
-
-
-def _cost_class(cost_s):
-    """All that take less than a microsecond are equally cheap, and above it decades count: smaller
-    differences are those of a measurement of time."""
-    return max(0, math.ceil(math.log10(max(cost_s, 1e-9) / 1e-6)))
 
 
 def _cost_s(name, contacts):

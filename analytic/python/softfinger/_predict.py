@@ -121,8 +121,8 @@ def predict(contacts, model: Optional[str] = None) -> Prediction:
 
     Args:
         model: a name out of `models()`, whose card names the equations and their source; default:
-            the recommended model for each contact, fingertip_layer for one layer on a convex
-            finger, else bonded_layer
+            the recommended model for each contact, fingertip_layer for fingers like those that it
+            was fitted to, else bonded_layer
 
     Returns:
         Prediction, whose numbers have the shape to which the arguments broadcast

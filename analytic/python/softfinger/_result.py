@@ -122,11 +122,12 @@ def shaped_rows(rows, shape, known=True):
 
 def masked(values, known):
     """The values where they are known, masked elsewhere; as they are where all are known."""
-    if numpy.all(known):
+    known = numpy.asarray(known)
+    if known.all():
         return values
     return numpy.ma.array(
         numpy.where(known, values, numpy.nan),
-        mask=numpy.broadcast_to(~numpy.asarray(known), numpy.shape(values)),
+        mask=numpy.broadcast_to(~known, numpy.shape(values)).copy(),
         fill_value=numpy.nan,
     )
 
