@@ -33,7 +33,7 @@ AT_LEAST_ONE = Range(lambda x: (x >= 1) & (x < numpy.inf), "1 or more, finite")
 @dataclasses.dataclass(frozen=True)
 class Usual:
     """What fingertips and other soft contacts have, in SI units. A number outside of it is answered
-    with a warning: most often it is in millimetres, or in metres where millimetres were meant."""
+    with a warning: most often it is in another unit than its name says."""
 
     low: float
     high: float
@@ -224,8 +224,8 @@ def warn_of_the_unusual(function, arrays, numbers):
             )
     if found:
         warnings.warn(
-            f"{function}: {', '.join(found)}: millimetres and metres mixed up? All numbers are in "
-            "SI units; the answer is for them as they are",
+            f"{function}: {', '.join(found)}: are units mixed up, millimetres for metres, kPa for "
+            "Pa? All numbers are in SI units, and the answer is for them as they are",
             UserWarning,
             stacklevel=_levels_to_the_caller(),
         )
