@@ -1,5 +1,6 @@
 """Error bounds and the choice of a model."""
 
+import dataclasses
 import tempfile
 import unittest
 
@@ -7,7 +8,7 @@ import numpy
 
 import softfinger
 from samples import FAST_MODELS, PAD, needs_program, random_contacts
-from softfinger import _program
+from softfinger import _accuracy, _program
 
 
 class ErrorBounds(unittest.TestCase):
@@ -21,6 +22,32 @@ class ErrorBounds(unittest.TestCase):
                 numpy.testing.assert_allclose(
                     total, getattr(found.expected, quantity), rtol=1e-12, atol=1e-12
                 )
+
+    def test_plain_numbers_have_the_bounds_of_arrays(self):
+        """Plain numbers are answered by the compiled part at once."""
+        contacts = random_contacts(200)
+        known = 0
+        for model in (None, *FAST_MODELS):
+            together = softfinger.error_bound(**contacts, model=model)
+            for i in range(200):
+                plain = {k: float(v[i]) for k, v in contacts.items()}
+                at_once = _accuracy._bound_at_once({**plain, "model": model})
+                self.assertEqual(at_once is not None, together.known[i])
+                if at_once is None:
+                    continue
+                array = softfinger.error_bound(
+                    **{k: v[i : i + 1] for k, v in contacts.items()}, model=model
+                )
+                for field in dataclasses.fields(at_once):
+                    one, other = getattr(at_once, field.name), getattr(array, field.name)
+                    if isinstance(one, softfinger.Errors):
+                        one, other = (list(vars(x).values()) for x in (one, other))
+                        other = [float(x[0]) for x in other]
+                    else:
+                        other = other[0] if isinstance(other, numpy.ndarray) else other
+                    self.assertEqual(one, other, field.name)
+                known += 1
+        self.assertGreater(known, 300)
 
     def test_what_is_not_known_is_infinite_and_says_why(self):
         # A layer thicker than the runs that the bounds are from.

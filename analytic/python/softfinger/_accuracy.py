@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
 from typing import Optional, Sequence
 
@@ -10,6 +11,7 @@ import numpy
 
 from . import _core
 from ._contacts import (
+    ONE_CONTACT,
     POSITIVE,
     as_numbers,
     check_model,
@@ -19,7 +21,7 @@ from ._contacts import (
 )
 from ._errors import InputError
 from ._names import choices
-from ._result import Flags, Numbers, Result, Words, result, shaped, shaped_rows
+from ._result import Flags, Numbers, Result, Words, of_fields, result, shaped, shaped_rows
 
 QUANTITIES = ("a", "b", "indentation", "area", "peak_pressure", "max_torque")
 #: Those within the tolerance make a model usable, as all commands of the program mean it.
@@ -74,7 +76,17 @@ def _expected_errors(rows, known, shape):
     return Errors(*shaped_rows(rows, shape, known))
 
 
-@takes_contacts
+def _bound_at_once(arguments):
+    fields = ONE_CONTACT.error_bound(arguments)
+    if fields is None:
+        return None
+    for name, value in fields.items():
+        if isinstance(value, dict):
+            fields[name] = of_fields(Errors, value)
+    return of_fields(ErrorBound, fields)
+
+
+@functools.partial(takes_contacts, at_once=_bound_at_once)
 def error_bound(contacts, model: Optional[str] = None) -> ErrorBound:
     """The errors of a model, against finite elements of the whole finger: neo-Hookean layer on a
     rigid core, bent over a finger of the given curvature.

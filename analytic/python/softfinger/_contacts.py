@@ -376,21 +376,20 @@ ONE_CONTACT = _core.OneContact(
 )
 
 
-def takes_contacts(function):
+def takes_contacts(function, at_once=None):
     """Makes a function of checked contacts one of the numbers of contacts, by keyword.
 
     The first parameter of `function` receives the Contacts; its others stay as they are. The
     function of checked contacts remains within reach, as the attribute `of_contacts`.
-    """
-    return _taking(function, ARRAYS, SCALARS)
-
-
-def takes_contacts_with_friction(function, at_once=None):
-    """The same for a function that knows other shear laws than Coulomb's.
 
     Args:
         at_once: a fast way for plain arguments, which gives None for all others
     """
+    return _taking(function, ARRAYS, SCALARS, at_once)
+
+
+def takes_contacts_with_friction(function, at_once=None):
+    """The same for a function that knows other shear laws than Coulomb's."""
     return _taking(function, [*_ARRAYS_WITH_FRICTION, SHEAR_STRENGTH], _SCALARS_WITH_LAW, at_once)
 
 

@@ -18,7 +18,7 @@ from ._contacts import (
     takes_contacts,
     takes_contacts_with_friction,
 )
-from ._result import Flags, Numbers, Result, Words, masked, result, shaped
+from ._result import Flags, Numbers, Result, Words, masked, of_fields, result, shaped
 from ._errors import InputError, NoAnswer
 from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 
@@ -104,11 +104,7 @@ def _is_normal(values):
 
 def _predict_at_once(arguments):
     fields = ONE_CONTACT.predict(arguments)
-    if fields is None:
-        return None
-    prediction = object.__new__(Prediction)
-    object.__setattr__(prediction, "__dict__", fields)
-    return prediction
+    return None if fields is None else of_fields(Prediction, fields)
 
 
 @functools.partial(takes_contacts_with_friction, at_once=_predict_at_once)

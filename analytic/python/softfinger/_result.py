@@ -108,6 +108,13 @@ def _are_equal(one, other):
     return numpy.array_equal(one, other)
 
 
+def of_fields(kind, fields):
+    """A result whose fields are known to be right: its constructor takes ten times as long."""
+    made = object.__new__(kind)
+    object.__setattr__(made, "__dict__", fields)
+    return made
+
+
 def shaped(values, shape):
     """Values of a flat array in their shape; a number of Python's own for the shape ()."""
     return values.reshape(shape) if shape else values.item()
