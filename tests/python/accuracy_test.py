@@ -100,10 +100,10 @@ class Select(unittest.TestCase):
         candidates = {c["model"]: c for c in told["choices"][0]["candidates"]}
         choice = softfinger.select(**PAD)
         for name, bound in choice.bounds.items():
-            if candidates[name]["error_estimate"] is None:
+            if candidates[name]["error_bound"] is None:
                 self.assertFalse(bound.known)
                 continue
-            for quantity, value in candidates[name]["error_estimate"].items():
+            for quantity, value in candidates[name]["error_bound"].items():
                 self.assertAlmostEqual(getattr(bound.bound, quantity) / value, 1, delta=1e-12)
 
     def test_unknown_names_are_refused(self):
