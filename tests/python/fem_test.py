@@ -122,7 +122,6 @@ class Fem(unittest.TestCase):
         )
         (result,) = softfinger.fem(case, level=1)
         self.assertEqual(result.load_N, 0.3)
-        self.assertEqual(result.document["kinematics"], "linear")
         (by_numbers,) = softfinger.fem(**numbers, level=1)
         self.assertEqual(by_numbers.a_m, result.a_m)
         model = softfinger.predict(**numbers, model="bonded_layer")
