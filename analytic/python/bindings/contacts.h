@@ -98,14 +98,8 @@ class AskedModel {
   const PressureModel& of(const ContactProblem& problem) const {
     return named_ ? *named_ : default_model(problem);
   }
-  /// The one that all of these contacts get; null where they get several, or there are none.
-  const PressureModel* of_all(const Contacts& contacts) const {
-    if (named_ || contacts.count() == 0) return named_;
-    const PressureModel* first = &of(contacts.problem(0));
-    for (std::size_t i = 1; i < contacts.count(); ++i)
-      if (&of(contacts.problem(i)) != first) return nullptr;
-    return first;
-  }
+  /// Null: each contact has its own.
+  const PressureModel* common() const { return named_; }
 
  private:
   const PressureModel* named_;

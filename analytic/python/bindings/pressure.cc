@@ -67,7 +67,7 @@ py::dict predict(const std::optional<std::string>& name, const py::dict& numbers
                                 output("torque_arm_exact_m"),
                                 output("torque_arm_paper_m")};
   const py::gil_scoped_release others_may_run;
-  const PressureModel* model = asked.of_all(contacts);
+  const PressureModel* model = asked.common();
   if (!model || contacts.have_object_layers())
     predict_each(asked, contacts, answers);
   else

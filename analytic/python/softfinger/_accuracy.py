@@ -100,14 +100,14 @@ def error_bound(contacts, model: Optional[str] = None) -> ErrorBound:
     Returns:
         ErrorBound, whose numbers have the shape to which the arguments broadcast
     """
-    check_model("error_bound", model)
+    common, names = models_of(contacts, check_model("error_bound", model))
     shape = contacts.shape
-    known, expected, causes, bound, outside = _core.error_bound(model, contacts.numbers)
+    known, expected, causes, bound, outside = _core.error_bound(common, contacts.numbers)
     if model == "power_law":  # as in the program: the bounds are of theories
         known[:], bound[:] = False, numpy.inf
         outside = ["a measured law holds for the finger that it was measured on"] * known.size
     return ErrorBound(
-        models_of(contacts, model),
+        names,
         shaped(known, shape),
         Errors(*shaped_rows(bound, shape)),
         _expected_errors(expected, known, shape),

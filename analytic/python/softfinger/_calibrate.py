@@ -21,7 +21,7 @@ from ._contacts import (
     broadcast,
     check_range,
     check_shear_law,
-    models_of,
+    single_model,
 )
 from ._errors import InputError
 from ._names import choices, suggests_keywords
@@ -243,8 +243,7 @@ def calibrate(
 
     unique_N, contact_of_row = numpy.unique(loads.reshape(-1), return_inverse=True)
     contacts = _contacts(given, start, unique_N)
-    model = models_of(contacts, model)
-    model = model if isinstance(model, str) else model[0]  # the loads are those of one finger
+    model = single_model("calibrate", contacts, model)  # the loads are those of one finger
     rows = list(_rows(measured))
     quantity, index = numpy.array(rows).T
     every = list(_QUANTITIES)

@@ -149,14 +149,23 @@ def check_model(function, name):
 
 
 def models_of(contacts, name):
-    """The names of the models that answer: one, or an array of them for arrays of contacts of which
-    each gets the recommended one."""
+    """The model that answers all contacts, None where they have several; and its name for the result,
+    or an array of names for arrays of contacts of which each gets the recommended one."""
     if name is not None:
-        return name
+        return name, name
     places = _core.default_models(contacts.numbers)
     if not contacts.shape:
-        return MODELS[places[0]]
-    return numpy.array(MODELS, dtype=object)[places].reshape(contacts.shape)
+        return (MODELS[places[0]],) * 2
+    if places.size == 0 or (places == places[0]).all():
+        common = MODELS[places[0]] if places.size else MODELS[0]
+        return common, numpy.full(contacts.shape, common, dtype=object)
+    return None, numpy.array(MODELS, dtype=object)[places].reshape(contacts.shape)
+
+
+def single_model(function, contacts, name):
+    """The checked model of what takes one contact only, or contacts of one finger."""
+    model, names = models_of(contacts, check_model(function, name))
+    return model or names.flat[0]
 
 
 def as_numbers(function, name, value):

@@ -78,15 +78,15 @@ def predict_with_gradient(contacts, model: Optional[str] = None) -> PredictionWi
         PredictionWithGradient, whose numbers have the shape to which the arguments broadcast
     """
     function = "predict_with_gradient"
-    check_model(function, model)
+    common, names = models_of(contacts, check_model(function, model))
     shape = contacts.shape
     prediction = predict.of_contacts(contacts, model)
-    known, stuck, derivatives = _core.gradient(model, contacts.numbers)
+    known, stuck, derivatives = _core.gradient(common, contacts.numbers)
     if not shape and not known:
         reason = (
             "it has no derivatives here: they are of one layer, and of models that are formulas"
         )
-        raise NoAnswer(function, "model", models_of(contacts, model), reason)
+        raise NoAnswer(function, "model", names, reason)
     load_per_m = derivatives[
         _NUMBERS.index("d_indentation_m"), _VARIABLES.index("normal_force_N")
     ].copy()

@@ -15,6 +15,7 @@ from ._contacts import (
     SHEAR_LAWS,
     check_model,
     models_of,
+    single_model,
     takes_contacts,
     takes_contacts_with_friction,
 )
@@ -123,8 +124,8 @@ def predict(contacts, model: Optional[str] = None) -> Prediction:
     Returns:
         Prediction, whose numbers have the shape to which the arguments broadcast
     """
-    check_model("predict", model)
-    numbers = _core.predict(model, contacts.numbers)
+    common, names = models_of(contacts, check_model("predict", model))
+    numbers = _core.predict(common, contacts.numbers)
     numbers["area_m2"] = numpy.pi * numbers["a_m"] * numbers["b_m"]
     load, friction = (contacts.numbers[x] for x in ("normal_force_N", "friction_coefficient"))
     strength = contacts.numbers.get("shear_strength_Pa", numpy.zeros_like(friction))
@@ -137,7 +138,6 @@ def predict(contacts, model: Optional[str] = None) -> Prediction:
     is_lost = (friction > 0) & ~(_is_normal(force) & _is_normal(torque))
     has_answer = (numbers["a_m"] > 0) & ~is_lost
     shape = contacts.shape
-    names = models_of(contacts, model)
     if not shape and not has_answer:
         raise no_answer("predict", contacts, names)
     if law == "coulomb":
@@ -195,9 +195,8 @@ def checks(contacts, model: Optional[str] = None) -> tuple[Check, ...]:
     Returns:
         tuple of Check
     """
-    check_model("checks", model)
     contacts.require_single("checks", "call it for each")
-    return _checks(contacts, models_of(contacts, model))
+    return _checks(contacts, single_model("checks", contacts, model))
 
 
 @takes_contacts
@@ -214,9 +213,8 @@ def pressure_Pa(contacts, x_m: ArrayLike, y_m: ArrayLike, model: Optional[str] =
     Raises:
         NoAnswer: the model has none for this contact
     """
-    check_model("pressure_Pa", model)
     contacts.require_single("pressure_Pa", "call it for each")
-    model = models_of(contacts, model)
+    model = single_model("pressure_Pa", contacts, model)
     x, y = numpy.broadcast_arrays(numpy.asarray(x_m, float), numpy.asarray(y_m, float))
     points = numpy.stack([x.reshape(-1), y.reshape(-1)], axis=1)
     pressure = _core.pressure_Pa(model, contacts.numbers, points)
