@@ -175,7 +175,9 @@ TEST(Comparison, ErrorsCarryWhatVerdictsNeed) {
   EXPECT_NEAR(*errors.size, std::sqrt(layer.a_m * kMovedA * layer.b_m * kMovedB) / 2e-3, 1e-12);
   for (const judgement::ModelError& one : errors.models) {
     if (one.model == "bonded_layer") {
-      EXPECT_NEAR(one.area, 1 / kMovedArea - 1, 1e-14);
+      const double worst = std::max(
+          {std::abs(1 / kMovedA - 1), std::abs(1 / kMovedB - 1), std::abs(1 / kMovedArea - 1)});
+      EXPECT_NEAR(std::abs(one.contact), worst, 1e-14) << "the largest of a, b and area";
       EXPECT_NEAR(one.max_torque, 1 / kMovedTorque - 1, 1e-14);
       EXPECT_TRUE(one.has_answer && one.hot_path && one.applicable);
       EXPECT_EQ(one.sound, layer.valid()) << "nothing fails that a linear reference measures";
@@ -374,9 +376,12 @@ TEST(Scoring, TakesTheLargerOfTheTwoErrors) {
   one.max_torque = -0.05;
   EXPECT_EQ(judgement::score(load, one)->quantity, prediction::Quantity::max_torque);
   EXPECT_DOUBLE_EQ(one.larger(), 0.05);
-  one.area = NAN;
+  one.set_contact(0.01, -0.07, 0.03);
+  EXPECT_EQ(judgement::score(load, one)->quantity, prediction::Quantity::b);
+  EXPECT_DOUBLE_EQ(one.larger(), 0.07);
+  one.set_contact(0.01, NAN, 0.03);
   EXPECT_TRUE(std::isnan(one.larger()));
-  one.area = 0;
+  one.contact = 0;
   one.max_torque = NAN;
   EXPECT_TRUE(std::isnan(one.larger()));
   one.has_answer = false;
