@@ -142,7 +142,8 @@ def main():
 
     turn = turn_of_presliding(program, arguments.source)
     print("lift_box turns by {:.1f} to {:.1f} degrees at {:.0f} to {:.0f} % of the limit".format(*turn))
-    claims.check(["docs/files.md"], r"by (\d+) to (\d+) degrees, as it swings, at (\d+) to (\d+) % of the limit", turn, 1)
+    claims.check(["docs/files.md"],
+                 r"by (\d+) to (\d+) degrees, as it swings, at (\d+) to (\d+) % of the limit", turn, 1)
 
     bound = bound_of_sampled_gap(program)
     print(f"error bound of a sampled gap: {bound}")
