@@ -360,6 +360,7 @@ std::string answer_line(const CaseCalibration& calibration) {
 std::string describe(const CaseCalibration& calibration) {
   std::string out =
       answer_line(calibration) + calibration.fitted.id + ": " + headline(calibration) + "\n";
+  if (!calibration.unit_doubt.empty()) out += calibration.unit_doubt + "\n";
   out += "\n" + parameter_table(calibration) + "\n";
   for (const std::string& sentence : sentences(calibration)) out += sentence + "\n";
   if (calibration.cannot_tell.empty())
@@ -420,6 +421,7 @@ nlohmann::json to_json(const CaseCalibration& calibration) {
       {"parameters", parameters},
       {"fixed", fixed},
       {"covariance", covariance_json(calibration)},
+      {"unit_doubt", calibration.unit_doubt.empty() ? json() : json(calibration.unit_doubt)},
       {"cannot_tell", cannot_tell},
       {"next_measurement", next_json(calibration.next)},
       {"models", models},
@@ -460,7 +462,9 @@ nlohmann::json page_data(const CaseCalibration& calibration, const std::string& 
   }
   result["curves"] = curves;
   result["ellipses"] = ellipses;
-  result["sentences"] = sentences(calibration);
+  std::vector<std::string> all = sentences(calibration);
+  if (!calibration.unit_doubt.empty()) all.insert(all.begin(), calibration.unit_doubt);
+  result["sentences"] = all;
   result["next_sentence"] = next_sentence(calibration.next);
   result["description"] = headline(calibration);
   result["question"] = calibration.fitted.question;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "comparisons/calibration/unit_doubt.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/calibration/statistics.h"
 #include "softfinger/input/constants.h"
@@ -193,14 +194,18 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
     problem.start = result.found.values;
     put_into(result.fitted, result.found.values);
   }
-  if (const std::string reason = contradiction(problem, result.found); !reason.empty())
+  if (const std::string reason = contradiction(problem, result.found); !reason.empty()) {
+    const std::string better = better_units(problem);
     throw InputError(table.file, reason, "",
-                     "data that some model explains; are the case's geometry and the units right?");
+                     "data that some model explains; are the case's geometry and the units right?" +
+                         (better.empty() ? "" : " Read " + better));
+  }
   put_into(result.fitted, result.found.values);
   result.models = compare_models(problem, result.found);
   result.shear_laws = compare_shear_laws(problem, result.found);
   result.growth = growth_exponent(problem, result.found);
   result.next = next_measurement(problem, result.found);
+  result.unit_doubt = unit_doubt(problem, result.found);
   result.cannot_tell = softfinger::cannot_tell(problem, result.found);
   return result;
 }

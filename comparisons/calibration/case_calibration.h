@@ -34,6 +34,7 @@ struct CaseCalibration {
   GrowthExponent growth;
   NextMeasurement next;
   std::vector<std::string> cannot_tell;
+  std::string unit_doubt;  ///< a sentence, where no rubber is like that; else empty
 
   const ParameterEstimate* estimate(Parameter parameter) const;
 };

@@ -102,7 +102,8 @@ bool leaves_files_behind(const XmlFile& file, const ApplyOptions& options, const
 
 nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const fs::path& output,
                        const Simulator& simulator, const ContactCurve& curve,
-                       const SoftContact& contact, bool written) {
+                       const SoftContact& contact, bool written,
+                       const std::vector<std::string>& notes) {
   const auto errors = relative_errors(simulator, contact, curve);
   const auto force_errors = relative_force_errors(contact, curve);
   const auto text_or_null = [](const std::string& text) {
@@ -144,6 +145,7 @@ nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const f
           {"changes", changes},
           {"loads", loads},
           {"worst_relative_error", text::finite_or_null(worst)},
+          {"notes", notes},
           {"traps", simulator.traps}};
 }
 
@@ -191,7 +193,7 @@ int run_apply(const ApplyOptions& options) {
   if (options.effective_mass_g > 0) wanted.effective_mass_kg = 1e-3 * options.effective_mass_g;
   if (options.depth_mm > 0) wanted.depth_m = 1e-3 * options.depth_mm;
   if (options.plugin) wanted.plugin = plugin_problem(options, contact_case, curve.nominal.load_N);
-  apply_contact(file, options.fingers, simulator, wanted);
+  const std::vector<std::string> notes = apply_contact(file, options.fingers, simulator, wanted);
 
   const std::string text = file.text();
   // What was written has to be a model that can be read again, with nothing left to change.
@@ -202,12 +204,13 @@ int run_apply(const ApplyOptions& options) {
                      "elements that are written once");
   const bool usable = curve.nominal.assessment.usable, written = usable || options.contact.force;
   if (written) system::write_file_atomically(output, text);
+  for (const std::string& note : notes) remark(options.model + ": " + note);
   if (written && leaves_files_behind(file, options, output))
     remark(output.string() +
            ": the file names others by relative paths, which do not lie in its folder");
   if (options.json)
     system::write_to_stdout(
-        to_json(options, file, output, simulator, curve, wanted.contact, written)
+        to_json(options, file, output, simulator, curve, wanted.contact, written, notes)
             .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
         "\n");
   else
@@ -263,7 +266,7 @@ void add_apply(CLI::App& app, Action& action) {
   command->footer(
       "The contact is that of export: e_n is constant, and exact at the nominal load. A DOCTYPE "
       "is\n"
-      "refused, includes are not followed, files are at most 20 MB.\n"
+      "refused, included files are named but not read, files are at most 20 MB.\n"
       "Samples:\n"
       "  softfinger apply hand.xml silicone_pad_2mm --finger tip_1 --finger tip_2 --to mujoco -o "
       "soft.xml\n"

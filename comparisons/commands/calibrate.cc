@@ -152,6 +152,8 @@ int run_calibrate(const CalibrateOptions& options) {
   const calibration::CaseCalibration result =
       calibration::calibrate_case(contact_case, table, request);
   for (const std::string& line : result.remarks) remark(line);
+  // The text on standard output says it, too.
+  if (options.json && !result.unit_doubt.empty()) remark(result.unit_doubt);
 
   std::vector<std::pair<std::filesystem::path, std::string>> files;
   if (!options.output.empty())

@@ -275,10 +275,12 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
           "all loads and models together")
       ->check(CLI::Range(2, 100000));
   command
-      ->add_option("--gap", options->gap,
-                   "\"quadric\" (default): all models get the quadrics fitted to meshes; "
-                   "\"sampled\": the model layer_fft gets the gap between the meshes themselves, "
-                   "sampled along the contact's normal (0.3 s per load), all others the quadric")
+      ->add_option(
+          "--gap", options->gap,
+          "\"quadric\" (default): all models get the quadrics fitted to meshes; "
+          "\"sampled\": the model layer_fft gets the gap between the meshes themselves, "
+          "sampled along the contact's normal (0.3 s per load; no error is known for it), all "
+          "others the quadric")
       ->check(CLI::IsMember({"quadric", "sampled"}));
   const CLI::Option* page = command->add_option(
       "--page", options->page,

@@ -37,6 +37,22 @@ struct SimulateOptions {
 
 volatile std::sig_atomic_t interrupted = 0;
 
+/// While it lives, Ctrl-C ends the simulation after the step, and reading a command at once.
+class InterruptCatcher {
+ public:
+  InterruptCatcher() {
+    struct sigaction action {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    sigaction(SIGINT, &action, &before_);  // no SA_RESTART: a read ends
+  }
+  ~InterruptCatcher() { sigaction(SIGINT, &before_, nullptr); }
+  InterruptCatcher(const InterruptCatcher&) = delete;
+  InterruptCatcher& operator=(const InterruptCatcher&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
 nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
   const Recording& recording = run.recording;
   const Frame& last = recording.frames.back();
@@ -151,6 +167,7 @@ int run_simulate(const SimulateOptions& options) {
   std::optional<Control> control;
   SimulationOptions settings;
   if (options.control) settings = control.emplace(scene, std::cin, std::cout).options();
+  if (output) settings.keeps_frames = true;  // its files show all of them
   if (!options.record_lcp.empty()) {
     system::make_writable_folder(options.record_lcp);
     settings.record_lcp = options.record_lcp;
@@ -158,30 +175,29 @@ int run_simulate(const SimulateOptions& options) {
   Simulation run;
   {
     system::Progress progress;
-    std::signal(SIGINT, [](int) { interrupted = 1; });
+    const InterruptCatcher catcher;
     settings.go_on = [&, further = settings.go_on](int step) {
       if (step % 100 == 0 && !options.control)
         progress.show(fmt::format("{}: step {} of {}", scene.id, step, scene.steps()));
       return !interrupted && further(step);
     };
     run = simulate(scene, settings);
-    std::signal(SIGINT, SIG_DFL);
   }
   if (!options.output.empty()) write_results(options, scene, run);
-  const nlohmann::json result = to_json(run, scene);
-  if (options.control) {
-    // The states have been written, and the end of the commands is no interruption.
-    if (!run.failure.empty()) remark("error: " + run.failure);
-    return run.failure.empty() ? 0 : 3;
+  // The end of the commands is no interruption, and the states have been written.
+  if (!options.control) {
+    const nlohmann::json result = to_json(run, scene);
+    if (options.json)
+      system::write_to_stdout(result.dump(2) + "\n");
+    else
+      system::write_text_to_stdout(summary(result));
   }
-  if (options.json)
-    system::write_to_stdout(result.dump(2) + "\n");
-  else
-    system::write_text_to_stdout(summary(result));
-  if (run.interrupted)
+  const bool is_cut_short = interrupted && run.interrupted;
+  if (is_cut_short)
     remark(fmt::format("interrupted after {} of {} steps", run.steps, scene.steps()));
   if (!run.failure.empty()) remark("error: " + run.failure);
-  return run.failure.empty() && !run.interrupted ? 0 : 3;
+  if (!run.failure.empty()) return 3;
+  return is_cut_short ? 128 + SIGINT : 0;
 }
 
 }  // namespace

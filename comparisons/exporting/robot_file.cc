@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "comparisons/exporting/simulators/drake.h"
 #include "comparisons/text/nearest_name.h"
@@ -108,42 +109,174 @@ std::string elsewhere(const XmlFile& file) {
 
 double numeric(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 
-/// The default of the class that a geom has: of itself, else the nearest childclass around it.
-const XmlElement* default_of(const XmlFile& file, const XmlElement& geom) {
-  std::string name = geom.value("class");
-  for (const XmlElement* body = geom.parent; body && name.empty(); body = body->parent)
-    name = body->value("childclass");
-  for (const auto& element : file.elements()) {
-    if (element->name != "default") continue;
-    const bool is_main = element->parent == &file.root();
-    if (name.empty() || name == "main" ? is_main : element->value("class") == name)
-      return element.get();
+/// What MJCF says in other places than the geom: defaults, pairs, options. Found once, so that
+/// asking for each geom costs no pass through the file.
+class Mjcf {
+ public:
+  explicit Mjcf(const XmlFile& file) {
+    for (const auto& element : file.elements()) {
+      const XmlElement* const parent = element->parent;
+      if (element->name == "default") {
+        const bool is_main = parent == &file.root();
+        if (is_main) main_.push_back(element.get());
+        const std::string name = element->value("class");
+        if (!name.empty() && name != "main") classes_[name].push_back(element.get());
+      } else if (parent && parent->name == "contact" && element->name == "pair") {
+        for (const char* geom : {"geom1", "geom2"})
+          pairs_[element->value(geom)].insert(element.get());
+      } else if (parent && parent->name == "contact" && element->name == "exclude") {
+        excludes_.push_back(element.get());
+      } else if (element->name == "option" || (parent && parent->name == "option")) {
+        options_.push_back(element.get());
+      } else if ((element->name == "include" || element->name == "model") &&
+                 element->attribute("file")) {
+        unread_.push_back(element->value("file"));
+      }
+    }
   }
-  return nullptr;
+
+  /// An attribute of a geom or a pair, else of its class, else of one around that; empty: nowhere.
+  std::string value(const XmlElement& element, const char* name) const {
+    if (element.attribute(name)) return element.value(name);
+    for (const auto* defaults = defaults_of(element); defaults;) {
+      for (const XmlElement* of_class : *defaults)
+        for (const XmlElement* child : of_class->children)
+          if (child->name == element.name && child->attribute(name)) return child->value(name);
+      defaults = defaults == &main_ ? nullptr : defaults_around(*defaults->front());
+    }
+    return "";
+  }
+
+  /// The pairs that a geom is in.
+  const std::set<const XmlElement*>& pairs(const XmlElement& geom) const {
+    static const std::set<const XmlElement*> none;
+    const std::string name = geom.value("name");
+    const auto found = pairs_.find(name);
+    return name.empty() || found == pairs_.end() ? none : found->second;
+  }
+
+  /// The last <option> that states an attribute counts, and the last <flag>. Null: none does.
+  const XmlElement* option(const char* element, const char* attribute) const {
+    const XmlElement* last = nullptr;
+    for (const XmlElement* option : options_)
+      if (option->name == element && option->attribute(attribute)) last = option;
+    return last;
+  }
+  bool states(const char* element, const char* attribute, const char* value) const {
+    const XmlElement* const found = option(element, attribute);
+    return found && found->value(attribute) == value;
+  }
+
+  const std::vector<const XmlElement*>& excludes() const { return excludes_; }
+  /// Files that are a part of the model, but not of this text.
+  const std::vector<std::string>& unread() const { return unread_; }
+
+ private:
+  using Elements = std::vector<const XmlElement*>;
+
+  /// Of the class that the element names, else of the nearest childclass around it; null: none.
+  const Elements* defaults_of(const XmlElement& element) const {
+    std::string name = element.value("class");
+    for (const XmlElement* body = element.parent; body && name.empty(); body = body->parent)
+      name = body->value("childclass");
+    if (name.empty() || name == "main") return main_.empty() ? nullptr : &main_;
+    const auto found = classes_.find(name);
+    return found == classes_.end() ? nullptr : &found->second;
+  }
+  const Elements* defaults_around(const XmlElement& of_class) const {
+    const XmlElement* const around = of_class.parent;
+    if (!around || around->name != "default") return nullptr;
+    const auto found = classes_.find(around->value("class"));
+    return found != classes_.end() && around->parent->name == "default" ? &found->second : &main_;
+  }
+
+  Elements main_, excludes_, options_;
+  std::map<std::string, Elements> classes_;
+  std::map<std::string, std::set<const XmlElement*>> pairs_;
+  std::vector<std::string> unread_;
+};
+
+/// The bits of contype or conaffinity, which are 1 where nothing is said.
+unsigned mask(const Mjcf& mjcf, const XmlElement& geom, const char* name) {
+  const std::string value = mjcf.value(geom, name);
+  return value.empty() ? 1u : unsigned(std::strtoul(value.c_str(), nullptr, 0));
 }
 
-/// An attribute of a geom of MJCF, else of its class or of one around that; empty: nowhere.
-std::string value_of_geom(const XmlFile& file, const XmlElement& geom, const char* name) {
-  if (geom.attribute(name)) return geom.value(name);
-  for (const XmlElement* around = default_of(file, geom); around; around = around->parent)
-    for (const XmlElement* child : around->children)
-      if (around->name == "default" && child->name == "geom" && child->attribute(name))
-        return child->value(name);
+/// Why friction of this geom has no effect: it is only there to be seen; empty: it has one.
+std::string why_untouched(const Mjcf& mjcf, const XmlElement& geom) {
+  if (!mjcf.pairs(geom).empty()) return "";
+  if (mjcf.states("option", "collision", "predefined"))
+    return "only geoms of a <pair> do under <option collision=\"predefined\">, and it is in none";
+  if (mask(mjcf, geom, "contype") == 0 && mask(mjcf, geom, "conaffinity") == 0)
+    return "its contype and conaffinity are 0, so that friction has no effect";
   return "";
 }
 
-/// Whether a geom is only there to be seen, or one of a <pair>.
-bool touches_nothing(const XmlFile& file, const XmlElement& geom) {
-  for (const char* mask : {"contype", "conaffinity"}) {
-    const std::string value = value_of_geom(file, geom, mask);
-    if (value.empty() || numeric(value) != 0) return false;  // MuJoCo's own is 1
+/// @throws InputError where the file has switched off what the geoms' friction would do
+void check_flags(const XmlFile& file, const Mjcf& mjcf) {
+  const auto refuse = [&](const char* name, const char* value, const std::string& allowed) {
+    if (!mjcf.states("flag", name, value)) return;
+    throw InputError(fmt::format("{}:{}", file.where(), mjcf.option("flag", name)->line),
+                     fmt::format("<flag {}=\"{}\"/>", name, value), "", allowed);
+  };
+  for (const char* flag : {"contact", "constraint"})
+    refuse(flag, "disable", "a model with contacts: without them friction has no effect");
+  refuse("override", "enable",
+         "a model without it: each contact has the friction of <option o_friction>, whatever its "
+         "geoms say");
+}
+
+/// The body of a geom, around the frames that only place it.
+const XmlElement* body_of(const XmlElement& geom) {
+  const XmlElement* body = geom.parent;
+  while (body->parent && body->name != "body" && body->name != "worldbody") body = body->parent;
+  return body;
+}
+
+/// What else decides whether and how the fingers touch: a sentence each.
+std::vector<std::string> notes_about(const XmlFile& file, const Mjcf& mjcf,
+                                     const std::vector<const XmlElement*>& geoms) {
+  std::vector<std::string> notes;
+  if (!mjcf.unread().empty()) {
+    const bool is_one = mjcf.unread().size() == 1;
+    notes.push_back(fmt::format(
+        "the file includes {}, which {} not read: a geom there may have a higher priority, whose "
+        "friction then counts, and defaults and options there may change this contact",
+        text::shortened(text::joined(mjcf.unread()), 200), is_one ? "is" : "are"));
   }
-  const std::string name = geom.value("name");
+  std::set<std::string> bodies;
+  for (const XmlElement* geom : geoms) bodies.insert(body_of(*geom)->value("name"));
+  for (const XmlElement* exclude : mjcf.excludes())
+    for (const char* name : {"body1", "body2"})
+      if (!exclude->value(name).empty() && bodies.count(exclude->value(name)) > 0) {
+        notes.push_back(fmt::format("line {}: the bodies \"{}\" and \"{}\" do not touch: <exclude>",
+                                    exclude->line, text::shortened(exclude->value("body1")),
+                                    text::shortened(exclude->value("body2"))));
+        break;
+      }
+
+  // Contype and conaffinity of the other bodies' geoms, each combination once.
+  std::map<std::pair<unsigned, unsigned>, std::set<const XmlElement*>> owners;
   for (const auto& element : file.elements())
-    if (element->name == "pair" && !name.empty() &&
-        (element->value("geom1") == name || element->value("geom2") == name))
-      return false;
-  return true;
+    if (element->name == "geom" && is_inside(*element, "worldbody"))
+      owners[{mask(mjcf, *element, "contype"), mask(mjcf, *element, "conaffinity")}].insert(
+          body_of(*element));
+  std::set<std::string> untouched;
+  for (const XmlElement* geom : geoms) {
+    if (!mjcf.pairs(*geom).empty()) continue;
+    const unsigned type = mask(mjcf, *geom, "contype"), affinity = mask(mjcf, *geom, "conaffinity");
+    bool has_others = false, touches = false;
+    for (const auto& [masks, bodies_with] : owners) {
+      if (bodies_with.size() == 1 && bodies_with.count(body_of(*geom)) > 0) continue;
+      has_others = true;
+      touches |= (type & masks.second) != 0 || (masks.first & affinity) != 0;
+    }
+    if (has_others && !touches)
+      untouched.insert(fmt::format("contype {} and conaffinity {}", type, affinity));
+  }
+  for (const std::string& masks : untouched)
+    notes.push_back("a finger touches no other body of the file: none fits its " + masks);
+  return notes;
 }
 
 /// Names that tell apart what one name has in several places: "; name it a::c or b::c".
@@ -166,7 +299,7 @@ std::string longer_names(const std::vector<Part>& parts, const std::string& fing
 }
 
 std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat format,
-                                               const std::vector<Part>& parts,
+                                               const Mjcf& mjcf, const std::vector<Part>& parts,
                                                const std::string& finger) {
   std::vector<const XmlElement*> found;
   std::set<std::string> owners;
@@ -192,45 +325,66 @@ std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat 
                      fmt::format("one {}: {} have this name{}", kind, owners.size(),
                                  longer_names(parts, finger)));
   if (format != RobotFormat::mjcf) return found;
-  const int line = found.front()->line;
-  found.erase(std::remove_if(found.begin(), found.end(),
-                             [&](const XmlElement* geom) { return touches_nothing(file, *geom); }),
-              found.end());
+  const XmlElement& first = *found.front();
+  found.erase(
+      std::remove_if(found.begin(), found.end(),
+                     [&](const XmlElement* geom) { return !why_untouched(mjcf, *geom).empty(); }),
+      found.end());
   if (found.empty())
-    throw InputError(fmt::format("{}:{}", file.where(), line), "--finger",
+    throw InputError(fmt::format("{}:{}", file.where(), first.line), "--finger",
                      "\"" + text::shortened(finger) + "\"",
-                     "a geom that touches others: its contype and conaffinity are 0, so that "
-                     "friction has no effect");
+                     "a geom that touches others: " + why_untouched(mjcf, first));
   return found;
 }
 
-/// The largest of an attribute over all of the file, at least 0.
-int largest(const XmlFile& file, const std::string& name,
-            const std::vector<const XmlElement*>& except) {
+/// The largest priority over all of the file but the fingers' geoms, at least 0.
+int largest_priority(const XmlFile& file, const std::vector<const XmlElement*>& fingers) {
+  const std::set<const XmlElement*> except(fingers.begin(), fingers.end());
   double value = 0;
   for (const auto& element : file.elements())
-    if (std::find(except.begin(), except.end(), element.get()) == except.end())
-      value = std::max(value, numeric(element->value(name)));
+    if (element->attribute("priority") && except.count(element.get()) == 0)
+      value = std::max(value, numeric(element->value("priority")));
   return int(std::min(value, 1e6));
 }
 
-void apply_mujoco(XmlFile& file, const std::vector<const XmlElement*>& geoms,
-                  const RobotContact& wanted) {
+/// condim 6 has the torque, too, and keeps its rolling friction.
+struct Rolling {
+  bool has_any = false;
+  std::vector<std::string> numbers;
+
+  /// @param from  where the rolling friction begins in the attribute `friction`
+  Rolling(const Mjcf& mjcf, const XmlElement& element, std::size_t from, std::size_t count)
+      : has_any(mjcf.value(element, "condim") == "6"), numbers(count, "0.0001") {
+    std::istringstream words(mjcf.value(element, "friction"));
+    std::string word;
+    for (std::size_t i = 0; has_any && words >> word; ++i)
+      if (i >= from && i - from < count) numbers[i - from] = word;
+  }
+};
+
+std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
+                                      const std::vector<const XmlElement*>& geoms,
+                                      const RobotContact& wanted) {
+  check_flags(file, mjcf);
   const double mu = wanted.contact.friction_coefficient;
   const double spin_m = wanted.contact.torque_per_load_m();
-  const int other_priority = largest(file, "priority", geoms);
+  const int other_priority = largest_priority(file, geoms);
   const std::string effect = wanted.torque_error + "; " + wanted.force_error;
 
   for (const XmlElement* geom : geoms) {
     WantedElement changed;
-    // condim 6 has the torque, too.
-    if (geom->value("condim") != "6")
+    const Rolling rolling(mjcf, *geom, 2, 1);
+    if (!rolling.has_any)
       changed.attributes.push_back({"condim", "4", "a torque about the normal"});
-    if (!(numeric(geom->value("priority")) > other_priority))
+    if (!(numeric(mjcf.value(*geom, "priority")) > other_priority))
       changed.attributes.push_back({"priority", std::to_string(other_priority + 1),
-                                    "this geom's friction counts, not the object's"});
+                                    mjcf.unread().empty()
+                                        ? "this geom's friction counts, not the object's"
+                                        : "this geom's friction counts before all others' of this "
+                                          "file"});
     changed.attributes.push_back(
-        {"friction", fmt::format("{} {} 0.0001", number(mu), number(spin_m)), effect});
+        {"friction", fmt::format("{} {} {}", number(mu), number(spin_m), rolling.numbers[0]),
+         effect});
     if (wanted.effective_mass_kg) {
       const MujocoSpring spring =
           mujoco_spring(wanted.contact.normal_stiffness_N_per_m, *wanted.effective_mass_kg);
@@ -248,20 +402,20 @@ void apply_mujoco(XmlFile& file, const std::vector<const XmlElement*>& geoms,
   }
 
   // A pair that the file defines has its own friction.
-  for (const auto& element : file.elements()) {
-    if (element->name != "pair" || !is_inside(*element, "contact")) continue;
-    const bool is_finger = std::any_of(geoms.begin(), geoms.end(), [&](const XmlElement* geom) {
-      const std::string name = geom->value("name");
-      return !name.empty() && (element->value("geom1") == name || element->value("geom2") == name);
-    });
-    if (is_finger)
-      file.change(
-          *element,
-          tag("pair",
-              {{"condim", "4", "a torque about the normal"},
-               {"friction", fmt::format("{0} {0} {1} 0.0001 0.0001", number(mu), number(spin_m)),
-                effect}}));
-  }
+  std::set<const XmlElement*> changed_pairs;
+  for (const XmlElement* geom : geoms)
+    for (const XmlElement* pair : mjcf.pairs(*geom)) {
+      if (!changed_pairs.insert(pair).second) continue;
+      const Rolling rolling(mjcf, *pair, 3, 2);
+      WantedElement changed;
+      if (!rolling.has_any)
+        changed.attributes.push_back({"condim", "4", "a torque about the normal"});
+      changed.attributes.push_back({"friction",
+                                    fmt::format("{0} {0} {1} {2} {3}", number(mu), number(spin_m),
+                                                rolling.numbers[0], rolling.numbers[1]),
+                                    effect});
+      file.change(*pair, changed);
+    }
 
   // The last <option> that states one counts.
   std::vector<Value> options = {{"cone", "elliptic", "the friction ellipsoid; pyramids allow less"},
@@ -310,6 +464,7 @@ void apply_mujoco(XmlFile& file, const std::vector<const XmlElement*>& geoms,
     root.children.push_back(custom);
   }
   file.change(file.root(), root);
+  return notes_about(file, mjcf, geoms);
 }
 
 /// <surface><friction> of Gazebo Classic.
@@ -452,8 +607,8 @@ RobotFormat format_of(const XmlFile& file) {
                    "<" + text::shortened(root) + ">", "", "<mujoco>, <robot> (URDF) or <sdf>");
 }
 
-void apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
-                   const Simulator& simulator, const RobotContact& contact) {
+std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
+                                       const Simulator& simulator, const RobotContact& contact) {
   const RobotFormat format = format_of(file);
   const std::string name(simulator.name);
   const bool is_mjcf = format == RobotFormat::mjcf;
@@ -466,15 +621,17 @@ void apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
                              : "bullet, gazebo or drake for URDF and SDF: MuJoCo reads no "
                                "friction from them, save the model as MJCF first");
   const std::vector<Part> parts = parts_of(file, format);
+  const Mjcf mjcf(file);
   std::vector<const XmlElement*> elements;
+  std::set<const XmlElement*> known;
   for (const std::string& finger : fingers)
-    for (const XmlElement* element : parts_of_finger(file, format, parts, finger))
-      if (std::find(elements.begin(), elements.end(), element) == elements.end())
-        elements.push_back(element);
-  if (name == "mujoco") apply_mujoco(file, elements, contact);
+    for (const XmlElement* element : parts_of_finger(file, format, mjcf, parts, finger))
+      if (known.insert(element).second) elements.push_back(element);
+  if (name == "mujoco") return apply_mujoco(file, mjcf, elements, contact);
   if (name == "bullet") apply_bullet(file, format, elements, contact);
   if (name == "gazebo") apply_gazebo(file, format, elements, contact);
   if (name == "drake") apply_drake(file, format, elements, contact);
+  return {};
 }
 
 }  // namespace softfinger::exporting

@@ -39,10 +39,11 @@ struct RobotContact {
 /// @param fingers  MJCF: geoms, or bodies for all their geoms that touch others; URDF, SDF:
 /// collisions, or links for all their collisions; also LINK::COLLISION, MODEL::LINK::COLLISION
 /// @throws InputError for a finger that the file has not or has several of, with the nearest name,
-/// for a geom of MJCF that touches nothing,
+/// for a geom of MJCF that touches nothing, for flags of MJCF under which friction has no effect,
 /// for a simulator that does not read such files, and for a shape whose depth is not known
-void apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
-                   const Simulator& simulator, const RobotContact& contact);
+/// @returns what else decides about the contact, as files that are included, a sentence each
+std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
+                                       const Simulator& simulator, const RobotContact& contact);
 
 /// The numbers of solref and solimp that give MuJoCo's contact of a mass a stiffness and critical
 /// damping. With a constant impedance d, solimp="d d w", and solref="-k -b" MuJoCo's law is

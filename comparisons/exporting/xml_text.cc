@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
+#include <map>
 
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -151,14 +153,6 @@ bool adopt(const tinyxml2::XMLElement* read, std::vector<std::unique_ptr<XmlElem
   return at == elements.size();
 }
 
-/// The blanks at the start of the line of a place, if there is nothing else before it.
-std::string indentation(const std::string& text, std::size_t place) {
-  const std::size_t newline = text.rfind('\n', place == 0 ? 0 : place - 1);
-  const std::size_t begin = newline == std::string::npos || place == 0 ? 0 : newline + 1;
-  const std::size_t end = text.find_first_not_of(" \t", begin);
-  return text.substr(begin, std::min(end, place) - begin);
-}
-
 std::string rendered(const WantedElement& wanted, const std::string& indent) {
   std::string tag = indent + "<" + wanted.name;
   for (const auto& value : wanted.attributes)
@@ -175,15 +169,29 @@ std::string joined_path(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "/" + name;
 }
 
-const XmlElement* child_of(const XmlElement& element, const WantedElement& wanted) {
-  for (const XmlElement* child : element.children) {
-    if (child->name != wanted.name) continue;
-    if (wanted.key.empty()) return child;
-    for (const auto& value : wanted.attributes)
-      if (value.name == wanted.key && child->value(wanted.key) == value.value) return child;
+/// Finds the children of an element that are wanted: by their key, each of which may be asked for
+/// once, or the first of a name.
+class Children {
+ public:
+  explicit Children(const XmlElement& element) : element_(element) {}
+
+  const XmlElement* find(const WantedElement& wanted) {
+    const auto [place, is_new] = of_key_.try_emplace({wanted.name, wanted.key});
+    auto& found = place->second;
+    if (is_new)
+      for (const XmlElement* child : element_.children)
+        if (child->name == wanted.name) found.emplace(child->value(wanted.key), child);
+    std::string value;
+    for (const auto& attribute : wanted.attributes)
+      if (attribute.name == wanted.key) value = attribute.value;
+    const auto child = wanted.key.empty() ? found.find("") : found.find(value);
+    return child == found.end() ? nullptr : child->second;
   }
-  return nullptr;
-}
+
+ private:
+  const XmlElement& element_;
+  std::map<std::pair<std::string, std::string>, std::map<std::string, const XmlElement*>> of_key_;
+};
 
 }  // namespace
 
@@ -215,9 +223,19 @@ XmlFile::XmlFile(std::string text, std::string where)
     throw InputError(fmt::format("{}:{}", where_, document.ErrorLineNum()),
                      reason.substr(reason.find(' ') + 1), "", "well-formed XML");
   }
+  line_begins_ = {0};
+  for (std::size_t at = 0; (at = text_.find('\n', at)) != std::string::npos;)
+    line_begins_.push_back(++at);
   elements_ = Places(text_).find();
   if (elements_.empty() || !document.RootElement() || !adopt(document.RootElement(), elements_))
     throw InputError(where_, "the text is not understood", "", "XML with one root element");
+}
+
+std::string XmlFile::indentation(std::size_t place) const {
+  const std::size_t begin =
+      *std::prev(std::upper_bound(line_begins_.begin(), line_begins_.end(), place));
+  const std::size_t end = text_.find_first_not_of(" \t", begin);
+  return text_.substr(begin, std::min(end, place) - begin);
 }
 
 void XmlFile::note(const XmlElement& element, XmlChange change) {
@@ -266,7 +284,7 @@ void XmlFile::add_children(const XmlElement& element,
                            const std::vector<const WantedElement*>& children,
                            const std::string& path) {
   if (children.empty()) return;
-  const std::string indent = indentation(text_, element.begin);
+  const std::string indent = indentation(element.begin);
   std::string block;
   for (const WantedElement* child : children) {
     block += rendered(*child, indent + "  ");
@@ -292,11 +310,12 @@ void XmlFile::add_children(const XmlElement& element,
   }
   // On lines of their own before the closing tag, which keeps its own.
   const std::size_t close = element.content_end;
-  const std::size_t line = text_.rfind('\n', close == 0 ? 0 : close - 1);
-  const bool is_alone = line != std::string::npos && line + 1 >= element.content &&
-                        text_.find_first_not_of(" \t", line + 1) == close;
+  const std::size_t line =
+      *std::prev(std::upper_bound(line_begins_.begin(), line_begins_.end(), close));
+  const bool is_alone =
+      line >= element.content && line > 0 && text_.find_first_not_of(" \t", line) == close;
   if (is_alone)
-    edits_.push_back({line + 1, 0, block});
+    edits_.push_back({line, 0, block});
   else
     edits_.push_back({close, 0, "\n" + block + indent});
 }
@@ -317,8 +336,9 @@ void XmlFile::change(const XmlElement& element, const WantedElement& wanted,
                      child->text.empty() ? "(set)" : child->text, "", ""});
     }
   std::vector<const WantedElement*> missing;
+  Children children(element);
   for (const WantedElement& child : wanted.children) {
-    if (const XmlElement* const found = child_of(element, child))
+    if (const XmlElement* const found = children.find(child))
       change(*found, child, joined_path(path, child.name));
     else
       missing.push_back(&child);

@@ -92,7 +92,11 @@ class XmlFile {
                     const std::string& path);
   void note(const XmlElement& element, XmlChange change);
 
+  /// The blanks at the start of the line of a place.
+  std::string indentation(std::size_t place) const;
+
   std::string text_, where_;
+  std::vector<std::size_t> line_begins_;
   std::vector<std::unique_ptr<XmlElement>> elements_;
   std::vector<Edit> edits_;
   std::vector<XmlChange> changes_;

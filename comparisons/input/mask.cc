@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -12,10 +13,30 @@
 namespace softfinger::input {
 namespace {
 
+/// The file without the chunks that say how its numbers become light. The contact's edge is where
+/// the stored values are half, whatever their depth: libpng would otherwise convert a linear
+/// picture to sRGB, in which half lies elsewhere.
+std::string without_colour_spaces(const std::string& bytes) {
+  constexpr std::size_t kSignature = 8, kAroundData = 12;  // length, name and checksum
+  std::string kept = bytes.substr(0, kSignature);
+  for (std::size_t at = kept.size(); at < bytes.size();) {
+    std::size_t length = 0;
+    for (std::size_t i = at; i < std::min(at + 4, bytes.size()); ++i)
+      length = 256 * length + static_cast<unsigned char>(bytes[i]);
+    const std::string chunk = bytes.substr(at, length + kAroundData);
+    const std::string name = chunk.size() < 8 ? "" : chunk.substr(4, 4);
+    if (name != "gAMA" && name != "cHRM" && name != "sRGB" && name != "iCCP" && name != "cICP")
+      kept += chunk;
+    at += chunk.size();
+  }
+  return kept;
+}
+
 /// Which pixels belong to the contact.
 class Mask {
  public:
-  Mask(const std::string& bytes, bool is_dark, const std::string& file) {
+  Mask(const std::string& file_bytes, bool is_dark, const std::string& file) {
+    const std::string bytes = without_colour_spaces(file_bytes);
     png_image image = {};
     image.version = PNG_IMAGE_VERSION;
     const auto refuse = [&] {
@@ -32,6 +53,8 @@ class Mask {
                        fmt::format("at most {:.0f} million pixels", 1e-6 * kMostMaskPixels));
     }
     image.format = PNG_FORMAT_GA;
+    // Without it libpng takes 16 bits to be linear.
+    image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     std::vector<png_byte> grey_and_alpha(PNG_IMAGE_SIZE(image));
     if (!png_image_finish_read(&image, nullptr, grey_and_alpha.data(), 0, nullptr)) refuse();
     is_contact_.resize(width_ * height_);

@@ -26,8 +26,8 @@ struct MaskedContact {
 };
 
 /// @param bytes  a PNG file
-/// @param is_dark  the contact is what is darker than half, like ink on paper; else lighter. What
-/// is
+/// @param is_dark  the contact is what is darker than half, like ink on paper; else lighter. Half
+///                 is that of the stored values, whatever their depth and the file's gamma. What is
 ///                 more than half transparent is no contact
 /// @param file  for messages
 /// @throws InputError for what is no PNG, has too many pixels, no contact, or a contact that

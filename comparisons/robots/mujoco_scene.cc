@@ -15,6 +15,7 @@
 #include <set>
 
 #include "comparisons/robots/mujoco_contacts.h"
+#include "comparisons/robots/named_files.h"
 #include "comparisons/robots/urdf_file.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -68,6 +69,7 @@ struct Model {
 /// one of them forbids.
 Model load(const std::filesystem::path& file, const std::vector<FingerLayer>& layers,
            std::vector<std::string>& notes) {
+  refuse_named_pipes(file);
   if (!is_urdf(file)) return Model(file);
   UrdfFile urdf = read_urdf(file);
   notes = std::move(urdf.notes);

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 #include <tinyxml2.h>
 
+#include <algorithm>
+
 #include "comparisons/robots/imported_scene.h"
 #include "softfinger/input/errors.h"
 
@@ -23,6 +25,17 @@ double number(const XMLElement& limit, const char* name, const std::string& wher
   if (limit.QueryDoubleAttribute(name, &value) == tinyxml2::XML_WRONG_ATTRIBUTE_TYPE)
     throw InputError(where, name, in_quotes(attribute(limit, name)), "a number");
   return value;
+}
+
+/// MuJoCo ends with a fault at another one.
+void check_type(const std::filesystem::path& file, const XMLElement& joint) {
+  static const std::vector<std::string> known = {"revolute", "continuous", "prismatic",
+                                                 "fixed",    "floating",   "planar"};
+  const std::string type = attribute(joint, "type");
+  if (std::find(known.begin(), known.end(), type) == known.end())
+    throw InputError(fmt::format("{}:{}: joint {}", file.string(), joint.GetLineNum(),
+                                 in_quotes(attribute(joint, "name"))),
+                     "type", in_quotes(type), fmt::format("{}", fmt::join(known, ", ")));
 }
 
 void check_limits(const std::filesystem::path& file, const XMLElement& joint, UrdfFile& urdf) {
@@ -100,8 +113,10 @@ UrdfFile read_urdf(const std::filesystem::path& file) {
     throw InputError(file.string(), "not an XML file", "", "");
   const XMLElement& root = *document.RootElement();
   for (const XMLElement* joint = root.FirstChildElement("joint"); joint;
-       joint = joint->NextSiblingElement("joint"))
+       joint = joint->NextSiblingElement("joint")) {
+    check_type(file, *joint);
     check_limits(file, *joint, urdf);
+  }
   note_joints(root, urdf);
   note_elements(root, urdf);
   urdf.with_all_links = with_all_links(document);

@@ -20,8 +20,22 @@ using nlohmann::json;
 constexpr const char* kWhere = "control";
 constexpr double kMostGravity_m_per_s2 = 1e9;  // as in a scene
 
+/// A message that repeats the value can be read, whatever bytes another program sent.
 [[noreturn]] void refuse(const std::string& field, const json& value, const std::string& allowed) {
-  throw InputError(kWhere, field, value.dump(), allowed);
+  throw InputError(kWhere, field,
+                   text::shortened(value.dump(-1, ' ', false, json::error_handler_t::replace), 200),
+                   allowed);
+}
+
+/// " (invalid UTF-8 byte at index 18: 0xBC)", or nothing.
+std::string utf8_objection(const std::string& line) {
+  try {
+    (void)json(line).dump();
+    return "";
+  } catch (const json::type_error& error) {
+    const std::string message = error.what();
+    return " (" + message.substr(std::min(message.find("invalid"), message.size())) + ")";
+  }
 }
 
 void check_keys(const json& object, const std::string& field,
@@ -81,6 +95,7 @@ Control::Control(const input::Scene& scene, std::istream& commands, std::ostream
 
 SimulationOptions Control::options() {
   SimulationOptions options;
+  options.keeps_frames = false;
   options.go_on = [this](int) { return steps_to_do_ > 0 || read_command(); };
   options.command = [this](TimeStepper& stepper) { act(stepper); };
   options.reached = [this](const Recording& recording, const TimeStepper& stepper) {
@@ -93,7 +108,9 @@ bool Control::read_command() {
   std::string line;
   if (!std::getline(commands_, line)) return false;
   const json command = json::parse(line, nullptr, false);
-  if (command.is_discarded()) refuse("command", line, "a JSON object on one line");
+  if (command.is_discarded())
+    throw InputError(kWhere, "command" + utf8_objection(line), text::shortened(line, 200),
+                     "a JSON object on one line, in UTF-8");
   check_keys(command, "command", {"steps", "motors", "forces", "gravity_m_per_s2"});
   steps_to_do_ = 1;
   for (const auto& [key, value] : command.items()) {

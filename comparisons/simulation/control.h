@@ -25,7 +25,8 @@ class Control {
  public:
   Control(const input::Scene& scene, std::istream& commands, std::ostream& states);
 
-  /// The options of a simulation under this control, which must outlive it.
+  /// The options of a simulation under this control, which must outlive it. They keep no frames:
+  /// the other program has them, and may go on for as long as it likes.
   SimulationOptions options();
 
  private:

@@ -510,6 +510,7 @@ Simulation simulate(const input::Scene& scene, const SimulationOptions& options)
     }
     count(stepped, result);
     unknown.look_at(stepper, finder);
+    if (!options.keeps_frames) recording.frames.clear();
     recording.frames.push_back(std::move(reached));
     options.reached(recording, stepper);
   }

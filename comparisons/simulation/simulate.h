@@ -12,6 +12,8 @@
 namespace softfinger::simulation {
 
 struct SimulationOptions {
+  /// False: the recording has the latest frame only, so that its memory does not grow.
+  bool keeps_frames = true;
   /// Every complementarity problem of the simulation is written there; empty: none.
   std::filesystem::path record_lcp;
   /// Called before each step; returns false to stop, with what there is.
@@ -24,7 +26,7 @@ struct SimulationOptions {
 };
 
 struct Simulation {
-  Recording recording;  ///< a frame at the start and one per step done
+  Recording recording;  ///< a frame at the start and one per step done, or the latest
   int steps = 0;        ///< done
   bool interrupted = false;
   std::string failure;  ///< of a step without solution: time, bodies, contacts; else empty

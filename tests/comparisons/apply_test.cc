@@ -164,6 +164,93 @@ TEST_F(Apply, LeavesOutGeomsThatTouchNothing) {
   EXPECT_EQ(apply("seen.xml", {"--finger", "a", "--to", "mujoco", "-o", "out"}).status, 0);
 }
 
+TEST_F(Apply, KeepsTheRollingFrictionThatAClassGives) {
+  folder.write("class.xml",
+               "<mujoco><default><default class='x'><geom condim='6' friction='1 .1 .2' "
+               "priority='7'/><pair condim='6' friction='1 1 .1 .3 .4'/></default></default>"
+               "<worldbody><geom name='floor' type='plane' size='1 1 .1'/><body name='f' "
+               "childclass='x'><geom name='tip' size='.01'/></body></worldbody><contact>"
+               "<pair class='x' geom1='floor' geom2='tip'/></contact></mujoco>");
+  ASSERT_EQ(apply("class.xml", {"--finger", "tip", "--to", "mujoco", "-o", "out"}).status, 0);
+  const std::string text = file_text(folder.path() / "out");
+  const std::size_t tip = text.find("<geom name='tip'"), pair = text.find("<pair class");
+  const auto element = [&](std::size_t at) { return text.substr(at, text.find('>', at) - at); };
+  for (const std::size_t at : {tip, pair})
+    EXPECT_EQ(element(at).find("condim"), std::string::npos) << element(at);
+  EXPECT_NE(element(tip).find(" .2\""), std::string::npos) << element(tip);
+  EXPECT_NE(element(pair).find(" .3 .4\""), std::string::npos) << element(pair);
+  // The class itself may be the object's, too.
+  EXPECT_NE(element(tip).find("priority=\"8\""), std::string::npos) << element(tip);
+}
+
+TEST_F(Apply, RefusesFlagsUnderWhichFrictionHasNoEffect) {
+  const auto model = [](const std::string& option) {
+    return "<mujoco>" + option +
+           "<worldbody><geom name='floor' type='plane' size='1 1 .1'/><body name='f'>"
+           "<geom name='tip' size='.01'/></body></worldbody></mujoco>";
+  };
+  for (const std::string flag :
+       {"contact=\"disable\"", "constraint=\"disable\"", "override=\"enable\""})
+    expect_text_refused(model("\n<option>\n<flag " + flag + "/></option>"),
+                        "bad.xml:3: <flag " + flag + "/>");
+  expect_text_refused(model("<option collision='predefined'/>"), "<pair>");
+  // The last one counts.
+  folder.write("on.xml", model("<option><flag contact='disable'/></option>"
+                               "<option><flag contact='enable'/></option>"));
+  EXPECT_EQ(apply("on.xml", {"--finger", "tip", "--to", "mujoco", "-o", "out"}).status, 0);
+}
+
+TEST_F(Apply, SaysWhatElseDecidesAboutTheContact) {
+  const auto notes_of = [&](const std::string& root, const std::string& tip,
+                            const std::string& rest) {
+    folder.write("model.xml", "<mujoco>" + root +
+                                  "<worldbody><geom name='floor' type='plane' size="
+                                  "'1 1 .1'/><body name='f'><geom name='tip' size='.01' " +
+                                  tip + "/></body></worldbody>" + rest + "</mujoco>");
+    const ProgramRun run =
+        apply("model.xml", {"--finger", "tip", "--to", "mujoco", "-o", "soft.xml", "--json"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    const json report = json::parse(run.out);
+    for (const json& change : report["changes"])
+      if (change["name"] == "priority") {
+        EXPECT_EQ(change["effect"] == "this geom's friction counts, not the object's",
+                  root.empty());
+      }
+    // On standard error, too.
+    for (const json& note : report["notes"])
+      EXPECT_NE(run.err.find(note.get<std::string>()), std::string::npos) << run.err;
+    return report["notes"];
+  };
+  EXPECT_EQ(notes_of("", "", ""), json::array());
+  const auto has_one = [](const json& notes, const std::string& words) {
+    ASSERT_EQ(notes.size(), 1u) << notes;
+    EXPECT_NE(notes[0].get<std::string>().find(words), std::string::npos) << notes;
+  };
+  has_one(notes_of("<include file='floor.xml'/>", "", ""), "includes floor.xml, which is not read");
+  has_one(notes_of("<asset><model file='box.xml'/></asset>", "", ""), "box.xml");
+  has_one(notes_of("", "", "<contact><exclude body1='f' body2='world'/></contact>"),
+          "\"f\" and \"world\" do not touch");
+  has_one(notes_of("", "contype='2' conaffinity='4'", ""),
+          "none fits its contype 2 and conaffinity 4");
+  EXPECT_EQ(notes_of("", "contype='1' conaffinity='0'", ""), json::array());
+}
+
+TEST_F(Apply, ChangesThousandsOfGeomsOfOneBodyInOneLine) {
+  constexpr int kGeoms = 8000;
+  std::string text = "<mujoco><worldbody><body name='f' childclass='x'>";
+  for (int i = 0; i < kGeoms; ++i) text += "<geom name='g" + std::to_string(i) + "' size='.01'/>";
+  folder.write("many.xml", text +
+                               "</body></worldbody><default><default class='x'/></default>"
+                               "</mujoco>");
+  const ProgramRun run = apply(
+      "many.xml", {"--finger", "f", "--to", "mujoco", "--plugin", "-o", "soft.xml", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json report = json::parse(run.out);
+  int frictions = 0;
+  for (const json& change : report["changes"]) frictions += change["name"] == "friction";
+  EXPECT_EQ(frictions, kGeoms);
+}
+
 TEST_F(Apply, SaysTheNamesThatTellCollisionsApart) {
   const auto model = [](const std::string& name) {
     return "<model name='" + name +

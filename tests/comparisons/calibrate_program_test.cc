@@ -1,11 +1,13 @@
 // `softfinger calibrate` and `softfinger area` as their users see them.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <vector>
 
 #include "png_of.h"
@@ -127,6 +129,71 @@ TEST_F(CalibrateProgram, FindsThemOnAMeshWhoseRadiiDependOnTheContact) {
   const ProgramRun text = run({"calibrate", "data.csv", "case.toml"});
   EXPECT_NE(text.out.find("fit and geometry were repeated"), std::string::npos) << text.out;
   EXPECT_EQ(run({"predict", "elsewhere.toml"}).status, 0);
+}
+
+/// The table with one column multiplied, as by somebody who takes another unit.
+std::string with_column_times(const std::string& table, const std::string& column, double factor) {
+  std::vector<std::string> rows = lines(table);
+  const auto cells = [](const std::string& row) {
+    std::vector<std::string> result;
+    std::istringstream text(row);
+    for (std::string cell; std::getline(text, cell, ',');) result.push_back(cell);
+    return result;
+  };
+  const std::vector<std::string> names = cells(rows[0]);
+  const auto place = std::size_t(std::find(names.begin(), names.end(), column) - names.begin());
+  std::string changed = rows[0] + "\n";
+  for (std::size_t row = 1; row < rows.size(); ++row) {
+    std::vector<std::string> values = cells(rows[row]);
+    values.at(place) = fmt::format("{:.8g}", factor * std::stod(values[place]));
+    changed += fmt::format("{}\n", fmt::join(values, ","));
+  }
+  return changed;
+}
+
+TEST_F(CalibrateProgram, AsksForTheUnitsWhereNoRubberIsLikeThat) {
+  write_truth(kRadii);
+  EXPECT_TRUE(result_of({"calibrate", "data.csv", "case.toml"})["unit_doubt"].is_null());
+  const std::string data = file_text(folder.path() / "data.csv");
+  struct Mistake {
+    const char* column;
+    double factor;
+    const char* words;
+  };
+  // In kg the modulus would be possible, the friction is not.
+  for (const Mistake& mistake : {Mistake{"load_N", 1 / 9.80665e-3, "with the loads in g the data "},
+                                 Mistake{"load_N", 1 / 9.80665, "with the loads in kg the data "},
+                                 Mistake{"load_N", 1e3, "with the loads in mN the data "},
+                                 Mistake{"max_torque_mNm", 1e-3, "with the torques in N·m the "}}) {
+    folder.write("units.csv", with_column_times(data, mistake.column, mistake.factor));
+    const json found = result_of({"calibrate", "units.csv", "case.toml"});
+    ASSERT_TRUE(found["unit_doubt"].is_string()) << mistake.words;
+    const std::string doubt = found["unit_doubt"];
+    EXPECT_NE(doubt.find("far outside of rubber (E 10 kPa to 30 MPa, mu 0.1 to 5)"),
+              std::string::npos)
+        << doubt;
+    const std::size_t at = doubt.find(mistake.words);
+    ASSERT_NE(at, std::string::npos) << doubt;
+    // The truth is 400 kPa and 0.7, the values are off by 1 %.
+    const std::size_t modulus = doubt.find("E = ", at), friction = doubt.find("mu = ", at);
+    ASSERT_NE(friction, std::string::npos) << doubt;
+    EXPECT_NEAR(std::stod(doubt.substr(modulus + 4)), 400, 20) << doubt;
+    EXPECT_NEAR(std::stod(doubt.substr(friction + 5)), 0.7, 0.02) << doubt;
+    const ProgramRun text = run({"calibrate", "units.csv", "case.toml"});
+    EXPECT_NE(text.out.find(doubt), std::string::npos) << text.out;
+  }
+}
+
+TEST_F(CalibrateProgram, NamesTheUnitOfLengthsThatFitNoModel) {
+  write_truth(kRadii);
+  std::string data = file_text(folder.path() / "data.csv");
+  for (const char* column : {"a_mm", "b_mm", "indentation_mm"})
+    data = with_column_times(data, column, 1e-3);
+  folder.write("units.csv", data);
+  const ProgramRun result = run({"calibrate", "units.csv", "case.toml"});
+  EXPECT_NE((result.out + result.err).find("with all lengths in m the data give E = "),
+            std::string::npos)
+      << result.out << result.err;
 }
 
 TEST_F(CalibrateProgram, NamesAnOutlierWithItsLine) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
+#include <sys/stat.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -813,8 +814,37 @@ TEST_F(Robots, AreBlamedByTheirOwnNames) {
   begins(refusal("long.xml", "<mujoco><option timestep='5'/><worldbody><body name='a'>" +
                                  std::string(box) + "</worldbody></mujoco>"),
          "long.xml: the scene made of it, which --write-scene SCENE.toml would keep, line ");
+  begins(refusal("joint.urdf",
+                 "<robot name='r'><link name='base'/><link name='tip'/>\n<joint "
+                 "name='j' type='nonsense'><parent link='base'/><child link='tip'/>"
+                 "</joint></robot>"),
+         "joint.urdf:2: joint \"j\": type = \"nonsense\": allowed: revolute, continuous");
   for (const char* file : {"robot.txt", "robot.toml"})
     EXPECT_NE(refusal(file, kGripper).find(".xml, .mjcf, .urdf or .sdf"), std::string::npos);
+}
+
+TEST_F(Robots, DoNotWaitForPipes) {
+  const auto refusal = [&](const std::string& pipe, const std::string& text) {
+    const fs::path path = folder_.path() / pipe;
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+    const ProgramRun run = run_softfinger({folder_.path(), {}, -1, ""},
+                                          {"simulate", folder_.write("pipe.xml", text).string()});
+    fs::remove(path);
+    EXPECT_EQ(run.status, 2) << run.err;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    return run.err;
+  };
+  fs::create_directory(folder_.path() / "meshes");
+  const std::string mjcf =
+      "<mujoco>\n<compiler meshdir='meshes'/><asset>\n<mesh name='m' file='tip.stl'/></asset>"
+      "<worldbody><geom type='mesh' mesh='m'/></worldbody></mujoco>";
+  const std::string urdf =
+      "<robot name='r'>\n<link name='tip'><collision><geometry>\n<mesh "
+      "filename='package://hand/meshes/tip.stl'/></geometry></collision></link></robot>";
+  for (const std::string& said :
+       {refusal("meshes/tip.stl", mjcf), refusal("tip.stl", urdf),
+        refusal("part.xml", "<mujoco>\n\n<include file='part.xml'/></mujoco>")})
+    EXPECT_NE(said.find("pipe.xml:3: file = \""), std::string::npos) << said;
 }
 
 TEST_F(Robots, AreRefusedInOneLine) {

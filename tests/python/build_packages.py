@@ -48,6 +48,12 @@ def check_size(package):
     assert size <= LARGEST_BYTES, size
 
 
+def check_stated_size(wheel, page):
+    stated = float(re.search(r"The wheel has ([0-9.]+) MB", page.read_text(encoding="utf-8")).group(1))
+    size = 1e-6 * wheel.stat().st_size
+    assert abs(size - stated) <= 0.1, f"{page.name} says {stated} MB, and it has {size:.2f}"
+
+
 def check_sample(python, folder, path):
     """The sample runs with the package that is within the path, which links nothing unexpected."""
     file, prediction = run(python, "-c", SAMPLE, cwd=folder).split("\n", 1)
@@ -79,6 +85,7 @@ def check_wheel(tree, folder, source):
     run(sys.executable, *pip, "wheel", *offline, "--wheel-dir", folder, project)
     (wheel,) = folder.glob("softfinger-*.whl")
     check_size(wheel)
+    check_stated_size(wheel, project / "README.md")
     # Nothing but the package, its licence and the wheel's own files.
     names = zipfile.ZipFile(wheel).namelist()
     others = [n for n in names if not re.match(r"softfinger/|softfinger-[0-9.]+\.dist-info/", n)]

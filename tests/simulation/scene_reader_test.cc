@@ -1,13 +1,18 @@
 // The reader of scene files, and the program on bad ones: one line with the place, exit status 2;
 // steps without solution: exit status 3, everything up to them written.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "comparisons/input/scene.h"
+#include "comparisons/simulation/control.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/comparisons/run_program.h"
@@ -226,6 +231,55 @@ TEST_F(SceneProgram, RefusesCommandsThatAStepCannotHold) {
   expect(R"({"motors": {"rail": {"target": 1e308}}})", {"motors.rail.target", "1e+308", "1e+12"});
   expect(R"({"gravity_m_per_s2": [0, 0, 1e11]})", {"gravity_m_per_s2", "1e+09"});
   expect(R"({"forces": {"floor": {"force_N": [1, 0, 0]}}})", {"forces.floor", "not fixed"});
+  expect("{\"motors\"\xbc{}}", {"invalid UTF-8 byte at index 9", "JSON object on one line"});
+  expect("{\"steps\": " + std::string(100'000, '1') + "}", {"steps", "..."});
+}
+
+TEST_F(SceneProgram, KeepsNoFramesUnderControl) {
+  const input::Scene scene = input::parse_scene(kHead + kBall, "scene.toml");
+  std::istringstream commands("{\"steps\": 20}\n{\"steps\": 10}\n");
+  std::ostringstream states;
+  simulation::Control control(scene, commands, states);
+  const simulation::Simulation run = simulation::simulate(scene, control.options());
+  EXPECT_EQ(run.steps, 30);
+  ASSERT_EQ(run.recording.frames.size(), 1u);
+  EXPECT_NEAR(run.recording.frames[0].time_s, 30 * scene.time_step_s, 1e-12);
+  EXPECT_EQ(lines(states.str()).size(), 3u);
+}
+
+TEST_F(SceneProgram, IsInterruptedWithTheUsualStatus) {
+  const std::string file =
+      folder.write("scene.toml", with(kHead + kBall, "duration_s = 0.05", "duration_s = 1000"))
+          .string();
+  const std::string pipe = (folder.path() / "commands").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  // Held open: the program waits for a command that does not come.
+  const int writer = open(pipe.c_str(), O_RDWR);
+  for (const bool is_controlled : {false, true}) {
+    SCOPED_TRACE(is_controlled);
+    Start begun = start;
+    std::vector<std::string> words = {"simulate", file};
+    if (is_controlled) {
+      begun.input = pipe;
+      words.push_back("--control");
+    }
+    const pid_t process = start_softfinger(begun, words);
+    // Once it catches the signal: until then the default would end it.
+    const std::string status = "/proc/" + std::to_string(process) + "/status";
+    const auto catches = [&] {
+      const std::string text = file_text(status);
+      const std::size_t at = text.find("SigCgt:");
+      return at != std::string::npos &&
+             (std::stoull(text.substr(at + 7), nullptr, 16) >> (SIGINT - 1) & 1) != 0;
+    };
+    for (int i = 0; i < 1000 && !catches(); ++i) usleep(10000);
+    usleep(100000);
+    kill(process, SIGINT);
+    const ProgramRun run = wait_for(begun, process);
+    EXPECT_EQ(run.status, 128 + SIGINT) << run.err;
+    EXPECT_NE(run.err.find("interrupted after"), std::string::npos) << run.err;
+  }
+  close(writer);
 }
 
 TEST_F(SceneProgram, RefusesNamesThatAreNoNames) {

@@ -2,7 +2,7 @@
 #define SOFTFINGER_MUJOCO_H
 
 /// Torsional friction in MuJoCo that follows the load. MuJoCo keeps the largest torque per newton
-/// of a contact constant. For a soft fingertip it is mu e_n(P), and e_n grows with about P^(1/4) to
+/// of a contact constant. For a soft fingertip it is mu e_n(P), and e_n grows with about P^(1/5) to
 /// P^(1/3). Here it is set at every step, from the model `fingertip_layer`.
 ///
 /// A geom is listed by a numeric field of the model, which `softfinger apply --to mujoco --plugin`

@@ -51,6 +51,9 @@ Simulator mujoco_simulator() {
        "without noslip_iterations a sticking contact creeps: with the default solref and solimp it "
        "turns at about (mu P/mass)(0.5 ms/impratio)/e_n, radians per second for masses of grams "
        "and loads of newtons",
+       "noslip_iterations does nothing where bodies can only move along the contact's normal and "
+       "turn about it (a slide and a hinge): give one of them a joint across the normal, however "
+       "stiff",
        "the torques of several contact points of one pair add up",
        "solref and solimp are divided by masses: softfinger apply --effective-mass-g finds those "
        "that "
