@@ -85,6 +85,7 @@ int run(int argc, char** argv) {
     return fail(std::string(error.what()) + " (see softfinger --help)", kBadInput);
   }
   system::set_quiet(quiet);
+  commands::announce_outputs(app);
   return action();
 }
 
@@ -127,6 +128,7 @@ void softfinger::commands::remark(const std::string& line) {
 
 int main(int argc, char** argv) {
   using namespace softfinger;
+  system::open_standard_descriptors();
   // With the signal ignored, exceeding a file-size limit is an error of the write, which is
   // reported. By default the signal would end the program.
   std::signal(SIGXFSZ, SIG_IGN);

@@ -22,6 +22,7 @@
 #include "fem/result_json.h"
 #include "fem/threads.h"
 #include "meshes/generation/layer_mesh.h"
+#include "meshes/io/output_file.h"
 #include "meshes/io/read_surface.h"
 #include "meshes/io/whole_file.h"
 #include "softfinger/input/errors.h"
@@ -173,6 +174,7 @@ int answer_file(const std::string& path) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
+  meshes::open_standard_descriptors();
   keep_freed_memory();
   if (argument_count != 2) {
     std::cerr << "usage: softfinger-fem PROBLEM.json (or - for standard input)\n";

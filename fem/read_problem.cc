@@ -10,6 +10,7 @@
 
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
+#include "meshes/io/input_files.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/nesting.h"
@@ -138,8 +139,21 @@ class Entry {
   std::string key_, problem_;
 };
 
+/// Refuses a mesh that has changed since the problem was made: results are kept by the content that
+/// the problem names.
+void check_content(const Entry& body) {
+  const auto content = body.find("content");
+  if (!content) return;
+  const std::string path = body.at("mesh").text(), read = meshes::content_hash(path);
+  if (!read.empty() && content->text() != read)
+    throw InputError(path, "was changed while the command ran", "", "run the command again");
+}
+
 TriangleSurface read_mesh(const Entry& body, const MeshReaders& readers) {
-  return readers.surface(body.at("mesh").text(), body.at("metres_per_unit").positive());
+  TriangleSurface surface =
+      readers.surface(body.at("mesh").text(), body.at("metres_per_unit").positive());
+  check_content(body);
+  return surface;
 }
 
 double turn_of(const Entry& body) {
@@ -319,6 +333,7 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
     problem.mesh_name = mesh->dump();
     problem.mesh =
         readers.layer(mesh->at("mesh").text(), mesh->at("metres_per_unit").positive(), regions);
+    check_content(*mesh);
   }
   if (const auto friction = root.find("friction")) problem.friction = read_friction(*friction);
   if (const auto file = root.find("compliance_file")) problem.compliance_file = file->text();

@@ -11,10 +11,11 @@ void write_file(const std::string& path, const char* kind,
                 const std::function<void(std::ostream&)>& write) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
-  const std::string failure = meshes::write_whole_file(path, write);
-  if (!failure.empty())
-    throw InputError(path, kind, "",
-                     "a folder that can be written, with room for it (" + failure + ")");
+  try {
+    meshes::write_whole_file(path, write);
+  } catch (const InputError& error) {
+    throw InputError(path, std::string(kind) + " " + error.field(), "", error.allowed());
+  }
 }
 
 }  // namespace softfinger::fem

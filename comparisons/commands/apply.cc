@@ -180,6 +180,7 @@ int run_apply(const ApplyOptions& options) {
     throw InputError("command line", "CASE", "\"-\"",
                      "a file or a built-in case, as MODEL is standard input");
   XmlFile file(options.model == "-" ? system::read_standard_input(kMostBytes)
+               : options.in_place   ? system::read_file_to_rewrite(options.model, kMostBytes)
                                     : system::read_text_file(options.model, kMostBytes),
                options.model == "-" ? "standard input" : options.model);
 

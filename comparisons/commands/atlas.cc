@@ -147,7 +147,7 @@ int run_atlas(const AtlasOptions& options) {
   require_single_process("softfinger-sweep --atlas FILE.csv --output FOLDER");
   if (options.models_only) {
     judgement::AtlasFile atlas =
-        judgement::parse_atlas(system::read_text_file(options.output), options.output);
+        judgement::parse_atlas(system::read_file_to_rewrite(options.output), options.output);
     judgement::judge_models(atlas);
     system::write_file_atomically(options.output, to_csv(atlas));
     answer(options, nullptr, "");

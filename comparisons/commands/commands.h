@@ -40,6 +40,11 @@ void add_manual(CLI::App& app, Action& action);
 /// --fem-time-s and --fem-memory-MB, of each finite-element problem.
 void add_fem_limits(CLI::App& command, reference::FemLimits& limits);
 
+/// Names the files that the options of the typed command write, before it reads any: none may be an
+/// input.
+/// @throws InputError
+void announce_outputs(const CLI::App& app);
+
 /// Refuses to run under mpirun, where each rank would do all the work in the same folder.
 /// @param in_place  what to type instead
 /// @throws InputError

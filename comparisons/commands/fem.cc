@@ -164,6 +164,12 @@ void check(const FemOptions& options, const Plan& plan) {
     throw InputError(
         "--export-compliance", "load_N", fmt::format("{} loads", plan.loads_N.size()),
         "a case with one load: the mesh, and with it the compliance, fits its contact");
+  // The finite elements' program writes it, whose standard output is not this one's.
+  std::error_code error;
+  const auto there = std::filesystem::status(options.compliance, error);
+  if (!options.compliance.empty() && std::filesystem::exists(there) &&
+      !std::filesystem::is_regular_file(there))
+    throw InputError("--export-compliance", "file", options.compliance, "a regular file");
 }
 
 Plan plan_loads(const FemOptions& options) {

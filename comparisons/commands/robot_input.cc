@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/process_pool.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/robot_mesh_title.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -75,6 +77,36 @@ std::string scene_id_of(const fs::path& file) {
   return id.empty() ? "robot" : id;
 }
 
+/// What the program has made: the scene and the meshes that belong beside it.
+/// @param made  folder with the meshes
+/// @throws InputError where a mesh would replace a file that is not of this command's making
+void write_scene(const fs::path& scene_file, const std::string& scene, const fs::path& made) {
+  std::vector<std::pair<fs::path, std::string>> files;
+  for (const auto& entry : fs::directory_iterator(made)) {
+    const fs::path mesh = scene_file.parent_path() / entry.path().filename();
+    const std::string content = system::read_file_to_rewrite(entry.path());
+    std::error_code error;
+    const fs::file_status there = fs::symlink_status(mesh, error);
+    if (fs::exists(there)) {
+      const std::string old =
+          fs::is_regular_file(there) ? system::read_file_to_rewrite(mesh) : std::string();
+      if (old == content) continue;
+      if (old.rfind(text::kRobotMeshTitle, 0) != 0)
+        throw InputError(mesh.string(), "is there already, and is no mesh of --write-scene", "",
+                         "another folder for --write-scene, or this one without that file");
+    }
+    files.emplace_back(mesh, content);
+  }
+  std::sort(files.begin(), files.end());
+  std::error_code error;
+  const fs::file_status there = fs::status(scene_file, error);
+  if (!files.empty() && fs::exists(there) && !fs::is_regular_file(there))
+    throw InputError(scene_file.string(), "--write-scene", "a device or a pipe",
+                     "a file, beside which the scene's meshes can lie");
+  files.emplace_back(scene_file, scene);
+  system::write_files_together(files);
+}
+
 }  // namespace
 
 void add_robot(CLI::App& command, RobotInput& typed) {
@@ -100,12 +132,18 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
   system::read_text_file(file, kMostRobotBytes);  // refuses what is no file, or too large
   const TemporaryFolder temporary;
   const bool writes = !typed.write_scene.empty();
+  // The robot's own meshes and included files are not known here.
+  std::string suffix = fs::path(typed.write_scene).extension().string();
+  for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
+  if (is_robot(typed.write_scene) || suffix == ".stl" || suffix == ".obj")
+    throw InputError("command line", "--write-scene", typed.write_scene,
+                     "the name of a scene's file, such as scene.toml");
   const fs::path scene_file =
       writes ? fs::absolute(typed.write_scene) : temporary.path() / (scene_id_of(file) + ".toml");
   if (writes) system::make_writable_folder(scene_file.parent_path());
   system::ProcessJob job;
   job.command = {system::robot_program().string(), fs::absolute(file).string(),
-                 scene_file.parent_path().string(), scene_id_of(file)};
+                 temporary.path().string(), scene_id_of(file)};
   for (const std::string& layer : typed.finger_layers)
     for (const std::string& word : layer_words(layer)) job.command.push_back(word);
   job.time_limit_s = 120;
@@ -135,7 +173,7 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
   }
   for (const std::string& line : lines) remark(line);
   if (writes) {
-    system::write_file_atomically(scene_file, outcome.output);
+    write_scene(scene_file, outcome.output, temporary.path());
     remark("the scene is in " + typed.write_scene);
   }
   if (writes) return input::parse_scene(outcome.output, scene_file, settings);

@@ -117,7 +117,7 @@ class RankWorkers : public sweep::SweepWorkers {
       made.insert(task);
       for (long chunk; made.count(chunk = long(file.points() / kPointsPerTask));) {
         const fs::path part = chunk_file(plan.output, chunk);
-        std::string rows = system::read_text_file(part);
+        std::string rows = system::read_file_to_rewrite(part);
         for (; known_rows > 0; --known_rows) rows.erase(0, rows.find('\n') + 1);
         made.erase(chunk);
         const std::size_t end =
@@ -251,6 +251,7 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
 
 int main(int argument_count, char** arguments) {
   using namespace softfinger::distributed;
+  softfinger::system::open_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);
   const MpiSession mpi(argument_count, arguments);
   Options options;

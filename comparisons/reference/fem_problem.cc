@@ -6,6 +6,7 @@
 
 #include "comparisons/input/layer_json.h"
 #include "comparisons/text/json_text.h"
+#include "meshes/io/input_files.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::reference {
@@ -32,6 +33,7 @@ json body_json(const PlacedBody& placed) {
   const auto& mesh = std::get<PlacedMesh>(placed.body);
   json object = {{"shape", "mesh"},
                  {"mesh", std::filesystem::absolute(mesh.mesh.path).string()},
+                 {"content", meshes::content_hash(mesh.mesh.path.string())},
                  {"metres_per_unit", mesh.mesh.metres_per_unit},
                  {"point_m", list(mesh.mesh.point_m)},
                  {"outward_normal", list(mesh.outward_normal)},
@@ -41,6 +43,7 @@ json body_json(const PlacedBody& placed) {
   if (mesh.region_excess > 0) object["region_excess"] = mesh.region_excess;
   if (!mesh.mesh.core.empty())
     object["core"] = {{"mesh", std::filesystem::absolute(mesh.mesh.core).string()},
+                      {"content", meshes::content_hash(mesh.mesh.core.string())},
                       {"metres_per_unit", mesh.mesh.metres_per_unit}};
   return object;
 }
@@ -142,7 +145,7 @@ json to_json(const FemProblem& problem) {
   if (problem.layer_mesh)
     object["layer_mesh"] = {{"mesh", problem.layer_mesh->file.string()},
                             {"metres_per_unit", problem.layer_mesh->metres_per_unit},
-                            {"written", problem.layer_mesh->written}};
+                            {"content", problem.layer_mesh->content}};
   if (problem.bodies)
     object["fingertip"] = {{"pad", body_json(problem.bodies->pad)},
                            {"object", body_json(problem.bodies->object)}};
@@ -170,13 +173,10 @@ FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalG
   problem.load_N = load_N;
   problem.shear_law = contact_case.shear_law;
   problem.level = level;
-  if (!contact_case.fem_mesh.empty()) {
-    std::error_code ignored;
-    const auto written = std::filesystem::last_write_time(contact_case.fem_mesh, ignored);
+  if (!contact_case.fem_mesh.empty())
     problem.layer_mesh = {std::filesystem::absolute(contact_case.fem_mesh),
                           contact_case.fem_mesh_metres_per_unit,
-                          written.time_since_epoch().count()};
-  }
+                          meshes::content_hash(contact_case.fem_mesh.string())};
   if (contact_case.fem_curved) {
     const auto& pair = std::get<input::BodyPair>(contact_case.geometry);
     // A tapered finger tapers along its own x, wherever the contact's long axis lies.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -34,7 +33,7 @@ struct PlacedBody {
 struct LayerMesh {
   std::filesystem::path file;  ///< absolute
   double metres_per_unit = 1e-3;
-  std::int64_t written = 0;  ///< when: a mesh that was written anew is another problem
+  std::string content;  ///< a hash of it: a mesh with another content is another problem
 };
 
 /// What else than the normal contact is computed.

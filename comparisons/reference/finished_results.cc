@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <utility>
 
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
-#include "comparisons/text/hash.h"
 #include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/hash.h"
 
 namespace softfinger::reference {
 namespace fs = std::filesystem;
@@ -16,20 +17,35 @@ using nlohmann::json;
 
 std::string program_identity(const fs::path& program) {
   return fmt::format("{} {:016x}", system::program_version(),
-                     text::hash_of(system::read_text_file(program)));
+                     hash_of(system::read_file_to_rewrite(program)));
 }
+
+namespace {
+
+/// @param saved  without its check
+std::string check_of(const json& saved) {
+  return hash_text(hash_of(saved.dump(-1, ' ', true, json::error_handler_t::replace)));
+}
+
+}  // namespace
 
 FinishedResult parse_finished_result(const std::string& text, const std::string& program,
                                      const json& problem) {
-  const json saved = text::parse_json(text);
+  json saved = text::parse_json(text);
   if (!saved.is_object()) return {std::nullopt, "no JSON object"};
-  for (const char* key : {"program", "problem", "result"})
+  for (const char* key : {"program", "problem", "result", "check"})
     if (!saved.contains(key)) return {std::nullopt, std::string("no \"") + key + "\""};
   if (saved["program"] != json(program))
     return {std::nullopt, "by another version of softfinger-fem"};
   if (saved["problem"] != problem) return {std::nullopt, "of another problem"};
   ReadReferenceResult read = read_reference_result(saved["result"]);
-  return {std::move(read.result), read.flaw};
+  if (!read.result) return {std::nullopt, read.flaw};
+  // Last, because the others tell more.
+  const json check = std::move(saved["check"]);
+  saved.erase("check");
+  if (check != json(check_of(saved)))
+    return {std::nullopt, "it was changed after it had been written"};
+  return {std::move(read.result), ""};
 }
 
 FinishedResult read_finished_result(const fs::path& file, const std::string& program,
@@ -37,20 +53,24 @@ FinishedResult read_finished_result(const fs::path& file, const std::string& pro
   std::error_code error;
   if (!fs::exists(file, error)) return {std::nullopt, ""};
   try {
-    return parse_finished_result(system::read_text_file(file), program, problem);
+    return parse_finished_result(system::read_file_to_rewrite(file), program, problem);
   } catch (const InputError& unreadable) {
     return {std::nullopt, unreadable.field()};
   }
+}
+
+std::string finished_result_text(const std::string& program, const json& problem,
+                                 const json& result) {
+  json saved = {{"program", program}, {"problem", problem}, {"result", result}};
+  saved["check"] = check_of(saved);
+  return saved.dump(1) + "\n";
 }
 
 void write_finished_result(const fs::path& file, const std::string& program, const json& problem,
                            const ReferenceResult& result) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);  // a failure is the write's, with its reason
-  system::write_file_atomically(
-      file,
-      json({{"program", program}, {"problem", problem}, {"result", result.document}}).dump(1) +
-          "\n");
+  system::write_file_atomically(file, finished_result_text(program, problem, result.document));
 }
 
 }  // namespace softfinger::reference

@@ -8,8 +8,9 @@
 #include "comparisons/reference/reference_result.h"
 
 /// Results of the finite elements that are kept between runs: one file each,
-/// {"program", "problem", "result"}. A result is used again only when the same program gave it for
-/// the same problem.
+/// {"program", "problem", "result", "check"}. A result is used again only when the same program
+/// gave it for the same problem, which names the content of each mesh, and when the file is as it
+/// was written: "check" is a hash of the rest.
 namespace softfinger::reference {
 
 /// The version and the program's own bytes: a rebuilt program must not use an older one's results.
@@ -30,6 +31,11 @@ FinishedResult parse_finished_result(const std::string& text, const std::string&
 /// The same for a file; one that does not exist is no flaw.
 FinishedResult read_finished_result(const std::filesystem::path& file, const std::string& program,
                                     const nlohmann::json& problem);
+
+/// The content of such a file.
+/// @param result  as the program wrote it
+std::string finished_result_text(const std::string& program, const nlohmann::json& problem,
+                                 const nlohmann::json& result);
 
 /// Writes the file whole or not at all; its folder is made when it is missing.
 /// @throws InputError

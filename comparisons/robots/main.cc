@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "comparisons/robots/imported_scene.h"
+#include "meshes/io/output_file.h"
 #include "softfinger/input/errors.h"
 #ifdef SOFTFINGER_HAS_MUJOCO
 #include <mujoco/mujoco.h>
@@ -90,6 +91,7 @@ ImportedScene import(const std::vector<std::string>& words,
 }  // namespace
 
 int main(int argc, char** argv) {
+  softfinger::meshes::open_standard_descriptors();
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() < 3 || (words.size() - 3) % 4 != 0) {
     say("softfinger-robot FILE MESHES ID [BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...");

@@ -8,15 +8,17 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
+#include <ostream>
 #include <set>
 
 #include "comparisons/robots/mujoco_contacts.h"
 #include "comparisons/robots/named_files.h"
 #include "comparisons/robots/urdf_file.h"
+#include "comparisons/text/robot_mesh_title.h"
+#include "meshes/io/whole_file.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -357,10 +359,9 @@ class Importer {
     const std::string file = fmt::format("{}_mesh_{}.stl", id_, mesh);
     if (!written_meshes_.insert(mesh).second) return file;
     const auto count = std::uint32_t(m_->mesh_facenum[mesh]);
-    std::ofstream out(meshes_ / file, std::ios::binary);
-    const std::string header(80, ' ');
-    out.write(header.data(), 80);
-    out.write(reinterpret_cast<const char*>(&count), 4);
+    std::string stl(text::kRobotMeshTitle);
+    stl.resize(80, ' ');
+    stl.append(reinterpret_cast<const char*>(&count), 4);
     const float* vertices = m_->mesh_vert + 3 * m_->mesh_vertadr[mesh];
     const int* faces = m_->mesh_face + 3 * m_->mesh_faceadr[mesh];
     for (std::uint32_t f = 0; f < count; ++f) {
@@ -368,10 +369,10 @@ class Importer {
       for (int corner = 0; corner < 3; ++corner)
         std::copy_n(vertices + 3 * faces[3 * f + std::uint32_t(corner)], 3,
                     triangle + 3 + 3 * corner);
-      out.write(reinterpret_cast<const char*>(triangle), sizeof triangle);
-      out.write("\0\0", 2);
+      stl.append(reinterpret_cast<const char*>(triangle), sizeof triangle);
+      stl.append(2, '\0');
     }
-    if (!out.flush()) throw InputError((meshes_ / file).string(), "cannot be written", "", "");
+    meshes::write_whole_file((meshes_ / file).string(), [&](std::ostream& out) { out << stl; });
     return file;
   }
 

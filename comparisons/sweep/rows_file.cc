@@ -1,81 +1,120 @@
 #include "comparisons/sweep/rows_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
+#include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "softfinger/input/errors.h"
+#include "softfinger/input/hash.h"
 
 namespace softfinger::sweep {
 namespace fs = std::filesystem;
 namespace {
 
-[[noreturn]] void refuse(const fs::path& file, const char* what) {
-  throw InputError(file.string(), std::string(what) + " (" + std::strerror(errno) + ")", "", "");
+constexpr std::size_t kBuffer = 1 << 20;
+
+/// Goes on with a hash of the file's bytes from one place to another, or to the end of the file.
+/// @returns the place that was reached
+std::uint64_t hash_on(const system::GrowingFile& file, std::uint64_t from, std::uint64_t to,
+                      std::uint64_t& hash, std::vector<char>& buffer) {
+  while (from < to) {
+    const std::size_t count =
+        file.read(from, buffer.data(), std::min<std::uint64_t>(buffer.size(), to - from));
+    if (count == 0) break;
+    hash = hash_of({buffer.data(), count}, hash);
+    from += count;
+  }
+  return from;
 }
 
 }  // namespace
 
-RowsFile::RowsFile(const fs::path& folder, const std::string& header, std::size_t rows_per_point,
+std::string RowsFile::Place::line() const {
+  return std::to_string(points) + " " + std::to_string(bytes) + " " + hash_text(hash) + "\n";
+}
+
+RowsFile::RowsFile(const fs::path& folder, const std::string& header, const std::string& identity,
                    bool go_on)
-    : unfinished_(folder / "results.partial.csv"), finished_(folder / "results.csv") {
-  descriptor_ = open(unfinished_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) refuse(unfinished_, "cannot be written");
-  if (go_on) resume(header, rows_per_point);
-  if (points_ > 0) return;
-  if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) != 0)
-    refuse(unfinished_, "cannot be written");
+    : finished_(folder / "results.csv"),
+      check_name_(folder / "results.partial.check"),
+      rows_(folder / "results.partial.csv"),
+      checks_(check_name_) {
+  if (go_on && resume(header, identity)) return;
+  rows_.cut_to(0);
+  checks_.cut_to(0);
+  at_ = {0, 0, hash_of("")};
+  checks_.append(identity + "\n");
   append(header, 0);
 }
 
-RowsFile::~RowsFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-void RowsFile::resume(const std::string& header, std::size_t rows_per_point) {
-  std::vector<char> buffer(1 << 20);
-  std::string first(header.size(), '\0');
-  const auto got = pread(descriptor_, first.data(), first.size(), 0);
-  if (got != static_cast<ssize_t>(header.size()) || first != header) return;
-  off_t place = static_cast<off_t>(header.size()), whole = place;
-  std::size_t rows = 0;
+bool RowsFile::resume(const std::string& header, const std::string& identity) {
+  const std::string text = checks_.read_all();
+  std::size_t good_checks = identity.size() + 1;
+  if (text.compare(0, good_checks, identity + "\n") != 0) return false;
+  std::vector<char> buffer(kBuffer);
+  Place reached{0, 0, hash_of("")};
+  bool is_known = false;
   while (true) {
-    const ssize_t count = pread(descriptor_, buffer.data(), buffer.size(), place);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) refuse(unfinished_, "cannot be read");
-    if (count == 0) break;
-    const char* const end = buffer.data() + count;
-    for (const char* at = buffer.data(); at < end; ++at) {
-      at = static_cast<const char*>(std::memchr(at, '\n', static_cast<std::size_t>(end - at)));
-      if (!at) break;
-      if (++rows % rows_per_point == 0) whole = place + (at - buffer.data()) + 1;
+    const std::size_t end = text.find('\n', good_checks);
+    if (end == std::string::npos) break;
+    const std::string line = text.substr(good_checks, end + 1 - good_checks);
+    Place next;
+    if (!(std::istringstream(line) >> next.points >> next.bytes) || next.bytes < reached.bytes ||
+        next.points < reached.points) {
+      had_changed_rows_ = true;
+      break;
     }
-    place += count;
+    next.hash = reached.hash;
+    const bool is_there =
+        hash_on(rows_, reached.bytes, next.bytes, next.hash, buffer) == next.bytes;
+    // The first place is that after the header.
+    if (!is_there || next.line() != line || (!is_known && next.bytes != header.size())) {
+      had_changed_rows_ = true;
+      break;
+    }
+    is_known = true;
+    reached = next;
+    good_checks = end + 1;
   }
-  points_ = rows / rows_per_point;
-  if (ftruncate(descriptor_, whole) != 0 || lseek(descriptor_, whole, SEEK_SET) != whole)
-    refuse(unfinished_, "cannot be written");
+  if (!is_known) return false;
+  at_ = reached;
+  rows_.cut_to(at_.bytes);
+  checks_.cut_to(good_checks);
+  return true;
 }
 
 void RowsFile::append(const std::string& text, std::size_t points) {
-  for (std::size_t written = 0; written < text.size();) {
-    const ssize_t count = write(descriptor_, text.data() + written, text.size() - written);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) refuse(unfinished_, "cannot be written");
-    written += static_cast<std::size_t>(count);
-  }
-  points_ += points;
+  rows_.append(text);
+  at_ = {at_.points + points, at_.bytes + text.size(), hash_of(text, at_.hash)};
+  checks_.append(at_.line());
+}
+
+std::string RowsFile::check() {
+  rows_.sync();
+  return at_.line();
 }
 
 void RowsFile::finish() {
-  const bool synced = fsync(descriptor_) == 0;
-  const int descriptor = descriptor_;
-  descriptor_ = -1;
-  if (close(descriptor) != 0 || !synced) refuse(unfinished_, "cannot be written");
-  if (rename(unfinished_.c_str(), finished_.c_str()) != 0) refuse(finished_, "cannot be written");
+  rows_.sync();
+  rows_.rename_to(finished_);
+  std::error_code ignored;
+  fs::remove(check_name_, ignored);
+}
+
+bool RowsFile::is_whole(const fs::path& file, const std::string& check) {
+  std::ifstream rows(file, std::ios::binary);
+  if (!rows) return false;
+  Place place;
+  std::istringstream(check) >> place.points;
+  place.hash = hash_of("");
+  std::vector<char> buffer(kBuffer);
+  while (rows.read(buffer.data(), std::streamsize(buffer.size())), rows.gcount() > 0) {
+    const auto count = std::size_t(rows.gcount());
+    place.hash = hash_of({buffer.data(), count}, place.hash);
+    place.bytes += count;
+  }
+  return place.line() == check;
 }
 
 }  // namespace softfinger::sweep

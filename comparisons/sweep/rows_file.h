@@ -1,45 +1,59 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
+#include "comparisons/system/files.h"
+
 namespace softfinger::sweep {
 
-/// The file results.csv while it is written. Rows are appended in the order of the points. The file
-/// has another name until it is complete, and an interrupted sweep continues after the last point
-/// whose rows are all there.
+/// The file results.csv while it is written, under the name results.partial.csv. Rows are appended
+/// in the order of the points. Beside it lies results.partial.check: the sweep's identity, then
+/// after each append a line with the number of points, the bytes of the rows and a hash of them
+/// all. An interrupted sweep goes on after the last rows that are as they were written.
 class RowsFile {
  public:
-  /// @param header  with its end of line
-  /// @param rows_per_point  the number of rows of a complete point
-  /// @param go_on  whether an existing file belongs to the same sweep and is continued
+  /// @param header    with its end of line
+  /// @param identity  a line; rows of another sweep are not continued
+  /// @param go_on     whether existing rows are continued at all
   /// @throws InputError
   RowsFile(const std::filesystem::path& folder, const std::string& header,
-           std::size_t rows_per_point, bool go_on);
-  ~RowsFile();
-  RowsFile(const RowsFile&) = delete;
-  RowsFile& operator=(const RowsFile&) = delete;
+           const std::string& identity, bool go_on);
 
   /// The number of points whose rows are in the file.
-  std::size_t points() const { return points_; }
+  std::size_t points() const { return at_.points; }
+  /// Whether rows were found that had been changed since they were written. They are cut off.
+  bool had_changed_rows() const { return had_changed_rows_; }
 
   /// @param text  the rows of the next `points` points
   /// @throws InputError when the disk is full
   void append(const std::string& text, std::size_t points);
 
+  /// What `is_whole` compares a finished file with. Nothing may be appended any more.
+  std::string check();
   /// Renames the finished file to results.csv.
   /// @throws InputError
   void finish();
 
- private:
-  /// Finds how many complete points the file has and cuts off the rest. A file with another header
-  /// is started anew.
-  void resume(const std::string& header, std::size_t rows_per_point);
+  /// Whether a file is as it was when `check` was asked.
+  static bool is_whole(const std::filesystem::path& file, const std::string& check);
 
-  std::filesystem::path unfinished_, finished_;
-  int descriptor_ = -1;
-  std::size_t points_ = 0;
+ private:
+  /// A place in the file and what is before it.
+  struct Place {
+    std::size_t points = 0;
+    std::uint64_t bytes = 0, hash = 0;
+    std::string line() const;
+  };
+  /// Finds the last place up to which the rows are as they were written.
+  bool resume(const std::string& header, const std::string& identity);
+
+  std::filesystem::path finished_, check_name_;
+  system::GrowingFile rows_, checks_;
+  Place at_;
+  bool had_changed_rows_ = false;
 };
 
 }  // namespace softfinger::sweep

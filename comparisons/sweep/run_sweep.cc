@@ -19,7 +19,9 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
 #include "comparisons/text/json_text.h"
+#include "meshes/io/input_files.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/hash.h"
 
 namespace softfinger::sweep {
 namespace fs = std::filesystem;
@@ -104,10 +106,27 @@ class ChunkQueue {
   bool stopped_ = false;
 };
 
+/// A hash of each file that the case names.
+json contents_of(const input::Case& contact_case) {
+  json contents = json::object();
+  const auto add = [&](const fs::path& file) {
+    if (!file.empty()) contents[file.string()] = meshes::content_hash(file.string());
+  };
+  if (const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry))
+    for (const input::CaseBody* body : {&pair->finger, &pair->object})
+      if (const auto* mesh = std::get_if<input::MeshBody>(body)) {
+        add(mesh->path);
+        add(mesh->core);
+      }
+  add(contact_case.fem_mesh);
+  return contents;
+}
+
 /// Existing rows belong to this sweep if all of this is the same.
 json identity_of(const SweepPlan& plan, const std::string& header) {
   return {{"program", reference::program_identity("/proc/self/exe")},
           {"sweep_toml", plan.sweep.text()},
+          {"files", contents_of(plan.sweep.base())},
           {"rows", plan.sweep.rows()},
           {"columns", header}};
 }
@@ -315,23 +334,34 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
   system::Progress progress;
   for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
   const std::string header = plan.rows().header();
-  const json identity = identity_of(plan, header);
-  const fs::path record = plan.output / "sweep.json";
+  json identity = identity_of(plan, header);
+  const std::string identity_hash =
+      hash_text(hash_of(identity.dump(-1, ' ', false, json::error_handler_t::replace)));
+  const fs::path record = plan.output / "sweep.json", results = plan.output / "results.csv";
   std::error_code missing;
-  const json before =
-      fs::exists(record, missing) ? text::parse_json(system::read_text_file(record)) : json();
+  json before =
+      fs::exists(record, missing) ? text::parse_json(system::read_file_to_rewrite(record)) : json();
   // With finite elements the rows are written again, because missing results are tried again.
-  const bool same = before == identity && !plan.sweep.fem();
-  if (same && fs::exists(plan.output / "results.csv", missing)) {
-    // The page can be missing after a full disk.
-    if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
-    progress.say(
-        fmt::format("softfinger: {} is finished: reused", (plan.output / "results.csv").string()));
-    return as_json ? answer(plan, 0, true) : 0;
+  if (before.is_object() && before.contains("check") && !plan.sweep.fem()) {
+    const json check = std::move(before["check"]);
+    before.erase("check");
+    const bool is_same = before == identity && check.is_string();
+    if (is_same && RowsFile::is_whole(results, check.get<std::string>())) {
+      // The page can be missing after a full disk.
+      if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
+      progress.say(fmt::format("softfinger: {} is finished: reused", results.string()));
+      return as_json ? answer(plan, 0, true) : 0;
+    }
+    if (is_same && fs::exists(results, missing))
+      progress.say(fmt::format("softfinger: {} was changed after it had been written: made again",
+                               results.string()));
   }
-  fs::remove(plan.output / "results.csv", missing);
-  system::write_file_atomically(record, identity.dump(1) + "\n");
-  RowsFile file(plan.output, header, plan.sweep.base().loads_N.size(), same);
+  RowsFile file(plan.output, header, identity_hash, !plan.sweep.fem());
+  if (file.had_changed_rows())
+    progress.say(
+        fmt::format("softfinger: in {} rows were changed after they had been written: "
+                    "made again from point {} on",
+                    (plan.output / "results.partial.csv").string(), file.points()));
   if (file.points() > 0)
     progress.say(
         fmt::format("softfinger: continues after {} of {} points, which are already computed",
@@ -359,6 +389,9 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
         file.points(), plan.sweep.points(), plan.output.string()));
     return 128 + signal;
   }
+  identity["check"] = file.check();
+  system::write_file_atomically(
+      record, identity.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
   file.finish();
   const std::size_t failed =
       std::size_t(std::count_if(failures.begin(), failures.end(),

@@ -9,9 +9,9 @@
 
 #include "comparisons/input/case_table.h"
 #include "comparisons/input/toml_path.h"
-#include "comparisons/text/hash.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/hash.h"
 
 namespace softfinger::sweep {
 namespace fs = std::filesystem;
@@ -82,7 +82,7 @@ void read_range(const input::TomlReader& reader, const toml::table& table, Swept
   }
   // std::uniform_real_distribution would give different numbers with different standard libraries.
   // The key's name enters the seed, so that two keys with the same seed get different numbers.
-  std::mt19937_64 generator(seed ^ text::hash_of(key));
+  std::mt19937_64 generator(seed ^ softfinger::hash_of(key));
   for (std::size_t i = 0; i < count; ++i)
     swept.values.push_back(between(double(generator() >> 11) * 0x1p-53));
 }

@@ -12,9 +12,9 @@
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/text/csv.h"
-#include "comparisons/text/hash.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/input/hash.h"
 #include "softfinger/input/visible_text.h"
 
 namespace softfinger::sweep {
@@ -52,10 +52,6 @@ void append_reference(const reference::ReferenceResult& result, std::string& tex
   for (const auto& stated :
        {error.a, error.b, error.indentation, error.peak_pressure, error.area, error.max_torque})
     append_number(stated.value_or(NAN), text);
-}
-
-std::string hash_of(const json& problem) {
-  return fmt::format("{:016x}", text::hash_of(problem.dump()));
 }
 
 /// Of a job, see FemRequest. Finite strain, contacts without symmetry and fine levels cost
@@ -211,7 +207,7 @@ SweepFemJobs sweep_fem_jobs(const Sweep& sweep, SweepRows& rows,
         all.job_of_row.push_back(-1);
         continue;
       }
-      const std::string name = hash_of(to_json(requests[load]->problem));
+      const std::string name = hash_text(hash_of(to_json(requests[load]->problem).dump()));
       const auto [entry, is_new] = known.emplace(name, long(all.jobs.size()));
       all.job_of_row.push_back(entry->second);
       if (!is_new) continue;

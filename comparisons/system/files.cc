@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,6 +12,8 @@
 #include <cstring>
 
 #include "comparisons/system/terminal.h"
+#include "meshes/io/input_files.h"
+#include "meshes/io/output_file.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/visible_text.h"
 
@@ -25,7 +26,7 @@ namespace {
 }
 
 /// Returns 0 or the errno of the write that failed.
-int write_all(int file, const std::string& content) {
+int write_all(int file, std::string_view content) {
   for (std::size_t written = 0; written < content.size();) {
     const ssize_t count = write(file, content.data() + written, content.size() - written);
     if (count < 0 && errno == EINTR) continue;
@@ -33,37 +34,6 @@ int write_all(int file, const std::string& content) {
     written += static_cast<std::size_t>(count);
   }
   return 0;
-}
-
-fs::path folder_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-/// Creates a file beside `path` under a random name. If others can write to the folder, they could
-/// put a link under a predictable name and redirect the content.
-/// @param temporary  the file's name
-/// @returns its descriptor; -1 with errno
-int create_temporary(const fs::path& path, fs::path& temporary) {
-  constexpr int kAttempts = 100;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    std::uint64_t number = 0;
-    if (getrandom(&number, sizeof number, 0) != sizeof number) return -1;
-    temporary = folder_of(path) / fmt::format(".{}.{:016x}.tmp", path.filename().string(), number);
-    const int file =
-        open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (file >= 0 || errno != EEXIST) return file;
-  }
-  return -1;
-}
-
-/// Writes the whole content and closes the file.
-/// @returns 0 or the errno of what failed
-int fill(int file, const std::string& content) {
-  int error = write_all(file, content);
-  // Network and quota-limited disks report a failed write only when the data is synced or closed.
-  if (!error && fsync(file) != 0) error = errno;
-  if (close(file) != 0 && !error) error = errno;
-  return error;
 }
 
 /// "process 4711 on host: softfinger compare ..."
@@ -92,14 +62,7 @@ std::string read_all(int file, const std::string& name, std::size_t most_bytes) 
   }
 }
 
-}  // namespace
-
-const std::string& read_standard_input(std::size_t most_bytes) {
-  static const std::string content = read_all(STDIN_FILENO, "standard input", most_bytes);
-  return content;
-}
-
-std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
+std::string read_regular_file(const fs::path& path, std::size_t most_bytes, bool is_input) {
   // O_NONBLOCK, because opening a pipe waits for a writer. A device may have no end: it is refused.
   const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (file < 0) refuse(path.string(), "cannot be read", errno);
@@ -109,6 +72,7 @@ std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
     throw InputError(path.string(), "file", "a pipe or a device", "a regular file");
   }
   try {
+    if (is_input) meshes::note_input(file, path.string());
     std::string content = read_all(file, path.string(), most_bytes);
     close(file);
     return content;
@@ -118,34 +82,87 @@ std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
   }
 }
 
+}  // namespace
+
+const std::string& read_standard_input(std::size_t most_bytes) {
+  static const std::string content = [most_bytes] {
+    meshes::note_input(STDIN_FILENO, "/dev/stdin");
+    return read_all(STDIN_FILENO, "standard input", most_bytes);
+  }();
+  return content;
+}
+
+std::string read_text_file(const fs::path& path, std::size_t most_bytes) {
+  return read_regular_file(path, most_bytes, true);
+}
+
+std::string read_file_to_rewrite(const fs::path& path, std::size_t most_bytes) {
+  return read_regular_file(path, most_bytes, false);
+}
+
 void write_file_atomically(const fs::path& path, const std::string& content) {
   write_files_together({{path, content}});
 }
 
 void write_files_together(const std::vector<std::pair<fs::path, std::string>>& files) {
-  std::vector<fs::path> temporaries;
-  const auto refuse_all = [&](const fs::path& path, int error) {
-    for (const fs::path& temporary : temporaries) unlink(temporary.c_str());
-    refuse(path.string(), "cannot be written", error);
-  };
-  for (const auto& [path, content] : files) {
-    fs::path temporary;
-    const int file = create_temporary(path, temporary);
-    if (file < 0) refuse_all(path, errno);
-    temporaries.push_back(temporary);
-    if (const int error = fill(file, content)) refuse_all(path, error);
+  std::vector<std::pair<std::string, std::string_view>> contents;
+  contents.reserve(files.size());
+  for (const auto& [path, content] : files) contents.emplace_back(path.string(), content);
+  meshes::write_files(contents);
+}
+
+void announce_output(const std::string& option, const fs::path& path) {
+  meshes::announce_output(option, path.string());
+}
+
+void open_standard_descriptors() { meshes::open_standard_descriptors(); }
+
+GrowingFile::GrowingFile(const fs::path& path) : path_(path) {
+  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) refuse("cannot be written");
+}
+
+GrowingFile::~GrowingFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+void GrowingFile::refuse(const char* what) const { system::refuse(path_.string(), what, errno); }
+
+std::size_t GrowingFile::read(std::uint64_t place, char* buffer, std::size_t size) const {
+  while (true) {
+    const ssize_t count = pread(descriptor_, buffer, size, static_cast<off_t>(place));
+    if (count >= 0) return static_cast<std::size_t>(count);
+    if (errno != EINTR) refuse("cannot be read");
   }
-  for (std::size_t i = 0; i < files.size(); ++i)
-    if (rename(temporaries[i].c_str(), files[i].first.c_str()) != 0)
-      refuse_all(files[i].first, errno);
-  // Syncing the folder makes the new names survive a power cut. Some file systems cannot do that,
-  // which is not treated as a failure.
-  for (const auto& [path, content] : files) {
-    const int directory = open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (directory < 0) continue;
-    fsync(directory);
-    close(directory);
-  }
+}
+
+std::string GrowingFile::read_all() const {
+  std::string content;
+  std::vector<char> buffer(1 << 16);
+  while (const std::size_t count = read(content.size(), buffer.data(), buffer.size()))
+    content.append(buffer.data(), count);
+  return content;
+}
+
+void GrowingFile::cut_to(std::uint64_t size) {
+  const auto place = static_cast<off_t>(size);
+  if (ftruncate(descriptor_, place) != 0 || lseek(descriptor_, place, SEEK_SET) != place)
+    refuse("cannot be written");
+}
+
+void GrowingFile::append(std::string_view text) {
+  if (const int error = write_all(descriptor_, text))
+    system::refuse(path_.string(), "cannot be written", error);
+}
+
+void GrowingFile::sync() {
+  if (fsync(descriptor_) != 0) refuse("cannot be written");
+}
+
+void GrowingFile::rename_to(const fs::path& name) {
+  if (rename(path_.c_str(), name.c_str()) != 0)
+    system::refuse(name.string(), "cannot be written", errno);
+  path_ = name;
 }
 
 void make_writable_folder(const fs::path& folder) {
@@ -154,12 +171,9 @@ void make_writable_folder(const fs::path& folder) {
   if (error) refuse(folder.string(), "cannot be created", error.value());
   if (!fs::is_directory(folder, error)) refuse(folder.string(), "cannot be written", ENOTDIR);
   // Permission bits say nothing about root, read-only mounts and full disks: only writing shows it.
-  fs::path probe;
-  const int file = create_temporary(folder / "probe", probe);
-  if (file < 0) refuse(folder.string(), "cannot be written", errno);
-  const int failure = fill(file, "probe\n");
-  unlink(probe.c_str());
-  if (failure) refuse(folder.string(), "cannot be written", failure);
+  meshes::OutputFile probe((folder / "probe").string());
+  probe.write("probe\n");
+  probe.sync();
 }
 
 OutputFolder::OutputFolder(const fs::path& folder) : lock_file_(folder / ".softfinger.lock") {
@@ -172,7 +186,7 @@ OutputFolder::OutputFolder(const fs::path& folder) : lock_file_(folder / ".softf
       close(descriptor_);
       descriptor_ = -1;
       if (!in_use) return;  // a file system without locks
-      throw InputError(folder.string(), "in use by " + read_text_file(lock_file_), "",
+      throw InputError(folder.string(), "in use by " + read_file_to_rewrite(lock_file_), "",
                        "a folder of its own for each run, or this one when that run has ended");
     }
     // An ending run may have removed the lock file after it was opened here. Then the lock is on a
@@ -194,8 +208,9 @@ OutputFolder::~OutputFolder() {
 }
 
 void write_to_stdout(const std::string& text) {
-  const int error = write_all(STDOUT_FILENO, text);
-  if (error) refuse("standard output", "cannot be written", error);
+  const bool is_taken = meshes::has_written_to_stdout();
+  const int error = write_all(is_taken ? STDERR_FILENO : STDOUT_FILENO, text);
+  if (error) refuse(is_taken ? "standard error" : "standard output", "cannot be written", error);
 }
 
 void write_text_to_stdout(const std::string& text) {

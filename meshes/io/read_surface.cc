@@ -178,12 +178,7 @@ void write_stl_mm(const TriangleSurface& surface, const std::string& path) {
     std::memcpy(&bytes[kStlHeader + kStlTriangle * t], values.data(), sizeof(float) * 12);
   }
 
-  // The file gets its name when it is complete, so that no reader finds half of it.
-  const std::string failure = write_whole_file(path, [&](std::ostream& out) { out << bytes; });
-  if (!failure.empty())
-    throw InputError(path, "output", "cannot be written (" + failure + ")",
-                     "a folder that can be written, with " + std::to_string(bytes.size()) +
-                         " bytes free (is the disk full?)");
+  write_whole_file(path, [&](std::ostream& out) { out << bytes; });
 }
 
 }  // namespace softfinger::meshes

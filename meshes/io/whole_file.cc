@@ -5,13 +5,14 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <random>
+#include <exception>
 #include <streambuf>
-#include <utility>
+#include <string_view>
 #include <vector>
 
+#include "meshes/io/input_files.h"
+#include "meshes/io/output_file.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
@@ -21,28 +22,27 @@ namespace {
 class File {
  public:
   explicit File(int descriptor) : descriptor_(descriptor) {}
-  ~File() { close(); }
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
-  /// @return 0 or the system's error number
-  int close() {
-    const int descriptor = std::exchange(descriptor_, -1);
-    return descriptor >= 0 && ::close(descriptor) != 0 ? errno : 0;
-  }
 
  private:
   int descriptor_;
 };
 
-/// A stream buffer that writes to an open file.
+/// A stream buffer that writes to a file.
 class FileBuffer : public std::streambuf {
  public:
-  explicit FileBuffer(int descriptor) : descriptor_(descriptor), waiting_(1 << 16) { empty(); }
-  /// The system's error number of the first write that failed, or 0.
-  int error() const { return error_; }
+  explicit FileBuffer(OutputFile& file) : file_(file), waiting_(1 << 16) { empty(); }
+  /// Throws what the first write that failed has thrown: a stream only knows that one did.
+  void rethrow_failure() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
 
  protected:
   int overflow(int character) override {
@@ -51,23 +51,22 @@ class FileBuffer : public std::streambuf {
     return traits_type::not_eof(character);
   }
   int sync() override {
-    for (const char* next = pbase(); next < pptr() && error_ == 0;) {
-      const ssize_t count = ::write(descriptor_, next, static_cast<std::size_t>(pptr() - next));
-      if (count >= 0)
-        next += count;
-      else if (errno != EINTR)
-        error_ = errno;
-    }
+    const std::string_view bytes(pbase(), static_cast<std::size_t>(pptr() - pbase()));
     empty();
-    return error_ == 0 ? 0 : -1;
+    try {
+      if (!failure_) file_.write(bytes);
+    } catch (const InputError&) {
+      failure_ = std::current_exception();
+    }
+    return failure_ ? -1 : 0;
   }
 
  private:
   void empty() { setp(waiting_.data(), waiting_.data() + waiting_.size()); }
 
-  int descriptor_;
+  OutputFile& file_;
   std::vector<char> waiting_;
-  int error_ = 0;
+  std::exception_ptr failure_;
 };
 
 /// "a pipe", "a device" and the like; nullptr for a regular file.
@@ -77,20 +76,6 @@ const char* other_kind(mode_t mode) {
   if (S_ISFIFO(mode)) return "a pipe";
   if (S_ISSOCK(mode)) return "a socket";
   return "a device";
-}
-
-/// Makes a new file beside `path`, exclusively: a file or link that already has the name is never
-/// opened.
-File make_beside(const std::string& path, std::string& name) {
-  std::random_device random;
-  for (int attempt = 0;; ++attempt) {
-    constexpr int kAttempts = 100;
-    char suffix[32];
-    std::snprintf(suffix, sizeof suffix, ".%08x%08x.partial", random(), random());
-    name = path + suffix;
-    const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0 || errno != EEXIST || attempt == kAttempts) return File(descriptor);
-  }
 }
 
 }  // namespace
@@ -112,6 +97,7 @@ std::string read_whole_file(const std::string& path, const std::string& field,
   const File file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!file.is_open() || ::fstat(file.descriptor(), &status) != 0) unreadable();
   if (const char* kind = other_kind(status.st_mode)) refuse(kind);
+  note_input(file.descriptor(), path);
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size > largest_bytes)
     throw InputError(path, "file size", std::to_string(size) + " bytes",
@@ -126,15 +112,13 @@ std::string read_whole_file(const std::string& path, const std::string& field,
     have += static_cast<std::size_t>(count);
   }
   content.resize(have);
+  note_content(path, content);
   return content;
 }
 
-std::string write_whole_file(const std::string& path,
-                             const std::function<void(std::ostream&)>& write) {
-  std::string unfinished;
-  File file = make_beside(path, unfinished);
-  if (!file.is_open()) return std::strerror(errno);
-  FileBuffer buffer(file.descriptor());
+void write_whole_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
+  OutputFile file(path);
+  FileBuffer buffer(file);
   std::ostream stream(&buffer);
   try {
     write(stream);
@@ -142,13 +126,10 @@ std::string write_whole_file(const std::string& path,
   } catch (const std::exception&) {
     stream.setstate(std::ios::badbit);  // instead of the library's message, which is a page long
   }
-  int error = buffer.error();
-  const int closing = file.close();
-  if (error == 0) error = closing;
-  if (error == 0 && stream && std::rename(unfinished.c_str(), path.c_str()) != 0) error = errno;
-  if (error == 0 && stream) return "";
-  ::unlink(unfinished.c_str());
-  return error != 0 ? std::strerror(error) : "the write failed";
+  buffer.rethrow_failure();
+  if (!stream) throw InputError(path, "cannot be written (what it is made of failed)", "", "");
+  file.sync();
+  file.publish();
 }
 
 }  // namespace softfinger::meshes

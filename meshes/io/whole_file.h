@@ -7,18 +7,16 @@
 
 namespace softfinger::meshes {
 
-/// The content of a user's file. Pipes and devices are refused: reading a pipe may wait for ever,
-/// and a device may have no end.
+/// The content of a user's file, which is noted as an input (input_files.h). Pipes and devices are
+/// refused: reading a pipe may wait for ever, and a device may have no end.
 /// @param field, allowed  of the error's message
 /// @throws InputError (where = path) for a file that is missing, unreadable, not regular, or larger
 /// than `largest_bytes`.
 std::string read_whole_file(const std::string& path, const std::string& field,
                             const std::string& allowed, std::size_t largest_bytes);
 
-/// Writes a file completely or not at all: under a random name in the same folder, then renamed.
-/// The random name keeps others from placing a link there that would redirect the content.
-/// @return empty, or the system's reason why there is no file
-[[nodiscard]] std::string write_whole_file(const std::string& path,
-                                           const std::function<void(std::ostream&)>& write);
+/// Writes a file completely or not at all; see output_file.h.
+/// @throws InputError (where = path)
+void write_whole_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace softfinger::meshes

@@ -112,6 +112,48 @@ TEST_F(Apply, WritesInPlaceOnlyWhenAsked) {
   EXPECT_NE(file_text(folder.path() / "robot.urdf").find("spinning_friction"), std::string::npos);
 }
 
+TEST_F(Apply, KeepsModesAndLinksOfAFileInPlace) {
+  const fs::path robot = folder.path() / "robot.urdf", link = folder.path() / "link.urdf";
+  const std::vector<std::string> in_place = {"--finger", "tip", "--to", "bullet", "--in-place"};
+  const auto refused = [&](const char* name, const std::string& words) {
+    const ProgramRun run = apply(name, in_place);
+    EXPECT_EQ(run.status, 2) << run.out;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+    EXPECT_EQ(file_text(robot), kUrdf);
+  };
+  fs::permissions(robot, fs::perms(0444));
+  refused("robot.urdf", "read-only");
+  fs::permissions(robot, fs::perms(0600));
+  fs::create_hard_link(robot, folder.path() / "twin.urdf");
+  refused("robot.urdf", "hard links");
+  fs::remove(folder.path() / "twin.urdf");
+  fs::create_symlink("robot.urdf", link);
+  const ProgramRun run = apply("link.urdf", in_place);
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_NE(file_text(robot).find("spinning_friction"), std::string::npos);
+  EXPECT_EQ(fs::status(robot).permissions(), fs::perms(0600));
+}
+
+TEST_F(Apply, WritesToStandardOutputAndToDevices) {
+  const std::vector<std::string> finger = {"--finger", "tip", "--to", "bullet", "-o"};
+  const auto to = [&](const std::string& output) {
+    std::vector<std::string> more = finger;
+    more.push_back(output);
+    return apply("robot.urdf", more);
+  };
+  ASSERT_EQ(to("out").status, 0);
+  const ProgramRun shown = to("/dev/stdout");
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  EXPECT_EQ(shown.out, file_text(folder.path() / "out")) << "the file and nothing else";
+  EXPECT_NE(shown.err.find("spinning_friction"), std::string::npos) << "the report";
+  EXPECT_EQ(to("/dev/null").status, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_TRUE(fs::is_symlink("/dev/stdout"));
+  EXPECT_EQ(to("/dev/full").status, 2);
+}
+
 TEST_F(Apply, ReadsStandardInput) {
   folder.write("in", kUrdf);
   start.input = (folder.path() / "in").string();

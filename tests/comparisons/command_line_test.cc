@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -341,6 +342,54 @@ TEST_F(CommandLine, DoctorSaysWhatIsThereAndWhatIsMissing) {
   start.environment.clear();
   const std::string text = run({"doctor"}).out;
   EXPECT_NE(text.find("ok       finite elements"), std::string::npos) << text;
+}
+
+TEST_F(CommandLine, RefusesAnOutputThatIsAnInput) {
+  const std::string grid = [] {
+    std::string text;
+    for (int i = 0; i < 144; ++i)
+      text += "v " + std::to_string(i % 12) + " " + std::to_string(i / 12) + " " +
+              std::to_string(-0.02 * (i % 12) * (i % 12)) + "\n";
+    for (int i = 0; i < 131; ++i)
+      if (i % 12 != 11)
+        text += "f " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " " +
+                std::to_string(i + 14) + " " + std::to_string(i + 13) + "\n";
+    return text;
+  }();
+  folder.write("tip.obj", grid);
+  folder.write("p.toml", case_text());
+  folder.write("d.csv", "load_N,a_mm\n1,1.5\n2,1.9\n4,2.4\n");
+  folder.write("hand.xml", "<mujoco><worldbody><geom name='tip' size='.01'/></worldbody></mujoco>");
+  folder.write("s.toml", case_text() + "[sweep]\n\"layer.thickness_mm\" = [1, 2]\n");
+  fs::create_symlink("tip.obj", folder.path() / "link");
+  const auto files = [&] {
+    std::map<std::string, std::string> texts;
+    for (const auto& entry : fs::directory_iterator(folder.path()))
+      if (entry.path().filename().string()[0] != '.')
+        texts[entry.path().filename().string()] = file_text(entry.path());
+    return texts;
+  };
+  const auto before = files();
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"mesh", "tip.obj", "--picture", "tip.obj"},
+           {"mesh", "tip.obj", "--page", "link"},
+           {"mesh", "link", "--page", "./tip.obj"},
+           {"fit", "tip.obj", "--point", "5,5,0", "--page", "tip.obj"},
+           {"calibrate", "d.csv", "p.toml", "-o", "d.csv"},
+           {"calibrate", "d.csv", "p.toml", "--page", "d.csv"},
+           {"calibrate", "d.csv", "p.toml", "-o", "p.toml"},
+           {"calibrate", "d.csv", "p.toml", "-o", "x", "--page", "x"},
+           {"predict", "p.toml", "--page", "p.toml"},
+           {"sweep", "s.toml", "-o", "s.toml"},
+           {"simulate", "hand.xml", "--write-scene", "hand.xml"},
+           {"simulate", "hand.xml", "--write-scene", "tip.obj"}}) {
+    SCOPED_TRACE(arguments[0] + " " + arguments[1] + " " + arguments.back());
+    expect_refusal(arguments, {arguments[arguments.size() - 2]});
+    EXPECT_EQ(files(), before);
+  }
+  start.input = (folder.path() / "p.toml").string();
+  expect_refusal({"predict", "-", "--page", "p.toml"}, {"--page"});
+  EXPECT_EQ(files(), before);
 }
 
 }  // namespace softfinger::tests

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -139,6 +142,92 @@ TEST_F(Compare, SaysWhyAFinishedResultIsMadeAgain) {
   folder.write("report/fem/two_5N/result.json", std::string(300000, '['));
   EXPECT_EQ(compare().status, 0);
   EXPECT_EQ(solves(), solved + 1) << "brackets without end";
+}
+
+TEST_F(Compare, MakesAResultAgainThatWasChangedByHand) {
+  ASSERT_EQ(compare().status, 0);
+  const std::string name = "report/fem/two_5N/result.json";
+  const json saved = json::parse(file_text(folder.path() / name));
+  const double a_m = saved["result"]["a_m"];
+  int solved = solves();
+  // Numbers that a contact can have, and that pass for a result.
+  for (const json& change :
+       {json{{"result", {{"a_m", 3 * a_m}}}}, json{{"result", {{"b_m", 2 * a_m}}}},
+        json{{"result", {{"load_N", 4}}}}, json{{"result", {{"wall_s", 1}}}},
+        json{{"check", nullptr}}, json{{"check", "0123456789abcdef"}}}) {
+    json changed = saved;
+    changed.merge_patch(change);
+    folder.write(name, changed.dump());
+    const ProgramRun again = compare();
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(solves(), ++solved) << change;
+    EXPECT_NE(again.err.find("made again, it cannot be used"), std::string::npos) << again.err;
+    EXPECT_EQ(json::parse(file_text(folder.path() / name))["result"]["a_m"], a_m);
+  }
+  // In another layout it is the same result.
+  folder.write(name, json::parse(file_text(folder.path() / name)).dump());
+  EXPECT_EQ(compare().status, 0);
+  EXPECT_EQ(solves(), solved);
+}
+
+TEST_F(Compare, MakesResultsAgainOfFilesWithAnotherContentAndTheSameTime) {
+  const auto surface = [](double radius_mm) {
+    std::string text;
+    constexpr int cells = 24;
+    for (int i = 0; i <= cells; ++i)
+      for (int j = 0; j <= cells; ++j) {
+        const double x = i - 12, y = j - 12;
+        text += "v " + std::to_string(x) + " " + std::to_string(y) + " " +
+                std::to_string(-(x * x + y * y) / (2 * radius_mm)) + "\n";
+      }
+    for (int i = 0; i < cells; ++i)
+      for (int j = 0; j < cells; ++j) {
+        const int a = 1 + i * (cells + 1) + j, b = a + cells + 1;
+        for (const auto& [p, q, r] : {std::array{a, b, b + 1}, std::array{a, b + 1, a + 1}})
+          text +=
+              "f " + std::to_string(p) + " " + std::to_string(q) + " " + std::to_string(r) + "\n";
+      }
+    return text;
+  };
+  folder.write("tip.obj", surface(20));
+  folder.write("bone.obj", surface(18));
+  std::string text = case_text("two", "5.0");
+  const std::string radii = "relative_radii_mm = [20.0, 10.0]";
+  text.replace(
+      text.find(radii), radii.size(),
+      "finger = { mesh = \"tip.obj\", unit = \"mm\", point_mm = [0, 0, 0], normal = [0, 0, "
+      "1], core = { mesh = \"bone.obj\" } }\nobject = { radii_mm = [inf, inf] }");
+  folder.write("two.toml", text + "[fem]\nlevel = 1\ngeometry = \"curved\"\n");
+  ASSERT_NE(compare_in_full({"--quick"}).status, 2);
+  const int first = solves();
+  ASSERT_GT(first, 0);
+  compare_in_full({"--quick"});
+  ASSERT_EQ(solves(), first) << "all is as it was";
+  for (const auto& [name, radius_mm] : {std::pair("bone.obj", 17.), std::pair("tip.obj", 21.)}) {
+    const int before = solves();
+    const auto time = fs::last_write_time(folder.path() / name);
+    folder.write(name, surface(radius_mm));
+    fs::last_write_time(folder.path() / name, time);
+    compare_in_full({"--quick"});
+    EXPECT_GT(solves(), before) << name;
+  }
+}
+
+TEST_F(Compare, WritesWholeResultsWithAllDescriptorsClosed) {
+  const std::string command =
+      "cd '" + folder.path().string() + "' && SOFTFINGER_FEM_PROGRAM=" + SOFTFINGER_FAKE_FEM + " " +
+      SOFTFINGER_PROGRAM + " compare two.toml --linear -o report <&- >&- 2>&-";
+  const int status = std::system(command.c_str());
+  // The answer could not be written, as standard output is closed; the report could.
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  expect_nothing_half_written();
+  for (const auto& entry : fs::recursive_directory_iterator(output))
+    if (entry.is_regular_file()) {
+      EXPECT_EQ(file_text(entry.path()).find("softfinger: error"), std::string::npos) << entry;
+    }
+  const ProgramRun again = compare();
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_NE(again.err.find("two 5 N: reused"), std::string::npos) << again.err;
 }
 
 TEST_F(Compare, EndsASolveBeyondItsTimeOrMemoryAndGoesOn) {

@@ -13,4 +13,12 @@ TEST(CsvCell, IsQuotedWhereItWouldShiftTheColumns) {
   EXPECT_EQ(text::csv_cell("\r"), "\"\r\"");
 }
 
+TEST(CsvCell, RunsAsNoFormulaInASpreadsheet) {
+  EXPECT_EQ(text::csv_cell("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
+  EXPECT_EQ(text::csv_cell("=SUM(1,2)"), "\"'=SUM(1,2)\"");
+  for (const char* begin : {"+", "-", "@"})
+    EXPECT_EQ(text::csv_cell(std::string(begin) + "1"), "'" + std::string(begin) + "1");
+  EXPECT_EQ(text::csv_cell("a=b"), "a=b");
+}
+
 }  // namespace softfinger

@@ -154,6 +154,85 @@ TEST_F(SweepProgram, IsInterruptedCleanlyAndContinues) {
     ASSERT_EQ(rows[row].rfind(std::to_string((row - 1) / 2) + ",", 0), 0u) << rows[row];
 }
 
+TEST_F(SweepProgram, MakesFinishedRowsAgainThatWereChanged) {
+  write_sweep(kThicknesses);
+  ASSERT_EQ(sweep().status, 0);
+  const std::string whole = file_text(output / "results.csv");
+  const ProgramRun reused = sweep();
+  EXPECT_NE(reused.err.find("is finished: reused"), std::string::npos) << reused.err;
+  std::string digit = whole;
+  digit[digit.find_last_of("123456789")] ^= 1;
+  for (const std::string& changed : {whole.substr(0, whole.find('\n') + 1), digit, whole + "x\n",
+                                     whole.substr(0, whole.size() - 1)}) {
+    folder.write("out/results.csv", changed);
+    const ProgramRun again = sweep();
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_NE(again.err.find("was changed after it had been written: made again"),
+              std::string::npos)
+        << again.err;
+    EXPECT_EQ(file_text(output / "results.csv"), whole);
+  }
+}
+
+TEST_F(SweepProgram, GoesOnBeforeTheFirstRowThatWasChanged) {
+  write_sweep("\"layer.thickness_mm\" = { from = 1, to = 6, steps = 20000 }\n");
+  ASSERT_EQ(sweep().status, 0);
+  const std::string whole = file_text(output / "results.csv");
+  fs::remove_all(output);
+  const pid_t process =
+      start_softfinger(start, {"sweep", "sweep.toml", "--output", output.string(), "--jobs", "1"});
+  const fs::path partial = output / "results.partial.csv";
+  // The sweep's identity, the header and a chunk of rows are noted in it.
+  for (int i = 0; i < 10000 && lines(file_text(output / "results.partial.check")).size() < 3; ++i)
+    usleep(100);
+  kill(process, SIGKILL);
+  wait_for(start, process);
+  ASSERT_TRUE(fs::exists(partial));
+  std::string text = file_text(partial);
+  const std::size_t changed = text.find("\n101,");
+  ASSERT_NE(changed, std::string::npos);
+  folder.write("out/results.partial.csv", text.replace(changed + 1, 3, "99,garbage"));
+  const ProgramRun again = sweep();
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_NE(again.err.find("rows were changed"), std::string::npos) << again.err;
+  EXPECT_EQ(file_text(output / "results.csv"), whole);
+}
+
+TEST_F(SweepProgram, MakesRowsAgainOfAMeshWithAnotherContentAndTheSameTime) {
+  const fs::path tip = folder.path() / "tip.stl", meshes = fs::path(SOFTFINGER_SHARE) / "meshes";
+  if (!fs::exists(meshes / "sphere.stl")) GTEST_SKIP() << "the build has no meshes";
+  fs::copy_file(meshes / "shadow_like_pad.stl", tip);
+  const auto time = fs::last_write_time(tip);
+  folder.write("sweep.toml",
+               "id = \"stale\"\n[geometry]\nfinger = { mesh = \"tip.stl\", along = \"-y\" }\n"
+               "object = { radii_mm = [inf, inf] }\n[layer]\nthickness_mm = 2\n"
+               "youngs_modulus_kPa = 300\npoisson_ratio = 0.45\n[contact]\nload_N = 1\n"
+               "friction_coefficient = 0.8\n[sweep]\n\"contact.load_N\" = [1, 2]\nmodels = "
+               "[\"bonded_layer\"]\n");
+  ASSERT_EQ(sweep().status, 0);
+  const std::string before = file_text(output / "results.csv");
+  fs::copy_file(meshes / "sphere.stl", tip, fs::copy_options::overwrite_existing);
+  fs::last_write_time(tip, time);
+  const ProgramRun again = sweep();
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(again.err.find("reused"), std::string::npos) << again.err;
+  EXPECT_NE(file_text(output / "results.csv"), before);
+  EXPECT_NE(sweep().err.find("reused"), std::string::npos);
+}
+
+TEST_F(SweepProgram, PutsNoMessageAmongTheRowsWhenDescriptorsAreClosed) {
+  write_sweep("\"layer.thickness_mm\" = { from = 1, to = 6, steps = 3 }\n");
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && " SOFTFINGER_PROGRAM
+                              " sweep sweep.toml -o out <&- 2>&- > answer";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  const std::string rows = file_text(output / "results.csv");
+  EXPECT_EQ(rows.find("softfinger"), std::string::npos) << rows;
+  fs::remove_all(output);
+  ASSERT_EQ(sweep().status, 0);
+  EXPECT_EQ(file_text(output / "results.csv"), rows);
+}
+
 TEST_F(SweepProgram, RefusesBadSweepsInOneLine) {
   write_sweep("\"layer.poisson_ratio\" = [0.3, 0.7]\n");
   for (const auto& arguments :

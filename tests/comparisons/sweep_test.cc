@@ -2,6 +2,8 @@
 #include <stdlib.h>
 
 #include <cmath>
+#include <cstring>
+#include <tuple>
 
 #include "comparisons/sweep/rows_file.h"
 #include "comparisons/sweep/sweep_file.h"
@@ -165,35 +167,69 @@ class GrowingRows : public testing::Test {
   void SetUp() override {
     std::string name = (fs::temp_directory_path() / "softfinger-rows-XXXXXX").string();
     folder = mkdtemp(name.data());
+    // Three points of two rows each, as an interrupted sweep leaves them.
+    sweep::RowsFile file(folder, header, "sweep 1", true);
+    for (const char* rows : {"1,1\n1,2\n", "2,1\n2,2\n", "3,1\n3,2\n"}) file.append(rows, 1);
   }
   void TearDown() override { fs::remove_all(folder); }
-  void write(const std::string& text) const {
+  std::string partial() const {
+    return system::read_file_to_rewrite(folder / "results.partial.csv");
+  }
+  void damage(const std::string& text) const {
     system::write_file_atomically(folder / "results.partial.csv", text);
   }
+  const std::string header = "point,load\n";
   fs::path folder;
 };
 
 TEST_F(GrowingRows, GoOnAfterTheLastWholePoint) {
-  for (const char* rest : {"", "3,1", "3,1\n", "3,1\n3,2"}) {
-    write(std::string("point,load\n1,1\n1,2\n2,1\n2,2\n") + rest);
-    sweep::RowsFile file(folder, "point,load\n", 2, true);
-    EXPECT_EQ(file.points(), 2u) << rest;
+  const std::string whole = partial();
+  for (const char* rest : {"", "4,1", "4,1\n", "4,1\n4,2"}) {
+    damage(whole + rest);
+    sweep::RowsFile file(folder, header, "sweep 1", true);
+    EXPECT_EQ(file.points(), 3u) << rest;
+    EXPECT_FALSE(file.had_changed_rows()) << "a run was killed while it wrote";
+    EXPECT_EQ(partial(), whole);
+  }
+  sweep::RowsFile file(folder, header, "sweep 1", true);
+  file.append("4,1\n4,2\n", 1);
+  const std::string check = file.check();
+  file.finish();
+  const std::string finished = whole + "4,1\n4,2\n";
+  EXPECT_EQ(system::read_file_to_rewrite(folder / "results.csv"), finished);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+  EXPECT_TRUE(sweep::RowsFile::is_whole(folder / "results.csv", check));
+  for (const std::string& changed :
+       {finished + "5,1\n", finished.substr(0, finished.size() - 4), header, std::string()}) {
+    system::write_file_atomically(folder / "results.csv", changed);
+    EXPECT_FALSE(sweep::RowsFile::is_whole(folder / "results.csv", check)) << changed;
+  }
+}
+
+TEST_F(GrowingRows, AreMadeAgainFromTheFirstThatWasChanged) {
+  const std::string whole = partial();
+  for (const auto& [row, changed] : {std::pair("2,2\n", "2,3\n"), std::pair("2,1\n", ""),
+                                     std::pair("2,1\n", "garbage\n2,1\n")}) {
+    std::string text = whole;
+    damage(text.replace(text.find(row), std::strlen(row), changed));
+    sweep::RowsFile file(folder, header, "sweep 1", true);
+    EXPECT_TRUE(file.had_changed_rows()) << changed;
+    EXPECT_EQ(file.points(), 1u) << changed;
+    EXPECT_EQ(partial(), "point,load\n1,1\n1,2\n");
+    file.append("2,1\n2,2\n", 1);
     file.append("3,1\n3,2\n", 1);
-    file.finish();
-    EXPECT_EQ(system::read_text_file(folder / "results.csv"),
-              "point,load\n1,1\n1,2\n2,1\n2,2\n3,1\n3,2\n");
-    EXPECT_FALSE(fs::exists(folder / "results.partial.csv"));
+    EXPECT_EQ(partial(), whole);
   }
 }
 
 TEST_F(GrowingRows, StartAnewForAnotherSweep) {
-  for (const bool same_header : {true, false}) {
-    write("point,load\n1,1\n1,2\n");
-    sweep::RowsFile file(folder, same_header ? "point,load\n" : "point,mu\n", 2, !same_header);
+  for (const auto& [columns, identity, go_on] :
+       {std::tuple("point,load\n", "sweep 2", true), std::tuple("point,mu\n", "sweep 2", true),
+        std::tuple("point,mu\n", "sweep 2", false)}) {
+    sweep::RowsFile file(folder, columns, identity, go_on);
     EXPECT_EQ(file.points(), 0u);
-    file.finish();
-    EXPECT_EQ(system::read_text_file(folder / "results.csv"),
-              same_header ? "point,load\n" : "point,mu\n");
+    EXPECT_EQ(partial(), columns);
+    file.append("1,1\n", 1);
   }
 }
 

@@ -84,7 +84,7 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
   if (!fs::exists(folder)) return files;
   const auto is_final = [](const std::string& name) {
-    return name[0] != '.' && name != "results.partial.csv";
+    return name[0] != '.' && name.rfind("results.partial.", 0) != 0;
   };
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file() && is_final(entry.path().filename().string()))

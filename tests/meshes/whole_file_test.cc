@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -13,6 +14,8 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+
+#include "softfinger/input/errors.h"
 
 namespace softfinger::meshes {
 namespace {
@@ -29,7 +32,7 @@ class WholeFile : public testing::Test {
   /// The file that is being written, by its name in the folder.
   std::string unfinished() const {
     for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().extension() == ".partial") return entry.path().filename().string();
+      if (entry.path().extension() == ".tmp") return entry.path().filename().string();
     return "";
   }
   static std::string content(const fs::path& path) {
@@ -45,8 +48,7 @@ TEST_F(WholeFile, AppearsWithTheModeOfAnOrdinaryFile) {
   const fs::path path = folder / "a";
   const std::string long_text(300'000, 'x');
   const mode_t before = umask(027);
-  EXPECT_EQ(write_whole_file(path, [&](std::ostream& out) { out << long_text << std::flush << 7; }),
-            "");
+  write_whole_file(path, [&](std::ostream& out) { out << long_text << std::flush << 7; });
   umask(before);
   EXPECT_EQ(content(path), long_text + "7");
   struct stat status {};
@@ -58,29 +60,49 @@ TEST_F(WholeFile, AppearsWithTheModeOfAnOrdinaryFile) {
 TEST_F(WholeFile, HasANameThatNobodyCanForeseeUntilItIsWhole) {
   std::set<std::string> names;
   for (int i = 0; i < 20; ++i)
-    EXPECT_EQ(write_whole_file(folder / "a", [&](std::ostream&) { names.insert(unfinished()); }),
-              "");
+    write_whole_file(folder / "a", [&](std::ostream&) { names.insert(unfinished()); });
   EXPECT_EQ(names.size(), 20u);
   EXPECT_EQ(names.count(""), 0u);
 }
 
-TEST_F(WholeFile, ReplacesALinkAndNotWhatItLeadsTo) {
+TEST_F(WholeFile, FollowsALinkAndReplacesWhatItNames) {
+  fs::create_directory(folder / "far");
+  std::ofstream(folder / "far" / "b") << "old";
+  fs::create_symlink("far/b", folder / "link");
+  fs::create_symlink("link", folder / "a");
+  write_whole_file(folder / "a", [](std::ostream& out) { out << "new"; });
+  EXPECT_EQ(content(folder / "far" / "b"), "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "a"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+}
+
+TEST_F(WholeFile, IsNotWrittenThroughALinkOfAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a link away";
   std::ofstream(folder / "victim") << "mine";
   fs::create_symlink(folder / "victim", folder / "a");
-  EXPECT_EQ(write_whole_file(folder / "a", [](std::ostream& out) { out << "new"; }), "");
+  ASSERT_EQ(lchown((folder / "a").c_str(), 12345, 12345), 0);
+  EXPECT_THROW(write_whole_file(folder / "a", [](std::ostream& out) { out << "new"; }), InputError);
   EXPECT_EQ(content(folder / "victim"), "mine");
-  EXPECT_EQ(content(folder / "a"), "new");
 }
 
 TEST_F(WholeFile, LeavesNothingWhenTheWritingFails) {
-  EXPECT_NE(write_whole_file(folder / "a", [](std::ostream&) { throw std::runtime_error("no"); }),
-            "");
-  EXPECT_NE(
+  EXPECT_THROW(
+      write_whole_file(folder / "a", [](std::ostream&) { throw std::runtime_error("no"); }),
+      InputError);
+  EXPECT_THROW(
       write_whole_file(folder / "a", [](std::ostream& out) { out.setstate(std::ios::failbit); }),
-      "");
-  EXPECT_NE(write_whole_file(folder / "none" / "a", [](std::ostream&) {}), "");
-  EXPECT_NE(write_whole_file(folder, [](std::ostream&) {}), "") << "a folder has this name";
+      InputError);
+  EXPECT_THROW(write_whole_file(folder / "none" / "a", [](std::ostream&) {}), InputError);
+  EXPECT_THROW(write_whole_file(folder, [](std::ostream&) {}), InputError)
+      << "a folder has this name";
   EXPECT_TRUE(fs::is_empty(folder));
+  // A stream that swallows the failure of the disk.
+  EXPECT_THROW(write_whole_file("/dev/full",
+                                [](std::ostream& out) {
+                                  out << std::string(1 << 17, 'x');
+                                  out.clear();
+                                }),
+               InputError);
 }
 
 }  // namespace

@@ -38,8 +38,8 @@ std::vector<std::string> seeds() {
                  {"levels", {level}},
                  {"profile_x", profile},
                  {"profile_y", profile}});
-  const nlohmann::json whole = {{"program", kProgram}, {"problem", problem()}, {"result", result}};
-  return {whole.dump(1), whole.dump()};
+  const std::string whole = reference::finished_result_text(kProgram, problem(), result);
+  return {whole, nlohmann::json::parse(whole).dump()};
 }
 
 }  // namespace
