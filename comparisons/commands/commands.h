@@ -45,10 +45,6 @@ void add_fem_limits(CLI::App& command, reference::FemLimits& limits);
 /// @throws InputError
 void require_single_process(const std::string& in_place);
 
-/// The parser's check of ranges accepts NaN.
-/// @throws InputError
-void refuse_nan(double value, const char* option, const char* allowed);
-
 /// Prints a message that is not a result: one line on standard error.
 void remark(const std::string& line);
 

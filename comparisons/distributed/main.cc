@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "comparisons/commands/typed_words.h"
 #include "comparisons/distributed/rank_pool.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
 #include "comparisons/sweep/run_sweep.h"
@@ -233,12 +234,16 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
       "Samples:\n"
       "  mpirun -np 64 softfinger-sweep my_sweep.toml --output my_sweep\n"
       "  mpirun -np 64 softfinger-sweep --atlas error_atlas.csv --output atlas_runs");
+  commands::prepare_options(app);
   try {
     app.parse(argument_count, arguments);
     if (options.sweep.empty() == options.atlas.empty())
       throw CLI::RequiredError("exactly one of SWEEP and --atlas");
   } catch (const CLI::Success& request) {
     return rank == 0 ? app.exit(request) : 0;
+  } catch (const InputError& error) {
+    if (rank == 0) say(std::string("error: ") + error.what());
+    return 2;
   } catch (const CLI::ParseError& error) {
     if (rank == 0) say(std::string("error: ") + error.what() + " (see softfinger-sweep --help)");
     return 2;
