@@ -103,5 +103,39 @@ TEST(MeshPoints, FitARegionThatHasVerticesEnough) {
   EXPECT_LE(fit.points, 80);
 }
 
+TEST(MeshPoints, LieAroundAPointDenseBesideItAndSparseFarAway) {
+  const TriangleSurface surface =
+      meshes::triangulated_ellipsoid({12e-3, 7e-3, 14e-3}, Vector3d::Zero(), 32);
+  const Vector3d centre(0, -7e-3, 0);
+  const std::vector<Vector3d> points = points_around(surface, centre);
+  ASSERT_GT(points.size(), 20u);
+  EXPECT_LE(points.size(), 100u);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double distance = (points[i] - centre).norm();
+    EXPECT_GE(distance, (points[i - 1] - centre).norm());
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GE((points[i] - points[j]).norm(), 0.5 * distance);
+  }
+}
+
+TEST(MeshPoints, FindTheNearestPointThatIsRoundAndSmooth) {
+  // Its sides are flat, its edges are rounded.
+  TriangleSurface brick = meshes::triangulated_ellipsoid({1, 1, 1}, Vector3d::Zero(), 40);
+  for (Vector3d& vertex : brick.vertices_m)
+    vertex = 1e-3 * (6 * Vector3d((2 * vertex).cwiseMin(1).cwiseMax(-1)) + 6 * vertex);
+  const Vector3d normal(0, -1, 0), middle = extreme_point_m(brick, normal);
+  const auto found = nearest_smooth_point(brick, middle, &normal);
+  ASSERT_TRUE(found);
+  const QuadricFit fit = fit_around(brick, *found, nullptr);
+  EXPECT_GT(fit.principal.radii_m[0], 0);
+  EXPECT_GT(fit.principal.radii_m[1], 0);
+  EXPECT_EQ(doubt_of(fit), "");
+  EXPECT_GT(fit.normal.dot(normal), 0);
+  EXPECT_FALSE(nearest_smooth_point(box({0.02, 0.01, 0.03}, true), {0.01, 0, 0.01}, nullptr));
+}
+
+TEST(MeshPoints, AreWrittenInMillimetresWithoutAMinusBeforeZero) {
+  EXPECT_EQ(in_millimetres({1e-3, -7.25e-3, -1e-9}), "[1, -7.25, 0]");
+}
+
 }  // namespace
 }  // namespace softfinger::prediction
