@@ -999,7 +999,7 @@ Scene parse_scene(const std::string& text, const fs::path& file, const Settings&
   const toml::table root = parse_toml(text, file.string(), settings);
   scene.text = text_of(root, text, settings);
   SceneReader(root, file, scene).read();
-  for (const std::string& text : unusual_values(scene)) scene.remarks.push_back(text);
+  for (const std::string& line : unusual_values(scene)) scene.remarks.push_back(line);
   return scene;
 }
 
