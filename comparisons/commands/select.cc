@@ -21,8 +21,8 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/percent.h"
-#include "softfinger/input/constants.h"
 #include "softfinger/accuracy/default_model.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -268,8 +268,7 @@ int run_select(SelectOptions options) {
   for (const double load_N : contact_case.loads_N) {
     judgement::LoadChoice& load = loads.emplace_back();
     load.geometry =
-        judgement::resolve_or_advise(contact_case, resolver, load_N,
-                                                 options.selection.demand);
+        judgement::resolve_or_advise(contact_case, resolver, load_N, options.selection.demand);
     load.problem = prediction::contact_problem(contact_case, load.geometry, load_N);
     load.choice = judgement::choose_model(contact_case, load.geometry, load_N, options.selection);
     choices.push_back(to_json(load.choice));

@@ -93,8 +93,8 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
   if (const toml::node* unit = table.get("unit"))
     mesh.metres_per_unit = reader.choice(*unit, name + ".unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
   const auto point = [&](const toml::node& entry, const std::string& key) -> Eigen::Vector3d {
-    const auto typed = reader.numbers(entry, name + "." + key, 3, "three finite numbers in mm");
-    return kMillimetre * Eigen::Vector3d(typed[0], typed[1], typed[2]);
+    const auto xyz = reader.numbers(entry, name + "." + key, 3, "three finite numbers in mm");
+    return kMillimetre * Eigen::Vector3d(xyz[0], xyz[1], xyz[2]);
   };
   const auto refuse_beside = [&](const char* chosen, std::initializer_list<const char*> others) {
     for (const char* key : others)

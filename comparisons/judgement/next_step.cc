@@ -81,12 +81,12 @@ std::string body_line(const char* name, const input::MeshBody& mesh, double metr
 /// found.
 std::string nearest_point(const input::Case& contact_case, const GeometryResolver& resolver,
                           double load_N, const Demand& demand) {
-  using Clock = std::chrono::steady_clock;
+  using std::chrono::steady_clock;
   constexpr auto kLongest = std::chrono::milliseconds(300);
   const char* name = nullptr;
   const input::MeshBody* mesh = mesh_of(contact_case, &name);
   if (!mesh) return "";
-  const auto start = Clock::now();
+  const auto start = steady_clock::now();
   input::MeshBody there;
   try {
     there = resolver.placed(*mesh);
@@ -98,7 +98,7 @@ std::string nearest_point(const input::Case& contact_case, const GeometryResolve
   auto& pair = std::get<input::BodyPair>(tried.geometry);
   input::CaseBody& body = name == std::string("finger") ? pair.finger : pair.object;
   for (const Vector3d& point : prediction::points_around(resolver.surface(*mesh), centre)) {
-    if (Clock::now() - start > kLongest) return "";
+    if (steady_clock::now() - start > kLongest) return "";
     input::MeshBody moved = *mesh;
     moved.along.reset();
     moved.normal.reset();
@@ -201,8 +201,8 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
   NextStep result;
   result.reason = reason_of(geometry, answer, demand);
   if (const auto other = usable_model(contact_case, geometry, load_N, demand))
-    result.step =
-        fmt::format("--model {} is usable, within {}", other->model, text::percent(other->worst));
+    result.step = fmt::format("--model {} is usable, within {}", other->model->card().name,
+                              text::percent(other->worst));
   // Another point does not help where the mesh leaves little open.
   if (result.step.empty() && !answer.assessment->determined)
     result.step = nearest_point(contact_case, resolver, load_N, demand);

@@ -18,8 +18,8 @@ struct NextStep {
   std::string in_words() const { return reason + ": " + step; }
 };
 
-/// In this order: the recommended model, the nearest point of the mesh, a smaller or larger load, and where
-/// none of them helps the radii, finite elements or what has to be left out of the case.
+/// In this order: the recommended model, the nearest point of the mesh, a smaller or larger load,
+/// and where none of them helps the radii, finite elements or what has to be left out of the case.
 ///
 /// Asks models for other loads (microseconds) and, for a mesh, at up to a hundred other points,
 /// which ends after 0.3 s: for people, not for loops.
@@ -31,8 +31,7 @@ NextStep next_step(const input::Case& contact_case, const prediction::GeometryRe
 
 /// The same where the resolver refused the geometry, so that there is no answer.
 NextStep next_step(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
-                   double load_N, const InputError& refusal,
-                   const prediction::Demand& demand);
+                   double load_N, const InputError& refusal, const prediction::Demand& demand);
 
 /// `resolver.resolve(load_N)`, whose refusal also says the next step.
 /// @throws InputError

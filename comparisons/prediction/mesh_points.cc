@@ -161,11 +161,11 @@ std::string doubt_of(const QuadricFit& fit) {
 
 std::optional<Vector3d> nearest_smooth_point(const TriangleSurface& surface,
                                              const Vector3d& centre_m, const Vector3d* normal) {
-  using Clock = std::chrono::steady_clock;
+  using std::chrono::steady_clock;
   constexpr auto kLongest = std::chrono::milliseconds(300);
-  const auto start = Clock::now();
+  const auto start = steady_clock::now();
   for (const Vector3d& point : points_around(surface, centre_m)) {
-    if (Clock::now() - start > kLongest) break;
+    if (steady_clock::now() - start > kLongest) break;
     try {
       const QuadricFit fit = fit_around(surface, point, nullptr);
       const bool is_convex = fit.principal.radii_m[0] > 0 && fit.principal.radii_m[1] > 0;

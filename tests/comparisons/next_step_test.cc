@@ -13,7 +13,7 @@
 namespace softfinger {
 namespace {
 
-const prediction::Demand kDemand;  // 10 % of a, b, area and torque
+const prediction::Demand kDemand = {};  // 10 % of a, b, area and torque
 
 std::string stepped_case_text(const std::string& geometry, const std::string& load = "2",
                               const std::string& rest = "") {
@@ -33,8 +33,8 @@ struct Stepped {
     const double load_N = contact_case.loads_N[0];
     const prediction::LocalGeometry geometry = resolver.resolve(load_N);
     answer = prediction::ask_model(*find_pressure_model(model), contact_case, geometry, load_N, 0);
-    answer.assessment = judgement::assess(contact_case, geometry, answer,
-                                          prediction::TorqueRule::exact, kDemand);
+    answer.assessment =
+        judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, kDemand);
   }
   bool usable() const { return answer.assessment->usable; }
   judgement::NextStep step() const {
