@@ -276,9 +276,9 @@ int run_select(SelectOptions options) {
     tables += table(load.choice, options.selection);
     // For people only: it may take some tenths of a second.
     if (load.choice.chosen < 0 && !options.json)
-      first_lines += "  " +
-                     advice(contact_case, resolver, load.geometry, load_N, options.selection.demand) +
-                     "\n";
+      first_lines +=
+          "  " + advice(contact_case, resolver, load.geometry, load_N, options.selection.demand) +
+          "\n";
   }
   nlohmann::json results = nlohmann::json::array();
   for (const judgement::LoadChoice& load : loads)

@@ -92,13 +92,19 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
     : case_(contact_case) {
   const auto* pair = std::get_if<input::BodyPair>(&case_.geometry);
   if (!pair) return;
+  const auto keep = [&](input::MeshBody mesh, const Surface& surface) {
+    surfaces_.emplace(surface_key(mesh), surface);
+    // A body that was placed has the unit that was guessed for it.
+    mesh.metres_per_unit = surface.metres_per_unit;
+    surfaces_.emplace(surface_key(mesh), surface);
+  };
   for (const input::CaseBody* body : {&pair->finger, &pair->object}) {
     const auto* mesh = std::get_if<input::MeshBody>(body);
     if (!mesh || surfaces_.count(surface_key(*mesh))) continue;
     if (known) {
       if (const auto found = known->surfaces_.find(surface_key(*mesh));
           found != known->surfaces_.end()) {
-        surfaces_.insert(*found);
+        keep(*mesh, found->second);
         continue;
       }
     }
@@ -115,8 +121,8 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
           input::unit_remark(file, is_finger ? input::MeshRole::finger : input::MeshRole::object,
                              input::UnitIsTold::in_a_file)})
       if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
-    surfaces_[surface_key(*mesh)] = {
-        std::make_shared<const TriangleSurface>(std::move(file.surface)), file.metres_per_unit};
+    keep(*mesh, {std::make_shared<const TriangleSurface>(std::move(file.surface)),
+                 file.metres_per_unit});
   }
 }
 
