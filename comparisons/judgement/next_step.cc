@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <optional>
 #include <vector>
 
@@ -81,12 +81,10 @@ std::string body_line(const char* name, const input::MeshBody& mesh, double metr
 /// found.
 std::string nearest_point(const input::Case& contact_case, const GeometryResolver& resolver,
                           double load_N, const Demand& demand) {
-  using std::chrono::steady_clock;
-  constexpr auto kLongest = std::chrono::milliseconds(300);
   const char* name = nullptr;
   const input::MeshBody* mesh = mesh_of(contact_case, &name);
   if (!mesh) return "";
-  const auto start = steady_clock::now();
+  const std::clock_t start = std::clock();
   input::MeshBody there;
   try {
     there = resolver.placed(*mesh);
@@ -98,7 +96,7 @@ std::string nearest_point(const input::Case& contact_case, const GeometryResolve
   auto& pair = std::get<input::BodyPair>(tried.geometry);
   input::CaseBody& body = name == std::string("finger") ? pair.finger : pair.object;
   for (const Vector3d& point : prediction::points_around(resolver.surface(*mesh), centre)) {
-    if (steady_clock::now() - start > kLongest) return "";
+    if (std::clock() - start > prediction::kLongestSearch) return "";
     input::MeshBody moved = *mesh;
     moved.along.reset();
     moved.normal.reset();
@@ -114,7 +112,7 @@ std::string nearest_point(const input::Case& contact_case, const GeometryResolve
 }
 
 /// A load that is usable, as near to the case's as three halvings of the gap between them find it;
-/// "" if there is none within a factor of 32.
+/// "" if there is none within a factor of 256.
 std::string other_load(const input::Case& contact_case, const GeometryResolver& resolver,
                        double load_N, const Demand& demand) {
   const auto at = [&](double other_N) {
@@ -124,7 +122,7 @@ std::string other_load(const input::Case& contact_case, const GeometryResolver& 
     const double step = std::pow(10, std::floor(std::log10(value)) - 1);
     return std::round(value / step) * step;
   };
-  for (double factor = 2; factor <= 32; factor *= 2)
+  for (double factor = 2; factor <= 256; factor *= 2)
     for (const double tried_N : {load_N / factor, load_N * factor}) {
       if (!at(tried_N)) continue;
       double usable_N = tried_N, other_N = tried_N < load_N ? 2 * tried_N : tried_N / 2;

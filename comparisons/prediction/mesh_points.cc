@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -161,15 +160,17 @@ std::string doubt_of(const QuadricFit& fit) {
 
 std::optional<Vector3d> nearest_smooth_point(const TriangleSurface& surface,
                                              const Vector3d& centre_m, const Vector3d* normal) {
-  using std::chrono::steady_clock;
-  constexpr auto kLongest = std::chrono::milliseconds(300);
-  const auto start = steady_clock::now();
+  const std::clock_t start = std::clock();
   for (const Vector3d& point : points_around(surface, centre_m)) {
-    if (steady_clock::now() - start > kLongest) break;
+    if (std::clock() - start > kLongestSearch) break;
     try {
       const QuadricFit fit = fit_around(surface, point, nullptr);
-      const bool is_convex = fit.principal.radii_m[0] > 0 && fit.principal.radii_m[1] > 0;
-      if (is_convex && doubt_of(fit).empty() && (!normal || normal->dot(fit.normal) > 0))
+      const auto is_round = [&](int i) {
+        const double radius_m = fit.principal.radii_m[i];
+        return std::isfinite(radius_m) && radius_m > 2 * fit.radii_std_m[i];
+      };
+      if (is_round(0) && is_round(1) && doubt_of(fit).empty() &&
+          (!normal || normal->dot(fit.normal) > 0))
         return point;
     } catch (const InputError&) {
     } catch (const ConvergenceError&) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <ctime>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +26,10 @@ Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vec
 QuadricFit fit_around(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                       const Eigen::Vector3d* outward_normal);
 
+/// A search for another point ends after 0.3 s of the processor, so that its end does not depend on
+/// what else a machine does.
+constexpr std::clock_t kLongestSearch = 3 * CLOCKS_PER_SEC / 10;
+
 /// Vertices around a point, at most a hundred, the nearest first: dense beside it and sparse far
 /// away, each at least half its distance from the others.
 std::vector<Eigen::Vector3d> points_around(const TriangleSurface& surface,
@@ -34,8 +39,8 @@ std::vector<Eigen::Vector3d> points_around(const TriangleSurface& surface,
 /// the fit does not know to 50 %; empty where there is nothing against it.
 std::string doubt_of(const QuadricFit& fit);
 
-/// The nearest of `points_around` whose fit is convex and without a doubt and that faces the same
-/// side; null where there is none, and after 0.3 s.
+/// The nearest of `points_around` whose fit is convex, with both radii known to 50 %, and that
+/// faces the same side; null where there is none, and after `kLongestSearch`.
 /// @param normal  outward at `centre_m`; null: any side
 std::optional<Eigen::Vector3d> nearest_smooth_point(const TriangleSurface& surface,
                                                     const Eigen::Vector3d& centre_m,

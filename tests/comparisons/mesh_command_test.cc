@@ -10,7 +10,7 @@
 
 #include "meshes/io/read_surface.h"
 #include "tests/comparisons/run_program.h"
-#include "tests/meshes/triangulated_ellipsoid.h"
+#include "tests/meshes/capsule_finger.h"
 
 namespace softfinger::tests {
 namespace fs = std::filesystem;
@@ -264,16 +264,11 @@ TEST_F(MeshCommand, IsTouchedAtTheNearestPointInACase) {
 }
 
 TEST_F(MeshCommand, SaysTheNextStepWhereAPointCannotBePressed) {
-  // A brick with rounded edges, touched in the middle of a face: no radii there.
-  TriangleSurface brick = meshes::triangulated_ellipsoid({1, 1, 1}, Eigen::Vector3d::Zero(), 40);
-  for (Eigen::Vector3d& vertex : brick.vertices_m) {
-    const Eigen::Vector3d core = (2 * vertex).cwiseMin(1).cwiseMax(-1);
-    vertex = 1e-3 * (6 * core + 6 * vertex);
-  }
-  meshes::write_stl_mm(brick, (folder.path() / "brick.stl").string());
+  // Its side touches a plane along a line.
+  meshes::write_stl_mm(meshes::capsule_finger(), (folder.path() / "capsule.stl").string());
   folder.write(
       "case.toml",
-      "[geometry]\nfinger = { mesh = \"brick.stl\", along = \"-y\" }\nobject = { radii_mm = "
+      "[geometry]\nfinger = { mesh = \"capsule.stl\", along = \"-y\" }\nobject = { radii_mm = "
       "[inf, inf] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = "
       "0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n");
   const ProgramRun refused = run({"export", "case.toml", "--to", "mujoco"});

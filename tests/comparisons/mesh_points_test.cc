@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
-#include "tests/meshes/triangulated_ellipsoid.h"
+#include "tests/meshes/capsule_finger.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -118,14 +118,12 @@ TEST(MeshPoints, LieAroundAPointDenseBesideItAndSparseFarAway) {
 }
 
 TEST(MeshPoints, FindTheNearestPointThatIsRoundAndSmooth) {
-  // Its sides are flat, its edges are rounded.
-  TriangleSurface brick = meshes::triangulated_ellipsoid({1, 1, 1}, Vector3d::Zero(), 40);
-  for (Vector3d& vertex : brick.vertices_m)
-    vertex = 1e-3 * (6 * Vector3d((2 * vertex).cwiseMin(1).cwiseMax(-1)) + 6 * vertex);
-  const Vector3d normal(0, -1, 0), middle = extreme_point_m(brick, normal);
-  const auto found = nearest_smooth_point(brick, middle, &normal);
+  const TriangleSurface finger = meshes::capsule_finger();
+  const Vector3d normal(0, -1, 0);
+  const auto found = nearest_smooth_point(finger, {0, -8e-3, 0}, &normal);
   ASSERT_TRUE(found);
-  const QuadricFit fit = fit_around(brick, *found, nullptr);
+  EXPECT_GT(std::abs(found->z()), 9e-3) << "one of its round ends";
+  const QuadricFit fit = fit_around(finger, *found, nullptr);
   EXPECT_GT(fit.principal.radii_m[0], 0);
   EXPECT_GT(fit.principal.radii_m[1], 0);
   EXPECT_EQ(doubt_of(fit), "");
