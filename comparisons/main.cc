@@ -27,8 +27,8 @@ int fail(const std::string& message, ExitStatus status) {
 /// Reads the command line and runs the command.
 int run(int argc, char** argv) {
   using namespace softfinger;
-  const std::vector<std::string> arguments =
-      commands::join_vectors(std::vector<std::string>(argv + 1, argv + argc));
+  const std::vector<std::string> arguments = commands::with_version_as_option(
+      commands::join_vectors(std::vector<std::string>(argv + 1, argv + argc)));
   std::string command_line = "softfinger";
   for (const auto& argument : arguments) command_line += " " + argument;
 
@@ -72,6 +72,7 @@ int run(int argc, char** argv) {
   commands::add_doctor(app, action);
   commands::add_completion(app, action);
   commands::add_manual(app, action);
+  commands::prepare_options(app);
   try {
     commands::refuse_unknown_words(app, arguments);
     // The parser expects the arguments in reverse order.
@@ -82,7 +83,7 @@ int run(int argc, char** argv) {
     system::write_to_stdout(text.str());
     return kDone;
   } catch (const CLI::ParseError& error) {
-    return fail(std::string(error.what()) + " (see softfinger --help)", kBadInput);
+    return fail(commands::in_words(app, error), kBadInput);
   }
   system::set_quiet(quiet);
   commands::announce_outputs(app);

@@ -154,8 +154,8 @@ std::string fitted_case_text(const CaseCalibration& calibration, const fs::path&
       fs::absolute(fitted.file).lexically_normal().parent_path())
     make_absolute(edits, geometry, fitted, path.parent_path());
   const std::string suffix = "_fitted";
-  if (fitted.id.size() + suffix.size() <= input::kLongestName)
-    edits.set(*root.get("id"), fitted.id + suffix);
+  if (const toml::node* id = root.get("id"); id && input::is_id(fitted.id + suffix))
+    edits.set(*id, fitted.id + suffix);
 
   std::string text = fmt::format("# Fitted by softfinger calibrate with {}:\n",
                                  calibration.problem.model->card().name);

@@ -168,8 +168,6 @@ std::string to_text(const ApplyOptions& options, const XmlFile& file, const fs::
 }
 
 int run_apply(const ApplyOptions& options) {
-  refuse_nan(options.effective_mass_g, "--effective-mass-g", "1e-3 to 1e6");
-  refuse_nan(options.depth_mm, "--depth-mm", "1e-3 to 1e4");
   const Simulator& simulator = simulator_by_name(options.to);
   const fs::path output = output_of(options);
   const bool is_mujoco = simulator.name == "mujoco";

@@ -5,6 +5,7 @@
 #include "comparisons/calibration/calibration_report.h"
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/report/calibration_page.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
@@ -96,14 +97,14 @@ std::pair<Parameter, double> fixed_value(const std::string& typed) {
     if (known.name.rfind(key + "_", 0) == 0 && range_of(known.parameter).name == key)
       with_unit.push_back(known.name);
     if (known.name != key) continue;
-    char* end = nullptr;
-    const double value = std::strtod(value_text.c_str(), &end) * known.si_per_unit;
     const ParameterRange& range = range_of(known.parameter);
-    if (end == value_text.c_str() || *end != '\0' ||
-        !(value >= range.lowest && value <= range.highest))
+    const std::string allowed = internal::number_text(range.lowest / known.si_per_unit, 3) +
+                                " to " +
+                                internal::number_text(range.highest / known.si_per_unit, 3);
+    const double value = number_of("--fix " + key, value_text, allowed) * known.si_per_unit;
+    if (!(value >= range.lowest && value <= range.highest))
       throw InputError("command line", "--fix " + key, "\"" + text::shortened(value_text) + "\"",
-                       internal::number_text(range.lowest / known.si_per_unit, 3) + " to " +
-                           internal::number_text(range.highest / known.si_per_unit, 3));
+                       allowed);
     return {known.parameter, value};
   }
   if (!with_unit.empty())
@@ -203,7 +204,7 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
                       "what to find, separated by commas: youngs_modulus, thickness, "
                       "poisson_ratio, radius, friction_coefficient, shear_strength; default: the "
                       "first two, and where friction was measured those of the case's shear law");
-  command->add_option("--model", options->model,
+  command->add_option("--model,--models", options->model,
                       "fingertip_layer (default), bonded_layer, winkler or hertz");
   command->add_option("-o,--output", options->output,
                       "file (TOML) for the case with what was found, for the other commands");

@@ -1,8 +1,10 @@
 #include "comparisons/commands/case_input.h"
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/number.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -17,6 +19,7 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings, const s
 }
 
 void add_case(CLI::App& command, CaseInput& typed, bool has_load) {
+  typed.command = command.get_name();
   command.add_option("CASE", typed.file,
                      "case file (TOML), the name of a built-in case, or \"-\" for standard input; "
                      "none: the case is made of the numbers below");
@@ -36,6 +39,7 @@ void add_case(CLI::App& command, CaseInput& typed, bool has_load) {
 input::Settings settings_of(const std::vector<std::string>& typed) {
   input::Settings settings;
   for (const std::string& setting : typed) settings.push_back(input::parse_setting(setting));
+  input::require_each_key_once(settings);
   return settings;
 }
 
@@ -43,15 +47,18 @@ input::Settings settings_of(const CaseInput& typed) {
   struct Number {
     const char *flag, *key;
     const std::string& value;
-    bool is_list;
+    std::size_t most;
+    const char* allowed;
   };
   const Number numbers[] = {
-      {"--radii-mm", "geometry.relative_radii_mm", typed.radii_mm, true},
-      {"--thickness-mm", "layer.thickness_mm", typed.thickness_mm, false},
-      {"--youngs-modulus-kPa", "layer.youngs_modulus_kPa", typed.youngs_modulus_kPa, false},
-      {"--poisson-ratio", "layer.poisson_ratio", typed.poisson_ratio, false},
-      {"--load", "contact.load_N", typed.load_N, true},
-      {"--friction", "contact.friction_coefficient", typed.friction, false}};
+      {"--radii-mm", "geometry.relative_radii_mm", typed.radii_mm, 2,
+       "R',R'' or R: numbers > 0, in mm"},
+      {"--thickness-mm", "layer.thickness_mm", typed.thickness_mm, 1, "a number > 0, in mm"},
+      {"--youngs-modulus-kPa", "layer.youngs_modulus_kPa", typed.youngs_modulus_kPa, 1,
+       "a number > 0, in kPa"},
+      {"--poisson-ratio", "layer.poisson_ratio", typed.poisson_ratio, 1, "a number from 0 to 0.5"},
+      {"--load", "contact.load_N", typed.load_N, 0, "P or P1,P2,...: numbers > 0, in N"},
+      {"--friction", "contact.friction_coefficient", typed.friction, 1, "a number > 0"}};
   input::Settings settings;
   std::vector<std::string> missing;
   for (const Number& number : numbers) {
@@ -59,31 +66,36 @@ input::Settings settings_of(const CaseInput& typed) {
       if (number.key != std::string("contact.friction_coefficient")) missing.push_back(number.flag);
       continue;
     }
+    const std::size_t count = numbers_of(number.flag, number.value, number.allowed).size();
+    if (number.most > 0 && count > number.most)
+      throw InputError("command line", number.flag, "\"" + text::shortened(number.value) + "\"",
+                       number.allowed);
     std::string value = number.value;
     // One radius is that of a sphere on a plane.
-    if (number.flag == std::string("--radii-mm") && value.find(',') == std::string::npos)
-      value += "," + value;
-    if (number.is_list) value = "[" + value + "]";
+    if (number.most == 2 && count == 1) value += "," + value;
+    if (number.most != 1) value = "[" + value + "]";
     settings.push_back(
         {number.key, value, number.flag + (" " + text::shortened(number.value, 100))});
   }
   if (typed.file.empty() && !missing.empty())
-    throw InputError("command line",
-                     missing.size() == 5 ? "CASE is missing"
-                                         : "without a CASE " + text::joined(missing) + " " +
-                                               (missing.size() == 1 ? "is" : "are") + " missing",
-                     "",
-                     "a case file, the name of a built-in case (softfinger list cases), \"-\", or "
-                     "--radii-mm, --thickness-mm, --youngs-modulus-kPa, --poisson-ratio, --load");
+    throw InputError(
+        "command line",
+        missing.size() == 5 ? "CASE is missing"
+                            : "without a CASE " + text::joined(missing) + " " +
+                                  (missing.size() == 1 ? "is" : "are") + " missing",
+        "",
+        "a case file, the name of a built-in case (softfinger list cases), \"-\", or "
+        "--radii-mm, --thickness-mm, --youngs-modulus-kPa, --poisson-ratio, --load" +
+            (typed.command.empty() ? "" : "; see softfinger " + typed.command + " --help"));
   for (const input::Setting& setting : settings_of(typed.settings)) settings.push_back(setting);
+  input::require_each_key_once(settings);
   return settings;
 }
 
 namespace {
 
 bool is_mesh(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& letter : ending) letter = char(std::tolower(static_cast<unsigned char>(letter)));
+  const std::string ending = text::lower_case(file.extension().string());
   return ending == ".stl" || ending == ".obj";
 }
 
@@ -94,7 +106,11 @@ input::Case read_case(const CaseInput& typed) {
   if (is_mesh(typed.file))
     throw InputError(typed.file, "file", "a mesh",
                      "a case, which names the mesh: softfinger mesh FILE prints the line for it");
-  if (!typed.file.empty()) return input::read_case(system::find_case_file(typed.file), settings);
+  if (!typed.file.empty()) {
+    input::Case read = input::read_case(system::find_case_file(typed.file), settings);
+    for (const std::string& line : read.remarks) remark(line);
+    return read;
+  }
   std::string text = "id = \"command_line\"\n";
   bool has_friction = !typed.friction.empty();
   for (const input::Setting& setting : settings)
@@ -102,6 +118,7 @@ input::Case read_case(const CaseInput& typed) {
                    setting.key == "contact.shear_law";
   if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
   input::Case made = input::parse_case(text, "command line", settings);
+  for (const std::string& line : made.remarks) remark(line);
   if (!has_friction)
     remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");
   return made;

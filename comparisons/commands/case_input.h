@@ -11,7 +11,8 @@ namespace softfinger::commands {
 
 /// A case from a file, or from numbers on the command line, which also replace those of a file.
 struct CaseInput {
-  std::string file;  ///< as typed; empty: all by numbers
+  std::string command;  ///< that takes them: "predict"
+  std::string file;     ///< as typed; empty: all by numbers
   std::vector<std::string> settings;
   std::string radii_mm, thickness_mm, youngs_modulus_kPa, poisson_ratio, load_N, friction;
 };
@@ -24,11 +25,12 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings, const s
 /// @param has_load  whether the command has a --load of its own
 void add_case(CLI::App& command, CaseInput& typed, bool has_load = false);
 
-/// @throws InputError(where "--set ...")
+/// @throws InputError(where "--set ..."), also for a key that is set twice
 input::Settings settings_of(const std::vector<std::string>& typed);
 
 /// Settings and numbers.
-/// @throws InputError when there is neither a file nor all numbers that a case needs
+/// @throws InputError when there is neither a file nor all numbers that a case needs, for a number
+/// that is none, and for a value that is typed twice
 input::Settings settings_of(const CaseInput& typed);
 
 /// @throws InputError

@@ -50,10 +50,6 @@ void announce_outputs(const CLI::App& app);
 /// @throws InputError
 void require_single_process(const std::string& in_place);
 
-/// The parser's check of ranges accepts NaN.
-/// @throws InputError
-void refuse_nan(double value, const char* option, const char* allowed);
-
 /// Prints a message that is not a result: one line on standard error.
 void remark(const std::string& line);
 

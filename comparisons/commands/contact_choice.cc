@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "comparisons/commands/answer_lines.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/text/nearest_name.h"
@@ -26,32 +26,14 @@ const PressureModel* model_by_name(const std::string& name) {
   return models.front();
 }
 
-/// The numbers of "1,5". Whether they are valid loads is checked in choose_loads.
-std::vector<double> numbers(const std::string& flag, const std::string& text) {
-  std::vector<double> values;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::string word = text.substr(start, end - start);
-    char* rest = nullptr;
-    values.push_back(std::strtod(word.c_str(), &rest));
-    if (word.empty() || *rest != '\0')
-      throw InputError(
-          "command line", flag, "\"" + text + "\"",
-          flag == "--load" ? "a number > 0, in N" : "LOW,HIGH in N with 0 < LOW < HIGH");
-    start = end + 1;
-  }
-  return values;
-}
-
 exporting::LoadChoice load_choice(const ContactChoice& options) {
   exporting::LoadChoice choice;
-  if (!options.load.empty()) {
-    const auto values = numbers("--load", options.load);
-    if (values.size() != 1)
-      throw InputError("command line", "--load", "\"" + options.load + "\"", "a number > 0, in N");
-    choice.nominal_N = values.front();
-  }
-  if (!options.load_range.empty()) choice.range_N = numbers("--load-range", options.load_range);
+  // Whether they are valid loads is checked in choose_loads.
+  if (!options.load.empty())
+    choice.nominal_N = number_of("--load", options.load, "a number > 0, in N");
+  if (!options.load_range.empty())
+    choice.range_N =
+        numbers_of("--load-range", options.load_range, "LOW,HIGH in N with 0 < LOW < HIGH");
   return choice;
 }
 
@@ -71,7 +53,7 @@ const exporting::Simulator& simulator_by_name(const std::string& name) {
 }
 
 void add_contact_choice(CLI::App& command, ContactChoice& choice) {
-  command.add_option("--model", choice.model,
+  command.add_option("--model,--models", choice.model,
                      "the model whose torque is taken; default: the recommended one, which predict "
                      "names first; see: list models");
   command.add_option("--load", choice.load,

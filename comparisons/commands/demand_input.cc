@@ -11,7 +11,6 @@ namespace softfinger::commands {
 
 prediction::Demand DemandInput::demand() const {
   using prediction::kQuantityNames;
-  refuse_nan(tolerance, "--tolerance", "1e-6 to 10");
   prediction::Demand demand;
   demand.tolerance = tolerance;
   if (quantities.empty()) return demand;

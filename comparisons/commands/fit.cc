@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/mesh_points_text.h"
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
@@ -20,7 +22,7 @@ namespace softfinger::commands {
 namespace {
 
 struct FitOptions {
-  std::string mesh, point, normal, unit = "mm", page, command_line;
+  std::string mesh, point, normal, unit, page, command_line;
   double radius_mm = 0;
   bool radius_given = false, write_page = false, json = false;
 };
@@ -42,9 +44,7 @@ std::string region_dependence(const QuadricFit& fit, const std::array<double, 2>
 int run_fit(const FitOptions& options) {
   if (options.write_page && options.page.empty())
     throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
-  const double metres_per_unit = options.unit == "m" ? 1 : 1e-3;
-  const Eigen::Vector3d point_m =
-      metres_per_unit *
+  const Eigen::Vector3d typed_point =
       parse_vector("--point", options.point, "X,Y,Z: three finite numbers in the mesh's unit");
   std::optional<Eigen::Vector3d> normal;
   if (!options.normal.empty()) {
@@ -59,12 +59,16 @@ int run_fit(const FitOptions& options) {
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
-  const auto file = read_typed_surface(path.string(), metres_per_unit);
-  for (const std::string& note :
-       {meshes::repairs(file), prediction::unit_doubt(file, metres_per_unit)})
+  const auto file = read_typed_surface(path.string(), options.unit);
+  const Eigen::Vector3d point_m = file.metres_per_unit * typed_point;
+  for (const std::string& note : {meshes::repairs(file), finger_unit_remark(file)})
     if (!note.empty()) remark(path.string() + ": " + note);
   prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
+  const auto advised = [&](const std::string& allowed) {
+    const std::string advice = smooth_point_advice(file.surface, point_m, normal_pointer);
+    return allowed + (allowed.empty() || advice.empty() ? "" : "; ") + advice;
+  };
   const QuadricFit fit = [&] {
     try {
       return options.radius_given
@@ -72,19 +76,20 @@ int run_fit(const FitOptions& options) {
                  : prediction::fit_around(file.surface, point_m, normal_pointer);
     } catch (const InputError& error) {
       // The fit does not know the file's name: it is added here.
-      throw InputError(path.string(), error.field(), error.value(), error.allowed());
+      throw InputError(path.string(), error.field(), error.value(), advised(error.allowed()));
     } catch (const ConvergenceError& error) {
-      throw InputError(path.string(), "surface near the point", "",
-                       std::string("one that a quadric can follow (") + error.what() + ")");
+      throw InputError(
+          path.string(), "surface near the point", "",
+          advised(std::string("one that a quadric can follow (") + error.what() + ")"));
     }
   }();
   if (!options.radius_given)
     remark(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
                        fit.region_radius_m * 1e3, fit.points));
   if (fit.surface_kind == SurfaceKind::sharp_edge)
-    remark(fmt::format(
+    remark(advised(fmt::format(
         "a sharp edge of {:.3g}° lies in the region, where radii of curvature mean little",
-        fit.sharpest_kink_rad * 180 / kPi));
+        fit.sharpest_kink_rad * 180 / kPi)));
   if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
   const bool is_whole =
       is_whole_surface(file.surface, point_m, normal_pointer, fit.region_radius_m);
@@ -100,8 +105,8 @@ int run_fit(const FitOptions& options) {
     point.point_m = point_m;
     point.normal = fit.normal;
     point.fit = fit;
-    write_fits_page(options.page, options.mesh, options.unit, file.surface, {point},
-                    options.command_line);
+    write_fits_page(options.page, options.mesh, input::unit_name(file.metres_per_unit),
+                    file.surface, {point}, options.command_line);
   }
   if (options.json) {
     nlohmann::json object = prediction::to_json(fit);
@@ -161,7 +166,8 @@ void add_fit(CLI::App& app, Action& action, const std::string& command_line) {
                           "radius of the fitted region in mm, > 0 (default: about 40 vertices)");
   command
       ->add_option("--unit", options->unit,
-                   "unit of the mesh and of --point: \"mm\" (default) or \"m\"")
+                   "unit of the mesh and of --point: \"mm\" or \"m\"; default: guessed, as "
+                   "softfinger mesh does")
       ->check(CLI::IsMember({"mm", "m"}));
   const CLI::Option* page = command->add_option(
       "--page", options->page,

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,9 +7,11 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/input/case.h"
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/toml_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 
@@ -20,18 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InitOptions {
-  std::string file = "my_finger.toml", mesh, along = "-y", near, unit = "mm";
+  std::string file = "my_finger.toml", mesh, along = "-y", near, unit;
   bool along_given = false, unit_given = false, force = false, json = false;
 };
-
-/// An id made of the file's name.
-std::string id_of(const fs::path& file) {
-  std::string id;
-  for (const char c : file.stem().string())
-    id += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
-  if (id.empty() || file == "-") return "my_finger";
-  return id.substr(0, 64);
-}
 
 constexpr const char* kPlane =
     "object = { radii_mm = [inf, inf] }       # a plane; or { sphere_radius_mm = 10 }, { mesh = "
@@ -46,20 +38,22 @@ std::string geometry_text(const InitOptions& options) {
            "# relative_radii_mm = [20.0, 5.0]        # of the gap, in place of the two bodies\n"
            "# finger = { mesh = \"tip.stl\", unit = \"mm\", along = \"-y\" }   # softfinger mesh "
            "tip.stl\n";
-  if (!options.near.empty()) {
-    const std::string path =
-        system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
-    const auto surface = meshes::read_surface(path, options.unit == "m" ? 1 : 1e-3).surface;
-    return geometry_line(options.mesh, options.unit,
-                         point_near(surface, options.near, options.unit, path)) +
+  const std::string path =
+      system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
+  const meshes::SurfaceFile file = read_typed_surface(path, options.unit);
+  const std::string unit = input::unit_name(file.metres_per_unit);
+  // A typed unit is in the case, whose reader doubts it.
+  if (const std::string doubt = finger_unit_remark(file); file.is_unit_guessed && !doubt.empty())
+    remark(path + ": " + doubt);
+  if (!options.near.empty())
+    return geometry_line(options.mesh, unit, point_near(file.surface, options.near, unit, path)) +
            "\n" + kPlane;
-  }
   return fmt::format(
-      "# along: the point that lies farthest there. Any other: point_mm = [x, y, z], normal = [x, "
-      "y, z];\n"
+      "# along: the point that lies farthest there. Any other: near_mm = [x, y, z], the nearest "
+      "one;\n"
       "# softfinger mesh FILE --page page.html shows the finger, where a click gives these lines.\n"
       "finger = {{ mesh = {}, unit = \"{}\", along = \"{}\" }}\n{}",
-      toml_text(options.mesh), options.unit, options.along, kPlane);
+      text::toml_text(options.mesh), unit, options.along, kPlane);
 }
 
 std::string case_text(const InitOptions& options) {
@@ -86,7 +80,7 @@ std::string case_text(const InitOptions& options) {
       "\"curved\"\n"
       "# kinematics = \"linear\"                  # small strain; or \"finite\"\n"
       "# level = 2                              # 1 coarse to 3 fine\n",
-      id_of(options.file), geometry_text(options));
+      options.file == "-" ? "my_finger" : input::id_of(options.file), geometry_text(options));
 }
 
 int run_init(const InitOptions& options) {
@@ -144,7 +138,9 @@ void add_init(CLI::App& app, Action& action) {
           "unit")
       ->excludes(along);
   const CLI::Option* unit =
-      command->add_option("--unit", options->unit, "of the mesh: \"mm\" (default) or \"m\"")
+      command
+          ->add_option("--unit", options->unit,
+                       "of the mesh: \"mm\" or \"m\"; default: guessed, as softfinger mesh does")
           ->check(CLI::IsMember({"mm", "m"}));
   command->add_flag("--force", options->force, "replace a file that is there");
   command->add_flag("--json", options->json, "one JSON object on standard output: file and text");

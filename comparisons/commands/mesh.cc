@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,21 +7,20 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/input/case.h"
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/report/mesh_picture.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/toml_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
 
 using Eigen::Vector3d;
-
-/// How wide fingers are: the middle one of the three sizes of a fingertip's or a link's box.
-constexpr double kNarrowestFinger_m = 5e-3, kWidestFinger_m = 40e-3;
 
 struct MeshOptions {
   std::string file, along, near, unit, page, picture, command_line;
@@ -31,69 +29,14 @@ struct MeshOptions {
 
 struct ReadMesh {
   meshes::SurfaceFile file;
-  std::string unit;
-  bool guessed = false;
-  std::string doubt;  ///< about the unit
+  std::string unit, doubt;  ///< about the unit
 };
 
-double width_m(const TriangleSurface& surface) {
-  const prediction::SurfaceFacts facts = prediction::facts_of(surface);
-  Vector3d size = facts.largest_m - facts.least_m;
-  std::sort(size.begin(), size.end());
-  return size[1];
-}
-
-bool is_finger(double width) { return width >= kNarrowestFinger_m && width <= kWidestFinger_m; }
-
-/// The file in the given unit, or in the one in which it is as wide as a finger; in mm if it is
-/// that in neither.
 ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
   ReadMesh read;
-  read.unit = typed_unit.empty() ? "mm" : typed_unit;
-  read.guessed = typed_unit.empty();
-  double metres_per_unit = read.unit == "m" ? 1 : 1e-3;
-  try {
-    read.file = read_typed_surface(path, metres_per_unit);
-  } catch (const InputError&) {
-    // Read in mm, a finger in metres is some ten micrometres wide, which may be refused.
-    if (!read.guessed) throw;
-    meshes::SurfaceFile in_metres;
-    try {
-      in_metres = read_typed_surface(path, 1);
-    } catch (const InputError&) {
-    }
-    if (in_metres.surface.triangles.empty()) throw;
-    read.file = std::move(in_metres);
-    read.unit = "m";
-    metres_per_unit = 1;
-  }
-  double width = width_m(read.file.surface);
-  if (read.guessed && read.unit == "mm" && is_finger(1e3 * width)) {
-    read.file = read_typed_surface(path, 1);
-    read.unit = "m";
-    metres_per_unit = 1;
-    width *= 1e3;
-  }
-  if (is_finger(width)) return read;
-  read.doubt = fmt::format("{:.3g} mm wide, read in {}: a finger is {:g} to {:g} mm wide",
-                           1e3 * width, read.unit, 1e3 * kNarrowestFinger_m, 1e3 * kWidestFinger_m);
-  const double width_units = width / metres_per_unit;
-  struct Unit {
-    const char *name, *remedy;
-    double metres;
-  };
-  bool is_known = false;
-  for (const Unit& other : {Unit{"mm", "--unit mm", 1e-3},
-                            {"m", "--unit m", 1.},
-                            {"cm", "scale it by 10 to mm", 1e-2},
-                            {"inches", "scale it by 25.4 to mm", 25.4e-3}}) {
-    if (other.name == read.unit || !is_finger(width_units * other.metres)) continue;
-    read.doubt += fmt::format("; in {} it would be {:.3g} mm: {}?", other.name,
-                              1e3 * width_units * other.metres, other.remedy);
-    is_known = true;
-  }
-  if (is_known) return read;
-  read.doubt += "; is it the whole of a finger, and in that unit?";
+  read.file = read_typed_surface(path, typed_unit);
+  read.unit = input::unit_name(read.file.metres_per_unit);
+  read.doubt = finger_unit_remark(read.file);
   return read;
 }
 
@@ -133,7 +76,7 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
   }
   return {{"mesh", options.file},
           {"unit", read.unit},
-          {"unit_guessed", read.guessed},
+          {"unit_guessed", read.file.is_unit_guessed},
           {"unit_doubt", read.doubt.empty() ? nlohmann::json() : nlohmann::json(read.doubt)},
           {"triangles", surface.triangles.size()},
           {"vertices", surface.vertices_m.size()},
@@ -157,7 +100,7 @@ std::string to_text(const MeshOptions& options, const ReadMesh& read,
       "{}: {}\n  x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} mm, read in {}{}\n\n",
       options.file, facts_in_words(read.file.surface), least.x(), largest.x(), least.y(),
       largest.y(), least.z(), largest.z(), read.unit,
-      read.guessed ? " (guessed; --unit says it)" : "");
+      read.file.is_unit_guessed ? " (guessed; --unit says it)" : "");
   text += fmt::format("{:<22} {:>28} {:>26} {:>19} {:>9}\n", "point", "x, y, z mm", "normal",
                       "radii mm", "region mm");
   for (const report::MeshPoint& point : points) {
@@ -200,7 +143,7 @@ int run_mesh(const MeshOptions& options) {
   if (options.write_page) {
     report::MeshPage page;
     page.mesh = options.file;
-    page.mesh_toml = toml_text(options.file);
+    page.mesh_toml = text::toml_text(options.file);
     page.unit = read.unit;
     page.facts = facts_in_words(read.file.surface) + ".";
     for (const std::string& doubt : {read.doubt, repairs})
@@ -248,9 +191,10 @@ void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
                    "X,Y,Z: only the surface's point nearest to this one, in the mesh's unit")
       ->excludes(along);
   command
-      ->add_option("--unit", options->unit,
-                   "of the mesh: \"mm\" or \"m\"; default: the one in which it is as wide as a "
-                   "finger, 5 to 40 mm")
+      ->add_option(
+          "--unit", options->unit,
+          "of the mesh: \"mm\" or \"m\"; default: the one in which its width, the middle one of "
+          "its three sizes, is nearer to a finger's 15 mm")
       ->check(CLI::IsMember({"mm", "m"}));
   const CLI::Option* page = command->add_option(
       "--page", options->page,

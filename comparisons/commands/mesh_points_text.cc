@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_option.h"
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/toml_text.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -19,37 +22,33 @@ namespace softfinger::commands {
 
 Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
                              const std::string& allowed) {
-  Eigen::Vector3d vector;
-  const char* next = text.c_str();
-  for (int i = 0; i < 3; ++i) {
-    char* end = nullptr;
-    vector[i] = std::strtod(next, &end);
-    const char expected = i < 2 ? ',' : '\0';
-    if (end == next || *end != expected || !std::isfinite(vector[i]))
-      throw InputError("command line", flag, "\"" + text + "\"", allowed);
-    next = end + 1;
-  }
-  return vector;
+  const std::vector<double> numbers = numbers_of(flag, text, allowed, 3);
+  return {numbers[0], numbers[1], numbers[2]};
 }
 
-meshes::SurfaceFile read_typed_surface(const std::string& path, double metres_per_unit) {
-  if (path != "-") return meshes::read_surface(path, metres_per_unit);
-  return meshes::parse_surface(system::read_standard_input(meshes::kLargestSurface_bytes),
-                               "standard input", metres_per_unit);
+meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit) {
+  std::optional<double> metres_per_unit;
+  if (!unit.empty()) metres_per_unit = unit == "m" ? 1 : 1e-3;
+  const std::string name = path == "-" ? "standard input" : path;
+  meshes::SurfaceFile file =
+      path == "-"
+          ? meshes::parse_surface(system::read_standard_input(meshes::kLargestSurface_bytes), name,
+                                  metres_per_unit)
+          : meshes::read_surface(path, metres_per_unit);
+  input::require_finger_size(file, name, input::UnitIsTold::on_the_command_line);
+  return file;
 }
 
-std::string toml_text(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (code < 0x20 || code == 0x7f) {
-      quoted += fmt::format("\\u{:04x}", code);
-      continue;
-    }
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
+std::string finger_unit_remark(const meshes::SurfaceFile& file) {
+  return input::unit_remark(file, input::MeshRole::finger, input::UnitIsTold::on_the_command_line);
+}
+
+std::string smooth_point_advice(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                                const Eigen::Vector3d* normal) {
+  const auto smooth = prediction::nearest_smooth_point(surface, point_m, normal);
+  if (!smooth) return "";
+  return fmt::format("the nearest point that is round and smooth is {:.2g} mm away: near_mm = {}",
+                     1e3 * (*smooth - point_m).norm(), prediction::in_millimetres(*smooth));
 }
 
 report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
@@ -64,15 +63,7 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
     const QuadricFit fit = prediction::fit_around(surface, point_m, normal);
     point.fit = fit;
     point.normal = fit.normal;
-    if (fit.surface_kind == SurfaceKind::sharp_edge)
-      point.doubt = fmt::format("a sharp edge of {:.3g}° lies in the region",
-                                fit.sharpest_kink_rad * 180 / kPi);
-    // Of the two radii the smaller one is what a fit knows best.
-    const double sharper_m = std::abs(fit.principal.radii_m[1]);
-    constexpr double kKnown = 0.5;
-    if (const double part = fit.radii_std_m[1] / sharper_m; part > kKnown && std::isfinite(part))
-      point.doubt += fmt::format("{}the fit knows the smaller radius to ± {:.0f} % only",
-                                 point.doubt.empty() ? "" : "; ", 100 * part);
+    point.doubt = prediction::doubt_of(fit);
   } catch (const InputError& error) {
     point.doubt = point.normal.isZero(0)
                       ? "the surface ends here: none of its facets faces this way"
@@ -80,6 +71,9 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
   } catch (const ConvergenceError& error) {
     point.doubt = std::string("no quadric: ") + error.what();
   }
+  if (!point.doubt.empty())
+    if (const std::string advice = smooth_point_advice(surface, point_m, normal); !advice.empty())
+      point.doubt += "; " + advice;
   return point;
 }
 
@@ -105,7 +99,7 @@ std::string geometry_line(const std::string& mesh, const std::string& unit,
                        rounded(v.z(), step));
   };
   return fmt::format("finger = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
-                     toml_text(mesh == "-" ? "FILE.stl" : mesh), unit,
+                     text::toml_text(mesh == "-" ? "FILE.stl" : mesh), unit,
                      list(1e3 * point.point_m, 1e-4), list(point.normal, 1e-5));
 }
 
@@ -114,7 +108,7 @@ void write_fits_page(const std::string& file, const std::string& mesh, const std
                      const std::string& command_line) {
   report::MeshPage page;
   page.mesh = mesh;
-  page.mesh_toml = toml_text(mesh);
+  page.mesh_toml = text::toml_text(mesh);
   page.unit = unit;
   page.facts = facts_in_words(surface) + ".";
   for (report::MeshPoint& point : points) point.toml = geometry_line(mesh, unit, point);

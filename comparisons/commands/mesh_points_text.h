@@ -14,12 +14,19 @@ namespace softfinger::commands {
 Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
                              const std::string& allowed);
 
-/// The surface in a file, "-": from standard input.
-/// @throws InputError as meshes::read_surface
-meshes::SurfaceFile read_typed_surface(const std::string& path, double metres_per_unit);
+/// The surface of a finger in a file, "-": from standard input.
+/// @param unit  "mm" or "m" as typed; empty: it is guessed
+/// @throws InputError as meshes::read_surface, and for a guess that makes no finger of it
+meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit);
 
-/// A text as a value of TOML, in quotes.
-std::string toml_text(const std::string& text);
+/// A remark on the unit, for commands that have --unit, or empty.
+std::string finger_unit_remark(const meshes::SurfaceFile& file);
+
+/// "the nearest point that is round and smooth is 1.2 mm away: near_mm = [..]", or empty where none
+/// is found. For points that should not be pressed on.
+/// @param normal  outward; null: any side
+std::string smooth_point_advice(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
+                                const Eigen::Vector3d* normal);
 
 /// A point with the quadric around it, and with the normal of that. Where none can be fitted, the
 /// normal is the given one, or the facet's, and `doubt` says why.

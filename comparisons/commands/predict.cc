@@ -13,8 +13,10 @@
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/input_doubt.h"
+#include "comparisons/judgement/next_step.h"
 #include "comparisons/judgement/recommended.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
@@ -100,8 +102,9 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
     point.doubt = geometry.patch->remark;
     points.push_back(point);
   }
-  write_fits_page(options.page, typed_name(mesh.path), mesh.metres_per_unit == 1 ? "m" : "mm",
-                  resolver.surface(mesh), points, options.command_line);
+  write_fits_page(options.page, typed_name(mesh.path),
+                  input::unit_name(*resolver.placed(mesh).metres_per_unit), resolver.surface(mesh),
+                  points, options.command_line);
 }
 
 /// What the contact bears about its tangents, beside the limit surface: the other two moments.
@@ -155,7 +158,8 @@ int run_predict(const PredictOptions& options) {
   std::string first_lines, evidence = prediction::describe(contact_case) + "\n";
   std::vector<std::string> blocks;
   for (double load_N : contact_case.loads_N) {
-    const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+    const prediction::LocalGeometry geometry =
+        judgement::resolve_or_advise(contact_case, resolver, load_N, demand);
     std::vector<prediction::ModelAnswer> answers;
     for (const PressureModel* model : models) {
       if (options.gap == "sampled" && model->card().name == "layer_fft")
@@ -253,7 +257,7 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
   add_case(*command, options->typed_case);
-  command->add_option("--model", options->models,
+  command->add_option("--model,--models", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");
   add_demand(*command, options->demand);

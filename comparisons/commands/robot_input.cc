@@ -4,14 +4,14 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <cstdlib>
 #include <system_error>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/process_pool.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/number.h"
 #include "comparisons/text/robot_mesh_title.h"
 #include "softfinger/input/errors.h"
 
@@ -41,40 +41,20 @@ class TemporaryFolder {
 
 /// "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO" as four words.
 std::vector<std::string> layer_words(const std::string& typed) {
-  const auto refuse = [&] {
-    throw InputError("command line", "--finger-layer", "\"" + typed + "\"",
-                     "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO, such as "
-                     "tip:2,300,0.49; thickness and modulus > 0, Poisson's ratio from 0 to 0.5");
-  };
+  const std::string allowed =
+      "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO, such as tip:2,300,0.49; thickness and "
+      "modulus > 0, Poisson's ratio from 0 to 0.5";
   const std::size_t colon = typed.rfind(':');
+  const auto refuse = [&] {
+    throw InputError("command line", "--finger-layer", "\"" + typed + "\"", allowed);
+  };
   if (colon == std::string::npos || colon == 0) refuse();
+  const std::vector<double> layer =
+      numbers_of("--finger-layer", typed.substr(colon + 1), allowed, 3);
+  if (!(layer[0] > 0 && layer[1] > 0 && layer[2] >= 0 && layer[2] <= 0.5)) refuse();
   std::vector<std::string> words = {typed.substr(0, colon)};
-  std::string rest = typed.substr(colon + 1);
-  for (int i = 0; i < 3; ++i) {
-    const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
-    if (comma == std::string::npos) refuse();
-    const std::string word = rest.substr(0, comma);
-    std::size_t used = 0;
-    double value = 0;
-    try {
-      value = std::stod(word, &used);
-    } catch (const std::exception&) {
-      refuse();
-    }
-    const bool is_allowed = i < 2 ? value > 0 && std::isfinite(value) : value >= 0 && value <= 0.5;
-    if (used != word.size() || !is_allowed) refuse();
-    words.push_back(word);
-    rest = i < 2 ? rest.substr(comma + 1) : "";
-  }
+  for (const double number : layer) words.push_back(fmt::format("{}", number));
   return words;
-}
-
-/// Letters that an id may have; see TomlReader::id.
-std::string scene_id_of(const fs::path& file) {
-  std::string id = file.stem().string().substr(0, 64);
-  for (char& letter : id)
-    if (!std::isalnum(static_cast<unsigned char>(letter)) && letter != '-') letter = '_';
-  return id.empty() ? "robot" : id;
 }
 
 /// What the program has made: the scene and the meshes that belong beside it.
@@ -121,8 +101,7 @@ void add_robot(CLI::App& command, RobotInput& typed) {
 }
 
 bool is_robot(const std::string& file) {
-  std::string suffix = fs::path(file).extension().string();
-  for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
+  const std::string suffix = text::lower_case(fs::path(file).extension().string());
   return suffix == ".xml" || suffix == ".mjcf" || suffix == ".urdf" || suffix == ".sdf";
 }
 
@@ -139,11 +118,11 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
     throw InputError("command line", "--write-scene", typed.write_scene,
                      "the name of a scene's file, such as scene.toml");
   const fs::path scene_file =
-      writes ? fs::absolute(typed.write_scene) : temporary.path() / (scene_id_of(file) + ".toml");
+      writes ? fs::absolute(typed.write_scene) : temporary.path() / (input::id_of(file) + ".toml");
   if (writes) system::make_writable_folder(scene_file.parent_path());
   system::ProcessJob job;
   job.command = {system::robot_program().string(), fs::absolute(file).string(),
-                 temporary.path().string(), scene_id_of(file)};
+                 temporary.path().string(), input::id_of(file)};
   for (const std::string& layer : typed.finger_layers)
     for (const std::string& word : layer_words(layer)) job.command.push_back(word);
   job.time_limit_s = 120;

@@ -7,6 +7,8 @@
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/demand_input.h"
+#include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/next_step.h"
 #include "comparisons/judgement/selection/model_choice.h"
 #include "comparisons/judgement/selection/scene_choice.h"
 #include "comparisons/judgement/selection/selection_report.h"
@@ -19,6 +21,7 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/percent.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -236,9 +239,20 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   return 0;
 }
 
+/// What to do where no model meets the demand.
+std::string advice(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
+                   const prediction::LocalGeometry& geometry, double load_N,
+                   const prediction::Demand& demand) {
+  const ContactProblem problem = prediction::contact_problem(contact_case, geometry, load_N);
+  prediction::ModelAnswer answer =
+      prediction::ask_model(default_model(problem), contact_case, geometry, load_N, 0);
+  answer.assessment =
+      judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, demand);
+  return judgement::next_step(contact_case, resolver, answer, demand).in_words();
+}
+
 int run_select(SelectOptions options) {
   options.selection.demand = options.demand.demand();
-  refuse_nan(options.selection.budget_us, "--budget-us", "1e-3 to 1e12");
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
   if (const auto file = scene_file(options.typed_case.file); !file.empty())
@@ -253,12 +267,18 @@ int run_select(SelectOptions options) {
   std::string first_lines, tables;
   for (const double load_N : contact_case.loads_N) {
     judgement::LoadChoice& load = loads.emplace_back();
-    load.geometry = resolver.resolve(load_N);
+    load.geometry =
+        judgement::resolve_or_advise(contact_case, resolver, load_N, options.selection.demand);
     load.problem = prediction::contact_problem(contact_case, load.geometry, load_N);
     load.choice = judgement::choose_model(contact_case, load.geometry, load_N, options.selection);
     choices.push_back(to_json(load.choice));
     first_lines += answer_line(load.choice);
     tables += table(load.choice, options.selection);
+    // For people only: it may take some tenths of a second.
+    if (load.choice.chosen < 0 && !options.json)
+      first_lines +=
+          "  " + advice(contact_case, resolver, load.geometry, load_N, options.selection.demand) +
+          "\n";
   }
   nlohmann::json results = nlohmann::json::array();
   for (const judgement::LoadChoice& load : loads)
@@ -294,7 +314,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
                    "longest time allowed for one answer, in microseconds, 1e-3 to 1e12; default: "
                    "any")
       ->check(CLI::Range(1e-3, 1e12));
-  command->add_option("--models", options->models,
+  command->add_option("--models,--model", options->models,
                       "allowed models, separated by commas; \"fem\" is one; default: all");
   options->command_line = command_line;
   const CLI::Option* output = command->add_option(

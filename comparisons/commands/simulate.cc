@@ -15,6 +15,7 @@
 #include "comparisons/report/motion_page.h"
 #include "comparisons/simulation/control.h"
 #include "comparisons/simulation/frame_json.h"
+#include "comparisons/simulation/overlapping_shapes.h"
 #include "comparisons/simulation/trajectory_files.h"
 #include "comparisons/simulation/vtu_files.h"
 #include "comparisons/system/files.h"
@@ -162,6 +163,7 @@ int run_simulate(const SimulateOptions& options) {
                      "a file with --control, which takes its commands from standard input");
   const input::Scene scene = read_scene(options);
   for (const std::string& line : scene.remarks) remark(line);
+  for (const std::string& line : simulation::overlap_remarks(scene)) remark(line);
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   std::optional<Control> control;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cctype>
 
+#include "comparisons/commands/command_tree.h"
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/number.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -29,7 +31,75 @@ void refuse_unknown_letter(const CLI::App& app, const CLI::App* command, const s
     throw InputError("command line", "unknown option \"" + word + "\"", "", text::joined(known));
 }
 
+/// Refuses a text that is no number before the parser reads it, who takes nan, 0x10 and more.
+void read_strictly(CLI::Option& option) {
+  const std::string type = option.get_type_name(), kind = type.substr(0, type.find(':'));
+  const bool is_whole = kind == "INT" || kind == "UINT";
+  if (kind != "FLOAT" && !is_whole) return;
+  const std::size_t range = type.find(" in [");
+  const std::string allowed = std::string(is_whole ? "a whole number" : "a number such as 0.5") +
+                              (range == std::string::npos ? "" : type.substr(range));
+  const std::string name = option.get_name(option.get_positional());
+  option.transform(CLI::Validator(
+      [name, allowed, kind, is_whole](std::string& typed) {
+        const bool is_number = is_whole ? text::read_whole_number(typed).has_value()
+                                        : text::read_number(typed).has_value();
+        if (!is_number || (kind == "UINT" && typed[0] == '-'))
+          throw InputError("command line", name, "\"" + text::shortened(typed) + "\"", allowed);
+        // The parser knows no plus sign before a whole number.
+        if (typed[0] == '+') typed.erase(0, 1);
+        return std::string();
+      },
+      ""));
+}
+
+void take_in_any_case(CLI::Option& option) {
+  option.transform(CLI::Validator(
+      [](std::string& typed) {
+        typed = text::lower_case(typed);
+        return std::string();
+      },
+      ""));
+}
+
+bool is_name_of_model_or_simulator(const CLI::Option& option) {
+  if (option.get_positional()) return option.get_name(true) == "MODEL";
+  return option.check_lname("to") || option.check_lname("model") || option.check_lname("models");
+}
+
 }  // namespace
+
+std::vector<std::string> with_version_as_option(std::vector<std::string> words) {
+  if (words.size() == 1 && words[0] == "version") words[0] = "--version";
+  return words;
+}
+
+void prepare_options(CLI::App& app) {
+  std::vector<CLI::App*> commands = app.get_subcommands([](CLI::App*) { return true; });
+  commands.push_back(&app);
+  for (CLI::App* command : commands)
+    for (CLI::Option* option : command->get_options()) {
+      read_strictly(*option);
+      // The model of `apply` is a robot's file.
+      if (is_name_of_model_or_simulator(*option) &&
+          !(option->get_positional() && command->get_name() == "apply"))
+        take_in_any_case(*option);
+    }
+}
+
+std::string in_words(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<CLI::App*> typed = app.get_subcommands();
+  if (typed.empty()) return std::string(error.what()) + " (see softfinger --help)";
+  const CLI::App& command = *typed.front();
+  const std::string name = "softfinger " + command.get_name();
+  const std::string help = "; see " + name + " --help";
+  if (dynamic_cast<const CLI::RequiredError*>(&error))
+    for (const CLI::Option* option : command.get_options())
+      if (option->get_required() && option->count() == 0)
+        return name + ": " + option->get_name(option->get_positional()) +
+               " is missing: " + first_sentence(option->get_description()) + help;
+  return name + ": " + error.what() + help;
+}
 
 std::vector<std::string> join_vectors(std::vector<std::string> words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {

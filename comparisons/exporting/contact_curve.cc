@@ -7,6 +7,7 @@
 
 #include "comparisons/exporting/normal_stiffness.h"
 #include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/next_step.h"
 #include "comparisons/judgement/reason.h"
 #include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
@@ -88,7 +89,8 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
                                const PressureModel* chosen, const LoadRange& loads,
                                const prediction::Demand& demand) {
-  const prediction::LocalGeometry nominal = resolver.resolve(loads.nominal_N);
+  const prediction::LocalGeometry nominal =
+      judgement::resolve_or_advise(contact_case, resolver, loads.nominal_N, demand);
   const PressureModel& model =
       chosen ? *chosen
              : default_model(prediction::contact_problem(contact_case, nominal, loads.nominal_N));

@@ -10,6 +10,7 @@
 #include "comparisons/input/case_table.h"
 #include "comparisons/input/doubted_numbers.h"
 #include "comparisons/input/toml_reader.h"
+#include "comparisons/input/unusual_values.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -51,14 +52,14 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
                   "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, name,
-                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "normal", "along",
-                     "core", "shape", "taper_per_mm"});
+                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "near_mm",
+                     "normal", "along", "core", "shape", "taper_per_mm"});
   const int forms = static_cast<int>(table.contains("radii_mm")) +
                     static_cast<int>(table.contains("sphere_radius_mm")) +
                     static_cast<int>(table.contains("mesh"));
   if (forms != 1) reader.say(node, name + " needs exactly one of radii_mm, sphere_radius_mm, mesh");
   if (!table.contains("mesh"))
-    for (const char* key : {"unit", "point_mm", "normal", "along", "core"})
+    for (const char* key : {"unit", "point_mm", "near_mm", "normal", "along", "core"})
       if (const toml::node* entry = table.get(key))
         reader.say(*entry,
                    fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
@@ -87,24 +88,33 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
   const std::string typed = reader.text(file, name + ".mesh");
   if (typed.empty()) reader.refuse(file, name + ".mesh", "the path of an STL or OBJ file");
   mesh.path = system::find_mesh_file(typed, folder);
+  mesh.typed = typed;
   mesh.where = reader.where(file);
   if (const toml::node* unit = table.get("unit"))
     mesh.metres_per_unit = reader.choice(*unit, name + ".unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
-  if (const toml::node* along = table.get("along")) {
-    for (const char* key : {"point_mm", "normal"})
+  const auto point = [&](const toml::node& entry, const std::string& key) -> Eigen::Vector3d {
+    const auto xyz = reader.numbers(entry, name + "." + key, 3, "three finite numbers in mm");
+    return kMillimetre * Eigen::Vector3d(xyz[0], xyz[1], xyz[2]);
+  };
+  const auto refuse_beside = [&](const char* chosen, std::initializer_list<const char*> others) {
+    for (const char* key : others)
       if (const toml::node* entry = table.get(key))
         reader.say(*entry,
-                   fmt::format("{0}.{1} and {0}.along say the same: one of them", name, key));
+                   fmt::format("{0}.{1} and {0}.{2} say the same: one of them", name, key, chosen));
+  };
+  if (const toml::node* along = table.get("along")) {
+    refuse_beside("along", {"point_mm", "near_mm", "normal"});
     mesh.along = axis_direction(reader.choice(*along, name + ".along",
                                               {"+x", "-x", "+y", "-y", "+z", "-z", "x", "y", "z"}));
-  } else if (!table.contains("point_mm")) {
-    reader.say(node, fmt::format("{} has no point_mm, and no along = \"-y\" in its place; see: "
-                                 "softfinger mesh",
-                                 name));
+  } else if (const toml::node* near = table.get("near_mm")) {
+    refuse_beside("near_mm", {"point_mm"});
+    mesh.near_m = point(*near, "near_mm");
+  } else if (const toml::node* exact = table.get("point_mm")) {
+    mesh.point_m = point(*exact, "point_mm");
   } else {
-    const auto point =
-        reader.numbers(*table.get("point_mm"), name + ".point_mm", 3, "three finite numbers in mm");
-    mesh.point_m = kMillimetre * Eigen::Vector3d(point[0], point[1], point[2]);
+    reader.say(node, fmt::format("{} has no near_mm = [x, y, z], and no along = \"-y\" or "
+                                 "point_mm in its place; see: softfinger mesh",
+                                 name));
   }
   if (const toml::node* entry = table.get("normal")) {
     const std::string allowed = "three finite numbers, not all 0: the direction out of the body";
@@ -432,6 +442,7 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
                "finger.core needs [fem] geometry = \"curved\": a flat layer has none");
   read_materials(reader, root, result);
   settle_finger_shape(result);
+  result.remarks = unusual_values(result);
   return result;
 }
 

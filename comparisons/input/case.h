@@ -37,12 +37,15 @@ struct SphereBody {
 /// A point on a triangulated surface.
 struct MeshBody {
   std::filesystem::path path;
+  std::string typed;                                  ///< the same as the case names it
   std::string where;                                  ///< "file:line" that names it, for messages
-  double metres_per_unit = 1e-3;                      ///< of the file's coordinates
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< not used with `along`
+  std::optional<double> metres_per_unit;              ///< of the file's coordinates; none: guessed
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< not used with `along` and `near_m`
   std::optional<Eigen::Vector3d> normal;              ///< outward, need only be roughly right
   /// In place of point and normal: the point that lies farthest in this direction, of length 1.
   std::optional<Eigen::Vector3d> along;
+  /// In place of a point on the surface: the surface's point nearest to this one.
+  std::optional<Eigen::Vector3d> near_m;
   /// Of a finger: the surface of its rigid core, in the same coordinates, for finite elements on
   /// the curved finger; empty: the finger's own surface, offset by the layer's thickness.
   std::filesystem::path core;
@@ -99,6 +102,7 @@ struct Case {
   std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
   double fem_mesh_metres_per_unit = 1e-3;
   std::optional<FiniteStrain> fem_finite;  ///< none: linear elasticity
+  std::vector<std::string> remarks;        ///< values that are unusual, a sentence each
   /// Whether [fem] chose them. `reference::with_full_reference` settles those that it left open.
   bool fem_geometry_typed = false, fem_kinematics_typed = false;
 

@@ -8,7 +8,9 @@
 #include <map>
 #include <set>
 
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/input/toml_reader.h"
+#include "comparisons/input/unusual_values.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
@@ -73,7 +75,7 @@ class SceneReader {
   const FrictionLaw& read_law(const toml::node& node) const;
   void read_layers();
   void read_bodies();
-  Shape read_shape(const toml::node& node) const;
+  Shape read_shape(const toml::node& node, MeshRole role) const;
   void remark_once(const std::string& line) const;
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
@@ -245,7 +247,7 @@ void SceneReader::remark_once(const std::string& line) const {
   if (std::find(remarks.begin(), remarks.end(), line) == remarks.end()) remarks.push_back(line);
 }
 
-Shape SceneReader::read_shape(const toml::node& node) const {
+Shape SceneReader::read_shape(const toml::node& node, MeshRole role) const {
   if (!node.is_table()) reader_.refuse(node, "shape", "a table such as { sphere_radius_mm = 10 }");
   const toml::table& table = *node.as_table();
   const std::vector<std::string> kinds = {"sphere_radius_mm",
@@ -297,13 +299,16 @@ Shape SceneReader::read_shape(const toml::node& node) const {
   } else {
     const std::string typed = reader_.text(value, "mesh");
     const toml::node* unit = table.get("unit");
-    const bool metres = unit && reader_.choice(*unit, "unit", {"mm", "m"}) == "m";
+    std::optional<double> metres_per_unit;
+    if (unit) metres_per_unit = reader_.choice(*unit, "unit", {"mm", "m"}) == "m" ? 1 : 1e-3;
     try {
       const std::string path = system::find_mesh_file(typed, folder_).string();
-      const meshes::SurfaceFile file = meshes::read_surface(path, metres ? 1 : 1e-3);
+      const meshes::SurfaceFile file = meshes::read_surface(path, metres_per_unit);
+      if (role == MeshRole::finger) require_finger_size(file, path, UnitIsTold::in_a_file);
       shape.kind = Mesh{std::make_shared<TriangleSurface>(file.surface)};
-      if (const std::string repairs = meshes::repairs(file); !repairs.empty())
-        remark_once(path + ": " + repairs);
+      for (const std::string& text :
+           {meshes::repairs(file), unit_remark(file, role, UnitIsTold::in_a_file)})
+        if (!text.empty()) remark_once(path + ": " + text);
     } catch (const InputError& error) {
       throw InputError(reader_.where(value), "mesh " + error.where() + ": " + error.field(),
                        error.value(), error.allowed());
@@ -454,10 +459,11 @@ void SceneReader::read_bodies() {
       reader_.refuse(*table->get("angular_velocity_deg_per_s"), "angular_velocity_deg_per_s",
                      fmt::format("at most half a turn per time step, {:g} together",
                                  kMostTurnPerStep / kDegree / scene_.time_step_s));
+    const bool is_finger = table->contains("layer");
     if (const toml::node* shapes = table->get("shapes"))
       for (const toml::node& shape :
            reader_.list(*shapes, "shapes", kMostShapes, "a list of shapes"))
-        body.shapes.push_back(read_shape(shape));
+        body.shapes.push_back(read_shape(shape, is_finger ? MeshRole::finger : MeshRole::object));
     if (const toml::node* layer = table->get("layer")) {
       const std::string typed = reader_.name(*layer, "layer");
       const auto found = layers_.find(typed);
@@ -469,6 +475,8 @@ void SceneReader::read_bodies() {
     if (description.massless && (description.fixed || !body.shapes.empty()))
       reader_.say(*table, where + " is massless: it has no shapes and is not fixed");
     read_mass(*table, where, body.shapes, description);
+    body.is_mass_derived =
+        !description.fixed && !description.massless && !table->contains("inertia_kg_mm2");
     std::array<std::int64_t, 3> count = {1, 1, 1};
     Eigen::Vector3d spacing_m = Eigen::Vector3d::Zero();
     if (const toml::node* copies = table->get("copies")) {
@@ -991,6 +999,7 @@ Scene parse_scene(const std::string& text, const fs::path& file, const Settings&
   const toml::table root = parse_toml(text, file.string(), settings);
   scene.text = text_of(root, text, settings);
   SceneReader(root, file, scene).read();
+  for (const std::string& line : unusual_values(scene)) scene.remarks.push_back(line);
   return scene;
 }
 

@@ -30,6 +30,7 @@ struct SceneBody {
   std::string name;
   std::vector<Shape> shapes;
   std::optional<ElasticLayer> layer;  ///< a soft surface on a rigid core
+  bool is_mass_derived = false;       ///< mass or inertia are those of the shapes
 };
 
 /// `model = "auto"`: a point where both bodies are rigid, else the pressure model that
@@ -116,7 +117,7 @@ struct Scene {
   std::vector<ContactRule> rules;
   std::vector<int> rule_of_pair;  ///< bodies x bodies
 
-  /// What was repaired in the scene's meshes, a line for each file.
+  /// What was repaired in the scene's meshes, doubts about their units, and unusual values.
   std::vector<std::string> remarks;
 
   int steps() const;

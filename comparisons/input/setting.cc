@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "comparisons/input/toml_path.h"
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/nearest_name.h"
@@ -9,6 +10,27 @@
 
 namespace softfinger::input {
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLongestId = 64;
+constexpr const char* kIdLetters =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+
+}  // namespace
+
+bool is_id(const std::string& text) {
+  return !text.empty() && text.size() <= kLongestId && text[0] != '.' &&
+         text.find_first_not_of(kIdLetters) == std::string::npos;
+}
+
+std::string id_of(const fs::path& file) {
+  std::string id = file.stem().string().substr(0, kLongestId);
+  for (std::size_t at = 0; (at = id.find_first_not_of(kIdLetters, at)) != std::string::npos;)
+    id[at] = '_';
+  if (!id.empty() && id[0] == '.') id[0] = '_';
+  return id;
+}
 
 Setting parse_setting(const std::string& typed) {
   const std::string allowed = "KEY=VALUE on one line, for instance layer.thickness_mm=3";
@@ -23,6 +45,19 @@ Setting parse_setting(const std::string& typed) {
   };
   return {trimmed(typed.substr(0, equals)), trimmed(typed.substr(equals + 1)),
           "--set " + text::shortened(typed, 100)};
+}
+
+void require_each_key_once(const Settings& settings) {
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    // A key that is no path is refused where it is applied.
+    const std::vector<std::string> steps = steps_of(settings[i].key);
+    for (std::size_t j = 0; j < i && !steps.empty(); ++j)
+      if (steps == steps_of(settings[j].key))
+        throw InputError("command line",
+                         settings[j].where + " and " + settings[i].where + " both say what " +
+                             settings[i].key + " is",
+                         "", "one of them");
+  }
 }
 
 std::string read_typed_text(const fs::path& file) {

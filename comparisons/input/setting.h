@@ -18,11 +18,23 @@ using Settings = std::vector<Setting>;
 /// @throws InputError(where "--set ...") unless it has both, on one line
 Setting parse_setting(const std::string& typed);
 
+/// Of two values for one key one would be lost without a word.
+/// @throws InputError that names both
+void require_each_key_once(const Settings& settings);
+
 /// The text of a case, scene or sweep file; of standard input where the file is "-".
 /// @throws InputError also when it is larger than any such file
 std::string read_typed_text(const std::filesystem::path& file);
 
 /// What messages call it: the file, or "standard input" for "-".
 std::filesystem::path name_of_typed(const std::filesystem::path& file);
+
+/// Whether a text can be an id, which becomes the name of a folder of results: 1 to 64 letters,
+/// digits, "_", "-" and ".", not starting with ".".
+bool is_id(const std::string& text);
+
+/// An id made of a file's name: the beginning of its stem, with "_" for each letter that no id may
+/// have. "" for a file without a name.
+std::string id_of(const std::filesystem::path& file);
 
 }  // namespace softfinger::input

@@ -283,11 +283,14 @@ std::vector<double> TomlReader::numbers(const toml::node& node, const std::strin
 
 std::string TomlReader::id(const toml::table& root) const {
   const toml::node* node = root.get("id");
-  if (!node) throw InputError(file_, "id is missing", "", "id = \"a_name\" before the tables");
+  if (!node) {
+    const std::string name = id_of(file_);
+    if (name.empty())
+      throw InputError(file_, "id is missing", "", "id = \"a_name\" before the tables");
+    return name;
+  }
   const std::string id = text(*node, "id");
-  const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
-  if (id.empty() || id.size() > 64 || id[0] == '.' ||
-      id.find_first_not_of(letters) != std::string::npos)
+  if (!is_id(id))
     refuse(*node, "id", "1 to 64 letters, digits, \"_\", \"-\" and \".\", not starting with \".\"");
   return id;
 }

@@ -94,7 +94,8 @@ class TomlReader {
   std::vector<double> numbers(const toml::node& node, const std::string& field, std::size_t count,
                               const std::string& allowed, bool infinity_allowed = false) const;
 
-  /// The text `id` of a file: it becomes the name of a folder of results.
+  /// The text `id` of a file, which becomes the name of a folder of results; without one `id_of`
+  /// the file's name.
   std::string id(const toml::table& root) const;
   /// thickness_mm, youngs_modulus_kPa, poisson_ratio.
   ElasticLayer elastic_layer(const toml::table& table, const std::string& name) const;

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/geometry/quadric_fit.h"
@@ -17,7 +18,7 @@ namespace softfinger::prediction {
 namespace {
 
 std::string surface_key(const input::MeshBody& mesh) {
-  return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit);
+  return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit.value_or(0));
 }
 
 /// The model that predicts how large a contact is: one and the same as far as it has answers, so
@@ -75,22 +76,6 @@ void require_ellipse(const RelativeCurvature& relative, const std::string& where
 
 }  // namespace
 
-std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit) {
-  constexpr double kSmallest_m = 0.5e-3, kLargest_m = 1;
-  const auto plausible = [&](double size_m) {
-    return size_m >= kSmallest_m && size_m <= kLargest_m;
-  };
-  if (plausible(file.size_m)) return "";
-  const bool in_metres = metres_per_unit == 1;
-  const char *const taken = in_metres ? "m" : "mm", *const other = in_metres ? "mm" : "m";
-  const double other_size_m = file.size_m / metres_per_unit * (in_metres ? 1e-3 : 1);
-  std::string text =
-      fmt::format("the surface is {:.3g} mm across, read in {}", file.size_m * 1e3, taken);
-  if (!plausible(other_size_m)) return text + ": is the unit right?";
-  return text +
-         fmt::format("; in {0} it would be {1:.3g} mm: unit = \"{0}\"?", other, other_size_m * 1e3);
-}
-
 void require_point_on_surface(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                               const std::string& where, const std::string& field) {
   constexpr double kFarthest = 0.05;
@@ -107,13 +92,19 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
     : case_(contact_case) {
   const auto* pair = std::get_if<input::BodyPair>(&case_.geometry);
   if (!pair) return;
+  const auto keep = [&](input::MeshBody mesh, const Surface& surface) {
+    surfaces_.emplace(surface_key(mesh), surface);
+    // A body that was placed has the unit that was guessed for it.
+    mesh.metres_per_unit = surface.metres_per_unit;
+    surfaces_.emplace(surface_key(mesh), surface);
+  };
   for (const input::CaseBody* body : {&pair->finger, &pair->object}) {
     const auto* mesh = std::get_if<input::MeshBody>(body);
     if (!mesh || surfaces_.count(surface_key(*mesh))) continue;
     if (known) {
       if (const auto found = known->surfaces_.find(surface_key(*mesh));
           found != known->surfaces_.end()) {
-        surfaces_.insert(*found);
+        keep(*mesh, found->second);
         continue;
       }
     }
@@ -123,31 +114,48 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
                        "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
                        "does not exist");
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
-    for (const std::string& text : {meshes::repairs(file), unit_doubt(file, mesh->metres_per_unit)})
+    const bool is_finger = body == &pair->finger;
+    if (is_finger) input::require_finger_size(file, mesh->where, input::UnitIsTold::in_a_file);
+    for (const std::string& text :
+         {meshes::repairs(file),
+          input::unit_remark(file, is_finger ? input::MeshRole::finger : input::MeshRole::object,
+                             input::UnitIsTold::in_a_file)})
       if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
-    surfaces_.emplace(surface_key(*mesh),
-                      std::make_shared<const TriangleSurface>(std::move(file.surface)));
+    keep(*mesh, {std::make_shared<const TriangleSurface>(std::move(file.surface)),
+                 file.metres_per_unit});
   }
 }
 
 const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) const {
-  return *surfaces_.at(surface_key(mesh));
+  return *surfaces_.at(surface_key(mesh)).surface;
 }
 
 input::MeshBody GeometryResolver::placed(const input::MeshBody& mesh) const {
   input::MeshBody body = mesh;
-  if (!mesh.along) return body;
-  body.point_m = extreme_point_m(surface(mesh), *mesh.along);
-  body.normal = *mesh.along;
+  body.metres_per_unit = surfaces_.at(surface_key(mesh)).metres_per_unit;
+  if (mesh.along) {
+    body.point_m = extreme_point_m(surface(mesh), *mesh.along);
+    body.normal = *mesh.along;
+  } else if (mesh.near_m) {
+    const Eigen::Vector3d* normal = mesh.normal ? &*mesh.normal : nullptr;
+    require_point_on_surface(surface(mesh), *mesh.near_m, mesh.where, "near_mm");
+    body.point_m = internal::SurfaceNeighbourhood(surface(mesh), *mesh.near_m, normal).centre_m();
+  }
   return body;
 }
 
 void GeometryResolver::add_points(LocalGeometry& geometry) const {
   const auto& pair = std::get<input::BodyPair>(case_.geometry);
-  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.finger))
-    geometry.finger_point_m = placed(*mesh).point_m;
-  if (const auto* mesh = std::get_if<input::MeshBody>(&pair.object))
-    geometry.object_point_m = placed(*mesh).point_m;
+  const auto add = [&](const input::CaseBody& body, Eigen::Vector3d& point_m,
+                       double& metres_per_unit) {
+    const auto* mesh = std::get_if<input::MeshBody>(&body);
+    if (!mesh) return;
+    const input::MeshBody there = placed(*mesh);
+    point_m = there.point_m;
+    metres_per_unit = *there.metres_per_unit;
+  };
+  add(pair.finger, geometry.finger_point_m, geometry.finger_metres_per_unit);
+  add(pair.object, geometry.object_point_m, geometry.object_metres_per_unit);
 }
 
 ContactBody GeometryResolver::contact_body(const input::CaseBody& body) const {
@@ -263,7 +271,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
         patch_model(case_.problem(result.patch->relative.radii, load_N)).card().name;
   } catch (const InputError& error) {
     // The fit does not know the file: the line of the case is added here.
-    if (error.field() == "point_mm") throw;
+    if (error.field() == "point_mm" || error.field() == "near_mm") throw;
     throw InputError(case_.geometry_where, error.field(), error.value(), error.allowed());
   } catch (const ConvergenceError& error) {
     throw InputError(case_.geometry_where, "surface near the contact point", "",
@@ -324,7 +332,7 @@ LocalGeometry GeometryResolver::place(double load_N) const {
   try {
     return resolve(load_N);
   } catch (const InputError& error) {
-    if (error.field() == "point_mm") throw;
+    if (error.field() == "point_mm" || error.field() == "near_mm") throw;
     result.no_ellipse =
         error.value().empty() ? error.field() : error.field() + " = " + error.value();
   }

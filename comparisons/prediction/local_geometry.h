@@ -29,6 +29,8 @@ struct LocalGeometry {
   /// Where a mesh is touched, in the file's coordinates; zero for other bodies.
   Eigen::Vector3d finger_point_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d object_point_m = Eigen::Vector3d::Zero();
+  /// Of the meshes' files, typed or guessed.
+  double finger_metres_per_unit = 1e-3, object_metres_per_unit = 1e-3;
   /// Why the bodies have no relative radii; `radii` are then but a guess of the contact's size.
   std::string no_ellipse;
 };
@@ -63,7 +65,8 @@ class GeometryResolver {
   /// The triangles of one of the case's mesh bodies, metres.
   const TriangleSurface& surface(const input::MeshBody& mesh) const;
 
-  /// The body with the point and the normal that its `along` stands for; as it is without one.
+  /// The body with its file's unit, and with the point and the normal that its `along` or `near_m`
+  /// stands for.
   input::MeshBody placed(const input::MeshBody& mesh) const;
 
   /// Defects of the meshes that were repaired and doubts about them, one line each.
@@ -76,15 +79,14 @@ class GeometryResolver {
   QuadricFit lie_of(const input::MeshBody& mesh) const;
 
   const input::Case& case_;
-  std::map<std::string, std::shared_ptr<const TriangleSurface>> surfaces_;  ///< by path and unit
+  struct Surface {
+    std::shared_ptr<const TriangleSurface> surface;
+    double metres_per_unit = 1e-3;
+  };
+  std::map<std::string, Surface> surfaces_;  ///< by path and typed unit
   std::vector<std::string> remarks_;
   mutable std::optional<ContactSurface> contact_surface_;  ///< of meshes, for all loads
 };
-
-/// "the surface is 0.02 mm across, read in mm; in m it would be 20 mm: unit = "m"?" for a surface
-/// smaller than half a millimetre or larger than a metre, else empty. A wrong unit cannot be
-/// noticed otherwise, because it scales all lengths alike.
-std::string unit_doubt(const meshes::SurfaceFile& file, double metres_per_unit);
 
 /// Refuses a contact point that is not on the surface, which is a mistake in the point or the unit.
 /// @throws InputError when the surface is farther away than 5 % of its own extent.

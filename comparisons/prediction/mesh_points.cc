@@ -1,11 +1,15 @@
 #include "comparisons/prediction/mesh_points.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::prediction {
@@ -117,6 +121,68 @@ QuadricFit fit_around(const TriangleSurface& surface, const Vector3d& point_m,
       if (attempt == kLastAttempt) throw;
     }
   }
+}
+
+std::vector<Vector3d> points_around(const TriangleSurface& surface, const Vector3d& centre_m) {
+  constexpr double kFirst = 0.02, kSpread = 0.5;
+  constexpr std::size_t kMost = 100;
+  std::vector<std::pair<double, const Vector3d*>> sorted;
+  for (const Vector3d& vertex : surface.vertices_m)
+    sorted.emplace_back((vertex - centre_m).norm(), &vertex);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& one, const auto& other) { return one.first < other.first; });
+  std::vector<Vector3d> points;
+  for (const auto& candidate : sorted) {
+    const auto is_apart = [&](const Vector3d& other) {
+      return (*candidate.second - other).norm() >= kSpread * candidate.first;
+    };
+    if (candidate.first >= kFirst * sorted.back().first &&
+        std::all_of(points.begin(), points.end(), is_apart))
+      points.push_back(*candidate.second);
+    if (points.size() == kMost) break;
+  }
+  return points;
+}
+
+std::string doubt_of(const QuadricFit& fit) {
+  std::string doubt;
+  if (fit.surface_kind == SurfaceKind::sharp_edge)
+    doubt = fmt::format("a sharp edge of {:.3g}° lies in the region",
+                        fit.sharpest_kink_rad * 180 / kPi);
+  // Of the two radii the smaller one is what a fit knows best.
+  constexpr double kKnown = 0.5;
+  const double part = fit.radii_std_m[1] / std::abs(fit.principal.radii_m[1]);
+  if (part > kKnown && std::isfinite(part))
+    doubt += fmt::format("{}the fit knows the smaller radius to ± {:.0f} % only",
+                         doubt.empty() ? "" : "; ", 100 * part);
+  return doubt;
+}
+
+std::optional<Vector3d> nearest_smooth_point(const TriangleSurface& surface,
+                                             const Vector3d& centre_m, const Vector3d* normal) {
+  const std::clock_t start = std::clock();
+  for (const Vector3d& point : points_around(surface, centre_m)) {
+    if (std::clock() - start > kLongestSearch) break;
+    try {
+      const QuadricFit fit = fit_around(surface, point, nullptr);
+      const auto is_round = [&](int i) {
+        const double radius_m = fit.principal.radii_m[i];
+        return std::isfinite(radius_m) && radius_m > 2 * fit.radii_std_m[i];
+      };
+      if (is_round(0) && is_round(1) && doubt_of(fit).empty() &&
+          (!normal || normal->dot(fit.normal) > 0))
+        return point;
+    } catch (const InputError&) {
+    } catch (const ConvergenceError&) {
+    }
+  }
+  return std::nullopt;
+}
+
+std::string in_millimetres(const Vector3d& point_m) {
+  const auto rounded = [](double length_m) { return std::round(length_m * 1e7) / 1e4 + 0.0; };
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", rounded(point_m.x()), rounded(point_m.y()),
+                     rounded(point_m.z()));
 }
 
 SurfaceFacts facts_of(const TriangleSurface& surface) {

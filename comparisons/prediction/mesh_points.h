@@ -1,6 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <ctime>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/input/triangle_surface.h"
@@ -21,6 +25,29 @@ Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vec
 /// @throws InputError, ConvergenceError as fit_quadric
 QuadricFit fit_around(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                       const Eigen::Vector3d* outward_normal);
+
+/// A search for another point ends after 0.3 s of the processor, so that its end does not depend on
+/// what else a machine does.
+constexpr std::clock_t kLongestSearch = 3 * CLOCKS_PER_SEC / 10;
+
+/// Vertices around a point, at most a hundred, the nearest first: dense beside it and sparse far
+/// away, each at least half its distance from the others.
+std::vector<Eigen::Vector3d> points_around(const TriangleSurface& surface,
+                                           const Eigen::Vector3d& centre_m);
+
+/// Why a fit at a point should not be pressed on: a sharp edge in the region, a smaller radius that
+/// the fit does not know to 50 %; empty where there is nothing against it.
+std::string doubt_of(const QuadricFit& fit);
+
+/// The nearest of `points_around` whose fit is convex, with both radii known to 50 %, and that
+/// faces the same side; null where there is none, and after `kLongestSearch`.
+/// @param normal  outward at `centre_m`; null: any side
+std::optional<Eigen::Vector3d> nearest_smooth_point(const TriangleSurface& surface,
+                                                    const Eigen::Vector3d& centre_m,
+                                                    const Eigen::Vector3d* normal);
+
+/// "[1, -7.25, 0]" in mm, as files have it: to 0.1 micrometres, without a minus before zero.
+std::string in_millimetres(const Eigen::Vector3d& point_m);
 
 /// The surface's area. It is closed where each edge has two triangles that run through it in
 /// opposite directions.

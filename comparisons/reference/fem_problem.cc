@@ -34,7 +34,7 @@ json body_json(const PlacedBody& placed) {
   json object = {{"shape", "mesh"},
                  {"mesh", std::filesystem::absolute(mesh.mesh.path).string()},
                  {"content", meshes::content_hash(mesh.mesh.path.string())},
-                 {"metres_per_unit", mesh.mesh.metres_per_unit},
+                 {"metres_per_unit", mesh.metres_per_unit},
                  {"point_m", list(mesh.mesh.point_m)},
                  {"outward_normal", list(mesh.outward_normal)},
                  {"x_axis", list(mesh.x_axis)},
@@ -44,7 +44,7 @@ json body_json(const PlacedBody& placed) {
   if (!mesh.mesh.core.empty())
     object["core"] = {{"mesh", std::filesystem::absolute(mesh.mesh.core).string()},
                       {"content", meshes::content_hash(mesh.mesh.core.string())},
-                      {"metres_per_unit", mesh.mesh.metres_per_unit}};
+                      {"metres_per_unit", mesh.metres_per_unit}};
   return object;
 }
 
@@ -67,9 +67,10 @@ json friction_json(const FrictionRequest& request) {
 
 /// @param fit       of a mesh
 /// @param point_m   where a mesh is touched
+/// @param metres_per_unit  of a mesh's file
 /// @param turn_rad  from the x of the relative radii's frame to the body's own
 PlacedBody placed_body(const input::CaseBody& body, const std::optional<QuadricFit>& fit,
-                       const Eigen::Vector3d& point_m, double turn_rad) {
+                       const Eigen::Vector3d& point_m, double metres_per_unit, double turn_rad) {
   if (const auto* quadric = std::get_if<input::QuadricBody>(&body)) {
     input::QuadricBody turned = *quadric;
     // Quarter turns without rounding: they keep the symmetry that saves three quarters of the work.
@@ -92,7 +93,8 @@ PlacedBody placed_body(const input::CaseBody& body, const std::optional<QuadricF
   };
   input::MeshBody mesh = std::get<input::MeshBody>(body);
   mesh.point_m = point_m;
-  return {PlacedMesh{std::move(mesh), fit->normal, fit->x_axis, section(c, -s), section(s, c)},
+  return {PlacedMesh{std::move(mesh), metres_per_unit, fit->normal, fit->x_axis, section(c, -s),
+                     section(s, c)},
           turn_rad};
 }
 
@@ -106,10 +108,11 @@ FemProblem::Bodies placed_bodies(const input::BodyPair& pair,
                                  const prediction::LocalGeometry& geometry, double axis_rad) {
   const std::optional<QuadricFit> none;
   const std::optional<ContactPatch>& patch = geometry.patch;
-  FemProblem::Bodies bodies = {placed_body(pair.finger, patch ? patch->finger_fit : none,
-                                           geometry.finger_point_m, -axis_rad),
-                               placed_body(pair.object, patch ? patch->object_fit : none,
-                                           geometry.object_point_m, pair.angle_rad - axis_rad)};
+  FemProblem::Bodies bodies = {
+      placed_body(pair.finger, patch ? patch->finger_fit : none, geometry.finger_point_m,
+                  geometry.finger_metres_per_unit, -axis_rad),
+      placed_body(pair.object, patch ? patch->object_fit : none, geometry.object_point_m,
+                  geometry.object_metres_per_unit, pair.angle_rad - axis_rad)};
   if (auto* finger = std::get_if<PlacedMesh>(&bodies.pad.body))
     finger->region_excess = region_excess(*patch);
   return bodies;

@@ -16,6 +16,7 @@ namespace softfinger::reference {
 /// A point of a triangulated body and the frame there.
 struct PlacedMesh {
   input::MeshBody mesh;
+  double metres_per_unit = 1e-3;           ///< of its file, typed or guessed
   Eigen::Vector3d outward_normal, x_axis;  ///< in the file's coordinates
   /// Of the surface's sections along the frame's axes; none where a section is flat or hollow.
   std::optional<double> radius_x_m, radius_y_m;

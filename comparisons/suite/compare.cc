@@ -14,6 +14,7 @@
 
 #include "comparisons/input/case.h"
 #include "comparisons/judgement/atlas/error_atlas.h"
+#include "comparisons/judgement/next_step.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_jobs.h"
 #include "comparisons/report/report_page.h"
@@ -240,12 +241,13 @@ std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const Comp
   for (const PlannedCase& plan : cases) {
     const input::Case& contact_case = plan.reference;
     const prediction::GeometryResolver geometry(contact_case);
-    for (const std::string& remark : geometry.remarks()) progress.say("softfinger: " + remark);
+    for (const auto& remarks : {contact_case.remarks, geometry.remarks()})
+      for (const std::string& remark : remarks) progress.say("softfinger: " + remark);
     for (double load_N : contact_case.loads_N) {
       LoadRun run;
       run.case_index = std::size_t(&plan - cases.data());
       run.load_N = load_N;
-      run.geometry = geometry.resolve(load_N);
+      run.geometry = judgement::resolve_or_advise(contact_case, geometry, load_N);
       run.finger_picture = picture_of(geometry, contact_case, &input::BodyPair::finger,
                                       run.geometry, &ContactPatch::finger_fit);
       run.object_picture = picture_of(geometry, contact_case, &input::BodyPair::object,

@@ -332,7 +332,8 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
               bool as_json) {
   const system::OutputFolder folder(plan.output);
   system::Progress progress;
-  for (const std::string& remark : plan.geometry.remarks()) progress.say("softfinger: " + remark);
+  for (const auto& remarks : {plan.sweep.base().remarks, plan.geometry.remarks()})
+    for (const std::string& remark : remarks) progress.say("softfinger: " + remark);
   const std::string header = plan.rows().header();
   json identity = identity_of(plan, header);
   const std::string identity_hash =

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/number.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::system {
@@ -66,7 +67,11 @@ fs::path find_builtin(const std::string& typed, const char* folder, const char* 
       if (fs::is_regular_file(builtin, error)) return builtin;
     }
     std::vector<std::string> names;
-    for (const fs::path& file : builtin_files(folder)) names.push_back(file.stem().string());
+    for (const fs::path& file : builtin_files(folder)) {
+      names.push_back(file.stem().string());
+      const std::string name = text::lower_case(names.back()), any_case = text::lower_case(typed);
+      if (any_case == name || any_case == name + ".toml") return file;
+    }
     if (!names.empty())
       throw InputError(typed,
                        std::string("neither a file nor a built-in ") + kind +

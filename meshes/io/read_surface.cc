@@ -66,20 +66,48 @@ void refuse_stray_vertex(const RawSurface& raw, const std::string& path, double 
   throw InputError(where, name, value.str(), allowed.str());
 }
 
+/// The middle one of the sizes of a box.
+double middle_of(Vector3d size) {
+  std::sort(size.begin(), size.end());
+  return size[1];
+}
+
+double width_of(const RawSurface& raw) {
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const auto& corners : raw.triangles)
+    for (const int v : corners) {
+      low = low.cwiseMin(raw.vertices[std::size_t(v)]);
+      high = high.cwiseMax(raw.vertices[std::size_t(v)]);
+    }
+  return middle_of(high - low);
+}
+
 }  // namespace
 
-SurfaceFile read_surface(const std::string& path, double metres_per_unit) {
+double guessed_metres_per_unit(double width_in_file) {
+  constexpr double kUsualWidth_m = 15e-3, kMillimetre = 1e-3, kMetre = 1;
+  const auto distance = [&](double metres_per_unit) {
+    return std::abs(std::log(width_in_file * metres_per_unit / kUsualWidth_m));
+  };
+  return distance(kMetre) < distance(kMillimetre) ? kMetre : kMillimetre;
+}
+
+SurfaceFile read_surface(const std::string& path, std::optional<double> metres_per_unit) {
   return parse_surface(read_whole_file(path, "file", kAllowedSurface, kLargestSurface_bytes), path,
                        metres_per_unit);
 }
 
-SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit) {
-  if (!(metres_per_unit > 0) || !std::isfinite(metres_per_unit))
-    throw InputError(path, "unit", metres_per_unit, "a positive length in metres");
+SurfaceFile parse_surface(std::string bytes, const std::string& path,
+                          std::optional<double> typed_metres_per_unit) {
+  if (typed_metres_per_unit &&
+      !(*typed_metres_per_unit > 0 && std::isfinite(*typed_metres_per_unit)))
+    throw InputError(path, "unit", *typed_metres_per_unit, "a positive length in metres");
   // Some editors write a byte-order mark before the first word.
   if (bytes.compare(0, 3, "\xEF\xBB\xBF") == 0) bytes.erase(0, 3);
   if (bytes.empty()) throw InputError(path, "file", "empty", kAllowedSurface);
   const RawSurface raw = parse_raw_surface(path, std::move(bytes));
+  const double metres_per_unit =
+      typed_metres_per_unit ? *typed_metres_per_unit : guessed_metres_per_unit(width_of(raw));
   refuse_stray_vertex(raw, path, metres_per_unit);
   double largest = 0;
   for (const auto& corners : raw.triangles)
@@ -87,6 +115,8 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
       largest = std::max(largest, raw.vertices[std::size_t(v)].lpNorm<Eigen::Infinity>());
 
   SurfaceFile result;
+  result.metres_per_unit = metres_per_unit;
+  result.is_unit_guessed = !typed_metres_per_unit;
   Welder welder(std::max(4 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest,
                          std::numeric_limits<double>::min()));
   std::set<std::array<int, 3>> known;
@@ -131,6 +161,7 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path, double met
     }
   }
   result.size_m = (high - low).norm();
+  result.width_m = middle_of(high - low);
   if (result.size_m > kLargestSurface_m || result.size_m < kSmallestSurface_m) {
     throw InputError(path, "size", across(result.size_m),
                      "10 micrometres to 5 metres: is the unit right?");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "softfinger/input/triangle_surface.h"
@@ -16,8 +17,13 @@ constexpr std::size_t kLargestSurface_bytes = 1'000'000'000, kMostTriangles = 20
 
 /// A surface from a file, with the defects of the file that were repaired.
 struct SurfaceFile {
-  TriangleSurface surface;       ///< metres, vertices welded
-  double size_m = 0;             ///< corner to corner
+  TriangleSurface surface;  ///< metres, vertices welded
+  double size_m = 0;        ///< corner to corner
+  /// The middle one of the three sizes of its box. The length of a finger does not matter, nor the
+  /// thickness of a patch of its skin.
+  double width_m = 0;
+  double metres_per_unit = 1e-3;  ///< of the file's coordinates
+  bool is_unit_guessed = false;
   int degenerate_triangles = 0;  ///< dropped: zero area
   int duplicate_triangles = 0;   ///< dropped: same three vertices
   int turned_triangles = 0;      ///< faced the other way than their neighbours, see `orient`
@@ -26,6 +32,10 @@ struct SurfaceFile {
   /// Closed with inward normals: all triangles were turned round.
   bool was_inside_out() const { return std::size_t(turned_triangles) == surface.triangles.size(); }
 };
+
+/// The unit of a file that does not say it: 1e-3 (mm) or 1 (m), in which a surface of this width is
+/// nearer to a fingertip's 15 mm on a logarithmic scale.
+double guessed_metres_per_unit(double width_in_file);
 
 /// What was done to the file's triangles, for a note: "3 degenerate and 1 duplicate triangles were
 /// left out; 12 of 800 triangles faced the other way than their neighbours and were turned", or
@@ -40,15 +50,16 @@ std::string repairs(const SurfaceFile& file);
 /// Coordinates pass through single precision, as STL stores them: seven digits, 2 nm on a finger.
 /// Vertices closer than four units in the last place are merged.
 ///
-/// @param metres_per_unit  1e-3 for millimetres
+/// @param metres_per_unit  1e-3 for millimetres; none: it is guessed from the surface's width
 /// @throws InputError (where = path, with the line where known) for a missing or unreadable file,
 /// one that is not regular (a pipe, a device), is no mesh or has no triangles or too many, numbers
 /// that are no finite numbers, indices out of range, a truncated file, or a surface larger than 5 m
 /// or smaller than 10 micrometres across, which is a wrong unit.
-SurfaceFile read_surface(const std::string& path, double metres_per_unit);
+SurfaceFile read_surface(const std::string& path, std::optional<double> metres_per_unit);
 
 /// The same for a file's bytes in memory; `path` is used in messages and for its ending.
-SurfaceFile parse_surface(std::string bytes, const std::string& path, double metres_per_unit);
+SurfaceFile parse_surface(std::string bytes, const std::string& path,
+                          std::optional<double> metres_per_unit);
 
 /// Writes a binary STL in millimetres, completely or not at all.
 /// @throws InputError when the folder cannot be written or the disk is full.

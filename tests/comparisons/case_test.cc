@@ -65,6 +65,38 @@ TEST(Case, ReadsShearLawsInSiUnits) {
                  name);
 }
 
+TEST(Case, TakesItsFilesNameAsIdWithoutOne) {
+  const std::string text = replaced("id = \"example\"\n", "");
+  EXPECT_EQ(input::parse_case(text, "folder/my finger.toml").id, "my_finger");
+  EXPECT_EQ(input::parse_case(text, "standard input").id, "standard_input");
+  EXPECT_EQ(input::parse_case(text, ".toml").id, "_toml");
+  EXPECT_EQ(input::parse_case(text, std::string(300, 'a') + ".toml").id, std::string(64, 'a'));
+  EXPECT_EQ(input::parse_case(kGoodCase, "other.toml").id, "example");
+}
+
+TEST(Case, DoubtsValuesThatNoFingerHas) {
+  const auto said = [](const std::string& old_text, const std::string& new_text) {
+    const auto remarks = input::parse_case(replaced(old_text, new_text), "example.toml").remarks;
+    return remarks.size() == 1 ? remarks.front() : std::to_string(remarks.size()) + " remarks";
+  };
+  EXPECT_EQ(said("= 2.0", "= 2.5"), "0 remarks");
+  EXPECT_NE(said("= 2.0", "= 2000").find("thickness_mm = 2000: usual is 0.01 to 100 mm"),
+            std::string::npos);
+  EXPECT_NE(said("= 300.0", "= 0.3").find("youngs_modulus_kPa = 0.3"), std::string::npos);
+  EXPECT_NE(said("= 0.8", "= 1e6").find("friction_coefficient = 1e+06: usual is 0.01 to 10"),
+            std::string::npos);
+  EXPECT_NE(said("[1.0, 2]", "1e5").find("load_N"), std::string::npos);
+  EXPECT_NE(said("[20.0, 5.0]", "[20.0, 5e-3]").find("relative_radii_mm = 0.005"),
+            std::string::npos);
+  const std::string ball = "finger = { radii_mm = [8, 8] }\nobject = { radii_mm = [inf, inf] }\n";
+  EXPECT_EQ(said(kGeometry, ball), "0 remarks");
+  std::string thick = replaced(kGeometry, ball);
+  thick.replace(thick.find("= 2.0"), 5, "= 28");
+  ASSERT_EQ(input::parse_case(thick, "example.toml").remarks.size(), 1u);
+  EXPECT_NE(input::parse_case(thick, "example.toml").remarks[0].find("no core is left"),
+            std::string::npos);
+}
+
 // Reports keep this text, so that a reader gets the same numbers from it.
 TEST(Case, KeepsATextThatGivesTheReplacedValuesAgain) {
   input::Settings settings;
@@ -376,7 +408,6 @@ INSTANTIATE_TEST_SUITE_P(
                 "finger = { radius_mm = [1, 1] }\nobject = { radii_mm = [1, 1] }",
                 4,
                 {"radius_mm", "radii_mm"}},
-        BadCase{"MissingId", "id = \"example\"", "", 0, {"id"}},
         BadCase{"IdThatIsAPath", "\"example\"", "\"../example\"", 1, {"id", "letters"}},
         BadCase{"MissingTable",
                 "[contact]\nload_N = [1.0, 2]\nfriction_coefficient = 0.8\n",
@@ -481,6 +512,24 @@ INSTANTIATE_TEST_SUITE_P(
                 "finger = { mesh = \"/dev/null\" }\nobject = { radii_mm = [1, 1] }",
                 4,
                 {"point_mm"}},
+        BadCase{"NearAndPoint",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\", near_mm = [0, 0, 0], point_mm = [0, 0, 0] }\n"
+                "object = { radii_mm = [1, 1] }",
+                4,
+                {"point_mm", "near_mm", "one of them"}},
+        BadCase{"NearAndAlong",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\", near_mm = [0, 0, 0], along = \"-y\" }\n"
+                "object = { radii_mm = [1, 1] }",
+                4,
+                {"near_mm", "along", "one of them"}},
+        BadCase{"NearOfTwoNumbers",
+                "relative_radii_mm = [20.0, 5.0]",
+                "finger = { mesh = \"/dev/null\", near_mm = [0, 0] }\nobject = { radii_mm = [1, 1] "
+                "}",
+                4,
+                {"finger.near_mm", "three finite numbers"}},
         BadCase{
             "CoreOfAnObject",
             "relative_radii_mm = [20.0, 5.0]",

@@ -103,12 +103,119 @@ TEST_F(CommandLine, RefusesNumbersByTheOptionThatTypedThem) {
     expect_refusal(arguments, words);
   };
   refuse("--radii-mm", "20,0", {"--radii-mm 20,0", "finite numbers > 0"});
-  refuse("--radii-mm", "20,10,5", {"--radii-mm 20,10,5", "two radii"});
-  refuse("--thickness-mm", "2mm", {"--thickness-mm 2mm", "\"2mm\""});
+  refuse("--radii-mm", "20,10,5", {"--radii-mm = \"20,10,5\"", "R',R''"});
+  refuse("--thickness-mm", "2mm", {"--thickness-mm = \"2mm\"", "a number > 0, in mm"});
   refuse("--youngs-modulus-kPa", "-1", {"--youngs-modulus-kPa -1", "> 0"});
   refuse("--poisson-ratio", "0.6", {"--poisson-ratio 0.6", "0 to 0.5"});
-  refuse("--load", "nan", {"--load nan", "> 0"});
-  refuse("--friction", "[", {"--friction ["});
+  refuse("--load", "nan", {"--load = \"nan\"", "> 0"});
+  refuse("--friction", "[", {"--friction = \"[\""});
+}
+
+TEST_F(CommandLine, ReadsTheNumbersOfAllOptionsAlike) {
+  const std::string kCase = "seed_thumb";
+  const std::vector<std::vector<std::string>> commands = {
+      {"predict", kCase, "--tolerance"},
+      {"predict", kCase, "--limit-surface"},
+      {"predict", kCase, "--load"},
+      {"select", kCase, "--tolerance", "0.1", "--budget-us"},
+      {"export", kCase, "--to", "mujoco", "--load"},
+      {"export", kCase, "--to", "mujoco", "--load-range"},
+      {"export", kCase, "--to", "mujoco", "--tolerance"},
+      {"compare", kCase, "--fem-time-s"},
+      {"compare", kCase, "--fem-memory-MB"},
+      {"fem", kCase, "--approach-mm"},
+      {"fem", kCase, "--level"},
+      {"fem", kCase, "--twist-axis-mm"},
+      {"sweep", "thickness_and_load", "--jobs"},
+      {"area", "ink_print.png", "--mm-per-pixel"},
+      {"mesh", "sphere.stl", "--near"},
+      {"fit", "sphere.stl", "--point"},
+      {"fit", "sphere.stl", "--point", "0,0,20", "--radius-mm"}};
+  for (const std::vector<std::string>& command : commands)
+    for (const std::string number : {"nan", "inf", "-inf", "0x10", "1'000", "1_000", "2N", "1e999",
+                                     "1,,2", ",", "1 2", "++1"}) {
+      std::vector<std::string> typed = command;
+      const std::string option = typed.back();
+      typed.back() += "=" + number;
+      expect_refusal(typed, {option});
+    }
+  // A comma is no decimal point, and blanks after it are none of the numbers.
+  expect_refusal({"predict", kCase, "--tolerance", "0,1"}, {"--tolerance = \"0,1\"", "0.5"});
+  EXPECT_EQ(run({"predict", kCase, "--load", "1, 2"}).status, 0);
+  EXPECT_EQ(run({"predict", kCase, "--tolerance", "+.1"}).status, 0);
+}
+
+TEST_F(CommandLine, RefusesAValueThatIsTypedTwice) {
+  expect_refusal({"predict", "seed_thumb", "--load", "2", "--set", "contact.load_N=5"},
+                 {"--load 2 and --set contact.load_N=5"});
+  expect_refusal(
+      {"predict", "seed_thumb", "--set", "layer.thickness_mm=2", "--set", "layer.thickness_mm = 3"},
+      {"--set layer.thickness_mm=2 and --set layer.thickness_mm = 3"});
+  expect_refusal({"predict", "seed_thumb", "--set", "geometry.finger.radii_mm[0]=9", "--set",
+                  "geometry.finger.radii_mm.0=8"},
+                 {"one of them"});
+  expect_refusal({"simulate", "pinch", "--set", "body[0].mass_g=6", "--set", "body[0].mass_g=7"},
+                 {"one of them"});
+}
+
+TEST_F(CommandLine, SaysOfAMissingArgumentWhatItHasToBe) {
+  expect_refusal({"export", "seed_thumb"}, {"softfinger export: --to is missing: mujoco, bullet",
+                                            "softfinger export --help"});
+  expect_refusal({"mesh"}, {"softfinger mesh: MESH is missing: STL or OBJ", "mesh --help"});
+  expect_refusal({"select", "seed_thumb"}, {"--tolerance is missing", "select --help"});
+  expect_refusal({"predict"}, {"CASE is missing", "softfinger predict --help"});
+  expect_refusal({"predict", "seed_thumb", "--limit-surface", "1"}, {"predict --help"});
+}
+
+TEST_F(CommandLine, UnderstandsWhatPeopleType) {
+  EXPECT_EQ(run({"version"}).out, run({"--version"}).out);
+  EXPECT_NE(run({"version"}).out, "");
+  const auto without_times = [](const std::string& text) {
+    return std::regex_replace(text, std::regex(" +[0-9.]+(?=\n)"), "");
+  };
+  EXPECT_EQ(run({"export", "seed_thumb", "--to", "MuJoCo"}).out,
+            run({"export", "seed_thumb", "--to", "mujoco"}).out);
+  EXPECT_EQ(run({"export", "Seed_Thumb", "--to", "drake", "--models", "Hertz"}).out,
+            run({"export", "seed_thumb", "--to", "drake", "--model", "hertz"}).out);
+  EXPECT_EQ(without_times(run({"predict", "seed_thumb", "--models", "Hertz,winkler"}).out),
+            without_times(run({"predict", "seed_thumb", "--model", "hertz,winkler"}).out));
+  EXPECT_EQ(run({"select", "seed_thumb", "--tolerance", "0.5", "--model", "hertz"}).status, 0);
+  EXPECT_EQ(run({"explain", "HERTZ"}).out, run({"explain", "hertz"}).out);
+}
+
+TEST_F(CommandLine, NamesACaseByItsFileWhereItHasNoId) {
+  std::string text = case_text();
+  text.erase(text.find("id = "), text.find('\n', text.find("id = ")) - text.find("id = "));
+  const auto file = folder.write("my pad.v2.toml", text).string();
+  EXPECT_EQ(answer_of({"predict", file, "--json"})["case"], "my_pad.v2");
+  start.input = file;
+  EXPECT_EQ(answer_of({"predict", "-", "--json"})["case"], "standard_input");
+  std::string scene = file_text(fs::path(SOFTFINGER_SHARE) / "scenes" / "pinch.toml");
+  scene.replace(scene.find("id = "), 4, "# id");
+  EXPECT_EQ(answer_of({"simulate", folder.write("grip.toml", scene).string(), "--json", "--set",
+                       "simulation.duration_s=0.01"})["scene"],
+            "grip");
+}
+
+TEST_F(CommandLine, SaysWhichValuesAreUnusual) {
+  const auto file = folder.write("case.toml", case_text()).string();
+  const auto said = [&](const std::string& setting) {
+    const ProgramRun result = run({"predict", file, "--model", "hertz", "--set", setting});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(said("contact.load_N=3").find("usual"), std::string::npos);
+  EXPECT_NE(said("contact.friction_coefficient=1e6").find("usual is 0.01 to 10"),
+            std::string::npos);
+  EXPECT_NE(said("contact.friction_coefficient=1e-300").find("usual"), std::string::npos);
+  EXPECT_NE(said("layer.thickness_mm=2000").find("usual is 0.01 to 100 mm"), std::string::npos);
+  EXPECT_NE(said("layer.youngs_modulus_kPa=1e9").find("usual is 1 to 1e+06 kPa"),
+            std::string::npos);
+  const ProgramRun scene = run({"simulate", "pinch", "--set", "simulation.duration_s=0.01", "--set",
+                                "body[0].velocity_mm_per_s=[1e30, 0, 0]"});
+  EXPECT_TRUE(scene.status == 2 ||
+              scene.err.find("usual is at most 100000 mm/s") != std::string::npos)
+      << scene.err;
 }
 
 TEST_F(CommandLine, TakesNumbersWithoutADigitOnOneSideOfThePoint) {
@@ -198,7 +305,7 @@ TEST_F(CommandLine, ReadsStandardInput) {
   EXPECT_EQ(answer_of({"select", "-", "--tolerance", "0.1", "--json"})["scene"], "pinch");
   expect_refusal({"simulate", "-", "--control"}, {"--control"});
   start.input = "";
-  expect_refusal({"predict", "-"}, {"standard input", "id"});
+  expect_refusal({"predict", "-"}, {"standard input", "[geometry]"});
   start.input = folder.write("wrong.toml", case_text() + "frictoin = 1\n").string();
   expect_refusal({"predict", "-"}, {"standard input:12", "friction_coefficient"});
 }

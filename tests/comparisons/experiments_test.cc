@@ -201,7 +201,7 @@ TEST(Experiments, RefuseWrongFilesInOneLine) {
         Wrong{replaced(data_set_text("trejo_2017"), "shear_stress_exponent", "stress"), "stress"},
         Wrong{replaced(data_set_text("waltersson_2024_in_hand"), "[5.72, 3.41]", "[5.72]"),
               "eccentricity_mm"},
-        Wrong{"", "id"}}) {
+        Wrong{"", "what"}}) {
     const std::string said = refusal(wrong.text);
     EXPECT_NE(said, "accepted") << wrong.said;
     EXPECT_NE(said.find(wrong.said), std::string::npos) << said;

@@ -10,7 +10,7 @@
 
 #include "meshes/io/read_surface.h"
 #include "tests/comparisons/run_program.h"
-#include "tests/meshes/triangulated_ellipsoid.h"
+#include "tests/meshes/capsule_finger.h"
 
 namespace softfinger::tests {
 namespace fs = std::filesystem;
@@ -156,6 +156,136 @@ TEST_F(MeshCommand, GuessesTheUnit) {
   EXPECT_NE(doubt(1e-3, {"--unit", "mm"}).find("--unit m?"), std::string::npos);
   EXPECT_NE(doubt(7, {}).find("whole of a finger"), std::string::npos);
   EXPECT_EQ(doubt(1, {}), "");
+}
+
+TEST_F(MeshCommand, SaysWithOneVoiceWhichUnitIsTaken) {
+  write("metres.stl", 1e-3);
+  const std::string words = "0.024 mm or 24 mm wide: taken as m";
+  const std::string rest =
+      "object = { radii_mm = [inf, inf] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
+      "poisson_ratio = 0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n";
+  const auto case_of = [&](const std::string& mesh, const std::string& more = "") {
+    return folder
+        .write("case.toml", "[geometry]\nfinger = { mesh = \"" + mesh + "\", along = \"-y\"" +
+                                more + " }\n" + rest)
+        .string();
+  };
+  const std::vector<std::vector<std::string>> commands = {
+      {"mesh", "metres.stl"},
+      {"fit", "metres.stl", "--point", "0,-0.007,0"},
+      {"init", "metres.toml", "--mesh", "metres.stl"},
+      {"predict", case_of("metres.stl")},
+      {"export", case_of("metres.stl"), "--to", "mujoco"},
+      {"fem", case_of("metres.stl")}};
+  for (const std::vector<std::string>& command : commands) {
+    const ProgramRun result = run(command);
+    EXPECT_EQ(result.status, 0) << command[0] << ": " << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << command[0] << ": " << result.err;
+  }
+  EXPECT_NE(file_text(folder.path() / "metres.toml").find("unit = \"m\""), std::string::npos);
+  // The same finger whatever its file's unit, and nothing to say where the unit is plain or typed.
+  const auto a_m = [&](const std::string& file) {
+    return answer_of({"predict", file, "--model", "bonded_layer", "--json"})["results"][0]["a_m"]
+        .get<double>();
+  };
+  const double guessed = a_m(case_of("metres.stl"));
+  const double in_millimetres = a_m(case_of("tip.stl"));
+  EXPECT_NEAR(guessed / in_millimetres, 1, 1e-6) << "seven digits of the file";
+  EXPECT_EQ(run({"predict", case_of("tip.stl"), "--model", "hertz"}).err.find("taken as"),
+            std::string::npos);
+  EXPECT_EQ(run({"predict", case_of("metres.stl", ", unit = \"m\""), "--model", "hertz"})
+                .err.find("wide"),
+            std::string::npos);
+  // Neither unit makes a finger of it.
+  for (const double scale : {0.03, 100.}) {
+    write("neither.stl", scale);
+    for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+             {"mesh", "neither.stl"},
+             {"fit", "neither.stl", "--point", "0,0,0"},
+             {"init", "neither.toml", "--mesh", "neither.stl"},
+             {"predict", case_of("neither.stl")},
+             {"export", case_of("neither.stl"), "--to", "mujoco"}})
+      expect_refusal(command, "1 mm to 1 m wide");
+    EXPECT_EQ(run({"mesh", "neither.stl", "--unit", "mm"}).status, 0);
+    EXPECT_EQ(run({"predict", case_of("neither.stl", ", unit = \"mm\""), "--set",
+                   fmt::format("layer.thickness_mm={}", 2 * scale), "--set",
+                   fmt::format("contact.load_N={}", scale * scale)})
+                  .status,
+              0);
+  }
+}
+
+TEST_F(MeshCommand, GuessesTheUnitInScenes) {
+  write("metres.stl", 1e-3);
+  const auto simulate = [&](const std::string& mesh) {
+    folder.write("scene.toml",
+                 "[simulation]\ntime_step_ms = 1\nduration_s = 0.01\n[[layer]]\nname = \"rubber\"\n"
+                 "thickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n[[body]]\n"
+                 "name = \"tip\"\ndensity_kg_per_m3 = 1000\nlayer = \"rubber\"\n"
+                 "shapes = [{ mesh = \"" +
+                     mesh + "\" }]\n");
+    return run({"simulate", "scene.toml", "--json"});
+  };
+  const ProgramRun metres = simulate("metres.stl"), millimetres = simulate("tip.stl");
+  ASSERT_EQ(metres.status, 0) << metres.err;
+  EXPECT_NE(metres.err.find("0.024 mm or 24 mm wide: taken as m"), std::string::npos) << metres.err;
+  EXPECT_EQ(millimetres.err, "");
+  write("neither.stl", 0.03);
+  const ProgramRun neither = simulate("neither.stl");
+  EXPECT_EQ(neither.status, 2) << neither.err;
+  EXPECT_NE(neither.err.find("1 mm to 1 m wide"), std::string::npos) << neither.err;
+}
+
+TEST_F(MeshCommand, IsTouchedAtTheNearestPointInACase) {
+  const std::string rest =
+      "[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n[contact]\n"
+      "load_N = 1\nfriction_coefficient = 0.8\n";
+  const auto answer = [&](const std::string& finger, const std::string& object) {
+    folder.write("case.toml",
+                 "[geometry]\nfinger = " + finger + "\nobject = " + object + "\n" + rest);
+    return answer_of({"predict", "case.toml", "--model", "bonded_layer", "--json"})["results"][0];
+  };
+  const std::string plane = "{ radii_mm = [inf, inf] }";
+  const json near = answer("{ mesh = \"tip.stl\", near_mm = [0.3, -7.2, 0.2] }", plane);
+  const json found =
+      answer_of({"mesh", "tip.stl", "--near", "0.3,-7.2,0.2", "--json"})["points"][0];
+  const std::string line = found["toml"];
+  const json pasted = answer(line.substr(line.find('{')), plane);
+  EXPECT_NEAR(near["a_m"].get<double>() / pasted["a_m"].get<double>(), 1, 1e-3);
+  const json object =
+      answer("{ radii_mm = [inf, inf] }", "{ mesh = \"tip.stl\", near_mm = [0.3, -7.2, 0.2] }");
+  EXPECT_NEAR(object["a_m"].get<double>() / near["a_m"].get<double>(), 1, 1e-6)
+      << "of rigid bodies it makes no difference which is the mesh";
+  folder.write("case.toml",
+               "[geometry]\nfinger = { mesh = \"tip.stl\", near_mm = [0, 0, 0] }\n"
+               "object = " +
+                   plane + "\n" + rest);
+  expect_refusal({"predict", "case.toml"}, "near_mm");
+}
+
+TEST_F(MeshCommand, SaysTheNextStepWhereAPointCannotBePressed) {
+  // Its side touches a plane along a line.
+  meshes::write_stl_mm(meshes::capsule_finger(), (folder.path() / "capsule.stl").string());
+  folder.write(
+      "case.toml",
+      "[geometry]\nfinger = { mesh = \"capsule.stl\", along = \"-y\" }\nobject = { radii_mm = "
+      "[inf, inf] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = "
+      "0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n");
+  const ProgramRun refused = run({"export", "case.toml", "--to", "mujoco"});
+  EXPECT_EQ(refused.status, 2) << refused.out;
+  EXPECT_EQ(lines(refused.err).size(), 1u) << refused.err;
+  const std::size_t at = refused.err.find("finger = {");
+  ASSERT_NE(at, std::string::npos) << refused.err;
+  const std::string line = refused.err.substr(at, refused.err.find('}', at) + 1 - at);
+  std::string text = file_text(folder.path() / "case.toml");
+  const std::size_t finger = text.find("finger");
+  text.replace(finger, text.find('}') + 1 - finger, line);
+  folder.write("case.toml", text);
+  const json answers =
+      answer_of({"predict", "case.toml", "--model", "fingertip_layer,bonded_layer", "--json"});
+  EXPECT_TRUE(answers["results"][0]["usable"].get<bool>() ||
+              answers["results"][1]["usable"].get<bool>())
+      << line;
 }
 
 TEST_F(MeshCommand, SaysWhereASurfaceIsOpen) {

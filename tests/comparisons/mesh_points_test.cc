@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
-#include "tests/meshes/triangulated_ellipsoid.h"
+#include "tests/meshes/capsule_finger.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -101,6 +101,38 @@ TEST(MeshPoints, FitARegionThatHasVerticesEnough) {
   const QuadricFit fit = fit_around(surface, {0, -7e-3, 0}, &normal);
   EXPECT_GE(fit.points, 15);
   EXPECT_LE(fit.points, 80);
+}
+
+TEST(MeshPoints, LieAroundAPointDenseBesideItAndSparseFarAway) {
+  const TriangleSurface surface =
+      meshes::triangulated_ellipsoid({12e-3, 7e-3, 14e-3}, Vector3d::Zero(), 32);
+  const Vector3d centre(0, -7e-3, 0);
+  const std::vector<Vector3d> points = points_around(surface, centre);
+  ASSERT_GT(points.size(), 20u);
+  EXPECT_LE(points.size(), 100u);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double distance = (points[i] - centre).norm();
+    EXPECT_GE(distance, (points[i - 1] - centre).norm());
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GE((points[i] - points[j]).norm(), 0.5 * distance);
+  }
+}
+
+TEST(MeshPoints, FindTheNearestPointThatIsRoundAndSmooth) {
+  const TriangleSurface finger = meshes::capsule_finger();
+  const Vector3d normal(0, -1, 0);
+  const auto found = nearest_smooth_point(finger, {0, -8e-3, 0}, &normal);
+  ASSERT_TRUE(found);
+  EXPECT_GT(std::abs(found->z()), 9e-3) << "one of its round ends";
+  const QuadricFit fit = fit_around(finger, *found, nullptr);
+  EXPECT_GT(fit.principal.radii_m[0], 0);
+  EXPECT_GT(fit.principal.radii_m[1], 0);
+  EXPECT_EQ(doubt_of(fit), "");
+  EXPECT_GT(fit.normal.dot(normal), 0);
+  EXPECT_FALSE(nearest_smooth_point(box({0.02, 0.01, 0.03}, true), {0.01, 0, 0.01}, nullptr));
+}
+
+TEST(MeshPoints, AreWrittenInMillimetresWithoutAMinusBeforeZero) {
+  EXPECT_EQ(in_millimetres({1e-3, -7.25e-3, -1e-9}), "[1, -7.25, 0]");
 }
 
 }  // namespace

@@ -526,9 +526,7 @@ TEST_F(Program, DoubtsTheUnitOfAMeshThatNoHandCouldHold) {
                "finger = { mesh = \"metres.obj\", point_mm = [0, 0, 0] }\n"
                "object = { radii_mm = [inf, inf] }");
   const std::string file = folder.write("mesh.toml", text).string();
-  const std::string doubt =
-      "metres.obj: the surface is 0.0114 mm across, read in mm; in m it would be 11.4 mm: unit = "
-      "\"m\"?";
+  const std::string doubt = "metres.obj: 0.008 mm or 8 mm wide: taken as m";
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"fit", "metres.obj", "--point", "0,0,0"},
                                              {"predict", file},
@@ -546,10 +544,11 @@ TEST_F(Program, DoubtsTheUnitOfAMeshThatNoHandCouldHold) {
     folder.write("mesh.obj", paraboloid_mesh(0, scale));
     return run({"fit", "mesh.obj", "--point", "0,0,0", "--unit", unit}).err;
   };
-  EXPECT_NE(said(4, "m").find("in mm it would be 2.84 mm: unit = \"mm\"?"), std::string::npos);
-  EXPECT_NE(said(0.004, "mm").find("across, read in mm: is the unit right?"), std::string::npos);
+  EXPECT_NE(said(4, "m").find("in mm it would be 2 mm: --unit mm?"), std::string::npos);
+  EXPECT_NE(said(0.004, "mm").find("2 m wide, read in mm"), std::string::npos);
+  EXPECT_NE(said(0.004, "mm").find("in that unit?"), std::string::npos);
   for (const std::string& fine : {said(1, "mm"), said(1000, "m"), said(0.02, "mm")})
-    EXPECT_EQ(fine.find("across"), std::string::npos) << fine;
+    EXPECT_EQ(fine.find("wide"), std::string::npos) << fine;
 }
 
 TEST_F(Program, NeverWaitsForACaseThatIsAPipe) {

@@ -398,5 +398,32 @@ TEST_F(ReadSurface, WritingLeavesNothingHalfWritten) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
+TEST_F(ReadSurface, GuessesTheUnitThatMakesAFingerOfTheSurface) {
+  // Both units are as far from 15 mm at sqrt(15 mm x 15 m) / m = 0.474.
+  EXPECT_EQ(guessed_metres_per_unit(15), 1e-3);
+  EXPECT_EQ(guessed_metres_per_unit(0.015), 1);
+  EXPECT_EQ(guessed_metres_per_unit(0.476), 1e-3);
+  EXPECT_EQ(guessed_metres_per_unit(0.472), 1);
+  EXPECT_EQ(guessed_metres_per_unit(2000), 1e-3);
+  // The middle one of 0.2, 0.02 and 0.3 is the width.
+  const auto box = [&](double scale) {
+    std::string text;
+    for (int i = 0; i < 8; ++i)
+      text += "v " + std::to_string(scale * 0.2 * (i & 1)) + " " +
+              std::to_string(scale * 0.02 * (i >> 1 & 1)) + " " +
+              std::to_string(scale * 0.3 * (i >> 2)) + "\n";
+    return file("box.obj",
+                text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  };
+  const SurfaceFile metres = read_surface(box(1), std::nullopt);
+  EXPECT_TRUE(metres.is_unit_guessed);
+  EXPECT_EQ(metres.metres_per_unit, 1);
+  EXPECT_NEAR(metres.width_m, 0.2, 1e-6);
+  EXPECT_EQ(read_surface(box(10), std::nullopt).metres_per_unit, 1e-3);
+  const SurfaceFile typed = read_surface(box(1), 1e-3);
+  EXPECT_FALSE(typed.is_unit_guessed) << "what is typed wins";
+  EXPECT_NEAR(typed.width_m, 0.2e-3, 1e-9);
+}
+
 }  // namespace
 }  // namespace softfinger::meshes

@@ -13,9 +13,12 @@
 
 #include "comparisons/input/scene.h"
 #include "comparisons/simulation/control.h"
+#include "comparisons/simulation/overlapping_shapes.h"
+#include "meshes/io/read_surface.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/comparisons/run_program.h"
+#include "tests/meshes/triangulated_ellipsoid.h"
 
 namespace softfinger::tests {
 namespace {
@@ -495,6 +498,55 @@ TEST(Scene, UnitesTheMassOfSeveralShapes) {
   EXPECT_LE((inertia - Eigen::Matrix3d(Eigen::Vector3d(along, across, across).asDiagonal())).norm(),
             1e-13 * across);
   EXPECT_LE(scene.descriptions[1].mass.center_m.norm(), 1e-17);
+}
+
+TEST(Scene, SaysWhatOfABodyWeighsTwice) {
+  const auto said = [](const std::string& shapes, const std::string& mass = "mass_g = 100\n") {
+    std::string text = with(kBall, "[{ sphere_radius_mm = 10 }]", "[" + shapes + "]");
+    text = with(text, "mass_g = 100\n", mass);
+    const auto remarks =
+        simulation::overlap_remarks(input::parse_scene(kHead + text, "scene.toml"));
+    EXPECT_LE(remarks.size(), 1u);
+    return remarks.empty() ? "" : remarks.front();
+  };
+  const std::string ball = "{ sphere_radius_mm = 10 }";
+  EXPECT_EQ(said(ball), "");
+  // Of 4 cm³ that are counted 1 cm³ is counted for the second time.
+  const std::string two_boxes =
+      "{ box_size_mm = [10, 10, 20] }, { box_size_mm = [10, 10, 20], position_mm = [0, 0, 10] }";
+  const std::string twice = said(two_boxes);
+  EXPECT_NE(twice.find("body \"ball\": shapes 1 and 2 overlap: about 25 %"), std::string::npos)
+      << twice;
+  EXPECT_NE(said(two_boxes, "density_kg_per_m3 = 1000\n"), "");
+  EXPECT_EQ(said(two_boxes, "mass_g = 100\ninertia_kg_mm2 = [1, 1, 1]\n"), "") << "it is typed";
+  // What only touches does not weigh twice.
+  EXPECT_EQ(said("{ box_size_mm = [10, 10, 20] }, { box_size_mm = [10, 10, 20], position_mm = [0, "
+                 "0, 20] }"),
+            "");
+  EXPECT_EQ(said(ball + ", { sphere_radius_mm = 10, position_mm = [20, 0, 0] }"), "");
+  EXPECT_NE(said(ball + ", { sphere_radius_mm = 10, position_mm = [15, 0, 0] }"), "");
+}
+
+TEST_F(SceneProgram, SaysThatShellsWithinEachOtherWeighTwice) {
+  TriangleSurface shells =
+      meshes::triangulated_ellipsoid({20e-3, 20e-3, 20e-3}, Eigen::Vector3d::Zero(), 12);
+  const TriangleSurface inner =
+      meshes::triangulated_ellipsoid({10e-3, 10e-3, 10e-3}, Eigen::Vector3d::Zero(), 12);
+  const int before = int(shells.vertices_m.size());
+  for (const Eigen::Vector3d& vertex : inner.vertices_m) shells.vertices_m.push_back(vertex);
+  for (const auto& triangle : inner.triangles)
+    shells.triangles.push_back({triangle[0] + before, triangle[1] + before, triangle[2] + before});
+  meshes::write_stl_mm(shells, (folder.path() / "shells.stl").string());
+  const std::string ball =
+      with(with(kBall, "{ sphere_radius_mm = 10 }", "{ mesh = \"shells.stl\" }"), "[0, 0, 10]",
+           "[0, 0, 21]");
+  const ProgramRun result =
+      run({"simulate", folder.write("scene.toml", kHead + ball).string(), "--json"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  // The inner ball has an eighth of the volume of the outer one: 1/9 of what is counted.
+  EXPECT_NE(result.err.find("shells of shape 1 lie within each other or overlap: about 11 %"),
+            std::string::npos)
+      << result.err;
 }
 
 }  // namespace

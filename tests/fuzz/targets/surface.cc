@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <optional>
 
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
@@ -13,7 +14,7 @@ namespace {
 
 bool read_as(std::string_view bytes, const char* name) {
   try {
-    const meshes::SurfaceFile file = meshes::parse_surface(std::string(bytes), name, 1e-3);
+    const meshes::SurfaceFile file = meshes::parse_surface(std::string(bytes), name, std::nullopt);
     for (const auto& triangle : file.surface.triangles)
       for (const int vertex : triangle)
         if (vertex < 0 || std::size_t(vertex) >= file.surface.vertices_m.size()) std::terminate();

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include "meshes/io/read_surface.h"
+
+/// What people are told about the unit of a mesh, which its file does not hold. A wrong unit scales
+/// all lengths alike, so that nothing else shows it.
+namespace softfinger::input {
+
+/// A finger has a usual width, 5 to 40 mm; of other bodies less is known.
+enum class MeshRole { finger, object };
+
+/// Where a user would type the unit: `unit = "m"` or `--unit m`.
+enum class UnitIsTold { in_a_file, on_the_command_line };
+
+/// "0.048 mm or 48 mm wide: taken as m" where the unit was guessed and this is not plain, and a
+/// doubt where the surface is too wide or too narrow: of a guessed unit for a finger, of a typed
+/// one for anything that a hand can hold. Empty where there is nothing to say.
+std::string unit_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTold told);
+
+/// @throws InputError(where) for a finger whose unit was guessed and that is narrower than 1 mm or
+/// wider than 1 m: then its unit has to be typed
+void require_finger_size(const meshes::SurfaceFile& file, const std::string& where,
+                         UnitIsTold told);
+
+/// "mm" or "m"
+inline const char* unit_name(double metres_per_unit) { return metres_per_unit == 1 ? "m" : "mm"; }
+
+}  // namespace softfinger::input

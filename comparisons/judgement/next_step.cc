@@ -1,0 +1,241 @@
+#include "comparisons/judgement/next_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <optional>
+#include <vector>
+
+#include "comparisons/input/mesh_unit.h"
+#include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/reason.h"
+#include "comparisons/prediction/mesh_points.h"
+#include "comparisons/text/percent.h"
+#include "comparisons/text/toml_text.h"
+#include "softfinger/accuracy/default_model.h"
+
+namespace softfinger::judgement {
+namespace {
+
+using Eigen::Vector3d;
+using prediction::Demand;
+using prediction::GeometryResolver;
+using prediction::ModelAnswer;
+using prediction::TorqueRule;
+
+struct Usable {
+  const PressureModel* model = nullptr;
+  double worst = 0;  ///< the largest bound of what is demanded
+};
+
+/// The recommended model, if it is usable there.
+std::optional<Usable> usable_model(const input::Case& contact_case,
+                                   const prediction::LocalGeometry& geometry, double load_N,
+                                   const Demand& demand) {
+  const PressureModel& model =
+      default_model(prediction::contact_problem(contact_case, geometry, load_N));
+  const ModelAnswer answer = ask_model(model, contact_case, geometry, load_N, 0);
+  if (!answer.prediction.has_answer) return std::nullopt;
+  const prediction::Assessment found =
+      assess_numbers(contact_case, geometry, answer, TorqueRule::exact, demand);
+  if (!found.usable) return std::nullopt;
+  return Usable{&model, worst_of(found.totals(), demand.quantities)};
+}
+
+/// The same for another load or point of the case; none also where the geometry is refused there.
+std::optional<Usable> usable_model(const input::Case& contact_case,
+                                   const GeometryResolver& resolver, double load_N,
+                                   const Demand& demand) {
+  try {
+    return usable_model(contact_case, resolver.resolve(load_N), load_N, demand);
+  } catch (const InputError&) {
+  } catch (const ConvergenceError&) {
+  }
+  return std::nullopt;
+}
+
+std::string bound_text(const Usable& usable) {
+  return fmt::format("by {} within {}", usable.model->card().name, text::percent(usable.worst));
+}
+
+/// "finger", "object": the body whose mesh is to be touched elsewhere; the finger's first.
+const input::MeshBody* mesh_of(const input::Case& contact_case, const char** name) {
+  const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry);
+  if (!pair) return nullptr;
+  *name = "finger";
+  if (const auto* mesh = std::get_if<input::MeshBody>(&pair->finger)) return mesh;
+  *name = "object";
+  return std::get_if<input::MeshBody>(&pair->object);
+}
+
+std::string body_line(const char* name, const input::MeshBody& mesh, double metres_per_unit,
+                      const Vector3d& point_m) {
+  return fmt::format("{} = {{ mesh = {}, unit = \"{}\", near_mm = {} }}", name,
+                     text::toml_text(mesh.typed), input::unit_name(metres_per_unit),
+                     prediction::in_millimetres(point_m));
+}
+
+/// The nearest point of the mesh at which a recommended model is usable, in words; "" if none was
+/// found.
+std::string nearest_point(const input::Case& contact_case, const GeometryResolver& resolver,
+                          double load_N, const Demand& demand) {
+  const char* name = nullptr;
+  const input::MeshBody* mesh = mesh_of(contact_case, &name);
+  if (!mesh) return "";
+  const std::clock_t start = std::clock();
+  input::MeshBody there;
+  try {
+    there = resolver.placed(*mesh);
+  } catch (const InputError&) {
+    return "";  // the typed point is not on the surface
+  }
+  const Vector3d centre = there.point_m;
+  input::Case tried = contact_case;
+  auto& pair = std::get<input::BodyPair>(tried.geometry);
+  input::CaseBody& body = name == std::string("finger") ? pair.finger : pair.object;
+  for (const Vector3d& point : prediction::points_around(resolver.surface(*mesh), centre)) {
+    if (std::clock() - start > prediction::kLongestSearch) return "";
+    input::MeshBody moved = *mesh;
+    moved.along.reset();
+    moved.normal.reset();
+    moved.near_m = point;
+    body = moved;
+    const GeometryResolver elsewhere(tried, &resolver);
+    if (const auto usable = usable_model(tried, elsewhere, load_N, demand))
+      return fmt::format("press {:.2g} mm away, at the nearest point that is usable ({}): {}",
+                         1e3 * (point - centre).norm(), bound_text(*usable),
+                         body_line(name, *mesh, *there.metres_per_unit, point));
+  }
+  return "";
+}
+
+/// A load that is usable, as near to the case's as three halvings of the gap between them find it;
+/// "" if there is none within a factor of 256.
+std::string other_load(const input::Case& contact_case, const GeometryResolver& resolver,
+                       double load_N, const Demand& demand) {
+  const auto at = [&](double other_N) {
+    return usable_model(contact_case, resolver, other_N, demand);
+  };
+  const auto two_digits = [](double value) {
+    const double step = std::pow(10, std::floor(std::log10(value)) - 1);
+    return std::round(value / step) * step;
+  };
+  for (double factor = 2; factor <= 256; factor *= 2)
+    for (const double tried_N : {load_N / factor, load_N * factor}) {
+      if (!at(tried_N)) continue;
+      double usable_N = tried_N, other_N = tried_N < load_N ? 2 * tried_N : tried_N / 2;
+      for (int halving = 0; halving < 3; ++halving) {
+        const double middle_N = std::sqrt(usable_N * other_N);
+        (at(middle_N) ? usable_N : other_N) = middle_N;
+      }
+      double told_N = two_digits(usable_N);
+      if (!at(told_N)) told_N = tried_N;
+      return fmt::format("a {} load is usable, {:.4g} N {}", told_N < load_N ? "smaller" : "larger",
+                         told_N, bound_text(*at(told_N)));
+    }
+  return "";
+}
+
+/// What no other point, load or model changes, and what to do about it.
+std::optional<NextStep> structural(const input::Case& contact_case, const ModelAnswer* answer) {
+  const std::string compare = "softfinger compare " + contact_case.file.string();
+  if (contact_case.object_layer.thickness_m > 0)
+    return NextStep{"there are two layers, and errors are known for one",
+                    "leave out the stiffer one of [layer] and [object_layer]"};
+  if (!contact_case.sublayers.empty())
+    return NextStep{"the layer is a stack, and errors of models are known for one material",
+                    compare + " presses the stack by finite elements"};
+  if (!contact_case.fem_mesh.empty())
+    return NextStep{"the layer is a mesh of its own, which no model knows",
+                    "softfinger fem " + contact_case.file.string() + " presses it"};
+  if (contact_case.fem_finite && contact_case.fem_finite->material != "neo_hookean")
+    return NextStep{"errors are known for neo-Hookean layers, and this one is " +
+                        contact_case.fem_finite->material,
+                    compare + ", or leave out [layer] material"};
+  if (answer && answer->sampled)
+    return NextStep{"the gap was sampled, and errors are known for the fitted quadric",
+                    "leave out --gap sampled, or " + compare};
+  return std::nullopt;
+}
+
+/// What helps where nothing that was tried did.
+std::string last_resort(const input::Case& contact_case) {
+  const char* name = nullptr;
+  if (mesh_of(contact_case, &name))
+    return fmt::format(
+        "if you know the radii: {} = {{ radii_mm = [9, 7] }} with your own in place "
+        "of 9 and 7; or a finer scan",
+        name);
+  return "softfinger compare " + contact_case.file.string() +
+         " presses the finger itself by finite elements";
+}
+
+std::string with_alternative(const std::string& step, const input::Case& contact_case) {
+  return step.empty() ? last_resort(contact_case) : step;
+}
+
+std::string reason_of(const prediction::LocalGeometry& geometry, const ModelAnswer& answer,
+                      const Demand& demand) {
+  const prediction::Assessment& found = *answer.assessment;
+  if (!found.bound || !found.geometry || found.determined || !answer.prediction.has_answer)
+    return reason_not_usable(answer, demand);
+  constexpr double kCovered = 0.9;
+  if (geometry.patch && geometry.patch->covered < kCovered)
+    return "the mesh is narrower than the contact or ends beside it";
+  const double open = worst_of(*found.geometry, demand.quantities);
+  return std::isfinite(open) ? fmt::format("the mesh leaves {} open", text::percent(open))
+                             : "what the mesh leaves open is not known";
+}
+
+}  // namespace
+
+NextStep next_step(const input::Case& contact_case, const GeometryResolver& resolver,
+                   const ModelAnswer& answer, const Demand& demand) {
+  if (const auto found = structural(contact_case, &answer)) return *found;
+  const double load_N = answer.problem.load.normal_force_N;
+  const prediction::LocalGeometry geometry = resolver.resolve(load_N);
+  NextStep result;
+  result.reason = reason_of(geometry, answer, demand);
+  if (const auto other = usable_model(contact_case, geometry, load_N, demand))
+    result.step = fmt::format("--model {} is usable, within {}", other->model->card().name,
+                              text::percent(other->worst));
+  // Another point does not help where the mesh leaves little open.
+  if (result.step.empty() && !answer.assessment->determined)
+    result.step = nearest_point(contact_case, resolver, load_N, demand);
+  if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
+  result.step = with_alternative(result.step, contact_case);
+  return result;
+}
+
+NextStep next_step(const input::Case& contact_case, const GeometryResolver& resolver, double load_N,
+                   const InputError& refusal, const Demand& demand) {
+  NextStep result;
+  result.reason = refusal.field() + (refusal.value().empty() ? "" : " = " + refusal.value());
+  const char* name = nullptr;
+  if (!mesh_of(contact_case, &name)) {
+    result.step =
+        "radii of the gap > 0 in both directions make an ellipse: softfinger predict --help, "
+        "radii_mm";
+    return result;
+  }
+  result.step = nearest_point(contact_case, resolver, load_N, demand);
+  if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
+  result.step = with_alternative(result.step, contact_case);
+  return result;
+}
+
+prediction::LocalGeometry resolve_or_advise(const input::Case& contact_case,
+                                            const GeometryResolver& resolver, double load_N,
+                                            const Demand& demand) {
+  try {
+    return resolver.resolve(load_N);
+  } catch (const InputError& refusal) {
+    const std::string step = next_step(contact_case, resolver, load_N, refusal, demand).step;
+    throw InputError(refusal.where(), refusal.field(), refusal.value(),
+                     refusal.allowed() + (refusal.allowed().empty() ? "" : "; ") + step);
+  }
+}
+
+}  // namespace softfinger::judgement
