@@ -9,6 +9,7 @@
 #include "comparisons/benchmark/results.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -97,7 +98,7 @@ int run(int argc, char** argv) {
   }
   if (!page.empty()) system::write_file_atomically(page, render_page(results));
   if (json)
-    system::write_to_stdout(to_json(results).dump(2) + "\n");
+    system::write_to_stdout(text::printed(to_json(results)));
   else
     system::write_text_to_stdout(to_text(results));
   return 0;

@@ -126,10 +126,9 @@ nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const f
                      {"relative_error", text::finite_or_null(errors[i])},
                      {"force_relative_error", text::finite_or_null(force_errors[i])}});
   }
-  return {{"schema", text::kSchema},
-          {"model", options.model},
+  return {{"model", options.model},
           {"usable", curve.nominal.assessment.usable},
-          {"reason", text_or_null(curve.nominal.reason)},
+          {"reason", text_or_null(curve.advice)},
           {"written", written},
           {"format", exporting::name_of(format_of(file))},
           {"simulator", simulator.name},
@@ -208,10 +207,8 @@ int run_apply(const ApplyOptions& options) {
     remark(output.string() +
            ": the file names others by relative paths, which do not lie in its folder");
   if (options.json)
-    system::write_to_stdout(
-        to_json(options, file, output, simulator, curve, wanted.contact, written, notes)
-            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-        "\n");
+    system::write_to_stdout(text::printed(
+        to_json(options, file, output, simulator, curve, wanted.contact, written, notes)));
   else
     system::write_text_to_stdout(
         answer_line(curve) +

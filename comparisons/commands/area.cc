@@ -9,6 +9,7 @@
 #include "comparisons/input/mask.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -80,9 +81,7 @@ int run_area(const AreaOptions& options) {
           options.masks[i], -100 * contact.ellipse_departure));
   }
   if (options.json)
-    system::write_to_stdout(nlohmann::json({{"results", results}})
-                                .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(nlohmann::json({{"results", results}})));
   else
     system::write_to_stdout(rows);
   return 0;

@@ -110,12 +110,9 @@ std::string finger_bounds_table(const nlohmann::json& rows) {
 /// Bounds that were tested, or the file that was written.
 void answer(const AtlasOptions& options, const nlohmann::json& bounds, const std::string& table) {
   if (options.json)
-    system::write_to_stdout(
-        nlohmann::json(
-            {{"output", options.output.empty() ? nlohmann::json() : nlohmann::json(options.output)},
-             {"bounds", bounds}})
-            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-        "\n");
+    system::write_to_stdout(text::printed(nlohmann::json(
+        {{"output", options.output.empty() ? nlohmann::json() : nlohmann::json(options.output)},
+         {"bounds", bounds}})));
   else if (!table.empty())
     system::write_text_to_stdout(table);
 }

@@ -10,6 +10,7 @@
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -170,9 +171,7 @@ int run_calibrate(const CalibrateOptions& options) {
   if (!options.output.empty()) remark("the fitted case is " + options.output);
   if (!options.page.empty()) remark("the page is " + options.page);
   if (options.json)
-    system::write_to_stdout(
-        calibration::to_json(result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-        "\n");
+    system::write_to_stdout(text::printed(calibration::to_json(result)));
   else
     system::write_text_to_stdout(calibration::describe(result));
   return 0;

@@ -7,6 +7,7 @@
 #include "comparisons/commands/command_tree.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/system/files.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -241,10 +242,9 @@ void add_completion(CLI::App& app, Action& action) {
         system::write_file_atomically(file, script);
         if (!options->json) return 0;
       }
-      system::write_to_stdout(
-          options->json
-              ? nlohmann::json({{"shell", options->shell}, {"script", script}}).dump(2) + "\n"
-              : script);
+      system::write_to_stdout(options->json ? text::printed(nlohmann::json(
+                                                  {{"shell", options->shell}, {"script", script}}))
+                                            : script);
       return 0;
     };
   });

@@ -101,9 +101,9 @@ std::string answer_line(const exporting::ContactCurve& curve) {
       fmt::format("torque {:.3g} mN·m {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm",
                   1e3 * point.max_torque_Nm(), short_error(point), in_words(point.inputs),
                   curve.model, 2e3 * point.a_m, 2e3 * point.b_m, 1e3 * point.eccentricity_m);
-  return point.reason.empty()
+  return curve.advice.empty()
              ? fmt::format("{:g} N: {}\n", point.load_N, answer)
-             : fmt::format("NOT USABLE at {:g} N ({}): {}\n", point.load_N, answer, point.reason);
+             : fmt::format("NOT USABLE: {} ({:g} N: {})\n", curve.advice, point.load_N, answer);
 }
 
 }  // namespace softfinger::commands

@@ -44,7 +44,7 @@ const exporting::Simulator& simulator_by_name(const std::string& name);
 std::string short_error(const exporting::LoadPoint& point);
 
 /// "2 N: torque 4.49 mN·m ± 1.4 %, by fingertip_layer; contact 5.1 x 3.7 mm; e_n 1.87 mm", or
-/// "NOT USABLE at 2 N: ..." with the reason and what to do.
+/// "NOT USABLE: ..." with the reason and what to do.
 std::string answer_line(const exporting::ContactCurve& curve);
 
 }  // namespace softfinger::commands

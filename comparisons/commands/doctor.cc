@@ -11,6 +11,7 @@
 #include "comparisons/report/explorer_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -143,9 +144,8 @@ int run_doctor(bool as_json) {
     well = well && (finding.there || !finding.required);
   }
   if (as_json)
-    system::write_to_stdout(nlohmann::json({{"findings", list}, {"complete", well}})
-                                .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(
+        text::printed(nlohmann::json({{"findings", list}, {"complete", well}})));
   else
     system::write_text_to_stdout(text + (well ? "Nothing is missing that predictions need.\n"
                                               : "Something is missing that predictions need.\n"));

@@ -8,6 +8,7 @@
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -38,8 +39,7 @@ int run_experiments(const ExperimentsOptions& options) {
     remark("the page is " + options.page);
   }
   if (options.json)
-    system::write_to_stdout(result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(result));
   else
     system::write_text_to_stdout(table(examined));
   return std::any_of(examined.begin(), examined.end(),

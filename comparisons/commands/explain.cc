@@ -7,6 +7,7 @@
 #include "comparisons/input/material_cards.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/system/files.h"
+#include "comparisons/text/json_text.h"
 
 namespace softfinger::commands {
 
@@ -32,7 +33,7 @@ void add_explain(CLI::App& app, Action& action) {
     action = [options] {
       const std::string& name = options->name;
       const auto print = [&](const nlohmann::json& object) {
-        system::write_to_stdout(object.dump(2) + "\n");
+        system::write_to_stdout(text::printed(object));
         return 0;
       };
       for (const input::MaterialCard& card : input::material_cards())

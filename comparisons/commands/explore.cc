@@ -13,6 +13,7 @@
 #include "comparisons/report/explorer_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -59,8 +60,7 @@ int run_explore(const ExploreOptions& options) {
     nlohmann::json models = nlohmann::json::array();
     for (const PressureModel* model : explorer::models()) models.push_back(model->card().name);
     const nlohmann::json object = {{"page", output}, {"models", models}};
-    system::write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(object));
   }
   return 0;
 }

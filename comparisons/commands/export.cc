@@ -94,8 +94,7 @@ nlohmann::json to_json(const Export& made, const std::string& fit, bool with_lin
          {"usable", point.assessment.usable},
          {"error_bound", text::finite_or_null(point.error_bound())}});
   }
-  return {{"schema", text::kSchema},
-          {"case", curve.case_id},
+  return {{"case", curve.case_id},
           {"simulator", made.simulator.name},
           {"law", made.simulator.law},
           {"model", curve.model},
@@ -107,8 +106,7 @@ nlohmann::json to_json(const Export& made, const std::string& fit, bool with_lin
           {"friction_exponent", text::finite_or_null(curve.friction_exponent)},
           {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
           {"usable", curve.nominal.assessment.usable},
-          {"reason",
-           curve.nominal.reason.empty() ? nlohmann::json() : nlohmann::json(curve.nominal.reason)},
+          {"reason", curve.advice.empty() ? nlohmann::json() : nlohmann::json(curve.advice)},
           {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
           {"error_evidence", curve.nominal.assessment.evidence},
           {"input_doubt", to_json(curve.nominal.inputs)},
@@ -189,7 +187,7 @@ int run_export(const ExportOptions& options) {
   const Export made(simulator, curve, options.contact.kind_of_fit());
   const bool usable = curve.nominal.assessment.usable, told = usable || options.contact.force;
   if (options.json)
-    system::write_to_stdout(to_json(made, options.contact.fit, told).dump(2) + "\n");
+    system::write_to_stdout(text::printed(to_json(made, options.contact.fit, told)));
   else
     system::write_text_to_stdout(answer_line(curve) +
                                  (told ? "\n" + to_text(made) + evidence_text(contact_case, curve)

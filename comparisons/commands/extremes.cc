@@ -8,6 +8,7 @@
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -29,8 +30,7 @@ int run_extremes(const ExtremesOptions& options) {
                           {"date", system::utc_now()},
                           {"command", options.command_line}};
   // A command line may contain bytes that are not UTF-8.
-  const std::string text =
-      report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = text::printed(report);
   if (options.write_page) {
     const std::filesystem::path folder = options.output;
     system::write_files_together({{folder / "extremes.json", text},

@@ -225,10 +225,7 @@ void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solve
   }
   if (options.json)
     system::write_to_stdout(
-        nlohmann::json(
-            {{"schema", text::kSchema}, {"case", plan.contact_case.id}, {"results", results}})
-            .dump(2) +
-        "\n");
+        text::printed(nlohmann::json({{"case", plan.contact_case.id}, {"results", results}})));
   else
     system::write_text_to_stdout(
         answers + "\n" + prediction::describe(plan.contact_case) +

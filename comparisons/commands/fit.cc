@@ -120,8 +120,7 @@ int run_fit(const FitOptions& options) {
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
     object["turned_triangles"] = file.turned_triangles;
-    system::write_to_stdout(object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(object));
     return 0;
   }
   const auto& principal = fit.principal;

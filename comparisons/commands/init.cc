@@ -11,6 +11,7 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/toml_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
@@ -104,12 +105,10 @@ int run_init(const InitOptions& options) {
   if (!to_stdout) system::write_file_atomically(file, text);
   const std::string next = fmt::format("softfinger predict {}", file.string());
   if (options.json)
-    system::write_to_stdout(
+    system::write_to_stdout(text::printed(
         nlohmann::json({{"file", to_stdout ? nlohmann::json() : nlohmann::json(file.string())},
                         {"text", text},
-                        {"next", to_stdout ? "softfinger predict -" : next}})
-            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-        "\n");
+                        {"next", to_stdout ? "softfinger predict -" : next}})));
   else if (to_stdout)
     system::write_to_stdout(text);
   else

@@ -9,6 +9,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/input/recorded_contacts.h"
 #include "comparisons/system/files.h"
+#include "comparisons/text/json_text.h"
 
 namespace softfinger::commands {
 namespace {
@@ -110,9 +111,7 @@ int run_lcp(const LcpOptions& options) {
                          result.pivots, solved.solve_us, file);
   }
   if (options.json)
-    system::write_to_stdout(nlohmann::json{{"results", results}}.dump(
-                                2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(nlohmann::json{{"results", results}}));
   else
     system::write_text_to_stdout(fmt::format("{:<10}  {:>8}  {:>6}  {:>9}  {}\n", "status",
                                              "residual", "pivots", "us", "file") +

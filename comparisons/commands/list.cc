@@ -12,6 +12,7 @@
 #include "comparisons/sweep/sweep_file.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -90,7 +91,7 @@ void add_list(CLI::App& app, Action& action) {
         nlohmann::json list = nlohmann::json::array();
         for (const Entry& entry : found)
           list.push_back({{"name", entry.name}, {"title", entry.title}});
-        system::write_to_stdout(nlohmann::json({{options->kind, list}}).dump(2) + "\n");
+        system::write_to_stdout(text::printed(nlohmann::json({{options->kind, list}})));
       } else {
         std::string text;
         for (const Entry& entry : found)

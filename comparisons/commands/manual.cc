@@ -9,6 +9,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
@@ -151,7 +152,7 @@ void add_manual(CLI::App& app, Action& action) {
                              " (see softfinger --help)",
                          "", "");
       if (options->json)
-        system::write_to_stdout(nlohmann::json({{"pages", pages}}).dump(2) + "\n");
+        system::write_to_stdout(text::printed(nlohmann::json({{"pages", pages}})));
       else if (!write)
         system::write_to_stdout(text);
       return 0;

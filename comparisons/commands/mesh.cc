@@ -14,6 +14,7 @@
 #include "comparisons/report/mesh_picture.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/toml_text.h"
 #include "softfinger/input/errors.h"
 
@@ -161,9 +162,7 @@ int run_mesh(const MeshOptions& options) {
   if (options.write_page) remark("the page is " + options.page);
   if (options.write_picture) remark("the picture is " + options.picture);
   if (options.json)
-    system::write_to_stdout(to_json(options, read, points)
-                                .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(to_json(options, read, points)));
   else
     system::write_text_to_stdout(to_text(options, read, points));
   return 0;

@@ -157,6 +157,7 @@ int run_predict(const PredictOptions& options) {
   nlohmann::json results = nlohmann::json::array(), geometries = nlohmann::json::array();
   std::string first_lines, evidence = prediction::describe(contact_case) + "\n";
   std::vector<std::string> blocks;
+  std::string advice;  ///< what to do where an answer is not usable
   for (double load_N : contact_case.loads_N) {
     const prediction::LocalGeometry geometry =
         judgement::resolve_or_advise(contact_case, resolver, load_N, demand);
@@ -185,6 +186,9 @@ int run_predict(const PredictOptions& options) {
     first_lines +=
         answer_line(load_N, first, rule, demand, first ? doubted.move(*first, rule) : std::nullopt);
     blocks.push_back(block_of(answers, first, rule, demand));
+    // One search for all loads: it looks at many points of a mesh.
+    if (!options.json && advice.empty() && first && !first->assessment->usable)
+      advice = judgement::next_step(contact_case, resolver, *first, demand).in_words();
     evidence += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
                 table(answers, rule);
   }
@@ -195,7 +199,6 @@ int run_predict(const PredictOptions& options) {
     const ShearLaw& law = contact_case.shear_law;
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
     const nlohmann::json object = {
-        {"schema", text::kSchema},
         {"case", contact_case.id},
         {"layer", input::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
@@ -210,9 +213,9 @@ int run_predict(const PredictOptions& options) {
          law.has_shear_strength() ? nlohmann::json(law.shear_strength_Pa) : nlohmann::json()},
         {"geometry", geometries},
         {"results", results}};
-    system::write_to_stdout(object.dump(2) + "\n");
+    system::write_to_stdout(text::printed(object));
   } else {
-    std::string text = first_lines;
+    std::string text = first_lines + (advice.empty() ? "" : "  " + advice + "\n");
     for (std::size_t load = 0; load < blocks.size(); ++load)
       text += (blocks.size() > 1 ? fmt::format("\n{:g} N\n", contact_case.loads_N[load]) : "") +
               blocks[load];

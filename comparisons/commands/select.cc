@@ -19,6 +19,7 @@
 #include "comparisons/report/select_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/percent.h"
 #include "softfinger/accuracy/default_model.h"
@@ -203,7 +204,7 @@ void write_page(const std::filesystem::path& folder, const nlohmann::json& resul
                 const std::string& page) {
   const system::OutputFolder output(folder);
   system::write_files_together(
-      {{folder / "select.json", result.dump(2) + "\n"}, {folder / "select.html", page}});
+      {{folder / "select.json", text::printed(result)}, {folder / "select.html", page}});
   remark("the page is " + (folder / "select.html").string());
 }
 
@@ -230,7 +231,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
         options.output, result,
         report::render_scene_selection(judgement::with_provenance(result, options.command_line)));
   if (options.json)
-    system::write_to_stdout(result.dump(2) + "\n");
+    system::write_to_stdout(text::printed(result));
   else
     system::write_text_to_stdout(fmt::format("{}{}: what its soft contacts need for {}\n",
                                              outcome.empty() ? "" : outcome + "\n", choice.scene.id,
@@ -293,7 +294,7 @@ int run_select(SelectOptions options) {
     write_page(options.output, result, report::render_selection(report));
   }
   if (options.json)
-    system::write_to_stdout(result.dump(2) + "\n");
+    system::write_to_stdout(text::printed(result));
   else
     system::write_text_to_stdout(first_lines + tables + "\n" + prediction::describe(contact_case) +
                                  "\n");

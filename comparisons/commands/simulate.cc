@@ -21,6 +21,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
+#include "comparisons/text/json_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -141,7 +142,7 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
   page.version = system::program_version();
   page.command = options.command_line;
   system::write_file_atomically(folder / "motion.html", report::motion_page(run.recording, page));
-  system::write_file_atomically(folder / "simulation.json", to_json(run, scene).dump(2) + "\n");
+  system::write_file_atomically(folder / "simulation.json", text::printed(to_json(run, scene)));
   remark("results in " + options.output +
          ": motion.html, trajectory.csv, contacts.csv, trajectory.json" +
          (every > 0 ? ", motion.pvd" : ""));
@@ -190,7 +191,7 @@ int run_simulate(const SimulateOptions& options) {
   if (!options.control) {
     const nlohmann::json result = to_json(run, scene);
     if (options.json)
-      system::write_to_stdout(result.dump(2) + "\n");
+      system::write_to_stdout(text::printed(result));
     else
       system::write_text_to_stdout(summary(result));
   }

@@ -104,6 +104,12 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   };
   const judgement::DoubtedCases doubted(contact_case, resolver);
   curve.nominal = ask(contact_case, nominal, model, loads.nominal_N, demand, &doubted);
+  if (!curve.nominal.assessment.usable) {
+    prediction::ModelAnswer answer =
+        prediction::ask_model(model, contact_case, nominal, loads.nominal_N);
+    answer.assessment = curve.nominal.assessment;
+    curve.advice = judgement::next_step(contact_case, resolver, answer, demand).in_words();
+  }
 
   constexpr int kSteps = 6;
   const double step = std::log(loads.highest_N / loads.lowest_N) / kSteps;

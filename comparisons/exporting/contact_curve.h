@@ -59,6 +59,7 @@ struct ContactCurve {
   ShearLaw shear_law;
   RelativeRadii radii;  ///< at the nominal load; radii that are fitted to meshes depend on the load
   LoadPoint nominal;
+  std::string advice;  ///< why its answer is not usable and what to do; empty: it is
   std::vector<LoadPoint>
       points;  ///< evenly spaced in ln P from lowest to highest load, and the nominal load
   /// d ln e_n / d ln P at the nominal load: 1/3 for Hertz, 1/4 for Winkler.

@@ -306,8 +306,7 @@ SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<L
 
 void write_report(const SuiteComparison& suite, const fs::path& output) {
   json report = report_json(suite);
-  // A command line may hold bytes that are no UTF-8: a report must not fail on them.
-  const std::string text = report.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  const std::string text = text::printed(report);
   report.update(page_json(suite));
   system::write_files_together({{output / "results.csv", results_csv(suite)},
                                 {output / "report.json", text},
@@ -321,8 +320,7 @@ json answer_as_json(const SuiteComparison& suite, const fs::path& output) {
     for (const judgement::Comparison& load : compared.loads)
       for (const json& one : results_json(load, suite.tolerance)) results.push_back(one);
   }
-  return {{"schema", text::kSchema},
-          {"cases", cases},
+  return {{"cases", cases},
           {"results", results},
           {"tolerance", suite.tolerance},
           {"trusted", is_trusted_everywhere(suite)},
@@ -378,9 +376,7 @@ int compare(const CompareOptions& options) {
   suite.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
   write_report(suite, options.output);
   if (options.json)
-    system::write_to_stdout(
-        answer_as_json(suite, options.output).dump(2, ' ', false, json::error_handler_t::replace) +
-        "\n");
+    system::write_to_stdout(text::printed(answer_as_json(suite, options.output)));
   else
     system::write_text_to_stdout(answer_in_words(suite, options.output));
   return is_trusted_everywhere(suite) ? 0 : 1;

@@ -313,13 +313,11 @@ int answer(const SweepPlan& plan, std::size_t failed, bool as_json) {
   const std::string rows = fs::absolute(plan.output / "results.csv").string(),
                     page = fs::absolute(plan.output / "sweep.html").string();
   if (as_json)
-    system::write_to_stdout(json({{"sweep", plan.sweep.base().id},
-                                  {"rows", plan.sweep.rows()},
-                                  {"failed", failed},
-                                  {"results", rows},
-                                  {"page", page}})
-                                .dump(2, ' ', false, json::error_handler_t::replace) +
-                            "\n");
+    system::write_to_stdout(text::printed(json({{"sweep", plan.sweep.base().id},
+                                                {"rows", plan.sweep.rows()},
+                                                {"failed", failed},
+                                                {"results", rows},
+                                                {"page", page}})));
   else
     system::write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
                                              plan.sweep.rows(), rows, page));

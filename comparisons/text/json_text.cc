@@ -16,4 +16,9 @@ nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
+std::string printed(nlohmann::json object) {
+  object["schema"] = kSchema;
+  return object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace softfinger::text

@@ -1031,8 +1031,8 @@ TEST_F(Program, ExportSaysThatAnAveragedStackIsNotUsable) {
   };
   const ProgramRun unequal = exported(2000), equal = exported(20);
   EXPECT_EQ(unequal.status, 1);
-  EXPECT_EQ(unequal.out.rfind("NOT USABLE at 1 N", 0), 0u) << unequal.out;
-  EXPECT_NE(first_line(unequal.out).find("homogeneous layers only"), std::string::npos);
+  EXPECT_EQ(unequal.out.rfind("NOT USABLE: ", 0), 0u) << unequal.out;
+  EXPECT_NE(first_line(unequal.out).find("homogeneous"), std::string::npos);
   EXPECT_EQ(unequal.out.find("friction=\""), std::string::npos) << "nothing to paste";
   EXPECT_EQ(equal.status, 0) << "two layers of one material are one layer";
   EXPECT_NE(equal.out.find("friction=\""), std::string::npos) << equal.out;
