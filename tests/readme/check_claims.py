@@ -38,10 +38,9 @@ class Program:
     def exported(self):
         """Every built-in case for MuJoCo, which keeps e_n constant; printed also where not usable."""
         if self.exports is None:
-            force = ["--force"] if "--force" in self.text("export", "--help") else []
             names = re.findall(r"^ *([a-z0-9_]+) ", self.text("list", "cases"), re.MULTILINE)
             assert len(names) >= 20, names
-            self.exports = [self.answer("export", name, "--to", "mujoco", *force) for name in names]
+            self.exports = [self.answer("export", name, "--to", "mujoco", "--force") for name in names]
         return self.exports
 
 

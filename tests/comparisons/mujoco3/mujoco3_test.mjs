@@ -4,7 +4,7 @@
 //
 // MuJoCo's friction is soft, so that the criteria are accelerations. The simulator's largest torque is
 // what the applied one is less inertia times acceleration. FOLDER keeps the package from npm.
-import {execFileSync, spawnSync} from 'node:child_process';
+import {spawnSync} from 'node:child_process';
 import {copyFileSync, existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {fileURLToPath, pathToFileURL} from 'node:url';
@@ -36,13 +36,18 @@ async function loadMujoco() {
   return (await import(pathToFileURL(path))).default();
 }
 
-const ask = (...words) => execFileSync(softfinger, words, {encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore']});
+/** What the program prints. An answer that is not usable (status 1) is an answer, too. */
+function ask(...words) {
+  const run = spawnSync(softfinger, words, {encoding: 'utf8', maxBuffer: 1e8});
+  if (run.status === 0 || run.status === 1) return run.stdout;
+  console.log(`softfinger ${words.join(' ')} ends with ${run.status}\n${run.stderr}`);
+  process.exit(1);
+}
 
 /** The exported lines of a case, and the largest torque by the same model at the same load. */
 function exported(name) {
   // What nobody vouches for is printed when one insists.
-  const insist = ask('export', '--help').includes('--force') ? ['--force'] : [];
-  const made = JSON.parse(ask('export', name, '--to', 'mujoco', '--json', ...insist));
+  const made = JSON.parse(ask('export', name, '--to', 'mujoco', '--json', '--force'));
   const predicted = JSON.parse(
     ask('predict', name, '--model', made.model, '--set', `contact.load_N=${made.load_N}`, '--json'));
   return {lines: made.lines, load_N: made.load_N, torque_Nm: predicted.results[0].max_torque_Nm};
